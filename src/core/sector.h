@@ -1,0 +1,197 @@
+// Contact law "sector": contacts stick, so that each sector between two contacts keeps its own share of
+// what the particle conserves.
+//
+// R. Maharana, "Efficient Simulation of Deformable Particles"; docs/theory.md has the formulas below,
+// those of the paper corrected where it errs.
+
+#ifndef DEFORMABLE_SECTOR_H
+#define DEFORMABLE_SECTOR_H
+
+#include "shape.h"
+#include "trigonometry.h"
+
+namespace deformable {
+
+// The angle between two neighbouring contacts. What it leaves of a full turn is kept beside it: the
+// formulas are singular at both ends, and 2 pi - phi would have lost the small one's digits.
+struct Opening {
+  double angle;         // phi, in (0, 2 pi)
+  double complement;    // 2 pi - phi
+  double sine, cosine;
+};
+
+// One sector, between contacts i and k.
+struct Sector {
+  double length_i, length_k;    // the parts of the two contacts on this side of their feet
+  double arc_radius;
+};
+
+// Indices of the contacts by rising angle.
+struct AngularOrder {
+  std::vector<int> index;
+
+  void sort(const Contacts &contacts)
+  {
+    if (index.size() < contacts.angle.size()) index.resize(contacts.angle.size());
+    for (int c = 0; c < contacts.size; ++c) {    // insertion: a particle has few contacts
+      int at = c;
+      for (; at > 0 && contacts.angle[index[at - 1]] > contacts.angle[c]; --at)
+        index[at] = index[at - 1];
+      index[at] = c;
+    }
+  }
+};
+
+// Calls visit(s, i, k, opening) for the sector from the s-th contact i by angle to the next one k.
+// Fewer than two contacts bound no sector.
+template <class Visitor>
+void for_each_sector(const Contacts &contacts, AngularOrder &order, Visitor &&visit)
+{
+  const int n = contacts.size;
+  if (n < 2) return;
+  order.sort(contacts);
+  for (int s = 0; s < n; ++s) {
+    const bool last = s + 1 == n;
+    const int i = order.index[s], k = order.index[last ? 0 : s + 1];
+    const double difference = contacts.angle[k] - contacts.angle[i];
+    const double angle = last ? 2.0 * PI + difference : difference;
+    const double complement = last ? -difference : 2.0 * PI - difference;
+    visit(s, i, k,
+          Opening{angle, complement,
+                  contacts.nx[i] * contacts.ny[k] - contacts.ny[i] * contacts.nx[k],
+                  contacts.nx[i] * contacts.nx[k] + contacts.ny[i] * contacts.ny[k]});
+  }
+}
+
+// With D = 2 - 2 cos phi - phi sin phi:
+//   alpha = (sin phi - phi cos phi)/D,  beta = (phi - sin phi)/D,  gamma = (1 - cos phi)/D
+//   alpha' = (phi sin phi - alpha (sin phi - phi cos phi))/D
+//   beta'  = (1 - cos phi - beta (sin phi - phi cos phi))/D
+struct SectorCoefficients {
+  double alpha, beta, gamma, d_alpha, d_beta;
+};
+
+inline SectorCoefficients sector_coefficients(const Opening &o)
+{
+  const double phi = o.angle;
+  if (phi < 1.0) {    // D ~ phi^4/12 cancels: powers of phi taken out of every term
+    const double x2 = phi * phi;
+    const double per_phi = 1.0 / phi, per_d = 1.0 / taylor::TWO_VERSINES_MINUS_X_SINE(x2);
+    const double numerator = taylor::SINE_MINUS_X_COSINE(x2), versine = taylor::VERSINE(x2);
+    const double alpha = numerator * per_d, beta = taylor::X_MINUS_SINE(x2) * per_d;
+    const double scale = per_d * per_phi * per_phi;
+    return {alpha * per_phi, beta * per_phi, versine * scale,
+            (taylor::SINE(x2) - alpha * numerator) * scale, (versine - beta * numerator) * scale};
+  }
+  double sine = o.sine, cosine = o.cosine, versine = 1.0 - cosine;
+  if (o.complement < 1.0) {    // D ~ 2 pi e, e the complement: sin e needs its relative accuracy
+    sine = -std::sin(o.complement);
+    cosine = std::cos(o.complement);
+    versine = sine * sine / (1.0 + cosine);
+  }
+  const double phi_sine = phi * sine, numerator = sine - phi * cosine;
+  const double per_d = 1.0 / (2.0 * versine - phi_sine);
+  const double alpha = numerator * per_d, beta = (phi - sine) * per_d;
+  return {alpha, beta, versine * per_d, (phi_sine - alpha * numerator) * per_d,
+          (versine - beta * numerator) * per_d};
+}
+
+inline Sector sector(double radius, const SectorCoefficients &w, double ai, double ak)
+{
+  return {w.alpha * ai + w.beta * ak, w.beta * ai + w.alpha * ak, radius - (ai + ak) * w.gamma};
+}
+
+// Each sector keeps its perimeter R phi (kP >> kA):
+//   l_i = alpha a_i + beta a_k,  q = R - (a_i + a_k) gamma
+//   S_sector = 1/2 alpha (a_i^2 + a_k^2) + beta a_i a_k
+//   dS/da_i = l_i,  dS/dphi = 1/2 alpha' (a_i^2 + a_k^2) + beta' a_i a_k
+// Two contacts in one direction leave no shape: the area deficit is then not finite.
+inline void sector_shape(double radius, const Contacts &contacts, AngularOrder &order, Shape &shape)
+{
+  shape.clear(contacts.size);
+  shape.arc_radius = radius;
+  for_each_sector(contacts, order, [&](int, int i, int k, const Opening &o) {
+    const double ai = contacts.indentation[i], ak = contacts.indentation[k];
+    const SectorCoefficients w = sector_coefficients(o);
+    const Sector part = sector(radius, w, ai, ak);
+    const double half_squares = 0.5 * (ai * ai + ak * ak), product = ai * ak;
+
+    shape.area_deficit += w.alpha * half_squares + w.beta * product;
+    shape.d_indentation[i] += part.length_i;
+    shape.d_indentation[k] += part.length_k;
+    const double d_opening = w.d_alpha * half_squares + w.d_beta * product;
+    shape.d_angle[i] -= d_opening;
+    shape.d_angle[k] += d_opening;
+    if (part.arc_radius < shape.arc_radius) shape.arc_radius = part.arc_radius;
+  });
+  for (int c = 0; c < contacts.size; ++c) shape.contact_length[c] = shape.d_indentation[c];
+}
+
+// The tangent arc of a sector that keeps its area R^2 phi/2, and the perimeter that this costs. With
+// s, c = sin, cos of phi/2, T = s - c phi/2, m the mean and delta half the difference of the heights h,
+// b the mean indentation:
+//   q^2 T = m^2 s - delta^2 c^2/s - R^2 c phi/2
+//   mu = (m - q)/c = [delta^2 c/s + phi b (2 R - b)/2] / (T (m + q))       (finite at phi = pi)
+//   l_i = s mu + delta c/s,  l_k = s mu - delta c/s
+//   P - R phi = [2 delta^2 c/s + phi b (b + c mu)] / (m + q)
+struct AreaSector {
+  Sector part;
+  double shrinkage;    // R - q = b + c mu
+  double perimeter_excess;
+  bool exists;    // q^2 > 0
+};
+
+inline AreaSector area_sector(double radius, const Opening &o, double ai, double ak)
+{
+  const bool reflex = o.angle > PI;
+  const double half = 0.5 * o.angle, smaller_half = reflex ? 0.5 * o.complement : half;
+  const double s = std::sin(smaller_half);
+  const double c = reflex ? -std::cos(smaller_half) : std::cos(smaller_half);
+  const double t = sine_minus_x_cosine(half, s, c);
+  const double b = 0.5 * (ai + ak), m = radius - b, delta = 0.5 * (ai - ak);
+  const double slant = delta * c / s;    // = (h_k - h_i)/2 cot(phi/2)
+
+  const double q2 = (m * m * s - slant * slant * s - radius * radius * c * half) / t;
+  if (!(q2 > 0.0)) return {{0.0, 0.0, 0.0}, 0.0, 0.0, false};
+  const double q = std::sqrt(q2);
+  const double mu = (delta * slant + half * b * (2.0 * radius - b)) / (t * (m + q));
+  const double shrinkage = b + c * mu;
+  return {{s * mu + slant, s * mu - slant, q},
+          shrinkage,
+          (2.0 * delta * slant + o.angle * b * shrinkage) / (m + q),
+          true};
+}
+
+// Each sector keeps its area (kA >> kP); the perimeter changes:
+//   dP/da_i = l_i/q,  dP/dphi = R + [a_i (2 (R - q) - a_i) - l_i^2]/2q, the same with a_k, l_k
+// Returns false where such a sector does not exist; the shape is then unspecified.
+inline bool area_sector_shape(double radius, const Contacts &contacts, AngularOrder &order,
+                              Shape &shape)
+{
+  shape.clear(contacts.size);
+  shape.arc_radius = radius;
+  bool exists = true;
+  for_each_sector(contacts, order, [&](int, int i, int k, const Opening &o) {
+    const double ai = contacts.indentation[i];
+    const AreaSector a = area_sector(radius, o, ai, contacts.indentation[k]);
+    exists = exists && a.exists;
+    if (!a.exists) return;
+    const double q = a.part.arc_radius, li = a.part.length_i, lk = a.part.length_k;
+
+    shape.perimeter_excess += a.perimeter_excess;
+    shape.contact_length[i] += li;
+    shape.contact_length[k] += lk;
+    shape.d_indentation[i] += li / q;
+    shape.d_indentation[k] += lk / q;
+    // the R of dP/dphi is left out: it cancels between the two sectors of a contact
+    const double d_opening = (ai * (2.0 * a.shrinkage - ai) - li * li) / (2.0 * q);
+    shape.d_angle[i] -= d_opening;
+    shape.d_angle[k] += d_opening;
+    if (q < shape.arc_radius) shape.arc_radius = q;
+  });
+  return exists;
+}
+
+}    // namespace deformable
+
+#endif

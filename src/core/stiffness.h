@@ -1,0 +1,27 @@
+// What a change of shape costs.
+
+#ifndef DEFORMABLE_STIFFNESS_H
+#define DEFORMABLE_STIFFNESS_H
+
+namespace deformable {
+
+// One of the two is infinite: what it belongs to is conserved.
+struct Stiffness {
+  double kA;    // of the area, energy/length^4
+  double kP;    // of the perimeter, energy/length^2
+};
+
+struct Energy {
+  double value;
+  double derivative;    // with respect to the change: the pressure for an area, the tension for a perimeter
+};
+
+// U = k/2 change^2, for the area deficit (k = kA, p = kA S) or the perimeter excess (k = kP)
+inline Energy harmonic(double stiffness, double change)
+{
+  return {0.5 * stiffness * change * change, stiffness * change};
+}
+
+}    // namespace deformable
+
+#endif

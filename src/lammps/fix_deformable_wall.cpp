@@ -1,0 +1,169 @@
+#include "fix_deformable_wall.h"
+
+#include "domain.h"
+#include "error.h"
+#include "force.h"
+#include "pair.h"
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+
+/* ---------------------------------------------------------------------- */
+
+FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
+{
+  if (narg < 4) utils::missing_cmd_args(FLERR, "fix deformable/wall", error);
+  if (narg > 4)
+    error->all(FLERR, 4, "Unknown fix deformable/wall argument '{}': it takes a region ID only", arg[4]);
+  region_id = arg[3];
+  if (!domain->get_region_by_id(region_id))
+    error->all(FLERR, 3, "Region '{}' of fix deformable/wall does not exist", region_id);
+
+  delete[] style;
+  style = utils::strdup(STYLE);
+
+  vector_flag = 1;
+  size_vector = 3;
+  extvector = 1;
+  global_freq = 1;
+  virial_global_flag = virial_peratom_flag = 1;
+  dynamic_group_allow = 1;
+}
+
+/* ---------------------------------------------------------------------- */
+
+int FixDeformableWall::setmask()
+{
+  return PRE_FORCE | MIN_PRE_FORCE | POST_FORCE | MIN_POST_FORCE;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDeformableWall::init()
+{
+  region = domain->get_region_by_id(region_id);
+  if (!region)
+    error->all(FLERR, "Region '{}' of fix {} deformable/wall does not exist", region_id, id);
+  if (!force->pair_match("^deformable/", 0))
+    error->all(FLERR, "Fix {} deformable/wall needs a deformable pair style, but pair_style is {}", id,
+               force->pair_style ? force->pair_style : "none");
+
+  // Region::Contact::radius is made for granular particles: twice the radius of a cylinder, the radius
+  // of a sphere. Other curved surfaces do not say how they turn.
+  curvature_factor = utils::strmatch(region->style, "^cylinder") ? 0.5
+      : utils::strmatch(region->style, "^sphere")                ? 1.0
+                                                                 : 0.0;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDeformableWall::setup(int vflag)
+{
+  post_force(vflag);
+}
+
+void FixDeformableWall::min_setup(int vflag)
+{
+  post_force(vflag);
+}
+
+void FixDeformableWall::setup_pre_force(int vflag)
+{
+  pre_force(vflag);
+}
+
+/* ----------------------------------------------------------------------
+   a clean slate for the pair style, and the region where it is now
+------------------------------------------------------------------------- */
+
+void FixDeformableWall::pre_force(int)
+{
+  pushes.assign(atom->nlocal, Push{});
+  region->prematch();
+}
+
+void FixDeformableWall::min_pre_force(int vflag)
+{
+  pre_force(vflag);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDeformableWall::post_force(int vflag)
+{
+  v_init(vflag);
+  double *const *const f = atom->f;
+  on_wall[0] = on_wall[1] = 0.0;
+  for (int i = 0; i < static_cast<int>(pushes.size()); ++i) {
+    const Push &push = pushes[i];
+    if (push.fx == 0.0 && push.fy == 0.0) continue;
+    f[i][0] += push.fx;
+    f[i][1] += push.fy;
+    on_wall[0] -= push.fx;
+    on_wall[1] -= push.fy;
+    if (evflag) {
+      double v[6] = {push.vxx, push.vyy, 0.0, push.vxy, 0.0, 0.0};
+      v_tally(i, v);
+    }
+  }
+}
+
+void FixDeformableWall::min_post_force(int vflag)
+{
+  post_force(vflag);
+}
+
+/* ----------------------------------------------------------------------
+   force on the wall
+------------------------------------------------------------------------- */
+
+double FixDeformableWall::compute_vector(int n)
+{
+  if (n > 1) return 0.0;
+  double all;
+  MPI_Allreduce(&on_wall[n], &all, 1, MPI_DOUBLE, MPI_SUM, world);
+  return all;
+}
+
+/* ----------------------------------------------------------------------
+   A face that is flat turns with nothing. One that curves around the
+   particle turns about its centre of curvature, at radius - height beyond
+   the particle; one that curves away at radius + height before it.
+------------------------------------------------------------------------- */
+
+double FixDeformableWall::per_lever(const Region::Contact &face)
+{
+  if (face.radius == 0.0) return 0.0;
+  if (curvature_factor == 0.0)
+    error->one(FLERR, "Fix {} deformable/wall: region '{}' of style {} has a curved surface; build the "
+               "container from planes, blocks and prisms, or use one cylinder or sphere",
+               id, region_id, region->style);
+  return 1.0 / (curvature_factor * face.radius + face.r);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDeformableWall::outside(int i)
+{
+  const double *x = atom->x[i];
+  error->one(FLERR, "The centre of atom {} at ({:.6g}, {:.6g}) is outside of region '{}' of fix {} "
+             "deformable/wall",
+             atom->tag[i], x[0], x[1], region_id, id);
+}
+
+void FixDeformableWall::unusable(int i, double distance)
+{
+  if (distance > 0.0)
+    error->one(FLERR, "Fix {} deformable/wall: the surface of region '{}' is not perpendicular to the "
+               "xy plane at atom {}",
+               id, region_id, atom->tag[i]);
+  error->one(FLERR, "The centre of atom {} lies on the surface of region '{}' of fix {} deformable/wall",
+             atom->tag[i], region_id, id);
+}
+
+/* ---------------------------------------------------------------------- */
+
+double FixDeformableWall::memory_usage()
+{
+  return static_cast<double>(pushes.capacity() * sizeof(Push));
+}

@@ -1,0 +1,215 @@
+#include "pair_deformable.h"
+
+#include "trigonometry.h"
+
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
+#include "force.h"
+#include "memory.h"
+#include "modify.h"
+#include "neighbor.h"
+#include "update.h"
+
+#include <cstring>
+
+using namespace LAMMPS_NS;
+
+static const char *const RESULT_NAMES[] = {"area",     "perimeter",  "contacts",
+                                           "pressure", "arc_radius", "contact_length"};
+
+/* ---------------------------------------------------------------------- */
+
+PairDeformable::PairDeformable(LAMMPS *lmp) : Pair(lmp), beyond(0), bulge_over_reach(0.0)
+{
+  single_enable = 0;
+  restartinfo = 0;
+  one_coeff = 1;
+  manybody_flag = 1;
+  centroidstressflag = CENTROID_NOTAVAIL;
+  nextra = 2;
+  pvector = new double[nextra]();
+}
+
+/* ---------------------------------------------------------------------- */
+
+PairDeformable::~PairDeformable()
+{
+  if (copymode) return;
+  delete[] pvector;
+  for (double *result : results) memory->destroy(result);
+  if (allocated) {
+    memory->destroy(setflag);
+    memory->destroy(cutsq);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformable::allocate()
+{
+  allocated = 1;
+  const int n = atom->ntypes;
+  memory->create(setflag, n + 1, n + 1, "pair:setflag");
+  memory->create(cutsq, n + 1, n + 1, "pair:cutsq");
+  for (int i = 1; i <= n; ++i)
+    for (int j = 1; j <= n; ++j) setflag[i][j] = 0;
+  map = new int[n + 1];
+}
+
+/* ----------------------------------------------------------------------
+   pair_coeff * * FILE species1 species2 ...
+------------------------------------------------------------------------- */
+
+void PairDeformable::coeff(int narg, char **arg)
+{
+  if (!allocated) allocate();
+  if (narg < 4) utils::missing_cmd_args(FLERR, "pair_coeff", error);
+  if (narg != 3 + atom->ntypes)
+    error->all(FLERR, "pair_coeff of {} names {} species for {} atom types: give one (or NULL) a type",
+               force->pair_style, narg - 3, atom->ntypes);
+  map_element2type(narg - 3, arg + 3);
+
+  const std::vector<Species> known = read_species(lmp, arg[2]);
+  species.assign(atom->ntypes + 1, Species{});
+  radius.assign(atom->ntypes + 1, 0.0);
+  for (int type = 1; type <= atom->ntypes; ++type) {
+    if (map[type] < 0) continue;
+    const char *name = arg[2 + type];
+    for (const Species &candidate : known)
+      if (candidate.name == name) species[type] = candidate;
+    if (species[type].name.empty()) {
+      std::string names;
+      for (const Species &candidate : known) names += " " + candidate.name;
+      error->all(FLERR, 2 + type, "Species '{}' is not in the file '{}', which has:{}", name, arg[2],
+                 names);
+    }
+    check_species(species[type]);
+    radius[type] = species[type].radius;
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformable::init_style()
+{
+  if (domain->dimension != 2)
+    error->all(FLERR, "Pair style deformable is two-dimensional: use 'dimension 2'");
+  if (force->newton_pair == 0)
+    error->all(FLERR, "Pair style deformable needs 'newton on': its forces act on ghost atoms");
+  neighbor->add_request(this, NeighConst::REQ_FULL);
+
+  walls.clear();
+  for (Fix *fix : modify->get_fix_by_style(FixDeformableWall::STYLE))
+    walls.push_back(static_cast<FixDeformableWall *>(fix));
+}
+
+/* ---------------------------------------------------------------------- */
+
+double PairDeformable::init_one(int i, int j)
+{
+  if (setflag[i][j] == 0)
+    error->all(FLERR, "Pair style deformable has no species for atom types {} and {}: set them with "
+               "'pair_coeff * * FILE species1 species2 ...'",
+               i, j);
+  return (1.0 + reach) * (radius[i] + radius[j]);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformable::begin(int eflag, int vflag)
+{
+  ev_init(eflag, vflag);
+  beyond = 0;
+  if (neighbor->ago == 0) bulge_over_reach = 0.0;
+  if (wanted && atom->nmax > maxresults) {
+    maxresults = atom->nmax;
+    for (double *&result : results) memory->grow(result, maxresults, "pair:results");
+  }
+}
+
+/* ----------------------------------------------------------------------
+   compute pair sums pvector over ranks; all ranks look together only when
+   the neighbour list is new, so that a step costs no communication
+------------------------------------------------------------------------- */
+
+void PairDeformable::finish()
+{
+  if (vflag_fdotr) virial_fdotr_compute();
+
+  pvector[0] = beyond;
+  if (neighbor->ago != 0) return;
+  double local[2] = {bulge_over_reach, static_cast<double>(beyond)}, largest[2];
+  MPI_Allreduce(local, largest, 2, MPI_DOUBLE, MPI_MAX, world);
+  pvector[1] = comm->me == 0 ? largest[0] : 0.0;
+  if (largest[1] > 0.0 && !warned) {
+    warned = true;
+    if (comm->me == 0)
+      error->warning(FLERR,
+                     "Particles are beyond the deformable model: part of their outline has a negative "
+                     "radius of curvature (past confluence, or contacts too close to each other); "
+                     "'compute ID all pair' counts them");
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformable::behind_centre(int i, int j, double distance)
+{
+  error->one(FLERR,
+             "The contact line of atoms {} and {} does not lie in front of the centre of atom {}: their "
+             "distance is {:.6g}, their radii are {:.6g} and {:.6g}. Start from a less compressed state "
+             "or take smaller steps",
+             atom->tag[i], atom->tag[j], atom->tag[i], distance, radius[atom->type[i]],
+             radius[atom->type[j]]);
+}
+
+/* ----------------------------------------------------------------------
+   per-atom results, kept from the moment that somebody (fix pair) asks
+------------------------------------------------------------------------- */
+
+void *PairDeformable::extract_peratom(const char *name, int &ncol)
+{
+  ncol = 0;
+  for (int k = 0; k < NRESULTS; ++k)
+    if (std::strcmp(name, RESULT_NAMES[k]) == 0) {
+      wanted = true;
+      return results[k];
+    }
+  return nullptr;
+}
+
+void PairDeformable::store_shape(int i, double pressure)
+{
+  if (!wanted) return;
+  const double r = radius[atom->type[i]];
+  int touching = 0;
+  double length = 0.0;
+  for (int c = 0; c < contacts.size; ++c) {
+    touching += shape.contact_length[c] != 0.0;
+    length += shape.contact_length[c];
+  }
+  results[AREA][i] = deformable::PI * r * r - shape.area_deficit;
+  results[PERIMETER][i] = 2.0 * deformable::PI * r + shape.perimeter_excess;
+  results[CONTACTS][i] = touching;
+  results[PRESSURE][i] = pressure;
+  results[ARC_RADIUS][i] = shape.arc_radius;
+  results[CONTACT_LENGTH][i] = length;
+}
+
+void PairDeformable::store_circle(int i)
+{
+  if (!wanted) return;
+  const double r = radius[atom->type[i]];
+  results[AREA][i] = deformable::PI * r * r;
+  results[PERIMETER][i] = 2.0 * deformable::PI * r;
+  results[CONTACTS][i] = results[PRESSURE][i] = results[CONTACT_LENGTH][i] = 0.0;
+  results[ARC_RADIUS][i] = r;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double PairDeformable::memory_usage()
+{
+  return Pair::memory_usage() + static_cast<double>(wanted ? NRESULTS : 0) * maxresults * sizeof(double);
+}

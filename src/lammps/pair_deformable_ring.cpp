@@ -1,0 +1,102 @@
+#include "pair_deformable_ring.h"
+
+#include "stiffness.h"
+
+#include "error.h"
+#include "neighbor.h"
+
+#include <algorithm>
+#include <cstring>
+
+using namespace LAMMPS_NS;
+using namespace deformable;
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableRing::settings(int narg, char **arg)
+{
+  reach = 0.1;
+  for (int iarg = 0; iarg < narg; iarg += 2) {
+    if (std::strcmp(arg[iarg], "reach") != 0)
+      error->all(FLERR, iarg, "Unknown pair_style deformable/ring keyword '{}': it knows 'reach'",
+                 arg[iarg]);
+    if (iarg + 1 == narg) utils::missing_cmd_args(FLERR, "pair_style deformable/ring reach", error);
+    reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
+    if (!(reach > 0.0))
+      error->all(FLERR, iarg + 1, "pair_style deformable/ring reach {} must be positive", arg[iarg + 1]);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableRing::check_species(const Species &s) const
+{
+  if (!std::isinf(s.stiffness.kP))
+    error->all(FLERR, "Pair style deformable/ring conserves the perimeter: it needs kP = inf and a "
+               "finite kA, but species {} has kA = {} and kP = {}",
+               s.name, s.stiffness.kA, s.stiffness.kP);
+}
+
+/* ----------------------------------------------------------------------
+   an outline that bulges by less than depth meets no line that is not a
+   candidate: those lie at least as far out as at the cutoff
+------------------------------------------------------------------------- */
+
+void PairDeformableRing::init_style()
+{
+  PairDeformable::init_style();
+  depth.assign(radius.size(), 0.0);
+  for (std::size_t i = 1; i < radius.size(); ++i) {
+    depth[i] = reach * radius[i];    // walls
+    for (const double rj : radius)
+      if (rj > 0.0)
+        depth[i] = std::min(
+            depth[i], -contact_line((1.0 + reach) * (radius[i] + rj), radius[i], rj).indentation);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableRing::compute(int eflag, int vflag)
+{
+  begin(eflag, vflag);
+  if (walls.empty())
+    evaluate<false>();
+  else
+    evaluate<true>();
+  finish();
+}
+
+/* ---------------------------------------------------------------------- */
+
+template <bool WALLS> void PairDeformableRing::evaluate()
+{
+  const bool new_list = neighbor->ago == 0;
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
+    const int type = atom->type[i];
+    gather<WALLS>(i);
+    ring_shape(radius[type], contacts, programme, shape);
+    if (shape.area_deficit == 0.0) {
+      store_circle(i);
+      continue;
+    }
+    const Energy energy = harmonic(species[type].stiffness.kA, shape.area_deficit);
+    apply<WALLS>(i, energy);
+    store_shape(i, energy.derivative);
+    if (new_list) check_reach(i);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableRing::check_reach(int i)
+{
+  const int type = atom->type[i];
+  const double ratio = ring_bulge(radius[type], contacts, shape) / depth[type];
+  if (ratio > 1.0)
+    error->one(FLERR, "The outline of atom {} bulges by {:.4g}, {:.3g} times as far as 'reach {}' looks "
+               "for neighbors: use at least 'pair_style deformable/ring reach {:.2g}'",
+               atom->tag[i], ratio * depth[type], ratio, reach, 1.2 * ratio * reach);
+  if (ratio > bulge_over_reach) bulge_over_reach = ratio;
+}

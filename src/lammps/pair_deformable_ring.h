@@ -1,0 +1,31 @@
+// Contacts that slip: pair_style deformable/ring [reach f]
+
+#ifndef LMP_PAIR_DEFORMABLE_RING_H
+#define LMP_PAIR_DEFORMABLE_RING_H
+
+#include "pair_deformable.h"
+#include "ring.h"
+
+namespace LAMMPS_NS {
+
+class PairDeformableRing : public PairDeformable {
+ public:
+  PairDeformableRing(class LAMMPS *lmp) : PairDeformable(lmp) {}
+  void settings(int, char **) override;
+  void init_style() override;
+  void compute(int, int) override;
+
+ protected:
+  void check_species(const Species &) const override;
+
+ private:
+  deformable::RingProgramme programme;
+  std::vector<double> depth;    // by atom type: how far outside of the circle candidates are complete
+
+  template <bool WALLS> void evaluate();
+  void check_reach(int i);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

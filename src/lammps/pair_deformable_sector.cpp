@@ -1,0 +1,164 @@
+#include "pair_deformable_sector.h"
+
+#include "stiffness.h"
+
+#include "comm.h"
+#include "error.h"
+#include "memory.h"
+
+using namespace LAMMPS_NS;
+using namespace deformable;
+
+/* ---------------------------------------------------------------------- */
+
+PairDeformableSector::PairDeformableSector(LAMMPS *lmp) : PairDeformable(lmp)
+{
+  comm_forward = 1;
+}
+
+PairDeformableSector::~PairDeformableSector()
+{
+  memory->destroy(ncontacts);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableSector::settings(int narg, char **arg)
+{
+  if (narg > 0)
+    error->all(FLERR, Error::ARGZERO, "pair_style deformable/sector takes no arguments, got '{}'",
+               arg[0]);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableSector::check_species(const Species &s) const
+{
+  if (!std::isinf(s.stiffness.kA) && !std::isinf(s.stiffness.kP))
+    error->all(FLERR, "Pair style deformable/sector conserves the perimeter or the area: it needs kP = "
+               "inf or kA = inf, but species {} has kA = {} and kP = {}",
+               s.name, s.stiffness.kA, s.stiffness.kP);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableSector::compute(int eflag, int vflag)
+{
+  begin(eflag, vflag);
+  if (atom->nmax > maxcontacts) {
+    maxcontacts = atom->nmax;
+    memory->grow(ncontacts, maxcontacts, "pair:ncontacts");
+  }
+  if (walls.empty())
+    evaluate<false>();
+  else
+    evaluate<true>();
+  finish();
+}
+
+/* ---------------------------------------------------------------------- */
+
+template <bool WALLS> void PairDeformableSector::evaluate()
+{
+  singles.clear();
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
+    gather<WALLS>(i);
+    ncontacts[i] = contacts.size;
+    if (contacts.size < 2) {
+      if (contacts.size == 1) singles.push_back({i, partners[0], contacts.nx[0], contacts.ny[0]});
+      store_circle(i);
+      continue;
+    }
+    apply<WALLS>(i, deform(i));
+  }
+
+  comm->forward_comm(this);
+  for (const SingleContact &single : singles) repel<WALLS>(single);
+}
+
+/* ----------------------------------------------------------------------
+   the shape of a particle with two contacts or more, and its energy
+------------------------------------------------------------------------- */
+
+Energy PairDeformableSector::deform(int i)
+{
+  const int type = atom->type[i];
+  const Stiffness &stiffness = species[type].stiffness;
+  const bool conserves_perimeter = std::isinf(stiffness.kP);
+  if (conserves_perimeter)
+    sector_shape(radius[type], contacts, order, shape);
+  else if (!area_sector_shape(radius[type], contacts, order, shape))
+    error->one(FLERR, "Atom {} has no shape that keeps the area of each of its sectors: its {} contacts "
+               "leave no room. Compress less, or conserve the perimeter (kP = inf)",
+               atom->tag[i], contacts.size);
+  const double change = conserves_perimeter ? shape.area_deficit : shape.perimeter_excess;
+  if (!std::isfinite(change))
+    error->one(FLERR, "Atom {} has two contacts in the same direction, which leaves no sector between "
+               "them: use pair_style deformable/ring",
+               atom->tag[i]);
+
+  const Energy energy = harmonic(conserves_perimeter ? stiffness.kA : stiffness.kP, change);
+  double pressure = energy.derivative;
+  if (!conserves_perimeter) {    // each arc has its own, tension/radius: their mean over the contacts
+    double force = 0.0, length = 0.0;
+    for (int c = 0; c < contacts.size; ++c) {
+      force += energy.derivative * shape.d_indentation[c];
+      length += shape.contact_length[c];
+    }
+    pressure = length > 0.0 ? force / length : 0.0;
+  }
+  store_shape(i, pressure);
+  return energy;
+}
+
+/* ----------------------------------------------------------------------
+   U = k/2 (1 - d/(R_i + R_j))^2, by both ends in halves where both have one
+   contact. A wall stands in for a partner's mirror image: U = k/2 (1 - h/R)^2
+------------------------------------------------------------------------- */
+
+template <bool WALLS> void PairDeformableSector::repel(const SingleContact &single)
+{
+  const int i = single.atom, j = single.partner.atom;
+  const double ri = radius[atom->type[i]], distance = single.partner.distance;
+  const auto strength = [this](int atom_index) {
+    const Stiffness &s = species[atom->type[atom_index]].stiffness;
+    return std::isinf(s.kA) ? s.kP : s.kA;
+  };
+
+  if (WALLS && j < 0) {
+    const Energy energy = harmonic(strength(i), 1.0 - distance / ri);
+    const double force = energy.derivative / ri;
+    walls[-1 - j]->press(i, -force * single.nx, -force * single.ny, -distance * single.nx,
+                         -distance * single.ny);
+    if (eflag_global) eng_vdwl += energy.value;
+    if (eflag_atom) eatom[i] += energy.value;
+    return;
+  }
+
+  const double sum = ri + radius[atom->type[j]];
+  const double share = ncontacts[j] == 1.0 ? 0.5 : 1.0;
+  const Energy energy = harmonic(0.5 * share * (strength(i) + strength(j)), 1.0 - distance / sum);
+  const double force_per_distance = energy.derivative / (sum * distance);
+  const double dx = -distance * single.nx, dy = -distance * single.ny;    // from the partner to i
+  double *const *const f = atom->f;
+  f[i][0] += force_per_distance * dx;
+  f[i][1] += force_per_distance * dy;
+  f[j][0] -= force_per_distance * dx;
+  f[j][1] -= force_per_distance * dy;
+  if (evflag)
+    ev_tally(i, j, atom->nlocal, 1, energy.value, 0.0, force_per_distance, dx, dy, 0.0);
+}
+
+/* ---------------------------------------------------------------------- */
+
+int PairDeformableSector::pack_forward_comm(int n, int *owned, double *buf, int, int *)
+{
+  for (int k = 0; k < n; ++k) buf[k] = ncontacts[owned[k]];
+  return n;
+}
+
+void PairDeformableSector::unpack_forward_comm(int n, int first, double *buf)
+{
+  for (int k = 0; k < n; ++k) ncontacts[first + k] = buf[k];
+}

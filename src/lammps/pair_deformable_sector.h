@@ -1,0 +1,44 @@
+// Contacts that stick: pair_style deformable/sector
+
+#ifndef LMP_PAIR_DEFORMABLE_SECTOR_H
+#define LMP_PAIR_DEFORMABLE_SECTOR_H
+
+#include "pair_deformable.h"
+#include "sector.h"
+
+namespace LAMMPS_NS {
+
+class PairDeformableSector : public PairDeformable {
+ public:
+  PairDeformableSector(class LAMMPS *);
+  ~PairDeformableSector() override;
+  void settings(int, char **) override;
+  void compute(int, int) override;
+  int pack_forward_comm(int, int *, double *, int, int *) override;
+  void unpack_forward_comm(int, int, double *) override;
+
+ protected:
+  void check_species(const Species &) const override;
+
+ private:
+  deformable::AngularOrder order;
+
+  // A particle with one contact has no sector; the pair repels as soft disks, once. Who shares the pair
+  // depends on how many contacts the partner has, which its own rank knows.
+  struct SingleContact {
+    int atom;
+    Partner partner;
+    double nx, ny;
+  };
+  std::vector<SingleContact> singles;
+  double *ncontacts = nullptr;    // per atom, ghosts included
+  int maxcontacts = 0;
+
+  template <bool WALLS> void evaluate();
+  template <bool WALLS> void repel(const SingleContact &);
+  deformable::Energy deform(int i);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,27 @@
+// The species of a parameter file: one line each, `name radius kA kP`.
+
+#ifndef DEFORMABLE_SPECIES_H
+#define DEFORMABLE_SPECIES_H
+
+#include "stiffness.h"
+
+#include <string>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class LAMMPS;
+
+struct Species {
+  std::string name;
+  double radius;
+  deformable::Stiffness stiffness;
+};
+
+// Reads the file on rank 0 and hands it to all ranks; stops with LAMMPS' error on all of them where the
+// file is missing or malformed.
+std::vector<Species> read_species(LAMMPS *lmp, const std::string &file);
+
+}    // namespace LAMMPS_NS
+
+#endif
