@@ -42,7 +42,17 @@ void require_finite(const char *name, const Input &values)
                                 .c_str());
 }
 
-Contacts contacts_of(double radius, const Input &angle, const Input &indentation)
+// The contacts of a call, and the memory that they are a view of.
+struct Checked {
+  std::vector<double> angle, nx, ny, indentation;
+  std::vector<int> order;
+  Contacts view()
+  {
+    return {static_cast<int>(angle.size()), angle.data(), nx.data(), ny.data(), indentation.data()};
+  }
+};
+
+Checked checked(double radius, const Input &angle, const Input &indentation)
 {
   if (!(radius > 0.0) || !std::isfinite(radius))
     throw nb::value_error(
@@ -66,11 +76,14 @@ Contacts contacts_of(double radius, const Input &angle, const Input &indentation
   const int n = static_cast<int>(angle.size());
   const auto [low, high] = std::minmax_element(angle.data(), angle.data() + n);
   const bool wraps = n > 0 && *high - *low >= 2.0 * PI;
-  Contacts contacts;
-  contacts.clear(n);
+  Checked contacts;
   for (int c = 0; c < n; ++c) {
     const double theta = wraps ? std::remainder(angle(c), 2.0 * PI) : angle(c);
-    contacts.add(theta, std::cos(theta), std::sin(theta), indentation(c));
+    contacts.angle.push_back(theta);
+    contacts.nx.push_back(std::cos(theta));
+    contacts.ny.push_back(std::sin(theta));
+    contacts.indentation.push_back(indentation(c));
+    contacts.order.push_back(c);
   }
   return contacts;
 }
@@ -90,8 +103,9 @@ void refuse_coincident(const Shape &shape)
 
 Result sector_result(double radius, const Input &angle, const Input &indentation)
 {
-  const Contacts contacts = contacts_of(radius, angle, indentation);
-  AngularOrder order;
+  Checked memory = checked(radius, angle, indentation);
+  const Contacts contacts = memory.view();
+  int *order = memory.order.data();
   Result result{{}, angle.size(), std::vector<double>(angle.size(), radius)};
   sector_shape(radius, contacts, order, result.shape);
   refuse_coincident(result.shape);
@@ -105,8 +119,9 @@ Result sector_result(double radius, const Input &angle, const Input &indentation
 
 Result area_sector_result(double radius, const Input &angle, const Input &indentation)
 {
-  const Contacts contacts = contacts_of(radius, angle, indentation);
-  AngularOrder order;
+  Checked memory = checked(radius, angle, indentation);
+  const Contacts contacts = memory.view();
+  int *order = memory.order.data();
   Result result{{}, angle.size(), std::vector<double>(angle.size(), radius)};
   if (!area_sector_shape(radius, contacts, order, result.shape))
     throw nb::value_error("indentation: these contacts leave no room for a sector of this area");
@@ -120,9 +135,11 @@ Result area_sector_result(double radius, const Input &angle, const Input &indent
 
 Result ring_result(double radius, const Input &angle, const Input &indentation)
 {
+  Checked memory = checked(radius, angle, indentation);
+  std::vector<char> carries(angle.size(), 0);
   RingProgramme programme;
   Result result{{}, angle.size(), {}};
-  ring_shape(radius, contacts_of(radius, angle, indentation), programme, result.shape);
+  ring_shape(radius, memory.view(), carries.data(), programme, result.shape);
   return result;
 }
 
@@ -131,27 +148,24 @@ Points outline_points(const std::string &law, double radius, const Input &angle,
 {
   if (points < 8)
     throw nb::value_error(("points is " + std::to_string(points) + ": give at least 8").c_str());
-  const Contacts contacts = contacts_of(radius, angle, indentation);
-  AngularOrder order;
+  Checked memory = checked(radius, angle, indentation);
+  const Contacts contacts = memory.view();
+  int *order = memory.order.data();
   Outline outline;
   if (law == "ring") {
-    RingProgramme programme;
-    Shape shape;
-    ring_shape(radius, contacts, programme, shape);
-    ring_outline(radius, contacts, shape, order, points, outline);
+    const Result result = ring_result(radius, angle, indentation);
+    ring_outline(radius, contacts, result.shape, order, points, outline);
   } else if (law == "sector") {
+    sector_result(radius, angle, indentation);    // refuses what has no shape
     sector_outline(radius, contacts, order, points, outline,
                    [&](const Opening &o, double ai, double ak) {
                      return sector(radius, sector_coefficients(o), ai, ak);
                    });
   } else if (law == "area_sector") {
+    area_sector_result(radius, angle, indentation);    // likewise
     sector_outline(radius, contacts, order, points, outline,
                    [&](const Opening &o, double ai, double ak) {
-                     const AreaSector a = area_sector(radius, o, ai, ak);
-                     if (!a.exists)
-                       throw nb::value_error(
-                           "indentation: these contacts leave no room for a sector of this area");
-                     return a.part;
+                     return area_sector(radius, o, ai, ak).part;
                    });
   } else {
     throw nb::value_error(
@@ -165,7 +179,7 @@ double checked_contact_line(double distance, double radius_i, double radius_j)
   if (!(distance > 0.0))
     throw nb::value_error(
         ("distance is " + std::to_string(distance) + ": it must be positive").c_str());
-  return contact_line(distance, radius_i, radius_j).indentation;
+  return contact_line(distance, 1.0 / distance, radius_i, radius_j).indentation;
 }
 
 Vector contact_lines(const Input &distance, const Input &radius_i, const Input &radius_j)

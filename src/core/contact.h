@@ -11,16 +11,14 @@ struct ContactLine {
   double d_indentation;  // da/dd
 };
 
-// h = (d^2 + R_i^2 - R_j^2) / 2d. The indentation is taken from the overlap o = R_i + R_j - d and not
-// from R_i - h, because o is exact for nearly touching particles: a = o (o - 2 R_j) / (-2 d).
-inline ContactLine contact_line(double distance, double radius_i, double radius_j)
+// h = (d^2 + R_i^2 - R_j^2)/2d. The indentation is taken from the overlap o = R_i + R_j - d and not from
+// R_i - h, because o keeps its digits for nearly touching particles: a = o (2 R_j - o)/2d.
+inline ContactLine contact_line(double distance, double per_distance, double radius_i, double radius_j)
 {
   const double overlap = radius_i + radius_j - distance;
-  const double half_per_distance = 0.5 / distance;
-  const double indentation = overlap * (2.0 * radius_j - overlap) * half_per_distance;
+  const double indentation = 0.5 * overlap * (2.0 * radius_j - overlap) * per_distance;
   return {radius_i - indentation, indentation,
-          -(distance * distance - (radius_i - radius_j) * (radius_i + radius_j)) *
-              (half_per_distance / distance)};
+          -0.5 + 0.5 * (radius_i - radius_j) * (radius_i + radius_j) * per_distance * per_distance};
 }
 
 }    // namespace deformable

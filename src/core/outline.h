@@ -29,7 +29,7 @@ inline void circle_outline(double radius, int points, Outline &outline)
 // x(theta) = H n + H' t. At an active contact H' jumps by L: the outline is straight there, and both ends
 // of the contact are points of it.
 inline void ring_outline(double radius, const Contacts &contacts, const Shape &shape,
-                         AngularOrder &order, int points, Outline &outline)
+                         int *order, int points, Outline &outline)
 {
   const auto point = [&](double theta, double slope_correction) {
     const Support support = ring_support(radius, contacts, shape, theta);
@@ -37,10 +37,10 @@ inline void ring_outline(double radius, const Contacts &contacts, const Shape &s
     const double slope = support.d_height + slope_correction;
     outline.add(support.height * c - slope * s, support.height * s + slope * c);
   };
-  order.sort(contacts);
+  sort_by_angle(contacts, order);
   std::vector<int> active;
   for (int k = 0; k < contacts.size; ++k)
-    if (shape.contact_length[order.index[k]] > 0.0) active.push_back(order.index[k]);
+    if (shape.contact_length[order[k]] > 0.0) active.push_back(order[k]);
   if (active.empty()) return circle_outline(radius, points, outline);
 
   for (std::size_t k = 0; k < active.size(); ++k) {
@@ -58,10 +58,11 @@ inline void ring_outline(double radius, const Contacts &contacts, const Shape &s
 // Foot of contact i - end of its flat - arc about its centre - end of the flat of contact k. The centre of
 // the arc: from the foot l_i along the line, then q inwards.
 template <class SectorOf>
-void sector_outline(double radius, const Contacts &contacts, AngularOrder &order, int points,
+void sector_outline(double radius, const Contacts &contacts, int *order, int points,
                     Outline &outline, SectorOf &&sector_of)
 {
   if (contacts.size < 2) return circle_outline(radius, points, outline);
+  sort_by_angle(contacts, order);
   for_each_sector(contacts, order, [&](int, int i, int k, const Opening &o) {
     const Sector part = sector_of(o, contacts.indentation[i], contacts.indentation[k]);
     const double q = part.arc_radius, inward = radius - contacts.indentation[i] - q;

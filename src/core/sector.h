@@ -26,33 +26,29 @@ struct Sector {
   double arc_radius;
 };
 
-// Indices of the contacts by rising angle.
-struct AngularOrder {
-  std::vector<int> index;
-
-  void sort(const Contacts &contacts)
-  {
-    if (index.size() < contacts.angle.size()) index.resize(contacts.angle.size());
-    for (int c = 0; c < contacts.size; ++c) {    // insertion: a particle has few contacts
-      int at = c;
-      for (; at > 0 && contacts.angle[index[at - 1]] > contacts.angle[c]; --at)
-        index[at] = index[at - 1];
-      index[at] = c;
-    }
+// Sorts `order`, some permutation of the contacts' indices, by rising angle. By insertion: a particle has
+// few contacts, and the order of the step before is a good guess.
+inline void sort_by_angle(const Contacts &contacts, int *order)
+{
+  for (int k = 1; k < contacts.size; ++k) {
+    const int c = order[k];
+    int at = k;
+    for (; at > 0 && contacts.angle[order[at - 1]] > contacts.angle[c]; --at)
+      order[at] = order[at - 1];
+    order[at] = c;
   }
-};
+}
 
-// Calls visit(s, i, k, opening) for the sector from the s-th contact i by angle to the next one k.
-// Fewer than two contacts bound no sector.
+// Calls visit(s, i, k, opening) for the sector from the s-th contact i by angle to the next one k, with
+// `order` as sort_by_angle leaves it. Fewer than two contacts bound no sector.
 template <class Visitor>
-void for_each_sector(const Contacts &contacts, AngularOrder &order, Visitor &&visit)
+void for_each_sector(const Contacts &contacts, const int *order, Visitor &&visit)
 {
   const int n = contacts.size;
   if (n < 2) return;
-  order.sort(contacts);
   for (int s = 0; s < n; ++s) {
     const bool last = s + 1 == n;
-    const int i = order.index[s], k = order.index[last ? 0 : s + 1];
+    const int i = order[s], k = order[last ? 0 : s + 1];
     const double difference = contacts.angle[k] - contacts.angle[i];
     const double angle = last ? 2.0 * PI + difference : difference;
     const double complement = last ? -difference : 2.0 * PI - difference;
@@ -74,7 +70,7 @@ struct SectorCoefficients {
 inline SectorCoefficients sector_coefficients(const Opening &o)
 {
   const double phi = o.angle;
-  if (phi < 1.0) {    // D ~ phi^4/12 cancels: powers of phi taken out of every term
+  if (phi < 0.5) {    // D ~ phi^4/12 cancels: powers of phi taken out of every term
     const double x2 = phi * phi;
     const double per_phi = 1.0 / phi, per_d = 1.0 / taylor::TWO_VERSINES_MINUS_X_SINE(x2);
     const double numerator = taylor::SINE_MINUS_X_COSINE(x2), versine = taylor::VERSINE(x2);
@@ -106,8 +102,9 @@ inline Sector sector(double radius, const SectorCoefficients &w, double ai, doub
 //   S_sector = 1/2 alpha (a_i^2 + a_k^2) + beta a_i a_k
 //   dS/da_i = l_i,  dS/dphi = 1/2 alpha' (a_i^2 + a_k^2) + beta' a_i a_k
 // Two contacts in one direction leave no shape: the area deficit is then not finite.
-inline void sector_shape(double radius, const Contacts &contacts, AngularOrder &order, Shape &shape)
+inline void sector_shape(double radius, const Contacts &contacts, int *order, Shape &shape)
 {
+  sort_by_angle(contacts, order);
   shape.clear(contacts.size);
   shape.arc_radius = radius;
   for_each_sector(contacts, order, [&](int, int i, int k, const Opening &o) {
@@ -165,9 +162,9 @@ inline AreaSector area_sector(double radius, const Opening &o, double ai, double
 // Each sector keeps its area (kA >> kP); the perimeter changes:
 //   dP/da_i = l_i/q,  dP/dphi = R + [a_i (2 (R - q) - a_i) - l_i^2]/2q, the same with a_k, l_k
 // Returns false where such a sector does not exist; the shape is then unspecified.
-inline bool area_sector_shape(double radius, const Contacts &contacts, AngularOrder &order,
-                              Shape &shape)
+inline bool area_sector_shape(double radius, const Contacts &contacts, int *order, Shape &shape)
 {
+  sort_by_angle(contacts, order);
   shape.clear(contacts.size);
   shape.arc_radius = radius;
   bool exists = true;

@@ -8,38 +8,19 @@
 
 namespace deformable {
 
-// The flat contacts that press on one particle, as a structure of arrays. Buffers only ever grow, so
-// that a force loop that keeps one Contacts for all particles allocates nothing once it is warm.
+// The flat contacts that press on one particle: a view of arrays with one entry a contact.
 //
 // Angles lie within one turn: the largest minus the smallest is below 2 pi.
 struct Contacts {
-  int size = 0;
-  std::vector<double> angle;          // theta: direction from the centre to the contact line
-  std::vector<double> nx, ny;         // (cos theta, sin theta)
-  std::vector<double> indentation;    // a = R - h; negative: the line is outside the circle
-
-  void clear(int capacity)
-  {
-    size = 0;
-    if (static_cast<std::size_t>(capacity) <= angle.size()) return;
-    angle.resize(capacity);
-    nx.resize(capacity);
-    ny.resize(capacity);
-    indentation.resize(capacity);
-  }
-
-  void add(double theta, double cosine, double sine, double a)
-  {
-    angle[size] = theta;
-    nx[size] = cosine;
-    ny[size] = sine;
-    indentation[size] = a;
-    ++size;
-  }
+  int size;
+  const double *angle;          // theta: direction from the centre to the contact line
+  const double *nx, *ny;        // (cos theta, sin theta)
+  const double *indentation;    // a = R - h; negative: the line is outside of the circle
 };
 
 // The answer of a contact law. A law conserves either the perimeter or the area and lets the other one
-// change: the derivatives are those of what changes, the area deficit or the perimeter excess.
+// change: the derivatives are those of what changes, the area deficit or the perimeter excess. Buffers
+// only ever grow, so that a force loop that keeps one Shape for all particles allocates nothing.
 struct Shape {
   double area_deficit = 0.0;        // S = A0 - A
   double perimeter_excess = 0.0;    // P - P0

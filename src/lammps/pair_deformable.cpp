@@ -1,7 +1,5 @@
 #include "pair_deformable.h"
 
-#include "trigonometry.h"
-
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
@@ -117,6 +115,18 @@ double PairDeformable::init_one(int i, int j)
 
 /* ---------------------------------------------------------------------- */
 
+void PairDeformable::ContactTable::clear(int nlocal, int most)
+{
+  stride = most;
+  count.assign(nlocal, 0);
+  const std::size_t size = static_cast<std::size_t>(nlocal) * stride;
+  if (size <= partner.size()) return;
+  for (std::vector<double> *v : {&angle, &nx, &ny, &indentation}) v->resize(size);
+  partner.resize(size);
+}
+
+/* ---------------------------------------------------------------------- */
+
 void PairDeformable::begin(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
@@ -179,7 +189,7 @@ void *PairDeformable::extract_peratom(const char *name, int &ncol)
   return nullptr;
 }
 
-void PairDeformable::store_shape(int i, double pressure)
+void PairDeformable::store_shape(int i, const deformable::Contacts &contacts, double pressure)
 {
   if (!wanted) return;
   const double r = radius[atom->type[i]];
@@ -211,5 +221,8 @@ void PairDeformable::store_circle(int i)
 
 double PairDeformable::memory_usage()
 {
-  return Pair::memory_usage() + static_cast<double>(wanted ? NRESULTS : 0) * maxresults * sizeof(double);
+  const double per_contact = 4 * sizeof(double) + sizeof(Partner);
+  return Pair::memory_usage() + table.partner.size() * per_contact +
+      table.count.size() * sizeof(int) +
+      static_cast<double>(wanted ? NRESULTS : 0) * maxresults * sizeof(double);
 }

@@ -10,10 +10,13 @@
 #include "fix_deformable_wall.h"
 #include "shape.h"
 #include "species.h"
+#include "stiffness.h"
+#include "trigonometry.h"
 
 #include "atom.h"
 #include "neigh_list.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -40,25 +43,41 @@ class PairDeformable : public Pair {
   std::vector<double> radius;      // by atom type
   std::vector<FixDeformableWall *> walls;
 
-  // The contacts of the particle at hand: what the law sees, and what its forces act on.
+  // What a contact's force acts on.
   struct Partner {
     int atom;                // local index, or -1 - w for wall w
     double distance;         // to the partner's centre, or to the wall
     double d_indentation;    // da/d(distance)
     double per_lever;        // turn of the direction per sideways step of the partner: 1/distance
   };
-  deformable::Contacts contacts;
-  std::vector<Partner> partners;
-  deformable::Shape shape;
 
-  // One force call: begin, for each particle gather - the law - apply or circle, finish.
+  // All contacts of this rank's particles, those of particle i from i * stride on. Two particles of one
+  // rank share what belongs to their contact, so each is computed once.
+  struct ContactTable {
+    int stride = 0;    // the longest neighbour list, and walls: nothing can overflow
+    std::vector<int> count;
+    std::vector<double> angle, nx, ny, indentation;
+    std::vector<Partner> partner;
+
+    void clear(int nlocal, int most);
+    void add(int i, const Partner &, double theta, double x, double y, double a);
+    deformable::Contacts of(int i)
+    {
+      const std::size_t first = static_cast<std::size_t>(i) * stride;
+      return {count[i], &angle[first], &nx[first], &ny[first], &indentation[first]};
+    }
+  } table;
+  deformable::Shape shape;    // of the particle at hand
+
+  // One force call: begin, gather, for each particle the law and apply or store_circle, finish.
   void begin(int eflag, int vflag);
-  template <bool WALLS> void gather(int i);
-  template <bool WALLS> void apply(int i, const deformable::Energy &energy);
+  template <bool WALLS> void gather();
+  template <bool WALLS>
+  void apply(int i, const deformable::Contacts &, const deformable::Energy &energy);
   void finish();
 
   // Per-atom results of a deformed particle, and of one that is still a circle.
-  void store_shape(int i, double pressure);
+  void store_shape(int i, const deformable::Contacts &, double pressure);
   void store_circle(int i);
 
   int beyond;                 // particles of this rank with a negative radius of curvature
@@ -75,48 +94,74 @@ class PairDeformable : public Pair {
   [[noreturn]] void behind_centre(int i, int j, double distance);
 };
 
-// Neighbours within the cutoff, then walls, in the order of the list.
-template <bool WALLS> void PairDeformable::gather(int i)
+inline void PairDeformable::ContactTable::add(int i, const Partner &with, double theta, double x,
+                                              double y, double a)
 {
+  const std::size_t c = static_cast<std::size_t>(i) * stride + count[i]++;
+  partner[c] = with;
+  angle[c] = theta;
+  nx[c] = x;
+  ny[c] = y;
+  indentation[c] = a;
+}
+
+// The contacts of all particles: neighbours within the cutoff and walls.
+template <bool WALLS> void PairDeformable::gather()
+{
+  using deformable::PI;
   const double *const *const x = atom->x;
   const int *const type = atom->type;
-  const double xi = x[i][0], yi = x[i][1], ri = radius[type[i]];
-  const double *const cutsq_i = cutsq[type[i]];
-  const int *const neighbors = list->firstneigh[i];
-  const int count = list->numneigh[i];
+  const int nlocal = atom->nlocal;
 
-  int capacity = count;
+  int most = 0;
+  for (int ii = 0; ii < list->inum; ++ii) most = std::max(most, list->numneigh[list->ilist[ii]]);
   if constexpr (WALLS)
-    for (const FixDeformableWall *wall : walls) capacity += wall->max_contacts();
-  contacts.clear(capacity);
-  if (partners.size() < contacts.angle.size()) partners.resize(contacts.angle.size());
+    for (const FixDeformableWall *wall : walls) most += wall->max_contacts();
+  table.clear(nlocal, most);
 
-  for (int jj = 0; jj < count; ++jj) {
-    const int j = neighbors[jj] & NEIGHMASK;
-    const double dx = x[j][0] - xi, dy = x[j][1] - yi, rsq = dx * dx + dy * dy;
-    if (rsq > cutsq_i[type[j]]) continue;
-    const double d = std::sqrt(rsq), per_d = 1.0 / d;
-    const deformable::ContactLine line = deformable::contact_line(d, ri, radius[type[j]]);
-    if (!(line.height > 0.0)) behind_centre(i, j, d);
-    partners[contacts.size] = {j, d, line.d_indentation, per_d};
-    contacts.add(std::atan2(dy, dx), dx * per_d, dy * per_d, line.indentation);
-  }
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
+    const double xi = x[i][0], yi = x[i][1], ri = radius[type[i]];
+    const double *const cutsq_i = cutsq[type[i]];
+    const int *const neighbors = list->firstneigh[i];
+    const int count = list->numneigh[i];
+    for (int jj = 0; jj < count; ++jj) {
+      const int j = neighbors[jj] & NEIGHMASK;
+      if (j < i) continue;    // done from the other side
+      const double dx = x[j][0] - xi, dy = x[j][1] - yi, rsq = dx * dx + dy * dy;
+      if (rsq > cutsq_i[type[j]]) continue;
 
-  if constexpr (WALLS) {
-    const double cutoff = (1.0 + reach) * ri;
-    for (std::size_t w = 0; w < walls.size(); ++w)
-      walls[w]->visit(i, cutoff, [&](double nx, double ny, double height, double per_lever) {
-        partners[contacts.size] = {-1 - static_cast<int>(w), height, -1.0, per_lever};
-        contacts.add(std::atan2(ny, nx), nx, ny, ri - height);
-      });
+      const double d = std::sqrt(rsq), per_d = 1.0 / d, rj = radius[type[j]];
+      const double nx = dx * per_d, ny = dy * per_d;
+      const double theta = deformable::angle_of(dx, dy);
+      const deformable::ContactLine line = deformable::contact_line(d, per_d, ri, rj);
+      if (!(line.height > 0.0)) behind_centre(i, j, d);
+      table.add(i, {j, d, line.d_indentation, per_d}, theta, nx, ny, line.indentation);
+      if (j >= nlocal) continue;
+
+      const deformable::ContactLine other = deformable::contact_line(d, per_d, rj, ri);
+      if (!(other.height > 0.0)) behind_centre(j, i, d);
+      table.add(j, {i, d, other.d_indentation, per_d}, theta > 0.0 ? theta - PI : theta + PI, -nx, -ny,
+                other.indentation);
+    }
+    if constexpr (WALLS)
+      for (std::size_t w = 0; w < walls.size(); ++w)
+        walls[w]->visit(
+            i, (1.0 + reach) * ri, [&](double nx, double ny, double height, double per_lever) {
+              table.add(i, {-1 - static_cast<int>(w), height, -1.0, per_lever}, deformable::angle_of(nx, ny), nx,
+                        ny, ri - height);
+            });
   }
 }
 
 // Energy and forces of one particle's shape: each contact pushes the particle and its partner apart by
 // dU/da da/dd along their line, and turns them by dU/dtheta.
-template <bool WALLS> void PairDeformable::apply(int i, const deformable::Energy &energy)
+template <bool WALLS>
+void PairDeformable::apply(int i, const deformable::Contacts &contacts,
+                           const deformable::Energy &energy)
 {
   double *const *const f = atom->f;
+  const Partner *const partners = &table.partner[static_cast<std::size_t>(i) * table.stride];
   double fx = 0.0, fy = 0.0;
   for (int c = 0; c < contacts.size; ++c) {
     if (shape.d_indentation[c] == 0.0 && shape.d_angle[c] == 0.0) continue;

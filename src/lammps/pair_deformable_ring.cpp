@@ -1,7 +1,5 @@
 #include "pair_deformable_ring.h"
 
-#include "stiffness.h"
-
 #include "error.h"
 #include "neighbor.h"
 
@@ -48,10 +46,11 @@ void PairDeformableRing::init_style()
   depth.assign(radius.size(), 0.0);
   for (std::size_t i = 1; i < radius.size(); ++i) {
     depth[i] = reach * radius[i];    // walls
-    for (const double rj : radius)
-      if (rj > 0.0)
-        depth[i] = std::min(
-            depth[i], -contact_line((1.0 + reach) * (radius[i] + rj), radius[i], rj).indentation);
+    for (const double rj : radius) {
+      if (rj == 0.0) continue;
+      const double cutoff = (1.0 + reach) * (radius[i] + rj);
+      depth[i] = std::min(depth[i], -contact_line(cutoff, 1.0 / cutoff, radius[i], rj).indentation);
+    }
   }
 }
 
@@ -72,25 +71,28 @@ void PairDeformableRing::compute(int eflag, int vflag)
 template <bool WALLS> void PairDeformableRing::evaluate()
 {
   const bool new_list = neighbor->ago == 0;
+  gather<WALLS>();
+  carries.resize(table.partner.size(), 0);
   for (int ii = 0; ii < list->inum; ++ii) {
     const int i = list->ilist[ii];
     const int type = atom->type[i];
-    gather<WALLS>(i);
-    ring_shape(radius[type], contacts, programme, shape);
+    const Contacts contacts = table.of(i);
+    char *const guess = &carries[static_cast<std::size_t>(i) * table.stride];
+    ring_shape(radius[type], contacts, guess, programme, shape);
     if (shape.area_deficit == 0.0) {
       store_circle(i);
       continue;
     }
     const Energy energy = harmonic(species[type].stiffness.kA, shape.area_deficit);
-    apply<WALLS>(i, energy);
-    store_shape(i, energy.derivative);
-    if (new_list) check_reach(i);
+    apply<WALLS>(i, contacts, energy);
+    store_shape(i, contacts, energy.derivative);
+    if (new_list) check_reach(i, contacts);
   }
 }
 
 /* ---------------------------------------------------------------------- */
 
-void PairDeformableRing::check_reach(int i)
+void PairDeformableRing::check_reach(int i, const Contacts &contacts)
 {
   const int type = atom->type[i];
   const double ratio = ring_bulge(radius[type], contacts, shape) / depth[type];

@@ -1,10 +1,10 @@
 #include "pair_deformable_sector.h"
 
-#include "stiffness.h"
-
 #include "comm.h"
 #include "error.h"
 #include "memory.h"
+
+#include <numeric>
 
 using namespace LAMMPS_NS;
 using namespace deformable;
@@ -60,17 +60,26 @@ void PairDeformableSector::compute(int eflag, int vflag)
 
 template <bool WALLS> void PairDeformableSector::evaluate()
 {
+  const int stride = table.stride;
+  gather<WALLS>();
   singles.clear();
+  if (table.stride != stride) ordered.clear();
+  ordered.resize(std::max(ordered.size(), table.count.size()), 0);
+  order.resize(table.partner.size());
+
   for (int ii = 0; ii < list->inum; ++ii) {
     const int i = list->ilist[ii];
-    gather<WALLS>(i);
-    ncontacts[i] = contacts.size;
+    const Contacts contacts = table.of(i);
     if (contacts.size < 2) {
-      if (contacts.size == 1) singles.push_back({i, partners[0], contacts.nx[0], contacts.ny[0]});
+      if (contacts.size == 1) {
+        const Partner &partner = table.partner[static_cast<std::size_t>(i) * table.stride];
+        singles.push_back({i, partner, contacts.nx[0], contacts.ny[0]});
+      }
       store_circle(i);
-      continue;
+    } else {
+      apply<WALLS>(i, contacts, deform(i, contacts));
     }
-    apply<WALLS>(i, deform(i));
+    ncontacts[i] = contacts.size;
   }
 
   comm->forward_comm(this);
@@ -81,14 +90,19 @@ template <bool WALLS> void PairDeformableSector::evaluate()
    the shape of a particle with two contacts or more, and its energy
 ------------------------------------------------------------------------- */
 
-Energy PairDeformableSector::deform(int i)
+Energy PairDeformableSector::deform(int i, const Contacts &contacts)
 {
+  int *const by_angle = &order[static_cast<std::size_t>(i) * table.stride];
+  if (ordered[i] != contacts.size) {
+    std::iota(by_angle, by_angle + contacts.size, 0);
+    ordered[i] = contacts.size;
+  }
   const int type = atom->type[i];
   const Stiffness &stiffness = species[type].stiffness;
   const bool conserves_perimeter = std::isinf(stiffness.kP);
   if (conserves_perimeter)
-    sector_shape(radius[type], contacts, order, shape);
-  else if (!area_sector_shape(radius[type], contacts, order, shape))
+    sector_shape(radius[type], contacts, by_angle, shape);
+  else if (!area_sector_shape(radius[type], contacts, by_angle, shape))
     error->one(FLERR, "Atom {} has no shape that keeps the area of each of its sectors: its {} contacts "
                "leave no room. Compress less, or conserve the perimeter (kP = inf)",
                atom->tag[i], contacts.size);
@@ -108,7 +122,7 @@ Energy PairDeformableSector::deform(int i)
     }
     pressure = length > 0.0 ? force / length : 0.0;
   }
-  store_shape(i, pressure);
+  store_shape(i, contacts, pressure);
   return energy;
 }
 

@@ -21,7 +21,9 @@ class PairDeformableSector : public PairDeformable {
   void check_species(const Species &) const override;
 
  private:
-  deformable::AngularOrder order;
+  // Each particle's contacts by angle, laid out as the table, and of how many contacts the permutation is.
+  // Contacts come in the same order as long as none forms or breaks: the last step's is a good guess.
+  std::vector<int> order, ordered;
 
   // A particle with one contact has no sector; the pair repels as soft disks, once. Who shares the pair
   // depends on how many contacts the partner has, which its own rank knows.
@@ -32,11 +34,11 @@ class PairDeformableSector : public PairDeformable {
   };
   std::vector<SingleContact> singles;
   double *ncontacts = nullptr;    // per atom, ghosts included
-  int maxcontacts = 0;
+  int maxcontacts = 0;      // entries of it
 
   template <bool WALLS> void evaluate();
   template <bool WALLS> void repel(const SingleContact &);
-  deformable::Energy deform(int i);
+  deformable::Energy deform(int i, const deformable::Contacts &);
 };
 
 }    // namespace LAMMPS_NS

