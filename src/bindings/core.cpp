@@ -44,12 +44,9 @@ void require_finite(const char *name, const Input &values)
 
 // The contacts of a call, and the memory that they are a view of.
 struct Checked {
-  std::vector<double> angle, nx, ny, indentation;
+  std::vector<Contact> contacts;
   std::vector<int> order;
-  Contacts view()
-  {
-    return {static_cast<int>(angle.size()), angle.data(), nx.data(), ny.data(), indentation.data()};
-  }
+  Contacts view() const { return {static_cast<int>(contacts.size()), contacts.data()}; }
 };
 
 Checked checked(double radius, const Input &angle, const Input &indentation)
@@ -76,16 +73,13 @@ Checked checked(double radius, const Input &angle, const Input &indentation)
   const int n = static_cast<int>(angle.size());
   const auto [low, high] = std::minmax_element(angle.data(), angle.data() + n);
   const bool wraps = n > 0 && *high - *low >= 2.0 * PI;
-  Checked contacts;
+  Checked memory;
   for (int c = 0; c < n; ++c) {
     const double theta = wraps ? std::remainder(angle(c), 2.0 * PI) : angle(c);
-    contacts.angle.push_back(theta);
-    contacts.nx.push_back(std::cos(theta));
-    contacts.ny.push_back(std::sin(theta));
-    contacts.indentation.push_back(indentation(c));
-    contacts.order.push_back(c);
+    memory.contacts.push_back({theta, std::cos(theta), std::sin(theta), indentation(c)});
+    memory.order.push_back(c);
   }
-  return contacts;
+  return memory;
 }
 
 struct Result {
@@ -111,7 +105,7 @@ Result sector_result(double radius, const Input &angle, const Input &indentation
   refuse_coincident(result.shape);
   for_each_sector(contacts, order, [&](int s, int i, int k, const Opening &o) {
     result.arc_radii[s] =
-        sector(radius, sector_coefficients(o), contacts.indentation[i], contacts.indentation[k])
+        sector(radius, sector_coefficients(o), contacts[i].indentation, contacts[k].indentation)
             .arc_radius;
   });
   return result;
@@ -128,7 +122,7 @@ Result area_sector_result(double radius, const Input &angle, const Input &indent
   refuse_coincident(result.shape);
   for_each_sector(contacts, order, [&](int s, int i, int k, const Opening &o) {
     result.arc_radii[s] =
-        area_sector(radius, o, contacts.indentation[i], contacts.indentation[k]).part.arc_radius;
+        area_sector(radius, o, contacts[i].indentation, contacts[k].indentation).part.arc_radius;
   });
   return result;
 }

@@ -45,8 +45,8 @@ inline void ring_outline(double radius, const Contacts &contacts, const Shape &s
 
   for (std::size_t k = 0; k < active.size(); ++k) {
     const int i = active[k], next = active[k + 1 < active.size() ? k + 1 : 0];
-    const double from = contacts.angle[i];
-    const double to = contacts.angle[next] + (k + 1 < active.size() ? 0.0 : 2.0 * PI);
+    const double from = contacts[i].angle;
+    const double to = contacts[next].angle + (k + 1 < active.size() ? 0.0 : 2.0 * PI);
     // ring_support sees t = 0 at the contact itself from above: H' is the one after the contact
     point(from, -shape.contact_length[i]);
     point(from, 0.0);
@@ -64,13 +64,13 @@ void sector_outline(double radius, const Contacts &contacts, int *order, int poi
   if (contacts.size < 2) return circle_outline(radius, points, outline);
   sort_by_angle(contacts, order);
   for_each_sector(contacts, order, [&](int, int i, int k, const Opening &o) {
-    const Sector part = sector_of(o, contacts.indentation[i], contacts.indentation[k]);
-    const double q = part.arc_radius, inward = radius - contacts.indentation[i] - q;
-    const double nx = contacts.nx[i], ny = contacts.ny[i];
+    const Sector part = sector_of(o, contacts[i].indentation, contacts[k].indentation);
+    const double q = part.arc_radius, inward = radius - contacts[i].indentation - q;
+    const double nx = contacts[i].nx, ny = contacts[i].ny;
     const double x = inward * nx - part.length_i * ny, y = inward * ny + part.length_i * nx;
     const int inner = std::max(1, static_cast<int>(points * o.angle / (2.0 * PI)));
     for (int m = 0; m <= inner; ++m) {
-      const double theta = contacts.angle[i] + o.angle * m / inner;
+      const double theta = contacts[i].angle + o.angle * m / inner;
       outline.add(x + q * std::cos(theta), y + q * std::sin(theta));
     }
   });

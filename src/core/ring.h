@@ -56,12 +56,12 @@ struct RingCandidates {
 
 DEFORMABLE_INLINE void add_candidate(const RingCandidates &r, int m, const Contacts &contacts, int c)
 {
-  const double theta = contacts.angle[c], x = contacts.nx[c], y = contacts.ny[c];
+  const double theta = contacts[c].angle, x = contacts[c].nx, y = contacts[c].ny;
   r.contact[m] = c;
   r.angle[m] = theta;
   r.nx[m] = x;
   r.ny[m] = y;
-  r.indentation[m] = contacts.indentation[c];
+  r.indentation[m] = contacts[c].indentation;
 #pragma GCC unroll 8
   for (int k = 0; k < m; ++k) {
     // sin |t| from the directions: sin t turns its sign with t
@@ -107,10 +107,10 @@ DEFORMABLE_INLINE int solve_dense(int n, double *g, int stride, double *x, doubl
 DEFORMABLE_INLINE bool may_reach(const Contacts &contacts, int c, int n, const RingCandidates &r,
                                  const double *length)
 {
-  double gap = contacts.indentation[c];
+  double gap = contacts[c].indentation;
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m)
-    gap -= length[m] * green_bound(r.nx[m] * contacts.nx[c] + r.ny[m] * contacts.ny[c]);
+    gap -= length[m] * green_bound(r.nx[m] * contacts[c].nx + r.ny[m] * contacts[c].ny);
   return gap > 0.0;
 }
 
@@ -148,12 +148,12 @@ DEFORMABLE_INLINE void fill_shape(double radius, int n, const RingCandidates &r,
 DEFORMABLE_INLINE double slack(const Contacts &contacts, int c, int n, const RingCandidates &r,
                                const double *length)
 {
-  double gap = contacts.indentation[c];
+  double gap = contacts[c].indentation;
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    const double difference = contacts.angle[c] - r.angle[m];
-    const double cosine = r.nx[m] * contacts.nx[c] + r.ny[m] * contacts.ny[c];
-    const double cross = r.nx[m] * contacts.ny[c] - r.ny[m] * contacts.nx[c];
+    const double difference = contacts[c].angle - r.angle[m];
+    const double cosine = r.nx[m] * contacts[c].nx + r.ny[m] * contacts[c].ny;
+    const double cross = r.nx[m] * contacts[c].ny - r.ny[m] * contacts[c].nx;
     gap -= length[m] * green(std::fabs(difference), difference < 0.0 ? -cross : cross, cosine);
   }
   return gap;
@@ -324,7 +324,7 @@ inline void ring_of_any(double radius, const Contacts &contacts, RingProgramme &
 {
   std::fill_n(p.candidate.begin(), contacts.size, 0);
   for (int c = 0; c < contacts.size; ++c)
-    if (contacts.indentation[c] > 0.0) p.add(contacts, c, RingProgramme::ACTIVE);
+    if (contacts[c].indentation > 0.0) p.add(contacts, c, RingProgramme::ACTIVE);
   for (int solved = 0; p.size > solved;) {
     solve(p);
     solved = p.size;
@@ -351,7 +351,7 @@ inline void ring_shape(double radius, const Contacts &contacts, char *carries, R
   for (int c = 0; c < contacts.size; ++c) {
     active[guessed] = c;
     guessed += carries[c];
-    indented += contacts.indentation[c] > 0.0;
+    indented += contacts[c].indentation > 0.0;
   }
   if (indented == 0) {
     std::fill_n(carries, contacts.size, 0);
@@ -360,7 +360,7 @@ inline void ring_shape(double radius, const Contacts &contacts, char *carries, R
   int n = guessed;
   if (guessed == 0)
     for (int c = 0; c < contacts.size; ++c)
-      if (contacts.indentation[c] > 0.0) active[n++] = c;
+      if (contacts[c].indentation > 0.0) active[n++] = c;
 
   Trial trial = Trial::OTHERS;
   for (int attempt = 0; attempt < 6 && trial == Trial::OTHERS; ++attempt) switch (n) {
@@ -389,7 +389,7 @@ inline Support ring_support(double radius, const Contacts &contacts, const Shape
   for (int c = 0; c < contacts.size; ++c) {
     const double length = shape.contact_length[c];
     if (length == 0.0) continue;
-    double t = std::remainder(theta - contacts.angle[c], 2.0 * PI);
+    double t = std::remainder(theta - contacts[c].angle, 2.0 * PI);
     const double sign = t < 0.0 ? -1.0 : 1.0;
     t = std::fabs(t);
     const double sine = std::sin(t), cosine = std::cos(t);

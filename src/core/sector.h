@@ -33,7 +33,7 @@ inline void sort_by_angle(const Contacts &contacts, int *order)
   for (int k = 1; k < contacts.size; ++k) {
     const int c = order[k];
     int at = k;
-    for (; at > 0 && contacts.angle[order[at - 1]] > contacts.angle[c]; --at)
+    for (; at > 0 && contacts[order[at - 1]].angle > contacts[c].angle; --at)
       order[at] = order[at - 1];
     order[at] = c;
   }
@@ -49,13 +49,13 @@ void for_each_sector(const Contacts &contacts, const int *order, Visitor &&visit
   for (int s = 0; s < n; ++s) {
     const bool last = s + 1 == n;
     const int i = order[s], k = order[last ? 0 : s + 1];
-    const double difference = contacts.angle[k] - contacts.angle[i];
+    const double difference = contacts[k].angle - contacts[i].angle;
     const double angle = last ? 2.0 * PI + difference : difference;
     const double complement = last ? -difference : 2.0 * PI - difference;
     visit(s, i, k,
           Opening{angle, complement,
-                  contacts.nx[i] * contacts.ny[k] - contacts.ny[i] * contacts.nx[k],
-                  contacts.nx[i] * contacts.nx[k] + contacts.ny[i] * contacts.ny[k]});
+                  contacts[i].nx * contacts[k].ny - contacts[i].ny * contacts[k].nx,
+                  contacts[i].nx * contacts[k].nx + contacts[i].ny * contacts[k].ny});
   }
 }
 
@@ -108,7 +108,7 @@ inline void sector_shape(double radius, const Contacts &contacts, int *order, Sh
   shape.clear(contacts.size);
   shape.arc_radius = radius;
   for_each_sector(contacts, order, [&](int, int i, int k, const Opening &o) {
-    const double ai = contacts.indentation[i], ak = contacts.indentation[k];
+    const double ai = contacts[i].indentation, ak = contacts[k].indentation;
     const SectorCoefficients w = sector_coefficients(o);
     const Sector part = sector(radius, w, ai, ak);
     const double half_squares = 0.5 * (ai * ai + ak * ak), product = ai * ak;
@@ -169,8 +169,8 @@ inline bool area_sector_shape(double radius, const Contacts &contacts, int *orde
   shape.arc_radius = radius;
   bool exists = true;
   for_each_sector(contacts, order, [&](int, int i, int k, const Opening &o) {
-    const double ai = contacts.indentation[i];
-    const AreaSector a = area_sector(radius, o, ai, contacts.indentation[k]);
+    const double ai = contacts[i].indentation;
+    const AreaSector a = area_sector(radius, o, ai, contacts[k].indentation);
     exists = exists && a.exists;
     if (!a.exists) return;
     const double q = a.part.arc_radius, li = a.part.length_i, lk = a.part.length_k;

@@ -8,14 +8,19 @@
 
 namespace deformable {
 
-// The flat contacts that press on one particle: a view of arrays with one entry a contact.
-//
-// Angles lie within one turn: the largest minus the smallest is below 2 pi.
+// A flat contact that presses on a particle.
+struct Contact {
+  double angle;          // theta: direction from the centre to the contact line
+  double nx, ny;         // (cos theta, sin theta)
+  double indentation;    // a = R - h; negative: the line is outside of the circle
+};
+
+// All contacts of one particle, a view of an array. Angles lie within one turn: the largest minus the
+// smallest is below 2 pi.
 struct Contacts {
   int size;
-  const double *angle;          // theta: direction from the centre to the contact line
-  const double *nx, *ny;        // (cos theta, sin theta)
-  const double *indentation;    // a = R - h; negative: the line is outside of the circle
+  const Contact *first;
+  const Contact &operator[](int c) const { return first[c]; }
 };
 
 // The answer of a contact law. A law conserves either the perimeter or the area and lets the other one

@@ -3,6 +3,7 @@
 #ifndef DEFORMABLE_TRIGONOMETRY_H
 #define DEFORMABLE_TRIGONOMETRY_H
 
+#include <algorithm>
 #include <cmath>
 
 namespace deformable {
@@ -59,10 +60,11 @@ inline double sine_minus_x_cosine(double x, double sine, double cosine)
 inline double angle_of(double x, double y)
 {
   const double ax = std::fabs(x), ay = std::fabs(y);
-  const double large = ax > ay ? ax : ay, small = ax > ay ? ay : ax;
-  // atan(small/large), from pi/4 on where this is above tan(pi/8)
-  const bool upper = small > 0.41421356237309503 * large;
-  const double z = (upper ? small - large : small) / (upper ? small + large : large);
+  const double large = std::max(ax, ay), small = std::min(ax, ay);
+  // Choices are numbers, 0 or 1. atan(small/large) is taken from pi/4 on where it is above tan(pi/8).
+  const double upper = small > 0.41421356237309503 * large;
+  const double steep = ay > ax, left = x < 0.0;
+  const double z = (small - upper * large) / (large + upper * small);
 
   // (atan(sqrt s)/sqrt s - 1)/s on 0 <= s <= tan(pi/8)^2: Chebyshev fit, error of the angle 5e-18
   const double s = z * z, s2 = s * s, s4 = s2 * s2;
@@ -74,9 +76,9 @@ inline double angle_of(double x, double y)
       -0.019176887119062258989 * s2;
   const double octant = z + z * s * (low + s4 * (middle + s4 * high));
 
-  const double eighth = upper ? 0.25 * PI + octant : octant;
-  const double quarter = ay > ax ? 0.5 * PI - eighth : eighth;
-  return std::copysign(x < 0.0 ? PI - quarter : quarter, y);
+  const double eighth = upper * (0.25 * PI) + octant;
+  const double quarter = steep * (0.5 * PI) + (1.0 - 2.0 * steep) * eighth;
+  return std::copysign(left * PI + (1.0 - 2.0 * left) * quarter, y);
 }
 
 }    // namespace deformable

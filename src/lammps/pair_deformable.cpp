@@ -10,6 +10,7 @@
 #include "update.h"
 
 #include <cstring>
+#include <numeric>
 
 using namespace LAMMPS_NS;
 
@@ -115,28 +116,62 @@ double PairDeformable::init_one(int i, int j)
 
 /* ---------------------------------------------------------------------- */
 
-void PairDeformable::ContactTable::clear(int nlocal, int most)
+void PairDeformable::ContactTable::clear(int nlocal, int longest)
 {
-  stride = most;
-  count.assign(nlocal, 0);
-  const std::size_t size = static_cast<std::size_t>(nlocal) * stride;
-  if (size <= partner.size()) return;
-  for (std::vector<double> *v : {&angle, &nx, &ny, &indentation}) v->resize(size);
-  partner.resize(size);
+  row.assign(nlocal, -1);
+  if (longest > stride) {
+    stride = longest;
+    count.clear();
+  }
+  free_rows.resize(count.size());
+  std::iota(free_rows.begin(), free_rows.end(), 0);
+}
+
+void PairDeformable::ContactTable::add_row(int i)
+{
+  if (free_rows.empty()) {
+    free_rows.push_back(static_cast<int>(count.size()));
+    count.push_back(0);
+    const std::size_t size = count.size() * stride;
+    if (contact.size() < size) {
+      contact.resize(size);
+      partner.resize(size);
+    }
+  }
+  row[i] = free_rows.back();
+  free_rows.pop_back();
+  count[row[i]] = 0;
 }
 
 /* ---------------------------------------------------------------------- */
 
-void PairDeformable::begin(int eflag, int vflag)
+template <bool WALLS> void PairDeformable::begin(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
   beyond = 0;
-  if (neighbor->ago == 0) bulge_over_reach = 0.0;
   if (wanted && atom->nmax > maxresults) {
     maxresults = atom->nmax;
     for (double *&result : results) memory->grow(result, maxresults, "pair:results");
   }
+
+  if (neighbor->ago == 0) {
+    bulge_over_reach = 0.0;
+    longest_list = 0;
+    for (int ii = 0; ii < list->inum; ++ii) {
+      const int i = list->ilist[ii];
+      if (ii > 0 && i < list->ilist[ii - 1])
+        error->one(FLERR, "Pair style deformable needs a neighbor list in the order of the atoms");
+      longest_list = std::max(longest_list, list->numneigh[i]);
+    }
+  }
+  int most = longest_list;
+  if constexpr (WALLS)
+    for (const FixDeformableWall *wall : walls) most += wall->max_contacts();
+  table.clear(atom->nlocal, most);
 }
+
+template void PairDeformable::begin<false>(int, int);
+template void PairDeformable::begin<true>(int, int);
 
 /* ----------------------------------------------------------------------
    compute pair sums pvector over ranks; all ranks look together only when
@@ -221,8 +256,7 @@ void PairDeformable::store_circle(int i)
 
 double PairDeformable::memory_usage()
 {
-  const double per_contact = 4 * sizeof(double) + sizeof(Partner);
-  return Pair::memory_usage() + table.partner.size() * per_contact +
-      table.count.size() * sizeof(int) +
+  const double per_contact = sizeof(deformable::Contact) + sizeof(Partner);
+  return Pair::memory_usage() + table.partner.size() * per_contact + table.row.size() * sizeof(int) +
       static_cast<double>(wanted ? NRESULTS : 0) * maxresults * sizeof(double);
 }

@@ -51,27 +51,34 @@ class PairDeformable : public Pair {
     double per_lever;        // turn of the direction per sideways step of the partner: 1/distance
   };
 
-  // All contacts of this rank's particles, those of particle i from i * stride on. Two particles of one
-  // rank share what belongs to their contact, so each is computed once.
+  // The contacts found so far. Two particles of one rank share what belongs to their contact, so each is
+  // computed once, when the first of the two has its turn. Contacts live from then until the second one's
+  // turn: few particles have some at a time, and the places they leave are taken again at once, so that
+  // the table stays in the cache however large the system.
   struct ContactTable {
-    int stride = 0;    // the longest neighbour list, and walls: nothing can overflow
-    std::vector<int> count;
-    std::vector<double> angle, nx, ny, indentation;
+    int stride = 0;                // places of a particle: the longest neighbour list and walls
+    std::vector<int> row;          // of each particle; -1: it has no contact yet
+    std::vector<int> free_rows;
+    std::vector<int> count;        // by row
+    std::vector<deformable::Contact> contact;
     std::vector<Partner> partner;
 
-    void clear(int nlocal, int most);
-    void add(int i, const Partner &, double theta, double x, double y, double a);
-    deformable::Contacts of(int i)
+    void clear(int nlocal, int longest);
+    void add(int i, const deformable::Contact &, const Partner &);
+    void add_row(int i);
+    void release(int i);
+    deformable::Contacts of(int i) const
     {
-      const std::size_t first = static_cast<std::size_t>(i) * stride;
-      return {count[i], &angle[first], &nx[first], &ny[first], &indentation[first]};
+      if (row[i] < 0) return {0, nullptr};
+      return {count[row[i]], &contact[first(i)]};
     }
+    std::size_t first(int i) const { return static_cast<std::size_t>(row[i]) * stride; }
   } table;
   deformable::Shape shape;    // of the particle at hand
 
-  // One force call: begin, gather, for each particle the law and apply or store_circle, finish.
-  void begin(int eflag, int vflag);
-  template <bool WALLS> void gather();
+  // One force call: begin, for_each_particle the law and apply or store_circle, finish.
+  template <bool WALLS> void begin(int eflag, int vflag);
+  template <bool WALLS, class Law> void for_each_particle(Law &&law);
   template <bool WALLS>
   void apply(int i, const deformable::Contacts &, const deformable::Energy &energy);
   void finish();
@@ -84,9 +91,12 @@ class PairDeformable : public Pair {
   double bulge_over_reach;    // the largest of this rank, at the last new neighbour list
 
  private:
+  template <bool WALLS> void gather(int i);
+
   enum { AREA, PERIMETER, CONTACTS, PRESSURE, ARC_RADIUS, CONTACT_LENGTH, NRESULTS };
   std::array<double *, NRESULTS> results{};    // per atom; null until somebody asks for them
   int maxresults = 0;
+  int longest_list = 0;    // of this rank, at the last new neighbour list
   bool wanted = false;
   bool warned = false;
 
@@ -94,63 +104,74 @@ class PairDeformable : public Pair {
   [[noreturn]] void behind_centre(int i, int j, double distance);
 };
 
-inline void PairDeformable::ContactTable::add(int i, const Partner &with, double theta, double x,
-                                              double y, double a)
+inline void PairDeformable::ContactTable::add(int i, const deformable::Contact &with,
+                                              const Partner &whom)
 {
-  const std::size_t c = static_cast<std::size_t>(i) * stride + count[i]++;
-  partner[c] = with;
-  angle[c] = theta;
-  nx[c] = x;
-  ny[c] = y;
-  indentation[c] = a;
+  if (row[i] < 0) add_row(i);
+  const std::size_t c = first(i) + count[row[i]]++;
+  contact[c] = with;
+  partner[c] = whom;
 }
 
-// The contacts of all particles: neighbours within the cutoff and walls.
-template <bool WALLS> void PairDeformable::gather()
+inline void PairDeformable::ContactTable::release(int i)
+{
+  if (row[i] < 0) return;
+  free_rows.push_back(row[i]);
+  row[i] = -1;
+}
+
+// Completes the contacts of particle i: neighbours within the cutoff and walls. Particles come in the
+// order of their index, so those before i have left here what they share with it, and i leaves with those
+// after it what it shares with them.
+template <bool WALLS> void PairDeformable::gather(int i)
 {
   using deformable::PI;
   const double *const *const x = atom->x;
   const int *const type = atom->type;
   const int nlocal = atom->nlocal;
+  const double xi = x[i][0], yi = x[i][1], ri = radius[type[i]];
+  const double *const cutsq_i = cutsq[type[i]];
+  const int *const neighbors = list->firstneigh[i];
+  for (int jj = 0; jj < list->numneigh[i]; ++jj) {
+    const int j = neighbors[jj] & NEIGHMASK;
+    if (j < i) continue;
+    const double dx = x[j][0] - xi, dy = x[j][1] - yi, rsq = dx * dx + dy * dy;
+    if (rsq > cutsq_i[type[j]]) continue;
 
-  int most = 0;
-  for (int ii = 0; ii < list->inum; ++ii) most = std::max(most, list->numneigh[list->ilist[ii]]);
+    const double d = std::sqrt(rsq), per_d = 1.0 / d, rj = radius[type[j]];
+    const double nx = dx * per_d, ny = dy * per_d, theta = deformable::angle_of(dx, dy);
+    const deformable::ContactLine line = deformable::contact_line(d, per_d, ri, rj);
+    if (!(line.height > 0.0)) behind_centre(i, j, d);
+    table.add(i, {theta, nx, ny, line.indentation}, {j, d, line.d_indentation, per_d});
+    if (j >= nlocal) continue;
+
+    const deformable::ContactLine other = deformable::contact_line(d, per_d, rj, ri);
+    if (!(other.height > 0.0)) behind_centre(j, i, d);
+    table.add(j, {theta > 0.0 ? theta - PI : theta + PI, -nx, -ny, other.indentation},
+              {i, d, other.d_indentation, per_d});
+  }
   if constexpr (WALLS)
-    for (const FixDeformableWall *wall : walls) most += wall->max_contacts();
-  table.clear(nlocal, most);
+    for (std::size_t w = 0; w < walls.size(); ++w)
+      walls[w]->visit(
+          i, (1.0 + reach) * ri, [&](double nx, double ny, double height, double per_lever) {
+            table.add(i, {deformable::angle_of(nx, ny), nx, ny, ri - height},
+                      {-1 - static_cast<int>(w), height, -1.0, per_lever});
+          });
+}
 
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii];
-    const double xi = x[i][0], yi = x[i][1], ri = radius[type[i]];
-    const double *const cutsq_i = cutsq[type[i]];
-    const int *const neighbors = list->firstneigh[i];
-    const int count = list->numneigh[i];
-    for (int jj = 0; jj < count; ++jj) {
-      const int j = neighbors[jj] & NEIGHMASK;
-      if (j < i) continue;    // done from the other side
-      const double dx = x[j][0] - xi, dy = x[j][1] - yi, rsq = dx * dx + dy * dy;
-      if (rsq > cutsq_i[type[j]]) continue;
-
-      const double d = std::sqrt(rsq), per_d = 1.0 / d, rj = radius[type[j]];
-      const double nx = dx * per_d, ny = dy * per_d;
-      const double theta = deformable::angle_of(dx, dy);
-      const deformable::ContactLine line = deformable::contact_line(d, per_d, ri, rj);
-      if (!(line.height > 0.0)) behind_centre(i, j, d);
-      table.add(i, {j, d, line.d_indentation, per_d}, theta, nx, ny, line.indentation);
-      if (j >= nlocal) continue;
-
-      const deformable::ContactLine other = deformable::contact_line(d, per_d, rj, ri);
-      if (!(other.height > 0.0)) behind_centre(j, i, d);
-      table.add(j, {i, d, other.d_indentation, per_d}, theta > 0.0 ? theta - PI : theta + PI, -nx, -ny,
-                other.indentation);
+// Calls law(i, contacts) for all particles. Contacts of a few particles are gathered before the first is
+// looked at: reading what was written just before would stall.
+template <bool WALLS, class Law> void PairDeformable::for_each_particle(Law &&law)
+{
+  constexpr int AHEAD = 16;
+  for (int begin = 0; begin < list->inum; begin += AHEAD) {
+    const int end = std::min(begin + AHEAD, list->inum);
+    for (int ii = begin; ii < end; ++ii) gather<WALLS>(list->ilist[ii]);
+    for (int ii = begin; ii < end; ++ii) {
+      const int i = list->ilist[ii];
+      law(i, table.of(i));
+      table.release(i);
     }
-    if constexpr (WALLS)
-      for (std::size_t w = 0; w < walls.size(); ++w)
-        walls[w]->visit(
-            i, (1.0 + reach) * ri, [&](double nx, double ny, double height, double per_lever) {
-              table.add(i, {-1 - static_cast<int>(w), height, -1.0, per_lever}, deformable::angle_of(nx, ny), nx,
-                        ny, ri - height);
-            });
   }
 }
 
@@ -161,12 +182,12 @@ void PairDeformable::apply(int i, const deformable::Contacts &contacts,
                            const deformable::Energy &energy)
 {
   double *const *const f = atom->f;
-  const Partner *const partners = &table.partner[static_cast<std::size_t>(i) * table.stride];
+  const Partner *const partners = &table.partner[table.first(i)];
   double fx = 0.0, fy = 0.0;
   for (int c = 0; c < contacts.size; ++c) {
     if (shape.d_indentation[c] == 0.0 && shape.d_angle[c] == 0.0) continue;
     const Partner &partner = partners[c];
-    const double nx = contacts.nx[c], ny = contacts.ny[c];
+    const double nx = contacts[c].nx, ny = contacts[c].ny;
     const double along = energy.derivative * shape.d_indentation[c] * partner.d_indentation;
     const double across = energy.derivative * shape.d_angle[c] * partner.per_lever;
     const double px = along * nx - across * ny, py = along * ny + across * nx;    // on particle i

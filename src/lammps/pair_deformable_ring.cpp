@@ -58,36 +58,31 @@ void PairDeformableRing::init_style()
 
 void PairDeformableRing::compute(int eflag, int vflag)
 {
-  begin(eflag, vflag);
   if (walls.empty())
-    evaluate<false>();
+    evaluate<false>(eflag, vflag);
   else
-    evaluate<true>();
-  finish();
+    evaluate<true>(eflag, vflag);
 }
 
 /* ---------------------------------------------------------------------- */
 
-template <bool WALLS> void PairDeformableRing::evaluate()
+template <bool WALLS> void PairDeformableRing::evaluate(int eflag, int vflag)
 {
   const bool new_list = neighbor->ago == 0;
-  gather<WALLS>();
-  carries.resize(table.partner.size(), 0);
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii];
+  begin<WALLS>(eflag, vflag);
+  carries.resize(static_cast<std::size_t>(atom->nlocal) * table.stride, 0);
+  for_each_particle<WALLS>([&](int i, const Contacts &contacts) {
     const int type = atom->type[i];
-    const Contacts contacts = table.of(i);
     char *const guess = &carries[static_cast<std::size_t>(i) * table.stride];
     ring_shape(radius[type], contacts, guess, programme, shape);
-    if (shape.area_deficit == 0.0) {
-      store_circle(i);
-      continue;
-    }
+    if (shape.area_deficit == 0.0) return store_circle(i);
+
     const Energy energy = harmonic(species[type].stiffness.kA, shape.area_deficit);
     apply<WALLS>(i, contacts, energy);
     store_shape(i, contacts, energy.derivative);
     if (new_list) check_reach(i, contacts);
-  }
+  });
+  finish();
 }
 
 /* ---------------------------------------------------------------------- */

@@ -44,46 +44,38 @@ void PairDeformableSector::check_species(const Species &s) const
 
 void PairDeformableSector::compute(int eflag, int vflag)
 {
-  begin(eflag, vflag);
-  if (atom->nmax > maxcontacts) {
-    maxcontacts = atom->nmax;
-    memory->grow(ncontacts, maxcontacts, "pair:ncontacts");
-  }
   if (walls.empty())
-    evaluate<false>();
+    evaluate<false>(eflag, vflag);
   else
-    evaluate<true>();
-  finish();
+    evaluate<true>(eflag, vflag);
 }
 
 /* ---------------------------------------------------------------------- */
 
-template <bool WALLS> void PairDeformableSector::evaluate()
+template <bool WALLS> void PairDeformableSector::evaluate(int eflag, int vflag)
 {
   const int stride = table.stride;
-  gather<WALLS>();
-  singles.clear();
+  begin<WALLS>(eflag, vflag);
   if (table.stride != stride) ordered.clear();
-  ordered.resize(std::max(ordered.size(), table.count.size()), 0);
-  order.resize(table.partner.size());
-
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii];
-    const Contacts contacts = table.of(i);
-    if (contacts.size < 2) {
-      if (contacts.size == 1) {
-        const Partner &partner = table.partner[static_cast<std::size_t>(i) * table.stride];
-        singles.push_back({i, partner, contacts.nx[0], contacts.ny[0]});
-      }
-      store_circle(i);
-    } else {
-      apply<WALLS>(i, contacts, deform(i, contacts));
-    }
-    ncontacts[i] = contacts.size;
+  ordered.resize(std::max<std::size_t>(ordered.size(), atom->nlocal), 0);
+  order.resize(ordered.size() * table.stride);
+  if (atom->nmax > maxcontacts) {
+    maxcontacts = atom->nmax;
+    memory->grow(ncontacts, maxcontacts, "pair:ncontacts");
   }
+
+  singles.clear();
+  for_each_particle<WALLS>([&](int i, const Contacts &contacts) {
+    ncontacts[i] = contacts.size;
+    if (contacts.size >= 2) return apply<WALLS>(i, contacts, deform(i, contacts));
+    if (contacts.size == 1)
+      singles.push_back({i, table.partner[table.first(i)], contacts[0].nx, contacts[0].ny});
+    store_circle(i);
+  });
 
   comm->forward_comm(this);
   for (const SingleContact &single : singles) repel<WALLS>(single);
+  finish();
 }
 
 /* ----------------------------------------------------------------------

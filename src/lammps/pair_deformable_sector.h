@@ -21,8 +21,8 @@ class PairDeformableSector : public PairDeformable {
   void check_species(const Species &) const override;
 
  private:
-  // Each particle's contacts by angle, laid out as the table, and of how many contacts the permutation is.
-  // Contacts come in the same order as long as none forms or breaks: the last step's is a good guess.
+  // Each particle's contacts by angle, and of how many contacts the permutation is. Contacts come in the
+  // same order as long as none forms or breaks: the last step's is a good guess.
   std::vector<int> order, ordered;
 
   // A particle with one contact has no sector; the pair repels as soft disks, once. Who shares the pair
@@ -36,7 +36,7 @@ class PairDeformableSector : public PairDeformable {
   double *ncontacts = nullptr;    // per atom, ghosts included
   int maxcontacts = 0;      // entries of it
 
-  template <bool WALLS> void evaluate();
+  template <bool WALLS> void evaluate(int eflag, int vflag);
   template <bool WALLS> void repel(const SingleContact &);
   deformable::Energy deform(int i, const deformable::Contacts &);
 };
