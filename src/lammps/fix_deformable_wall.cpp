@@ -5,6 +5,8 @@
 #include "force.h"
 #include "pair.h"
 
+#include <cstring>
+
 using namespace LAMMPS_NS;
 using namespace FixConst;
 
@@ -50,9 +52,23 @@ void FixDeformableWall::init()
 
   // Region::Contact::radius is made for granular particles: twice the radius of a cylinder, the radius
   // of a sphere. Other curved surfaces do not say how they turn.
-  curvature_factor = utils::strmatch(region->style, "^cylinder") ? 0.5
-      : utils::strmatch(region->style, "^sphere")                ? 1.0
+  curvature_factor = std::strcmp(region->style, "cylinder") == 0 ? 0.5
+      : std::strcmp(region->style, "sphere") == 0                ? 1.0
                                                                  : 0.0;
+  if (curvature_factor == 0.0) require_flat(region);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDeformableWall::require_flat(const Region *part) const
+{
+  for (const char *flat : {"plane", "block", "prism"})
+    if (std::strcmp(part->style, flat) == 0) return;
+  if (!part->reglist)
+    error->all(FLERR, "Fix {} deformable/wall: region '{}' of style {} has a curved surface; build the "
+               "container from planes, blocks and prisms, or use one cylinder or sphere alone",
+               id, part->id, part->style);
+  for (int n = 0; n < part->nregion; ++n) require_flat(part->reglist[n]);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -131,14 +147,9 @@ double FixDeformableWall::compute_vector(int n)
    the particle; one that curves away at radius + height before it.
 ------------------------------------------------------------------------- */
 
-double FixDeformableWall::per_lever(const Region::Contact &face)
+double FixDeformableWall::per_lever(const Region::Contact &face) const
 {
-  if (face.radius == 0.0) return 0.0;
-  if (curvature_factor == 0.0)
-    error->one(FLERR, "Fix {} deformable/wall: region '{}' of style {} has a curved surface; build the "
-               "container from planes, blocks and prisms, or use one cylinder or sphere",
-               id, region_id, region->style);
-  return 1.0 / (curvature_factor * face.radius + face.r);
+  return face.radius == 0.0 ? 0.0 : 1.0 / (curvature_factor * face.radius + face.r);
 }
 
 /* ---------------------------------------------------------------------- */

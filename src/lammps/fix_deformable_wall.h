@@ -76,7 +76,8 @@ class FixDeformableWall : public Fix {
   std::vector<Push> pushes;    // by local index, of the present step
   double on_wall[2] = {0.0, 0.0};
 
-  double per_lever(const Region::Contact &face);
+  double per_lever(const Region::Contact &face) const;
+  void require_flat(const Region *part) const;
   [[noreturn]] void outside(int i);
   [[noreturn]] void unusable(int i, double distance);
 };
