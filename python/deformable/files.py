@@ -1,0 +1,218 @@
+"""What is kept of a run: a folder that other programs read and from which a run goes on.
+
+    packing.data            last state, LAMMPS data file
+    summary.json            last state in numbers, model, parameters and versions
+    series.csv              one row a state
+    trajectory.lammpstrj    LAMMPS dump for OVITO and MDAnalysis
+
+`State.save` writes the first two, `record` all of them while a run goes on; `load` takes a run up
+again.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+
+from .engine import read_data
+from .errors import FileError, LammpsError
+from .models import Ring, Sector
+from .packing import Packing
+from .simulation import Simulation
+from .state import State
+from .versions import versions
+
+DATA, SUMMARY = "packing.data", "summary.json"
+SERIES, TRAJECTORY = "series.csv", "trajectory.lammpstrj"
+
+_MODELS: dict[str, type[Ring] | type[Sector]] = {"Ring": Ring, "Sector": Sector}
+
+
+def save(state: State, folder: str | Path, parameters: Mapping[str, Any] | None) -> None:
+    """See `State.save`."""
+    if not state.root:
+        return
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    summary = {
+        "state": numbers(state),
+        "model": {"name": type(state.model).__name__}
+        | {name: _strict(value) for name, value in asdict(state.model).items()},
+        "radii": state.packing.radii.tolist(),
+        "parameters": {name: _strict(value) for name, value in (parameters or {}).items()},
+        "versions": versions(),
+    }
+    _replace(folder / DATA, _data_file(state.packing))
+    _replace(folder / SUMMARY, json.dumps(summary, indent=2, default=str) + "\n")
+
+
+def load(folder: str | Path, comm: MPI.Comm | None = None) -> Simulation:
+    """Take up a saved run: the same particles, box and model, ready to go on.
+
+    Args:
+        folder: where `State.save` or `record` wrote.
+        comm: as for `Simulation`.
+
+    Raises:
+        FileError: a file is missing or cannot be understood.
+    """
+    (comm or MPI.COMM_WORLD).barrier()  # rank 0 may still be writing
+    return Simulation(*_read(Path(folder)), comm=comm)
+
+
+def record(
+    states: Iterable[State],
+    folder: str | Path,
+    parameters: Mapping[str, Any] | None = None,
+    append: bool = False,
+) -> Iterator[State]:
+    """Write each state into a folder as it comes: an interrupted run loses nothing.
+
+        for state in deformable.record(deformable.compress(sim, 0.01, 10), "run"):
+            print(state.phi)
+
+    Args:
+        states: e.g. from `compress`.
+        folder: made if missing.
+        parameters: anything JSON that belongs into the summary.
+        append: go on with the series and trajectory in the folder instead of replacing them; the
+            parameters written there move to `before` in the summary.
+
+    Yields:
+        The states, unchanged.
+    """
+    folder = Path(folder)
+    series, trajectory = folder / SERIES, folder / TRAJECTORY
+    first = 0
+    if append and series.exists():
+        with series.open(newline="") as file:
+            first = sum(1 for _ in csv.DictReader(file))
+        before = json.loads((folder / SUMMARY).read_text())["parameters"]
+        parameters = {**(parameters or {}), "before": before}
+    for number, state in enumerate(states, start=first):
+        save(state, folder, parameters)
+        if state.root:
+            mode = "a" if number > 0 else "w"
+            row = {"frame": number} | numbers(state)
+            with series.open(mode, newline="") as file:
+                writer = csv.DictWriter(file, row.keys())
+                if number == 0:
+                    writer.writeheader()
+                writer.writerow(row)
+            with trajectory.open(mode) as file:
+                file.write(_dump_frame(number, state))
+        yield state
+
+
+def numbers(state: State) -> dict[str, Any]:
+    """A state in numbers, by name."""
+    (lx, _), (xy, ly) = state.packing.box.tolist()
+    return {
+        "particles": len(state.packing),
+        "lx": lx,
+        "ly": ly,
+        "xy": xy,
+        "phi": state.phi,
+        "pressure": state.pressure,
+        "shear_stress": float(state.stress[0, 1]),
+        "energy": state.energy,
+        "coordination": state.coordination,
+        "rattlers": int(np.sum(state.rattlers)),
+        "beyond": state.beyond,
+        "residual": state.residual,
+        "stalled": state.stalled,
+    }
+
+
+def _strict(value: Any) -> Any:
+    """JSON has no infinity; `float` reads it back from a string."""
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _replace(path: Path, text: str) -> None:
+    """Write a file whole or not at all."""
+    part = path.with_name(path.name + ".part")
+    part.write_text(text)
+    part.replace(path)
+
+
+def _data_file(packing: Packing) -> str:
+    (lx, _), (xy, ly) = packing.box.tolist()
+    lines = [
+        "LAMMPS data file by lammps-deformable, units lj, atom_style atomic, two-dimensional",
+        "",
+        f"{len(packing)} atoms",
+        f"{len(packing.radii)} atom types",
+        f"0 {lx!r} xlo xhi",
+        f"0 {ly!r} ylo yhi",
+        "-0.5 0.5 zlo zhi",
+        f"{xy!r} 0 0 xy xz yz",
+        "",
+        "Masses",
+        "",
+        *(f"{n} 1" for n in range(1, len(packing.radii) + 1)),
+        "",
+        "Atoms # atomic",
+        "",
+    ]
+    rows = zip(packing.species.tolist(), packing.positions.tolist(), strict=True)
+    lines += [f"{n} {kind + 1} {x!r} {y!r} 0" for n, (kind, (x, y)) in enumerate(rows, start=1)]
+    return "\n".join(lines) + "\n"
+
+
+def _dump_frame(number: int, state: State) -> str:
+    packing = state.packing
+    (lx, _), (xy, ly) = packing.box.tolist()
+    # LAMMPS gives the bounding box of a tilted cell and the tilts beside it.
+    box = (
+        ["ITEM: BOX BOUNDS pp pp pp", f"0 {lx!r}", f"0 {ly!r}", "-0.5 0.5"]
+        if xy == 0.0
+        else [
+            "ITEM: BOX BOUNDS xy xz yz pp pp pp",
+            f"{min(0.0, xy)!r} {lx + max(0.0, xy)!r} {xy!r}",
+            f"0 {ly!r} 0",
+            "-0.5 0.5 0",
+        ]
+    )
+    columns = {
+        "radius": packing.radius,
+        "area": state.area,
+        "perimeter": state.perimeter,
+        "pressure": state.particle_pressure,
+        "contacts": state.contacts,
+        "arc_radius": state.arc_radius,
+        "rattler": state.rattlers.astype(int),
+    }
+    lines = ["ITEM: TIMESTEP", str(number), "ITEM: NUMBER OF ATOMS", str(len(packing)), *box]
+    lines.append("ITEM: ATOMS id type x y z " + " ".join(columns))
+    rows = zip(
+        packing.species.tolist(),
+        packing.positions.tolist(),
+        *(column.tolist() for column in columns.values()),
+        strict=True,
+    )
+    for n, (kind, (x, y), *values) in enumerate(rows, start=1):
+        lines.append(f"{n} {kind + 1} {x!r} {y!r} 0 " + " ".join(map(repr, values)))
+    return "\n".join(lines) + "\n"
+
+
+def _read(folder: Path) -> tuple[Packing, Ring | Sector]:
+    try:
+        summary = json.loads((folder / SUMMARY).read_text())
+        settings = dict(summary["model"])
+        model = _MODELS[settings.pop("name")](
+            **{name: float(value) for name, value in settings.items()}
+        )
+        return read_data(folder / DATA, summary["radii"]), model
+    except FileNotFoundError as error:
+        raise FileError(f"no saved run in '{folder}': {error.filename} is missing") from None
+    except (ValueError, KeyError, TypeError, LammpsError) as error:
+        raise FileError(f"the saved run in '{folder}' cannot be read: {error}") from None

@@ -1,0 +1,142 @@
+"""Packings: where undeformed disks of a few species sit in a periodic box."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import ParameterError
+
+
+@dataclass(frozen=True, eq=False)
+class Packing:
+    """Disks in a periodic two-dimensional box.
+
+    Attributes:
+        positions: centres, shape (N, 2) [length].
+        species: species of each particle, counted from 0, shape (N,).
+        radii: undeformed radius of each species, shape (number of species,) [length].
+        box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
+
+    Raises:
+        ParameterError: shapes disagree, a number is not finite, a radius or box length is not
+            positive, or a species has no radius.
+    """
+
+    positions: NDArray[np.float64]
+    species: NDArray[np.int64]
+    radii: NDArray[np.float64]
+    box: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        fields: tuple[tuple[str, type], ...] = (
+            ("positions", np.float64),
+            ("species", np.int64),
+            ("radii", np.float64),
+            ("box", np.float64),
+        )
+        for name, dtype in fields:
+            array: NDArray[np.generic] = np.array(getattr(self, name), dtype=dtype)
+            if not np.isfinite(array).all():
+                raise ParameterError(f"{name} must be finite numbers")
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        n = len(self.species)
+        if n == 0 or self.positions.shape != (n, 2) or self.species.shape != (n,):
+            raise ParameterError(
+                f"positions must have shape (N, 2) and species (N,) with N > 0, "
+                f"not {self.positions.shape} and {self.species.shape}"
+            )
+        if self.radii.ndim != 1 or not (self.radii > 0.0).all():
+            raise ParameterError(f"radii must be positive, not {self.radii.tolist()}")
+        if self.species.min() < 0 or self.species.max() >= len(self.radii):
+            raise ParameterError(
+                f"species must lie in 0..{len(self.radii) - 1}, one radius each, "
+                f"not {self.species.min()}..{self.species.max()}"
+            )
+        if self.box.shape != (2, 2) or self.box[0, 1] != 0.0 or not (self.box.diagonal() > 0).all():
+            raise ParameterError(
+                f"box must be ((lx, 0), (xy, ly)) with lx, ly > 0, not {self.box.tolist()}"
+            )
+
+    def __len__(self) -> int:
+        return len(self.species)
+
+    @property
+    def radius(self) -> NDArray[np.float64]:
+        """Undeformed radius of each particle, shape (N,) [length]."""
+        return self.radii[self.species]
+
+    @property
+    def phi(self) -> float:
+        """Packing fraction of the undeformed disks, sum pi R^2 / box area; overlaps count twice."""
+        return float(np.pi * np.sum(self.radius**2) / np.prod(self.box.diagonal()))
+
+    def at(self, phi: float) -> Packing:
+        """The same packing, box and centres scaled alike to another packing fraction."""
+        factor = np.sqrt(self.phi / positive("phi", phi))
+        return replace(self, positions=self.positions * factor, box=self.box * factor)
+
+
+def positive(name: str, value: float) -> float:
+    """The value, if it is a finite number above zero."""
+    if not (np.isfinite(value) and value > 0.0):
+        raise ParameterError(f"{name} must be a positive number, not {value}")
+    return float(value)
+
+
+def bidisperse(
+    number: int,
+    radii: Sequence[float] | None = None,
+    fraction: float = 0.5,
+    phi: float = 0.3,
+    aspect: float = 1.0,
+    tilt: float = 0.0,
+    seed: int = 1,
+    ratio: float | None = None,
+) -> Packing:
+    """Disks of two sizes at random places, overlaps allowed: the start of a jamming run.
+
+    Args:
+        number: number of particles N.
+        radii: radius of the small (species 0) and the large particles (species 1) [length];
+            (0.5, 0.7) if neither these nor a ratio are given.
+        fraction: number fraction of large particles, in [0, 1].
+        phi: packing fraction, sum pi R^2 / box area.
+        aspect: height over width of the box, ly / lx.
+        tilt: shear of the box, xy / ly; 0 is a rectangle.
+        seed: seed of numpy's default generator; the same seed gives the same packing anywhere.
+        ratio: of the large to the small radius, in place of radii; the small radius is then 0.5.
+
+    Returns:
+        The packing; large particles come last.
+
+    Raises:
+        ParameterError: a value is out of range.
+    """
+    if number < 1:
+        raise ParameterError(f"number must be at least 1, not {number}")
+    if ratio is not None and radii is not None:
+        raise ParameterError(f"give radii or a ratio, not both: {list(radii)} and {ratio}")
+    if radii is None:
+        radii = (0.5, 0.7) if ratio is None else (0.5, 0.5 * positive("ratio", ratio))
+    if len(radii) != 2:
+        raise ParameterError(f"radii must be two numbers, not {list(radii)}")
+    if not 0.0 <= fraction <= 1.0:
+        raise ParameterError(f"fraction must lie between 0 and 1, not {fraction}")
+    if not np.isfinite(tilt):
+        raise ParameterError(f"tilt must be a finite number, not {tilt}")
+    if seed < 0:
+        raise ParameterError(f"seed must not be negative, not {seed}")
+    small, large = (positive("radii", radius) for radius in radii)
+    species = (np.arange(number) >= number - round(fraction * number)).astype(np.int64)
+    radius = np.where(species == 1, large, small)
+    area = np.pi * np.sum(radius**2) / positive("phi", phi)
+    lx = np.sqrt(area / positive("aspect", aspect))
+    ly = aspect * lx
+    box = np.array([[lx, 0.0], [tilt * ly, ly]])
+    places = np.random.default_rng(seed).random((number, 2))
+    return Packing(places @ box, species, np.array([small, large]), box)

@@ -1,0 +1,14 @@
+"""Progress bars on long work: silent off a terminal and off rank 0."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mpi4py import MPI
+from tqdm import tqdm
+
+
+def progress(description: str, unit: str, total: int | None = None) -> tqdm[Any]:
+    """A progress bar on stderr; tqdm itself keeps it off anything that is not a terminal."""
+    hidden = MPI.COMM_WORLD.rank > 0 or None
+    return tqdm(desc=description, unit=unit, total=total, leave=False, disable=hidden)

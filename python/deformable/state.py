@@ -1,0 +1,156 @@
+"""One state of a simulation: a snapshot that stays as it is while the simulation goes on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import core
+from .models import Model
+from .neighbours import Neighbours
+from .packing import Packing
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A snapshot, the same on every rank. Particles are numbered from 0.
+
+    Attributes:
+        packing: centres, species, undeformed radii and box.
+        model: contact law with its stiffness.
+        area: of each particle, shape (N,) [length^2].
+        perimeter: of each particle, shape (N,) [length].
+        contacts: number of contacts that bear force on each particle, shape (N,).
+        particle_pressure: inside each particle, shape (N,) [energy/length^2].
+        arc_radius: smallest radius of curvature of the free outline, shape (N,) [length].
+        energy: of all particles [energy].
+        stress: pressure tensor of the packing, compression positive, shape (2, 2)
+            [energy/length^2].
+        residual: largest force on a particle over the mean contact force; 0 without contacts.
+        stalled: the relaxation stopped before its tolerance.
+        beyond: number of particles that the model does not describe (negative radius of curvature).
+        neighbours: candidates for contact, in range of the law.
+        root: this process writes the files (rank 0 of the run).
+    """
+
+    packing: Packing
+    model: Model
+    area: NDArray[np.float64]
+    perimeter: NDArray[np.float64]
+    contacts: NDArray[np.int64]
+    particle_pressure: NDArray[np.float64]
+    arc_radius: NDArray[np.float64]
+    energy: float
+    stress: NDArray[np.float64]
+    residual: float
+    stalled: bool
+    beyond: int
+    neighbours: Neighbours
+    root: bool
+
+    def __post_init__(self) -> None:
+        for array in (value for value in vars(self).values() if isinstance(value, np.ndarray)):
+            array.setflags(write=False)
+
+    @property
+    def phi(self) -> float:
+        """Packing fraction, sum of the deformed areas over the area of the box."""
+        return float(np.sum(self.area) / np.prod(self.packing.box.diagonal()))
+
+    @property
+    def pressure(self) -> float:
+        """Pressure of the packing, half the trace of `stress` [energy/length^2]."""
+        return float(np.trace(self.stress) / 2.0)
+
+    @property
+    def area_deficit(self) -> NDArray[np.float64]:
+        """S = A0 - A of each particle, shape (N,) [length^2]."""
+        return np.pi * self.packing.radius**2 - self.area
+
+    @cached_property
+    def bearing(self) -> NDArray[np.bool_]:
+        """Which `neighbours` bear force: contacts with a length on either side, shape (M,)."""
+        length = np.zeros(len(self.neighbours.i))
+        law = getattr(core, self.model.law)
+        for n, radius in enumerate(self.packing.radius):
+            part = slice(*self.neighbours.first[n : n + 2])
+            shape = law(radius, self.neighbours.angle[part], self.neighbours.indentation[part])
+            length[part] = shape.contact_length
+        return (length != 0.0) | (length[self.neighbours.reverse] != 0.0)
+
+    @cached_property
+    def _backbone(self) -> NDArray[np.int64]:
+        """Bearing contacts of each particle once rattlers are taken out one after another, (N,)."""
+        i, j, count = self.neighbours.i, self.neighbours.j, len(self.packing)
+        bonds = self.bearing
+        while True:
+            z = np.bincount(i[bonds], minlength=count)
+            held = z >= 3
+            kept = bonds & held[i] & held[j]
+            if (kept == bonds).all():
+                return np.where(held, z, 0)
+            bonds = kept
+
+    @property
+    def rattlers(self) -> NDArray[np.bool_]:
+        """Particles with fewer than three bearing contacts, rattlers not counted, shape (N,)."""
+        return self._backbone == 0
+
+    @property
+    def coordination(self) -> float:
+        """Mean number z of bearing contacts of the particles that are not rattlers; else 0."""
+        held = self._backbone[~self.rattlers]
+        return float(np.mean(held)) if len(held) else 0.0
+
+    @cached_property
+    def outlines(self) -> list[NDArray[np.float64]]:
+        """Exact outline of each particle, closed polygons of shape (m, 2) [length]."""
+        near = self.neighbours
+        return [
+            centre
+            + core.outline(
+                self.model.law,
+                radius,
+                near.angle[near.first[n] : near.first[n + 1]],
+                near.indentation[near.first[n] : near.first[n + 1]],
+            )
+            for n, (centre, radius) in enumerate(
+                zip(self.packing.positions, self.packing.radius, strict=True)
+            )
+        ]
+
+    def plot(self, ax: Axes | None = None, color_by: str = "particle_pressure") -> Axes:
+        """Draw the outlines, coloured by a value of each particle; returns the axes.
+
+        Args:
+            ax: axes to draw into; a new figure without.
+            color_by: name of an attribute with one number a particle, e.g. `area_deficit`.
+
+        Raises:
+            ParameterError: `color_by` is no such attribute.
+            ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
+        """
+        from .plots import draw
+
+        return draw(self, ax, color_by)
+
+    def save(self, folder: str | Path, parameters: Mapping[str, Any] | None = None) -> None:
+        """Write `packing.data` (LAMMPS) and `summary.json`, from which `deformable.load` continues.
+
+        Args:
+            folder: made if missing; an older state there is replaced.
+            parameters: anything JSON that belongs into the summary, e.g. seed and protocol.
+        """
+        from .files import save
+
+        save(self, folder, parameters)

@@ -1,0 +1,100 @@
+"""What is written can be read: by us to go on, by others to look at."""
+
+import csv
+import json
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+
+
+def test_saved_state_goes_on_as_it_was(state: deformable.State, tmp_path: Path) -> None:
+    state.save(tmp_path, {"seed": 3, "kP": float("inf")})
+    with deformable.load(tmp_path) as sim:
+        again = sim.state()
+        assert sim.model == state.model
+    assert again.packing.positions == pytest.approx(state.packing.positions, abs=1e-13)
+    assert np.array_equal(again.packing.species, state.packing.species)
+    assert np.array_equal(again.packing.box, state.packing.box)
+    assert again.energy == pytest.approx(state.energy, rel=1e-12)
+    assert again.residual == pytest.approx(state.residual, rel=1e-6)
+
+
+def test_tilted_sector_packing_goes_on(tmp_path: Path) -> None:
+    jammed = deformable.jam(deformable.bidisperse(12, tilt=-0.4, aspect=1.3, seed=2))
+    with deformable.Simulation(jammed.at(0.86), deformable.Sector(kP=2.0)) as sim:
+        state = sim.state()
+    state.save(tmp_path)
+    with deformable.load(tmp_path) as sim:
+        assert sim.model == deformable.Sector(kP=2.0)
+        assert sim.state().energy == pytest.approx(state.energy, rel=1e-12)
+
+
+def test_summary_says_how_it_was_made(state: deformable.State, tmp_path: Path) -> None:
+    state.save(tmp_path, {"seed": 3, "kP": float("inf")})
+    text = (tmp_path / "summary.json").read_text()
+    summary = json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+    assert summary["state"]["phi"] == state.phi
+    assert summary["model"] == {"name": "Ring", "kA": 2.0, "reach": 0.1}
+    assert summary["parameters"] == {"seed": 3, "kP": "inf"}
+    assert {"deformable", "lammps", "numpy", "python", "mpi"} <= summary["versions"].keys()
+
+
+def test_record_writes_as_the_run_goes(jammed: deformable.Packing, tmp_path: Path) -> None:
+    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+        run = deformable.record(deformable.compress(sim, strain=0.02, steps=4), tmp_path)
+        first, second = next(run), next(run)  # and interrupted here
+    with (tmp_path / "series.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["phi"]) for row in rows] == [first.phi, second.phi]
+
+    with deformable.load(tmp_path) as sim:
+        steps = deformable.compress(sim, strain=0.01, steps=1)
+        (third,) = deformable.record(steps, tmp_path, {"steps": 1}, append=True)
+    with (tmp_path / "series.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [int(row["frame"]) for row in rows] == [0, 1, 2]
+    assert float(rows[2]["energy"]) == third.energy > second.energy
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["parameters"] == {"steps": 1, "before": {}}
+    assert (tmp_path / "trajectory.lammpstrj").read_text().count("ITEM: TIMESTEP") == 3
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.3, -0.3])
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_mdanalysis_reads_the_trajectory(tilt: float, tmp_path: Path) -> None:
+    mdanalysis = pytest.importorskip("MDAnalysis")
+    jammed = deformable.jam(deformable.bidisperse(16, tilt=tilt, seed=4))
+    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+        steps = deformable.compress(sim, strain=0.02, steps=2)
+        states = list(deformable.record(steps, tmp_path))
+    universe = mdanalysis.Universe(
+        str(tmp_path / "trajectory.lammpstrj"),
+        format="LAMMPSDUMP",
+        additional_columns=True,
+        dt=1.0,
+    )
+    assert len(universe.trajectory) == 2
+    for frame, state in zip(universe.trajectory, states, strict=True):
+        assert frame.data["area"] == pytest.approx(state.area)
+        assert frame.data["pressure"] == pytest.approx(state.particle_pressure, rel=1e-5)
+        assert frame.data["contacts"] == pytest.approx(state.contacts)
+        assert frame.data["radius"] == pytest.approx(state.packing.radius)
+        assert frame.positions[:, :2] == pytest.approx(state.packing.positions, abs=1e-5)
+        (lx, _), (xy, ly) = state.packing.box
+        vectors = frame.triclinic_dimensions[:2, :2]
+        assert vectors == pytest.approx(np.array([[lx, 0.0], [xy, ly]]), rel=1e-5)
+
+
+def test_missing_and_broken_runs_are_named(state: deformable.State, tmp_path: Path) -> None:
+    with pytest.raises(deformable.FileError, match=r"summary\.json is missing"):
+        deformable.load(tmp_path / "nowhere")
+    state.save(tmp_path)
+    (tmp_path / "summary.json").write_text('{"model": {"name": "Foam"}}')
+    with pytest.raises(deformable.FileError, match=r"cannot be read.*Foam"):
+        deformable.load(tmp_path)
+    state.save(tmp_path)
+    (tmp_path / "packing.data").unlink()
+    with pytest.raises(deformable.FileError, match=r"packing\.data"):
+        deformable.load(tmp_path)

@@ -1,0 +1,72 @@
+"""The same script on one process and on two ranks."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPT = """
+import json
+from mpi4py import MPI
+import deformable
+
+jammed = deformable.jam(deformable.bidisperse(32, seed=3))
+sim = deformable.Simulation(jammed, deformable.Ring())
+steps = deformable.compress(sim, strain=0.02, steps=2, tolerance=1e-9)
+for state in deformable.record(steps, "run"):
+    pass
+contacts = list(zip(state.neighbours.i.tolist(), state.neighbours.j.tolist()))
+seen = [state.phi, state.pressure, state.energy, state.coordination, contacts]
+assert MPI.COMM_WORLD.allgather(seen) == [seen] * MPI.COMM_WORLD.size
+assert state.root == (MPI.COMM_WORLD.rank == 0)
+with deformable.load("run") as again:
+    assert abs(again.state().energy / state.energy - 1) < 1e-12
+if MPI.COMM_WORLD.rank == 0:
+    print(json.dumps(seen))
+"""
+
+FARM = """
+from mpi4py import MPI
+import deformable
+
+rank = MPI.COMM_WORLD.rank
+jammed = deformable.jam(deformable.bidisperse(16, seed=rank + 1))
+sim = deformable.Simulation(jammed, deformable.Ring(), comm=MPI.COMM_SELF)
+for state in deformable.record(deformable.compress(sim, 0.01, rank + 1), f"run{rank}"):
+    pass
+assert state.root
+"""
+
+
+def python(script: str, cwd: Path, ranks: int) -> str:
+    """Output of a python script, under MPI if there are several ranks."""
+    (cwd / "script.py").write_text(script)
+    command = [sys.executable, "script.py"]
+    if ranks > 1:
+        mpiexec = str(Path(sys.executable).parent / "mpiexec")
+        command = [mpiexec, "-n", str(ranks), sys.executable, "-m", "mpi4py", "script.py"]
+    result = subprocess.run(
+        command, cwd=cwd, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert result.returncode == 0, result.stderr
+    return result.stdout
+
+
+def test_two_ranks_give_the_serial_answer(tmp_path: Path) -> None:
+    answers = []
+    for ranks in (1, 2):
+        folder = tmp_path / str(ranks)
+        folder.mkdir()
+        answers.append(json.loads(python(SCRIPT, cwd=folder, ranks=ranks)))
+        assert (folder / "run" / "trajectory.lammpstrj").read_text().count("ITEM: TIMESTEP") == 2
+    (*serial, serial_contacts), (*shared, shared_contacts) = answers
+    assert shared == pytest.approx(serial, rel=1e-6)
+    assert shared_contacts == serial_contacts
+
+
+def test_every_rank_may_run_its_own(tmp_path: Path) -> None:
+    python(FARM, cwd=tmp_path, ranks=2)
+    rows = [len((tmp_path / f"run{n}" / "series.csv").read_text().splitlines()) for n in (0, 1)]
+    assert rows == [2, 3]

@@ -1,0 +1,106 @@
+"""Packings: what the builder promises for any input, and what a packing refuses."""
+
+import dataclasses
+from typing import Any
+
+import deformable
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+BUILDER = st.fixed_dictionaries(
+    {
+        "number": st.integers(1, 60),
+        "radii": st.tuples(st.floats(0.01, 10.0), st.floats(0.01, 10.0)),
+        "fraction": st.floats(0.0, 1.0),
+        "phi": st.floats(0.01, 1.2),
+        "aspect": st.floats(0.1, 10.0),
+        "tilt": st.floats(-2.0, 2.0),
+        "seed": st.integers(0, 2**32),
+    }
+)
+
+
+@given(BUILDER)
+def test_builder_gives_what_was_asked_for(asked: dict[str, Any]) -> None:
+    packing = deformable.bidisperse(**asked)
+    (lx, zero), (xy, ly) = packing.box
+    assert len(packing) == asked["number"]
+    assert packing.phi == pytest.approx(asked["phi"])
+    assert zero == 0.0
+    assert ly / lx == pytest.approx(asked["aspect"])
+    assert xy / ly == pytest.approx(asked["tilt"])
+    assert packing.species.sum() == round(asked["fraction"] * asked["number"])
+    assert np.array_equal(packing.radius, np.array(asked["radii"])[packing.species])
+    inside = packing.positions @ np.linalg.inv(packing.box)
+    assert (inside > -1e-9).all()
+    assert (inside < 1 + 1e-9).all()
+
+
+def test_seed_decides() -> None:
+    first, again, other = (deformable.bidisperse(20, seed=seed) for seed in (1, 1, 2))
+    assert np.array_equal(first.positions, again.positions)
+    assert not np.array_equal(first.positions, other.positions)
+
+
+def test_ratio_in_place_of_radii() -> None:
+    assert deformable.bidisperse(4).radii == pytest.approx([0.5, 0.7])
+    assert deformable.bidisperse(4, ratio=1.2).radii == pytest.approx([0.5, 0.6])
+
+
+def test_at_scales_box_and_centres_alike() -> None:
+    packing = deformable.bidisperse(20, phi=0.3, tilt=0.4)
+    denser = packing.at(0.6)
+    assert denser.phi == pytest.approx(0.6)
+    assert denser.positions / np.sqrt(0.5) == pytest.approx(packing.positions)
+
+
+def test_packing_cannot_be_changed() -> None:
+    packing = deformable.bidisperse(4)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        packing.box = np.eye(2)  # type: ignore[misc]
+    with pytest.raises(ValueError, match="read-only"):
+        packing.positions[0, 0] = 1.0
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"number": 0}, "number must be at least 1, not 0"),
+        ({"radii": (0.5, -0.7)}, "radii must be a positive number, not -0.7"),
+        ({"radii": (0.5,)}, "radii must be two numbers"),
+        ({"ratio": -1.4}, "ratio must be a positive number, not -1.4"),
+        ({"radii": (0.5, 0.7), "ratio": 1.4}, "give radii or a ratio, not both"),
+        ({"fraction": 1.5}, "fraction must lie between 0 and 1, not 1.5"),
+        ({"phi": 0.0}, "phi must be a positive number, not 0.0"),
+        ({"aspect": float("nan")}, "aspect must be a positive number, not nan"),
+        ({"tilt": float("inf")}, "tilt must be a finite number, not inf"),
+        ({"seed": -1}, "seed must not be negative, not -1"),
+    ],
+)
+def test_builder_names_the_bad_value(wrong: dict[str, Any], message: str) -> None:
+    with pytest.raises(deformable.ParameterError, match=message):
+        deformable.bidisperse(**({"number": 8} | wrong))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"positions": np.zeros((3, 2))}, "positions must have shape"),
+        ({"positions": np.full((2, 2), np.nan)}, "positions must be finite"),
+        ({"species": np.array([0, 2])}, "species must lie in 0..1"),
+        ({"radii": np.array([0.5, 0.0])}, "radii must be positive"),
+        ({"box": np.array([[1.0, 0.5], [0.0, 1.0]])}, "box must be"),
+    ],
+)
+def test_packing_refuses_nonsense(wrong: dict[str, Any], message: str) -> None:
+    good = {
+        "positions": np.zeros((2, 2)),
+        "species": np.array([0, 1]),
+        "radii": np.array([0.5, 0.7]),
+        "box": np.eye(2),
+    }
+    deformable.Packing(**good)
+    with pytest.raises(deformable.ParameterError, match=message):
+        deformable.Packing(**(good | wrong))
