@@ -163,7 +163,7 @@ template <bool WALLS> void PairDeformable::gather(int i)
 // looked at: reading what was written just before would stall.
 template <bool WALLS, class Law> void PairDeformable::for_each_particle(Law &&law)
 {
-  constexpr int AHEAD = 16;
+  constexpr int AHEAD = 64;
   for (int begin = 0; begin < list->inum; begin += AHEAD) {
     const int end = std::min(begin + AHEAD, list->inum);
     for (int ii = begin; ii < end; ++ii) gather<WALLS>(list->ilist[ii]);
