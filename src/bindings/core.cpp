@@ -105,8 +105,8 @@ Result sector_result(double radius, const Input &angle, const Input &indentation
   refuse_coincident(result.shape);
   for_each_sector(contacts, order, [&](int s, int i, int k, const Opening &o) {
     result.arc_radii[s] =
-        sector(radius, sector_coefficients(o), contacts[i].indentation, contacts[k].indentation)
-            .arc_radius;
+        radius -
+        sector(sector_coefficients(o), contacts[i].indentation, contacts[k].indentation).shrinkage;
   });
   return result;
 }
@@ -122,7 +122,8 @@ Result area_sector_result(double radius, const Input &angle, const Input &indent
   refuse_coincident(result.shape);
   for_each_sector(contacts, order, [&](int s, int i, int k, const Opening &o) {
     result.arc_radii[s] =
-        area_sector(radius, o, contacts[i].indentation, contacts[k].indentation).part.arc_radius;
+        radius -
+        area_sector(radius, o, contacts[i].indentation, contacts[k].indentation).part.shrinkage;
   });
   return result;
 }
@@ -153,7 +154,7 @@ Points outline_points(const std::string &law, double radius, const Input &angle,
     sector_result(radius, angle, indentation);    // refuses what has no shape
     sector_outline(radius, contacts, order, points, outline,
                    [&](const Opening &o, double ai, double ak) {
-                     return sector(radius, sector_coefficients(o), ai, ak);
+                     return sector(sector_coefficients(o), ai, ak);
                    });
   } else if (law == "area_sector") {
     area_sector_result(radius, angle, indentation);    // likewise
@@ -173,7 +174,7 @@ double checked_contact_line(double distance, double radius_i, double radius_j)
   if (!(distance > 0.0))
     throw nb::value_error(
         ("distance is " + std::to_string(distance) + ": it must be positive").c_str());
-  return contact_line(distance, 1.0 / distance, radius_i, radius_j).indentation;
+  return contact_line(distance, 1.0 / distance, radius_i, radius_j).indentation_i;
 }
 
 Vector contact_lines(const Input &distance, const Input &radius_i, const Input &radius_j)

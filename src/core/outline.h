@@ -65,7 +65,7 @@ void sector_outline(double radius, const Contacts &contacts, int *order, int poi
   sort_by_angle(contacts, order);
   for_each_sector(contacts, order, [&](int, int i, int k, const Opening &o) {
     const Sector part = sector_of(o, contacts[i].indentation, contacts[k].indentation);
-    const double q = part.arc_radius, inward = radius - contacts[i].indentation - q;
+    const double q = radius - part.shrinkage, inward = part.shrinkage - contacts[i].indentation;
     const double nx = contacts[i].nx, ny = contacts[i].ny;
     const double x = inward * nx - part.length_i * ny, y = inward * ny + part.length_i * nx;
     const int inner = std::max(1, static_cast<int>(points * o.angle / (2.0 * PI)));

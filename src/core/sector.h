@@ -20,12 +20,6 @@ struct Opening {
   double sine, cosine;
 };
 
-// One sector, between contacts i and k.
-struct Sector {
-  double length_i, length_k;    // the parts of the two contacts on this side of their feet
-  double arc_radius;
-};
-
 // Sorts `order`, some permutation of the contacts' indices, by rising angle. By insertion: a particle has
 // few contacts, and the order of the step before is a good guess.
 inline void sort_by_angle(const Contacts &contacts, int *order)
@@ -61,23 +55,18 @@ void for_each_sector(const Contacts &contacts, const int *order, Visitor &&visit
 
 // With D = 2 - 2 cos phi - phi sin phi:
 //   alpha = (sin phi - phi cos phi)/D,  beta = (phi - sin phi)/D,  gamma = (1 - cos phi)/D
-//   alpha' = (phi sin phi - alpha (sin phi - phi cos phi))/D
-//   beta'  = (1 - cos phi - beta (sin phi - phi cos phi))/D
 struct SectorCoefficients {
-  double alpha, beta, gamma, d_alpha, d_beta;
+  double alpha, beta, gamma;
 };
 
 inline SectorCoefficients sector_coefficients(const Opening &o)
 {
   const double phi = o.angle;
   if (phi < 0.5) {    // D ~ phi^4/12 cancels: powers of phi taken out of every term
-    const double x2 = phi * phi;
-    const double per_phi = 1.0 / phi, per_d = 1.0 / taylor::TWO_VERSINES_MINUS_X_SINE(x2);
-    const double numerator = taylor::SINE_MINUS_X_COSINE(x2), versine = taylor::VERSINE(x2);
-    const double alpha = numerator * per_d, beta = taylor::X_MINUS_SINE(x2) * per_d;
-    const double scale = per_d * per_phi * per_phi;
-    return {alpha * per_phi, beta * per_phi, versine * scale,
-            (taylor::SINE(x2) - alpha * numerator) * scale, (versine - beta * numerator) * scale};
+    const double x2 = phi * phi, per_phi = 1.0 / phi;
+    const double per_d = per_phi / taylor::TWO_VERSINES_MINUS_X_SINE(x2);
+    return {taylor::SINE_MINUS_X_COSINE(x2) * per_d, taylor::X_MINUS_SINE(x2) * per_d,
+            taylor::VERSINE(x2) * per_d * per_phi};
   }
   double sine = o.sine, cosine = o.cosine, versine = 1.0 - cosine;
   if (o.complement < 1.0) {    // D ~ 2 pi e, e the complement: sin e needs its relative accuracy
@@ -85,43 +74,48 @@ inline SectorCoefficients sector_coefficients(const Opening &o)
     cosine = std::cos(o.complement);
     versine = sine * sine / (1.0 + cosine);
   }
-  const double phi_sine = phi * sine, numerator = sine - phi * cosine;
-  const double per_d = 1.0 / (2.0 * versine - phi_sine);
-  const double alpha = numerator * per_d, beta = (phi - sine) * per_d;
-  return {alpha, beta, versine * per_d, (phi_sine - alpha * numerator) * per_d,
-          (versine - beta * numerator) * per_d};
+  const double per_d = 1.0 / (2.0 * versine - phi * sine);
+  return {(sine - phi * cosine) * per_d, (phi - sine) * per_d, versine * per_d};
 }
 
-inline Sector sector(double radius, const SectorCoefficients &w, double ai, double ak)
+// One sector, between contacts i and k.
+struct Sector {
+  double length_i, length_k;    // the parts of the two contacts on this side of their feet
+  double shrinkage;             // R - q, q the radius of the arc
+};
+
+inline Sector sector(const SectorCoefficients &w, double ai, double ak)
 {
-  return {w.alpha * ai + w.beta * ak, w.beta * ai + w.alpha * ak, radius - (ai + ak) * w.gamma};
+  return {w.alpha * ai + w.beta * ak, w.beta * ai + w.alpha * ak, (ai + ak) * w.gamma};
 }
 
 // Each sector keeps its perimeter R phi (kP >> kA):
-//   l_i = alpha a_i + beta a_k,  q = R - (a_i + a_k) gamma
-//   S_sector = 1/2 alpha (a_i^2 + a_k^2) + beta a_i a_k
-//   dS/da_i = l_i,  dS/dphi = 1/2 alpha' (a_i^2 + a_k^2) + beta' a_i a_k
+//   l_i = alpha a_i + beta a_k,  R - q = (a_i + a_k) gamma
+//   S = 1/2 sum a l,  dS/da_i = l_i,  dS/dphi = 1/2 [a_i (2 (R - q) - a_i) - l_i^2], the same with a_k, l_k
 // Two contacts in one direction leave no shape: the area deficit is then not finite.
 inline void sector_shape(double radius, const Contacts &contacts, int *order, Shape &shape)
 {
   sort_by_angle(contacts, order);
   shape.clear(contacts.size);
-  shape.arc_radius = radius;
+  double shrinkage = 0.0;
   for_each_sector(contacts, order, [&](int, int i, int k, const Opening &o) {
-    const double ai = contacts[i].indentation, ak = contacts[k].indentation;
-    const SectorCoefficients w = sector_coefficients(o);
-    const Sector part = sector(radius, w, ai, ak);
-    const double half_squares = 0.5 * (ai * ai + ak * ak), product = ai * ak;
-
-    shape.area_deficit += w.alpha * half_squares + w.beta * product;
+    const double ai = contacts[i].indentation;
+    const Sector part = sector(sector_coefficients(o), ai, contacts[k].indentation);
+    const double d_opening =
+        0.5 * (ai * (2.0 * part.shrinkage - ai) - part.length_i * part.length_i);
     shape.d_indentation[i] += part.length_i;
     shape.d_indentation[k] += part.length_k;
-    const double d_opening = w.d_alpha * half_squares + w.d_beta * product;
     shape.d_angle[i] -= d_opening;
     shape.d_angle[k] += d_opening;
-    if (part.arc_radius < shape.arc_radius) shape.arc_radius = part.arc_radius;
+    shrinkage = std::max(shrinkage, part.shrinkage);
   });
-  for (int c = 0; c < contacts.size; ++c) shape.contact_length[c] = shape.d_indentation[c];
+  double twice_deficit = 0.0;
+  for (int c = 0; c < contacts.size; ++c) {
+    shape.contact_length[c] = shape.d_indentation[c];
+    twice_deficit += contacts[c].indentation * shape.d_indentation[c];
+  }
+  shape.area_deficit = 0.5 * twice_deficit;
+  shape.arc_radius = radius - shrinkage;
 }
 
 // The tangent arc of a sector that keeps its area R^2 phi/2, and the perimeter that this costs. With
@@ -133,7 +127,6 @@ inline void sector_shape(double radius, const Contacts &contacts, int *order, Sh
 //   P - R phi = [2 delta^2 c/s + phi b (b + c mu)] / (m + q)
 struct AreaSector {
   Sector part;
-  double shrinkage;    // R - q = b + c mu
   double perimeter_excess;
   bool exists;    // q^2 > 0
 };
@@ -149,18 +142,17 @@ inline AreaSector area_sector(double radius, const Opening &o, double ai, double
   const double slant = delta * c / s;    // = (h_k - h_i)/2 cot(phi/2)
 
   const double q2 = (m * m * s - slant * slant * s - radius * radius * c * half) / t;
-  if (!(q2 > 0.0)) return {{0.0, 0.0, 0.0}, 0.0, 0.0, false};
+  if (!(q2 > 0.0)) return {{0.0, 0.0, 0.0}, 0.0, false};
   const double q = std::sqrt(q2);
   const double mu = (delta * slant + half * b * (2.0 * radius - b)) / (t * (m + q));
   const double shrinkage = b + c * mu;
-  return {{s * mu + slant, s * mu - slant, q},
-          shrinkage,
+  return {{s * mu + slant, s * mu - slant, shrinkage},
           (2.0 * delta * slant + o.angle * b * shrinkage) / (m + q),
           true};
 }
 
 // Each sector keeps its area (kA >> kP); the perimeter changes:
-//   dP/da_i = l_i/q,  dP/dphi = R + [a_i (2 (R - q) - a_i) - l_i^2]/2q, the same with a_k, l_k
+//   dP/da_i = l_i/q,  dP/dphi = R + [a_i (2 (R - q) - a_i) - l_i^2]/2q
 // Returns false where such a sector does not exist; the shape is then unspecified.
 inline bool area_sector_shape(double radius, const Contacts &contacts, int *order, Shape &shape)
 {
@@ -173,7 +165,7 @@ inline bool area_sector_shape(double radius, const Contacts &contacts, int *orde
     const AreaSector a = area_sector(radius, o, ai, contacts[k].indentation);
     exists = exists && a.exists;
     if (!a.exists) return;
-    const double q = a.part.arc_radius, li = a.part.length_i, lk = a.part.length_k;
+    const double q = radius - a.part.shrinkage, li = a.part.length_i, lk = a.part.length_k;
 
     shape.perimeter_excess += a.perimeter_excess;
     shape.contact_length[i] += li;
@@ -181,7 +173,7 @@ inline bool area_sector_shape(double radius, const Contacts &contacts, int *orde
     shape.d_indentation[i] += li / q;
     shape.d_indentation[k] += lk / q;
     // the R of dP/dphi is left out: it cancels between the two sectors of a contact
-    const double d_opening = (ai * (2.0 * a.shrinkage - ai) - li * li) / (2.0 * q);
+    const double d_opening = (ai * (2.0 * a.part.shrinkage - ai) - li * li) / (2.0 * q);
     shape.d_angle[i] -= d_opening;
     shape.d_angle[k] += d_opening;
     if (q < shape.arc_radius) shape.arc_radius = q;

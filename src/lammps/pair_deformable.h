@@ -46,9 +46,8 @@ class PairDeformable : public Pair {
   // What a contact's force acts on.
   struct Partner {
     int atom;                // local index, or -1 - w for wall w
-    double distance;         // to the partner's centre, or to the wall
-    double d_indentation;    // da/d(distance)
-    double per_lever;        // turn of the direction per sideways step of the partner: 1/distance
+    double d_indentation;    // da/dd, d the distance of the partner
+    double per_lever;        // turn of the direction per sideways step of the partner: 1/d but for walls
   };
 
   // The contacts found so far. Two particles of one rank share what belongs to their contact, so each is
@@ -141,21 +140,18 @@ template <bool WALLS> void PairDeformable::gather(int i)
     const double d = std::sqrt(rsq), per_d = 1.0 / d, rj = radius[type[j]];
     const double nx = dx * per_d, ny = dy * per_d, theta = deformable::angle_of(dx, dy);
     const deformable::ContactLine line = deformable::contact_line(d, per_d, ri, rj);
-    if (!(line.height > 0.0)) behind_centre(i, j, d);
-    table.add(i, {theta, nx, ny, line.indentation}, {j, d, line.d_indentation, per_d});
-    if (j >= nlocal) continue;
-
-    const deformable::ContactLine other = deformable::contact_line(d, per_d, rj, ri);
-    if (!(other.height > 0.0)) behind_centre(j, i, d);
-    table.add(j, {theta > 0.0 ? theta - PI : theta + PI, -nx, -ny, other.indentation},
-              {i, d, other.d_indentation, per_d});
+    if (!(line.indentation_i < ri && line.indentation_j < rj)) behind_centre(i, j, d);
+    table.add(i, {theta, nx, ny, line.indentation_i}, {j, line.d_indentation_i, per_d});
+    if (j < nlocal)
+      table.add(j, {theta > 0.0 ? theta - PI : theta + PI, -nx, -ny, line.indentation_j},
+                {i, line.d_indentation_j, per_d});
   }
   if constexpr (WALLS)
     for (std::size_t w = 0; w < walls.size(); ++w)
       walls[w]->visit(
           i, (1.0 + reach) * ri, [&](double nx, double ny, double height, double per_lever) {
             table.add(i, {deformable::angle_of(nx, ny), nx, ny, ri - height},
-                      {-1 - static_cast<int>(w), height, -1.0, per_lever});
+                      {-1 - static_cast<int>(w), -1.0, per_lever});
           });
 }
 
@@ -192,7 +188,8 @@ void PairDeformable::apply(int i, const deformable::Contacts &contacts,
     const double across = energy.derivative * shape.d_angle[c] * partner.per_lever;
     const double px = along * nx - across * ny, py = along * ny + across * nx;    // on particle i
     if (WALLS && partner.atom < 0) {
-      walls[-1 - partner.atom]->press(i, px, py, -partner.distance * nx, -partner.distance * ny);
+      const double height = radius[atom->type[i]] - contacts[c].indentation;
+      walls[-1 - partner.atom]->press(i, px, py, -height * nx, -height * ny);
       continue;
     }
     fx += px;
@@ -200,8 +197,8 @@ void PairDeformable::apply(int i, const deformable::Contacts &contacts,
     f[partner.atom][0] -= px;
     f[partner.atom][1] -= py;
     if (vflag_either)
-      ev_tally_xyz(i, partner.atom, atom->nlocal, 1, 0.0, 0.0, px, py, 0.0, -partner.distance * nx,
-                   -partner.distance * ny, 0.0);
+      ev_tally_xyz(i, partner.atom, atom->nlocal, 1, 0.0, 0.0, px, py, 0.0, -nx / partner.per_lever,
+                   -ny / partner.per_lever, 0.0);
   }
   f[i][0] += fx;
   f[i][1] += fy;

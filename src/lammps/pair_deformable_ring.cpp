@@ -49,7 +49,7 @@ void PairDeformableRing::init_style()
     for (const double rj : radius) {
       if (rj == 0.0) continue;
       const double cutoff = (1.0 + reach) * (radius[i] + rj);
-      depth[i] = std::min(depth[i], -contact_line(cutoff, 1.0 / cutoff, radius[i], rj).indentation);
+      depth[i] = std::min(depth[i], -contact_line(cutoff, 1.0 / cutoff, radius[i], rj).indentation_i);
     }
   }
 }

@@ -68,8 +68,12 @@ template <bool WALLS> void PairDeformableSector::evaluate(int eflag, int vflag)
   for_each_particle<WALLS>([&](int i, const Contacts &contacts) {
     ncontacts[i] = contacts.size;
     if (contacts.size >= 2) return apply<WALLS>(i, contacts, deform(i, contacts));
-    if (contacts.size == 1)
-      singles.push_back({i, table.partner[table.first(i)], contacts[0].nx, contacts[0].ny});
+    if (contacts.size == 1) {
+      const Partner &partner = table.partner[table.first(i)];
+      const double height = radius[atom->type[i]] - contacts[0].indentation;
+      singles.push_back({i, partner.atom, contacts[0].nx, contacts[0].ny,
+                         partner.atom < 0 ? height : 1.0 / partner.per_lever});
+    }
     store_circle(i);
   });
 
@@ -125,8 +129,8 @@ Energy PairDeformableSector::deform(int i, const Contacts &contacts)
 
 template <bool WALLS> void PairDeformableSector::repel(const SingleContact &single)
 {
-  const int i = single.atom, j = single.partner.atom;
-  const double ri = radius[atom->type[i]], distance = single.partner.distance;
+  const int i = single.atom, j = single.partner;
+  const double ri = radius[atom->type[i]], distance = single.distance;
   const auto strength = [this](int atom_index) {
     const Stiffness &s = species[atom->type[atom_index]].stiffness;
     return std::isinf(s.kA) ? s.kP : s.kA;

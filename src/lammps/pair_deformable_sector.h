@@ -28,9 +28,8 @@ class PairDeformableSector : public PairDeformable {
   // A particle with one contact has no sector; the pair repels as soft disks, once. Who shares the pair
   // depends on how many contacts the partner has, which its own rank knows.
   struct SingleContact {
-    int atom;
-    Partner partner;
-    double nx, ny;
+    int atom, partner;    // the latter -1 - w for wall w
+    double nx, ny, distance;
   };
   std::vector<SingleContact> singles;
   double *ncontacts = nullptr;    // per atom, ghosts included
