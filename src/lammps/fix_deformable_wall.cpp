@@ -55,20 +55,30 @@ void FixDeformableWall::init()
   curvature_factor = std::strcmp(region->style, "cylinder") == 0 ? 0.5
       : std::strcmp(region->style, "sphere") == 0                ? 1.0
                                                                  : 0.0;
-  if (curvature_factor == 0.0) require_flat(region);
+  if (curvature_factor == 0.0) require_flat(region, !region->interior);
+  axis_checked = false;
 }
 
 /* ---------------------------------------------------------------------- */
 
-void FixDeformableWall::require_flat(const Region *part) const
+void FixDeformableWall::require_flat(const Region *part, bool outside) const
 {
-  for (const char *flat : {"plane", "block", "prism"})
-    if (std::strcmp(part->style, flat) == 0) return;
-  if (!part->reglist)
+  if (part->reglist) {
+    for (int n = 0; n < part->nregion; ++n) {
+      const Region *inner = part->reglist[n];
+      require_flat(inner, outside != !inner->interior);
+    }
+    return;
+  }
+  if (std::strcmp(part->style, "plane") == 0) return;
+  if (std::strcmp(part->style, "block") != 0 && std::strcmp(part->style, "prism") != 0)
     error->all(FLERR, "Fix {} deformable/wall: region '{}' of style {} has a curved surface; build the "
                "container from planes, blocks and prisms, or use one cylinder or sphere alone",
                id, part->id, part->style);
-  for (int n = 0; n < part->nregion; ++n) require_flat(part->reglist[n]);
+  if (outside)
+    error->all(FLERR, "Fix {} deformable/wall: particles outside of region '{}' would meet the corners "
+               "of a {}, which are no flat walls; build the obstacle from planes",
+               id, part->id, part->style);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -150,6 +160,26 @@ double FixDeformableWall::compute_vector(int n)
 double FixDeformableWall::per_lever(const Region::Contact &face) const
 {
   return face.radius == 0.0 ? 0.0 : 1.0 / (curvature_factor * face.radius + face.r);
+}
+
+/* ----------------------------------------------------------------------
+   A cylinder along x or y looks curved too, but is flat in the plane: does
+   the face turn when the particle takes a small step along it?
+------------------------------------------------------------------------- */
+
+void FixDeformableWall::check_axis(const double *x, double cutoff, const Region::Contact &face)
+{
+  axis_checked = true;
+  const double step = 1e-3 * face.r, tx = -face.dely / face.r, ty = face.delx / face.r;
+  const int n = region->surface(x[0] + step * tx, x[1] + step * ty, x[2], 2.0 * cutoff);
+  for (int m = 0; m < n; ++m) {
+    const Region::Contact &moved = region->contact[m];
+    if (moved.radius == 0.0) continue;
+    const double turn = std::fabs(face.delx * moved.dely - face.dely * moved.delx) / (face.r * moved.r);
+    if (turn < 0.5 * step * std::fabs(per_lever(face)))
+      error->one(FLERR, "Fix {} deformable/wall: the axis of cylinder '{}' must be along z", id,
+                 region_id);
+  }
 }
 
 /* ---------------------------------------------------------------------- */

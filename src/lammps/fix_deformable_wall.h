@@ -45,7 +45,11 @@ class FixDeformableWall : public Fix {
     if (!(atom->mask[i] & groupbit)) return;
     const double *x = atom->x[i];
     if (!region->match(x[0], x[1], x[2])) outside(i);
-    const int n = region->surface(x[0], x[1], x[2], cutoff);
+    int n = region->surface(x[0], x[1], x[2], cutoff);
+    if (n > 0 && region->contact[0].radius != 0.0 && !axis_checked) {
+      check_axis(x, cutoff, Region::Contact(region->contact[0]));
+      n = region->surface(x[0], x[1], x[2], cutoff);
+    }
     for (int m = 0; m < n; ++m) {
       const Region::Contact &face = region->contact[m];
       if (face.delx == 0.0 && face.dely == 0.0 && face.delz != 0.0) continue;    // above or below
@@ -69,6 +73,7 @@ class FixDeformableWall : public Fix {
   std::string region_id;
   Region *region = nullptr;
   double curvature_factor = 0.0;    // the radius of a curved face per Region::Contact::radius
+  bool axis_checked = false;
 
   struct Push {
     double fx, fy, vxx, vyy, vxy;
@@ -77,7 +82,8 @@ class FixDeformableWall : public Fix {
   double on_wall[2] = {0.0, 0.0};
 
   double per_lever(const Region::Contact &face) const;
-  void require_flat(const Region *part) const;
+  void require_flat(const Region *part, bool outside) const;
+  void check_axis(const double *x, double cutoff, const Region::Contact &);
   [[noreturn]] void outside(int i);
   [[noreturn]] void unusable(int i, double distance);
 };

@@ -12,6 +12,13 @@
 #include <cstring>
 #include <numeric>
 
+// One more version of a loop for processors with 256-bit vectors, chosen when the plugin is loaded.
+#if defined(__x86_64__) && defined(__gnu_linux__) && (!defined(__clang__) || __clang_major__ >= 17)
+#define DEFORMABLE_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
+#else
+#define DEFORMABLE_CLONES
+#endif
+
 using namespace LAMMPS_NS;
 
 static const char *const RESULT_NAMES[] = {"area",     "perimeter",  "contacts",
@@ -197,15 +204,122 @@ void PairDeformable::finish()
   }
 }
 
+/* ----------------------------------------------------------------------
+   pairs within the cutoff of a block of particles, each from the side of
+   its lower index
+------------------------------------------------------------------------- */
+
+void PairDeformable::find_pairs(int begin, int end)
+{
+  const double *const *const x = atom->x;
+  const int *const type = atom->type;
+  pairs.resize(static_cast<std::size_t>(end - begin) * longest_list);
+  int n = 0;
+  for (int ii = begin; ii < end; ++ii) {
+    const int i = list->ilist[ii];
+    const double xi = x[i][0], yi = x[i][1], ri = radius[type[i]];
+    const double *const cutsq_i = cutsq[type[i]];
+    const int *const neighbors = list->firstneigh[i];
+    const int count = list->numneigh[i];
+    for (int jj = 0; jj < count; ++jj) {
+      const int j = neighbors[jj] & NEIGHMASK;
+      if (j < i) continue;
+      const double dx = x[j][0] - xi, dy = x[j][1] - yi;
+      if (dx * dx + dy * dy > cutsq_i[type[j]]) continue;
+      pairs.i[n] = i;
+      pairs.j[n] = j;
+      pairs.dx[n] = dx;
+      pairs.dy[n] = dy;
+      pairs.radius_i[n] = ri;
+      pairs.radius_j[n] = radius[type[j]];
+      ++n;
+    }
+  }
+  pairs.size = n;
+}
+
+/* ----------------------------------------------------------------------
+   distance, direction and contact line of each pair: a loop without a
+   branch, compiled for wider vector registers too
+------------------------------------------------------------------------- */
+
+DEFORMABLE_CLONES void PairDeformable::meet(Pairs &p)
+{
+  const int n = p.size;
+  const double *const dx = p.dx.data(), *const dy = p.dy.data();
+  const double *const ri = p.radius_i.data(), *const rj = p.radius_j.data();
+  double *const per_distance = p.per_distance.data(), *const angle = p.angle.data();
+  double *const nx = p.nx.data(), *const ny = p.ny.data();
+  double *const ai = p.indentation_i.data(), *const aj = p.indentation_j.data();
+  double *const d_ai = p.d_indentation_i.data(), *const d_aj = p.d_indentation_j.data();
+#pragma GCC ivdep
+  for (int k = 0; k < n; ++k) {
+    const double d = std::sqrt(dx[k] * dx[k] + dy[k] * dy[k]), per_d = 1.0 / d;
+    const deformable::ContactLine line = deformable::contact_line(d, per_d, ri[k], rj[k]);
+    per_distance[k] = per_d;
+    nx[k] = dx[k] * per_d;
+    ny[k] = dy[k] * per_d;
+    angle[k] = deformable::angle_of(dx[k], dy[k]);
+    ai[k] = line.indentation_i;
+    aj[k] = line.indentation_j;
+    d_ai[k] = line.d_indentation_i;
+    d_aj[k] = line.d_indentation_j;
+  }
+}
+
 /* ---------------------------------------------------------------------- */
 
-void PairDeformable::behind_centre(int i, int j, double distance)
+void PairDeformable::enter_pairs()
 {
+  using deformable::PI;
+  const int nlocal = atom->nlocal;
+  for (int k = 0; k < pairs.size; ++k) {
+    const int i = pairs.i[k], j = pairs.j[k];
+    const double theta = pairs.angle[k], nx = pairs.nx[k], ny = pairs.ny[k];
+    const double ai = pairs.indentation_i[k], aj = pairs.indentation_j[k];
+    if (!(ai < pairs.radius_i[k])) behind_centre(i, j);
+    if (!(aj < pairs.radius_j[k])) behind_centre(j, i);
+    table.add(i, {theta, nx, ny, ai}, {j, pairs.d_indentation_i[k], pairs.per_distance[k]});
+    if (j < nlocal)
+      table.add(j, {theta > 0.0 ? theta - PI : theta + PI, -nx, -ny, aj},
+                {i, pairs.d_indentation_j[k], pairs.per_distance[k]});
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformable::enter_walls(int i)
+{
+  const double ri = radius[atom->type[i]];
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    walls[w]->visit(
+        i, (1.0 + reach) * ri, [&](double nx, double ny, double height, double per_lever) {
+          table.add(i, {deformable::angle_of(nx, ny), nx, ny, ri - height},
+                    {-1 - static_cast<int>(w), -1.0, per_lever});
+        });
+}
+
+void PairDeformable::Pairs::resize(std::size_t most)
+{
+  if (most <= i.size()) return;
+  i.resize(most);
+  j.resize(most);
+  for (std::vector<double> *v :
+       {&dx, &dy, &radius_i, &radius_j, &per_distance, &nx, &ny, &angle, &indentation_i,
+        &indentation_j, &d_indentation_i, &d_indentation_j})
+    v->resize(most);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformable::behind_centre(int i, int j)
+{
+  const double dx = atom->x[j][0] - atom->x[i][0], dy = atom->x[j][1] - atom->x[i][1];
   error->one(FLERR,
              "The contact line of atoms {} and {} does not lie in front of the centre of atom {}: their "
              "distance is {:.6g}, their radii are {:.6g} and {:.6g}. Start from a less compressed state "
              "or take smaller steps",
-             atom->tag[i], atom->tag[j], atom->tag[i], distance, radius[atom->type[i]],
+             atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(dx, dy), radius[atom->type[i]],
              radius[atom->type[j]]);
 }
 

@@ -90,7 +90,19 @@ class PairDeformable : public Pair {
   double bulge_over_reach;    // the largest of this rank, at the last new neighbour list
 
  private:
-  template <bool WALLS> void gather(int i);
+  // Neighbours in touch, each pair once, as a structure of arrays: what meets, and how.
+  struct Pairs {
+    int size = 0;
+    std::vector<int> i, j;
+    std::vector<double> dx, dy, radius_i, radius_j;
+    std::vector<double> per_distance, nx, ny, angle;
+    std::vector<double> indentation_i, indentation_j, d_indentation_i, d_indentation_j;
+    void resize(std::size_t most);
+  } pairs;
+  void find_pairs(int begin, int end);
+  static void meet(Pairs &);
+  void enter_pairs();
+  void enter_walls(int i);
 
   enum { AREA, PERIMETER, CONTACTS, PRESSURE, ARC_RADIUS, CONTACT_LENGTH, NRESULTS };
   std::array<double *, NRESULTS> results{};    // per atom; null until somebody asks for them
@@ -100,7 +112,7 @@ class PairDeformable : public Pair {
   bool warned = false;
 
   void allocate();
-  [[noreturn]] void behind_centre(int i, int j, double distance);
+  [[noreturn]] void behind_centre(int i, int j);
 };
 
 inline void PairDeformable::ContactTable::add(int i, const deformable::Contact &with,
@@ -119,52 +131,20 @@ inline void PairDeformable::ContactTable::release(int i)
   row[i] = -1;
 }
 
-// Completes the contacts of particle i: neighbours within the cutoff and walls. Particles come in the
-// order of their index, so those before i have left here what they share with it, and i leaves with those
-// after it what it shares with them.
-template <bool WALLS> void PairDeformable::gather(int i)
-{
-  using deformable::PI;
-  const double *const *const x = atom->x;
-  const int *const type = atom->type;
-  const int nlocal = atom->nlocal;
-  const double xi = x[i][0], yi = x[i][1], ri = radius[type[i]];
-  const double *const cutsq_i = cutsq[type[i]];
-  const int *const neighbors = list->firstneigh[i];
-  for (int jj = 0; jj < list->numneigh[i]; ++jj) {
-    const int j = neighbors[jj] & NEIGHMASK;
-    if (j < i) continue;
-    const double dx = x[j][0] - xi, dy = x[j][1] - yi, rsq = dx * dx + dy * dy;
-    if (rsq > cutsq_i[type[j]]) continue;
-
-    const double d = std::sqrt(rsq), per_d = 1.0 / d, rj = radius[type[j]];
-    const double nx = dx * per_d, ny = dy * per_d, theta = deformable::angle_of(dx, dy);
-    const deformable::ContactLine line = deformable::contact_line(d, per_d, ri, rj);
-    if (!(line.indentation_i < ri && line.indentation_j < rj)) behind_centre(i, j, d);
-    table.add(i, {theta, nx, ny, line.indentation_i}, {j, line.d_indentation_i, per_d});
-    if (j < nlocal)
-      table.add(j, {theta > 0.0 ? theta - PI : theta + PI, -nx, -ny, line.indentation_j},
-                {i, line.d_indentation_j, per_d});
-  }
-  if constexpr (WALLS)
-    for (std::size_t w = 0; w < walls.size(); ++w)
-      walls[w]->visit(
-          i, (1.0 + reach) * ri, [&](double nx, double ny, double height, double per_lever) {
-            table.add(i, {deformable::angle_of(nx, ny), nx, ny, ri - height},
-                      {-1 - static_cast<int>(w), -1.0, per_lever});
-          });
-}
-
-// Calls law(i, contacts) for all particles. Contacts of a few particles are gathered before the first is
-// looked at: reading what was written just before would stall.
+// Calls law(i, contacts) for all particles, a block of them at a time, so that their pairs can be worked on
+// side by side. Particles come in the order of their index: those of earlier blocks have left here what
+// they share with these.
 template <bool WALLS, class Law> void PairDeformable::for_each_particle(Law &&law)
 {
-  constexpr int AHEAD = 64;
-  for (int begin = 0; begin < list->inum; begin += AHEAD) {
-    const int end = std::min(begin + AHEAD, list->inum);
-    for (int ii = begin; ii < end; ++ii) gather<WALLS>(list->ilist[ii]);
+  constexpr int BLOCK = 64;
+  for (int begin = 0; begin < list->inum; begin += BLOCK) {
+    const int end = std::min(begin + BLOCK, list->inum);
+    find_pairs(begin, end);
+    meet(pairs);
+    enter_pairs();
     for (int ii = begin; ii < end; ++ii) {
       const int i = list->ilist[ii];
+      if constexpr (WALLS) enter_walls(i);
       law(i, table.of(i));
       table.release(i);
     }

@@ -1,0 +1,72 @@
+"""Bad input is a ValueError that names it."""
+
+import numpy as np
+import pytest
+from contacts import LAWS
+
+from deformable import core
+
+ANGLE, INDENTATION = [0.0, 2.0, 4.0], [0.01, 0.02, 0.01]
+BAD = {
+    "unequal lengths": (1.0, ANGLE[:2], INDENTATION, "angle has 2 entries but indentation has 3"),
+    "angle nan": (1.0, [0.0, np.nan, 4.0], INDENTATION, r"angle\[1\] is .*nan"),
+    "angle inf": (1.0, [0.0, 2.0, np.inf], INDENTATION, r"angle\[2\] is inf"),
+    "indentation nan": (1.0, ANGLE, [np.nan, 0.02, 0.01], r"indentation\[0\] is .*nan"),
+    "indentation inf": (1.0, ANGLE, [0.01, -np.inf, 0.01], r"indentation\[1\] is -inf"),
+    "radius zero": (0.0, ANGLE, INDENTATION, "radius is 0"),
+    "radius negative": (-1.0, ANGLE, INDENTATION, "radius is -1"),
+    "radius nan": (np.nan, ANGLE, INDENTATION, "radius is nan"),
+    "radius inf": (np.inf, ANGLE, INDENTATION, "radius is inf"),
+    "behind the centre": (1.0, ANGLE, [0.01, 1.2, 0.01], r"indentation\[1\] is 1.2.*behind the centre"),
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize(("radius", "angle", "indentation", "message"), BAD.values(), ids=BAD)
+def test_bad_contacts(law, radius, angle, indentation, message):
+    arguments = radius, np.array(angle), np.array(indentation)
+    with pytest.raises(ValueError, match=message):
+        LAWS[law](*arguments)
+    with pytest.raises(ValueError, match=message):
+        core.outline(law, *arguments)
+
+
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        ("sector", "angle: two contacts press in the same direction"),
+        ("area_sector", "no room for a sector of this area"),
+    ],
+)
+@pytest.mark.parametrize("angle", [[0.5, 0.5, 3.0], [0.0, 3.0, 2 * np.pi]], ids=["equal", "a turn"])
+def test_sectors_need_different_directions(law, message, angle):
+    arguments = 1.0, np.array(angle), np.array(INDENTATION)
+    with pytest.raises(ValueError, match=message):
+        LAWS[law](*arguments)
+    with pytest.raises(ValueError, match=message):
+        core.outline(law, *arguments)
+
+
+def test_area_sector_that_cannot_exist():
+    arguments = 1.0, 2 * np.pi * np.arange(6) / 6, np.full(6, 0.2)
+    with pytest.raises(ValueError, match="no room for a sector of this area"):
+        core.area_sector(*arguments)
+    with pytest.raises(ValueError, match="no room for a sector of this area"):
+        core.outline("area_sector", *arguments)
+
+
+def test_outline_options():
+    arguments = 1.0, np.array(ANGLE), np.array(INDENTATION)
+    with pytest.raises(ValueError, match="law is 'star'.*'ring', 'sector' or 'area_sector'"):
+        core.outline("star", *arguments)
+    with pytest.raises(ValueError, match="points is 3"):
+        core.outline("ring", *arguments, 3)
+
+
+def test_contact_line():
+    with pytest.raises(ValueError, match="distance is 0"):
+        core.contact_line(0.0, 0.5, 0.5)
+    with pytest.raises(ValueError, match="same length"):
+        core.contact_line(np.ones(2), np.ones(2), np.ones(3))
+    with pytest.raises(ValueError, match="distance is .*nan"):
+        core.contact_line(np.nan, 0.5, 0.5)

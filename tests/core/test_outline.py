@@ -1,0 +1,79 @@
+"""Outlines: their area and perimeter are what the laws say, and the lines bound them."""
+
+import numpy as np
+import pytest
+from contacts import LAWS, Contacts
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+laws = pytest.mark.parametrize("law", LAWS)
+
+
+@st.composite
+def contacts_on_a_grid(draw):
+    """Directions at multiples of 2 pi/64, so that refining an outline halves its every step."""
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    z = draw(st.integers(3, 6))
+    # no sector beyond half a turn: its contacts would end before they begin
+    openings = 8 + rng.multinomial(64 - 8 * z, np.full(z, 1 / z))
+    assume(openings.max() < 30)
+    angle = 0.2 + 2 * np.pi / 64 * np.cumsum(openings)
+    radius = rng.uniform(0.5, 2.0)
+    return Contacts(radius, angle, radius * rng.uniform(0.005, 0.012, z))
+
+
+def area_and_perimeter(outline):
+    following = np.roll(outline, -1, axis=0)
+    area = 0.5 * (outline[:, 0] * following[:, 1] - outline[:, 1] * following[:, 0]).sum()
+    return np.array([area, np.hypot(*(following - outline).T).sum()])
+
+
+def extrapolated(outline_of):
+    """Area and perimeter of the curve itself, by Romberg's rule: polygons err in even powers."""
+    # one point more than a multiple of 64 keeps the division of each arc off the rounding
+    table = [area_and_perimeter(outline_of(64 * m + 1)) for m in (4, 8, 16, 32)]
+    for order in (4, 16, 64):
+        table = [(order * b - a) / (order - 1) for a, b in zip(table, table[1:], strict=False)]
+    return table[0]
+
+
+@laws
+@given(contacts=contacts_on_a_grid())
+@settings(max_examples=50, deadline=None)
+def test_area_and_perimeter(law, contacts):
+    shape = contacts.shape(law)
+    expected = (
+        np.pi * contacts.radius**2 - shape.area_deficit,
+        2 * np.pi * contacts.radius + shape.perimeter_excess,
+    )
+    # steps of 2 pi/256 leave (2 pi/256)^8/9! = 4e-19 after three extrapolations; the rest is
+    # the rounding of sums of up to 2000 terms
+    np.testing.assert_allclose(extrapolated(lambda points: contacts.outline(law, points)), expected, rtol=2e-13)
+
+
+@laws
+@given(contacts=contacts_on_a_grid())
+def test_lines_bound_the_outline(law, contacts):
+    shape, outline = contacts.shape(law), contacts.outline(law)
+    normal = np.column_stack([np.cos(contacts.angle), np.sin(contacts.angle)])
+    beyond = (outline @ normal.T - (contacts.radius - contacts.indentation)) / contacts.radius
+    pressed = shape.contact_length > 0
+    if law != "ring" and (~pressed).any():  # a sector's line that the outline bulges over
+        return
+    # positions are rounded to a few 1e-16 of the radius
+    assert beyond.max() < 1e-14
+    # and both ends of every contact are points of the outline
+    assert (np.sort(np.abs(beyond[:, pressed]), axis=0)[:2] < 1e-14).all()
+
+
+@laws
+def test_unpressed_outline_is_the_circle(law):
+    outline = Contacts(0.7, np.array([]), np.array([])).outline(law, 8)
+    np.testing.assert_allclose(np.hypot(*outline.T), 0.7, rtol=1e-15)
+    assert len(outline) == 8
+
+
+def test_area_is_kept_by_sectors_that_keep_it():
+    contacts = Contacts(1.0, np.array([0.0, 2.0, 4.5]), np.array([0.03, 0.02, 0.04]))
+    assert contacts.shape("area_sector").area_deficit == 0
+    assert contacts.shape("area_sector").perimeter_excess > 0
