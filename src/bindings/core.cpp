@@ -63,11 +63,10 @@ Checked checked(double radius, const Input &angle, const Input &indentation)
   require_finite("indentation", indentation);
   for (std::size_t k = 0; k < indentation.size(); ++k)
     if (indentation(k) >= radius)
-      throw nb::value_error(("indentation[" + std::to_string(k) + "] is " +
-                             std::to_string(indentation(k)) +
-                             ": the contact line lies behind the centre (radius " +
-                             std::to_string(radius) + ")")
-                                .c_str());
+      throw nb::value_error(
+          ("indentation[" + std::to_string(k) + "] is " + std::to_string(indentation(k)) +
+           ": the contact line lies behind the centre (radius " + std::to_string(radius) + ")")
+              .c_str());
 
   // The kernels want all angles within one turn; those that are keep every digit.
   const int n = static_cast<int>(angle.size());
@@ -85,7 +84,8 @@ Checked checked(double radius, const Input &angle, const Input &indentation)
 struct Result {
   Shape shape;
   std::size_t contacts;
-  std::vector<double> arc_radii;    // sector laws: one a sector
+  bool has_sectors;
+  std::vector<double> arc_radii;    // one a sector
 };
 
 void refuse_coincident(const Shape &shape)
@@ -100,7 +100,7 @@ Result sector_result(double radius, const Input &angle, const Input &indentation
   Checked memory = checked(radius, angle, indentation);
   const Contacts contacts = memory.view();
   int *order = memory.order.data();
-  Result result{{}, angle.size(), std::vector<double>(angle.size(), radius)};
+  Result result{{}, angle.size(), true, std::vector<double>(angle.size(), radius)};
   sector_shape(radius, contacts, order, result.shape);
   refuse_coincident(result.shape);
   for_each_sector(contacts, order, [&](int s, int i, int k, const Opening &o) {
@@ -116,7 +116,7 @@ Result area_sector_result(double radius, const Input &angle, const Input &indent
   Checked memory = checked(radius, angle, indentation);
   const Contacts contacts = memory.view();
   int *order = memory.order.data();
-  Result result{{}, angle.size(), std::vector<double>(angle.size(), radius)};
+  Result result{{}, angle.size(), true, std::vector<double>(angle.size(), radius)};
   if (!area_sector_shape(radius, contacts, order, result.shape))
     throw nb::value_error("indentation: these contacts leave no room for a sector of this area");
   refuse_coincident(result.shape);
@@ -133,7 +133,7 @@ Result ring_result(double radius, const Input &angle, const Input &indentation)
   Checked memory = checked(radius, angle, indentation);
   std::vector<char> carries(angle.size(), 0);
   RingProgramme programme;
-  Result result{{}, angle.size(), {}};
+  Result result{{}, angle.size(), false, {}};
   ring_shape(radius, memory.view(), carries.data(), programme, result.shape);
   return result;
 }
@@ -202,10 +202,12 @@ NB_MODULE(core, m)
     };
   };
   nb::class_<Result>(m, "Shape", "What a contact law makes of one particle.")
-      .def_prop_ro("area_deficit", [](const Result &r) { return r.shape.area_deficit; },
-                   "S = A0 - A [length^2]; zero for a law that conserves the area")
-      .def_prop_ro("perimeter_excess", [](const Result &r) { return r.shape.perimeter_excess; },
-                   "P - P0 [length]; zero for a law that conserves the perimeter")
+      .def_prop_ro(
+          "area_deficit", [](const Result &r) { return r.shape.area_deficit; },
+          "S = A0 - A [length^2]; zero for a law that conserves the area")
+      .def_prop_ro(
+          "perimeter_excess", [](const Result &r) { return r.shape.perimeter_excess; },
+          "P - P0 [length]; zero for a law that conserves the perimeter")
       .def_prop_ro("d_indentation", vector(&Shape::d_indentation), nb::rv_policy::move,
                    "derivatives of what the law lets change with respect to the indentations, (z,)")
       .def_prop_ro("d_angle", vector(&Shape::d_angle), nb::rv_policy::move,
@@ -215,12 +217,12 @@ NB_MODULE(core, m)
       .def_prop_ro(
           "arc_radius",
           [](const Result &r) -> nb::object {
-            if (r.arc_radii.empty() && r.shape.arc_radius != 0.0) return nb::cast(r.shape.arc_radius);
+            if (!r.has_sectors) return nb::cast(r.shape.arc_radius);
             return nb::cast(to_numpy<Vector>(r.arc_radii.data(), {r.arc_radii.size()}));
           },
-          "sector laws: radius of each arc [length], (z,), the n-th from the n-th smallest angle to "
-          "the next; ring: the smallest radius of curvature of the free outline, a float. Negative: "
-          "beyond the model.");
+          "sector laws: radius of each arc [length], (z,), the n-th from the n-th smallest\n"
+          "angle to the next; ring: the smallest radius of curvature of the free outline, a\n"
+          "float. Negative: beyond the model.");
 
   m.def("sector", &sector_result, "radius"_a, "angle"_a, "indentation"_a,
         R"(Contacts that stick: each sector between two contacts keeps its perimeter.

@@ -7,13 +7,14 @@ namespace deformable {
 
 // The line as both particles see it.
 struct ContactLine {
-  double indentation_i, indentation_j;        // a = R - h, h the distance from the centre to the line
+  double indentation_i, indentation_j;    // a = R - h, h the distance from the centre to the line
   double d_indentation_i, d_indentation_j;    // da/dd
 };
 
 // h_ij = (d^2 + R_i^2 - R_j^2)/2d. The indentations are taken from the overlap o = R_i + R_j - d and not
 // from R - h, because o keeps its digits for nearly touching particles: a_ij = o (2 R_j - o)/2d.
-inline ContactLine contact_line(double distance, double per_distance, double radius_i, double radius_j)
+inline ContactLine contact_line(double distance, double per_distance, double radius_i,
+                                double radius_j)
 {
   const double overlap = radius_i + radius_j - distance;
   const double factor = 0.5 * overlap * per_distance;

@@ -28,8 +28,8 @@ inline void circle_outline(double radius, int points, Outline &outline)
 
 // x(theta) = H n + H' t. At an active contact H' jumps by L: the outline is straight there, and both ends
 // of the contact are points of it.
-inline void ring_outline(double radius, const Contacts &contacts, const Shape &shape,
-                         int *order, int points, Outline &outline)
+inline void ring_outline(double radius, const Contacts &contacts, const Shape &shape, int *order,
+                         int points, Outline &outline)
 {
   const auto point = [&](double theta, double slope_correction) {
     const Support support = ring_support(radius, contacts, shape, theta);

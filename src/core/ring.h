@@ -38,7 +38,7 @@ constexpr double GREEN_AT_ZERO = 0.75 / PI;
 inline double green_bound(double cosine)
 {
   return -0.094792 +
-      cosine * (-0.102549 + cosine * (0.106182 + cosine * (0.116296 + cosine * 0.081933)));
+         cosine * (-0.102549 + cosine * (0.106182 + cosine * (0.116296 + cosine * 0.081933)));
 }
 
 // What follows is written once for any number of contacts n and compiled for each small n by itself
@@ -54,7 +54,8 @@ struct RingCandidates {
   double *green, *d_green;
 };
 
-DEFORMABLE_INLINE void add_candidate(const RingCandidates &r, int m, const Contacts &contacts, int c)
+DEFORMABLE_INLINE void add_candidate(const RingCandidates &r, int m, const Contacts &contacts,
+                                     int c)
 {
   const double theta = contacts[c].angle, x = contacts[c].nx, y = contacts[c].ny;
   r.contact[m] = c;
@@ -116,8 +117,8 @@ DEFORMABLE_INLINE bool may_reach(const Contacts &contacts, int c, int n, const R
 
 // S = 1/2 a.L,  dS/da_c = L_c,  dS/dtheta_c = -L_c sum_{c' != c} L_c' G'(theta_c - theta_c')
 // Smallest radius of curvature: q - |m| with q = R - sum L/2 pi and m = (1/pi) sum L_c n_c.
-DEFORMABLE_INLINE void fill_shape(double radius, int n, const RingCandidates &r, const double *length,
-                                  double *d_angle, Shape &shape)
+DEFORMABLE_INLINE void fill_shape(double radius, int n, const RingCandidates &r,
+                                  const double *length, double *d_angle, Shape &shape)
 {
   double sum = 0.0, twice_deficit = 0.0, mx = 0.0, my = 0.0;
 #pragma GCC unroll 8
@@ -204,7 +205,8 @@ Trial try_active(double radius, const Contacts &contacts, int *active, int &n, S
 
 // Any number of contacts, any of them active: the memory to solve it in.
 struct RingProgramme {
-  enum State : char { FREE, ACTIVE, DUPLICATE };    // DUPLICATE: of the direction of a deeper contact
+  // a DUPLICATE has the direction of a deeper contact
+  enum State : char { FREE, ACTIVE, DUPLICATE };
 
   int size = 0;
   int stride = 0;
@@ -329,7 +331,8 @@ inline void ring_of_any(double radius, const Contacts &contacts, RingProgramme &
     solve(p);
     solved = p.size;
     for (int c = 0; c < contacts.size; ++c) {
-      if (p.candidate[c] || !may_reach(contacts, c, solved, p.candidates(), p.length.data())) continue;
+      if (p.candidate[c] || !may_reach(contacts, c, solved, p.candidates(), p.length.data()))
+        continue;
       if (slack(contacts, c, solved, p.candidates(), p.length.data()) > 0.0)
         p.add(contacts, c, RingProgramme::FREE);
     }
@@ -383,7 +386,8 @@ struct Support {
   double height, d_height, curvature_radius;
 };
 
-inline Support ring_support(double radius, const Contacts &contacts, const Shape &shape, double theta)
+inline Support ring_support(double radius, const Contacts &contacts, const Shape &shape,
+                            double theta)
 {
   Support support = {radius, 0.0, radius};
   for (int c = 0; c < contacts.size; ++c) {

@@ -11,9 +11,10 @@ struct Stiffness {
   double kP;    // of the perimeter, energy/length^2
 };
 
+// Its derivative is the pressure where an area changes, the tension where a perimeter does.
 struct Energy {
   double value;
-  double derivative;    // with respect to the change: the pressure for an area, the tension for a perimeter
+  double derivative;
 };
 
 // U = k/2 change^2, for the area deficit (k = kA, p = kA S) or the perimeter excess (k = kP)

@@ -38,15 +38,19 @@ template <class Multiplier> constexpr Polynomial alternating(int first, Multipli
   return p;
 }
 
-constexpr double one(int) { return 1.0; }
-constexpr double twice_next(int k) { return 2.0 * k + 2.0; }
+struct One {
+  constexpr double operator()(int) const { return 1.0; }
+};
+struct TwiceNext {
+  constexpr double operator()(int k) const { return 2.0 * k + 2.0; }
+};
 
-inline constexpr Polynomial SINE = alternating(1, one);                       // sin x / x
-inline constexpr Polynomial VERSINE = alternating(2, one);                    // (1 - cos x) / x^2
-inline constexpr Polynomial X_MINUS_SINE = alternating(3, one);               // (x - sin x) / x^3
-inline constexpr Polynomial SINE_MINUS_X_COSINE = alternating(3, twice_next); // (sin x - x cos x) / x^3
-// (2 - 2 cos x - x sin x) / x^4
-inline constexpr Polynomial TWO_VERSINES_MINUS_X_SINE = alternating(4, twice_next);
+// (1 - cos x) / x^2, (x - sin x) / x^3
+inline constexpr Polynomial VERSINE = alternating(2, One());
+inline constexpr Polynomial X_MINUS_SINE = alternating(3, One());
+// (sin x - x cos x) / x^3, (2 - 2 cos x - x sin x) / x^4
+inline constexpr Polynomial SINE_MINUS_X_COSINE = alternating(3, TwiceNext());
+inline constexpr Polynomial TWO_VERSINES_MINUS_X_SINE = alternating(4, TwiceNext());
 }    // namespace taylor
 
 // sin x - x cos x ~ x^3/3
@@ -69,11 +73,11 @@ inline double angle_of(double x, double y)
   // (atan(sqrt s)/sqrt s - 1)/s on 0 <= s <= tan(pi/8)^2: Chebyshev fit, error of the angle 5e-18
   const double s = z * z, s2 = s * s, s4 = s2 * s2;
   const double low = (-0.3333333333333333016 + 0.19999999999995520678 * s) +
-      (-0.14285714284666542922 + 0.11111111015256361727 * s) * s2;
+                     (-0.14285714284666542922 + 0.11111111015256361727 * s) * s2;
   const double middle = (-0.090909045781239018905 + 0.076921831908260865637 * s) +
-      (-0.066645114473819480001 + 0.058581489128022098816 * s) * s2;
-  const double high = (-0.050854497379402598613 + 0.039231658295587191303 * s) +
-      -0.019176887119062258989 * s2;
+                        (-0.066645114473819480001 + 0.058581489128022098816 * s) * s2;
+  const double high =
+      (-0.050854497379402598613 + 0.039231658295587191303 * s) + -0.019176887119062258989 * s2;
   const double octant = z + z * s * (low + s4 * (middle + s4 * high));
 
   const double eighth = upper * (0.25 * PI) + octant;

@@ -16,7 +16,8 @@ FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg) : Fix(lm
 {
   if (narg < 4) utils::missing_cmd_args(FLERR, "fix deformable/wall", error);
   if (narg > 4)
-    error->all(FLERR, 4, "Unknown fix deformable/wall argument '{}': it takes a region ID only", arg[4]);
+    error->all(FLERR, 4, "Unknown fix deformable/wall argument '{}': it takes a region ID only",
+               arg[4]);
   region_id = arg[3];
   if (!domain->get_region_by_id(region_id))
     error->all(FLERR, 3, "Region '{}' of fix deformable/wall does not exist", region_id);
@@ -47,13 +48,13 @@ void FixDeformableWall::init()
   if (!region)
     error->all(FLERR, "Region '{}' of fix {} deformable/wall does not exist", region_id, id);
   if (!force->pair_match("^deformable/", 0))
-    error->all(FLERR, "Fix {} deformable/wall needs a deformable pair style, but pair_style is {}", id,
-               force->pair_style ? force->pair_style : "none");
+    error->all(FLERR, "Fix {} deformable/wall needs a deformable pair style, but pair_style is {}",
+               id, force->pair_style ? force->pair_style : "none");
 
   // Region::Contact::radius is made for granular particles: twice the radius of a cylinder, the radius
   // of a sphere. Other curved surfaces do not say how they turn.
   curvature_factor = std::strcmp(region->style, "cylinder") == 0 ? 0.5
-      : std::strcmp(region->style, "sphere") == 0                ? 1.0
+                     : std::strcmp(region->style, "sphere") == 0 ? 1.0
                                                                  : 0.0;
   if (curvature_factor == 0.0) require_flat(region, !region->interior);
   axis_checked = false;
@@ -72,11 +73,13 @@ void FixDeformableWall::require_flat(const Region *part, bool outside) const
   }
   if (std::strcmp(part->style, "plane") == 0) return;
   if (std::strcmp(part->style, "block") != 0 && std::strcmp(part->style, "prism") != 0)
-    error->all(FLERR, "Fix {} deformable/wall: region '{}' of style {} has a curved surface; build the "
+    error->all(FLERR,
+               "Fix {} deformable/wall: region '{}' of style {} has a curved surface; build the "
                "container from planes, blocks and prisms, or use one cylinder or sphere alone",
                id, part->id, part->style);
   if (outside)
-    error->all(FLERR, "Fix {} deformable/wall: particles outside of region '{}' would meet the corners "
+    error->all(FLERR,
+               "Fix {} deformable/wall: particles outside of region '{}' would meet the corners "
                "of a {}, which are no flat walls; build the obstacle from planes",
                id, part->id, part->style);
 }
@@ -175,7 +178,8 @@ void FixDeformableWall::check_axis(const double *x, double cutoff, const Region:
   for (int m = 0; m < n; ++m) {
     const Region::Contact &moved = region->contact[m];
     if (moved.radius == 0.0) continue;
-    const double turn = std::fabs(face.delx * moved.dely - face.dely * moved.delx) / (face.r * moved.r);
+    const double turn =
+        std::fabs(face.delx * moved.dely - face.dely * moved.delx) / (face.r * moved.r);
     if (turn < 0.5 * step * std::fabs(per_lever(face)))
       error->one(FLERR, "Fix {} deformable/wall: the axis of cylinder '{}' must be along z", id,
                  region_id);
@@ -187,7 +191,8 @@ void FixDeformableWall::check_axis(const double *x, double cutoff, const Region:
 void FixDeformableWall::outside(int i)
 {
   const double *x = atom->x[i];
-  error->one(FLERR, "The centre of atom {} at ({:.6g}, {:.6g}) is outside of region '{}' of fix {} "
+  error->one(FLERR,
+             "The centre of atom {} at ({:.6g}, {:.6g}) is outside of region '{}' of fix {} "
              "deformable/wall",
              atom->tag[i], x[0], x[1], region_id, id);
 }
@@ -195,10 +200,12 @@ void FixDeformableWall::outside(int i)
 void FixDeformableWall::unusable(int i, double distance)
 {
   if (distance > 0.0)
-    error->one(FLERR, "Fix {} deformable/wall: the surface of region '{}' is not perpendicular to the "
+    error->one(FLERR,
+               "Fix {} deformable/wall: the surface of region '{}' is not perpendicular to the "
                "xy plane at atom {}",
                id, region_id, atom->tag[i]);
-  error->one(FLERR, "The centre of atom {} lies on the surface of region '{}' of fix {} deformable/wall",
+  error->one(FLERR,
+             "The centre of atom {} lies on the surface of region '{}' of fix {} deformable/wall",
              atom->tag[i], region_id, id);
 }
 

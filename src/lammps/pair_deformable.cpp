@@ -72,7 +72,8 @@ void PairDeformable::coeff(int narg, char **arg)
   if (!allocated) allocate();
   if (narg < 4) utils::missing_cmd_args(FLERR, "pair_coeff", error);
   if (narg != 3 + atom->ntypes)
-    error->all(FLERR, "pair_coeff of {} names {} species for {} atom types: give one (or NULL) a type",
+    error->all(FLERR,
+               "pair_coeff of {} names {} species for {} atom types: give one (or NULL) a type",
                force->pair_style, narg - 3, atom->ntypes);
   map_element2type(narg - 3, arg + 3);
 
@@ -87,8 +88,8 @@ void PairDeformable::coeff(int narg, char **arg)
     if (species[type].name.empty()) {
       std::string names;
       for (const Species &candidate : known) names += " " + candidate.name;
-      error->all(FLERR, 2 + type, "Species '{}' is not in the file '{}', which has:{}", name, arg[2],
-                 names);
+      error->all(FLERR, 2 + type, "Species '{}' is not in the file '{}', which has:{}", name,
+                 arg[2], names);
     }
     check_species(species[type]);
     radius[type] = species[type].radius;
@@ -115,7 +116,8 @@ void PairDeformable::init_style()
 double PairDeformable::init_one(int i, int j)
 {
   if (setflag[i][j] == 0)
-    error->all(FLERR, "Pair style deformable has no species for atom types {} and {}: set them with "
+    error->all(FLERR,
+               "Pair style deformable has no species for atom types {} and {}: set them with "
                "'pair_coeff * * FILE species1 species2 ...'",
                i, j);
   return (1.0 + reach) * (radius[i] + radius[j]);
@@ -197,10 +199,10 @@ void PairDeformable::finish()
   if (largest[1] > 0.0 && !warned) {
     warned = true;
     if (comm->me == 0)
-      error->warning(FLERR,
-                     "Particles are beyond the deformable model: part of their outline has a negative "
-                     "radius of curvature (past confluence, or contacts too close to each other); "
-                     "'compute ID all pair' counts them");
+      error->warning(
+          FLERR, "Particles are beyond the deformable model: part of their outline has a negative "
+                 "radius of curvature (past confluence, or contacts too close to each other); "
+                 "'compute ID all pair' counts them");
   }
 }
 
@@ -292,11 +294,11 @@ void PairDeformable::enter_walls(int i)
 {
   const double ri = radius[atom->type[i]];
   for (std::size_t w = 0; w < walls.size(); ++w)
-    walls[w]->visit(
-        i, (1.0 + reach) * ri, [&](double nx, double ny, double height, double per_lever) {
-          table.add(i, {deformable::angle_of(nx, ny), nx, ny, ri - height},
-                    {-1 - static_cast<int>(w), -1.0, per_lever});
-        });
+    walls[w]->visit(i, (1.0 + reach) * ri,
+                    [&](double nx, double ny, double height, double per_lever) {
+                      table.add(i, {deformable::angle_of(nx, ny), nx, ny, ri - height},
+                                {-1 - static_cast<int>(w), -1.0, per_lever});
+                    });
 }
 
 void PairDeformable::Pairs::resize(std::size_t most)
@@ -315,12 +317,13 @@ void PairDeformable::Pairs::resize(std::size_t most)
 void PairDeformable::behind_centre(int i, int j)
 {
   const double dx = atom->x[j][0] - atom->x[i][0], dy = atom->x[j][1] - atom->x[i][1];
-  error->one(FLERR,
-             "The contact line of atoms {} and {} does not lie in front of the centre of atom {}: their "
-             "distance is {:.6g}, their radii are {:.6g} and {:.6g}. Start from a less compressed state "
-             "or take smaller steps",
-             atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(dx, dy), radius[atom->type[i]],
-             radius[atom->type[j]]);
+  error->one(
+      FLERR,
+      "The contact line of atoms {} and {} does not lie in front of the centre of atom {}: their "
+      "distance is {:.6g}, their radii are {:.6g} and {:.6g}. Start from a less compressed state "
+      "or take smaller steps",
+      atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(dx, dy), radius[atom->type[i]],
+      radius[atom->type[j]]);
 }
 
 /* ----------------------------------------------------------------------
@@ -371,6 +374,7 @@ void PairDeformable::store_circle(int i)
 double PairDeformable::memory_usage()
 {
   const double per_contact = sizeof(deformable::Contact) + sizeof(Partner);
-  return Pair::memory_usage() + table.partner.size() * per_contact + table.row.size() * sizeof(int) +
-      static_cast<double>(wanted ? NRESULTS : 0) * maxresults * sizeof(double);
+  return Pair::memory_usage() + table.partner.size() * per_contact +
+         table.row.size() * sizeof(int) +
+         static_cast<double>(wanted ? NRESULTS : 0) * maxresults * sizeof(double);
 }

@@ -47,7 +47,8 @@ class PairDeformable : public Pair {
   struct Partner {
     int atom;                // local index, or -1 - w for wall w
     double d_indentation;    // da/dd, d the distance of the partner
-    double per_lever;        // turn of the direction per sideways step of the partner: 1/d but for walls
+    double
+        per_lever;    // turn of the direction per sideways step of the partner: 1/d but for walls
   };
 
   // The contacts found so far. Two particles of one rank share what belongs to their contact, so each is
@@ -55,10 +56,10 @@ class PairDeformable : public Pair {
   // turn: few particles have some at a time, and the places they leave are taken again at once, so that
   // the table stays in the cache however large the system.
   struct ContactTable {
-    int stride = 0;                // places of a particle: the longest neighbour list and walls
-    std::vector<int> row;          // of each particle; -1: it has no contact yet
+    int stride = 0;          // places of a particle: the longest neighbour list and walls
+    std::vector<int> row;    // of each particle; -1: it has no contact yet
     std::vector<int> free_rows;
-    std::vector<int> count;        // by row
+    std::vector<int> count;    // by row
     std::vector<deformable::Contact> contact;
     std::vector<Partner> partner;
 

@@ -21,7 +21,8 @@ void PairDeformableRing::settings(int narg, char **arg)
     if (iarg + 1 == narg) utils::missing_cmd_args(FLERR, "pair_style deformable/ring reach", error);
     reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
     if (!(reach > 0.0))
-      error->all(FLERR, iarg + 1, "pair_style deformable/ring reach {} must be positive", arg[iarg + 1]);
+      error->all(FLERR, iarg + 1, "pair_style deformable/ring reach {} must be positive",
+                 arg[iarg + 1]);
   }
 }
 
@@ -30,7 +31,8 @@ void PairDeformableRing::settings(int narg, char **arg)
 void PairDeformableRing::check_species(const Species &s) const
 {
   if (!std::isinf(s.stiffness.kP))
-    error->all(FLERR, "Pair style deformable/ring conserves the perimeter: it needs kP = inf and a "
+    error->all(FLERR,
+               "Pair style deformable/ring conserves the perimeter: it needs kP = inf and a "
                "finite kA, but species {} has kA = {} and kP = {}",
                s.name, s.stiffness.kA, s.stiffness.kP);
 }
@@ -49,7 +51,8 @@ void PairDeformableRing::init_style()
     for (const double rj : radius) {
       if (rj == 0.0) continue;
       const double cutoff = (1.0 + reach) * (radius[i] + rj);
-      depth[i] = std::min(depth[i], -contact_line(cutoff, 1.0 / cutoff, radius[i], rj).indentation_i);
+      depth[i] =
+          std::min(depth[i], -contact_line(cutoff, 1.0 / cutoff, radius[i], rj).indentation_i);
     }
   }
 }
@@ -92,7 +95,8 @@ void PairDeformableRing::check_reach(int i, const Contacts &contacts)
   const int type = atom->type[i];
   const double ratio = ring_bulge(radius[type], contacts, shape) / depth[type];
   if (ratio > 1.0)
-    error->one(FLERR, "The outline of atom {} bulges by {:.4g}, {:.3g} times as far as 'reach {}' looks "
+    error->one(FLERR,
+               "The outline of atom {} bulges by {:.4g}, {:.3g} times as far as 'reach {}' looks "
                "for neighbors: use at least 'pair_style deformable/ring reach {:.2g}'",
                atom->tag[i], ratio * depth[type], ratio, reach, 1.2 * ratio * reach);
   if (ratio > bulge_over_reach) bulge_over_reach = ratio;

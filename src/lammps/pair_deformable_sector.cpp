@@ -35,7 +35,8 @@ void PairDeformableSector::settings(int narg, char **arg)
 void PairDeformableSector::check_species(const Species &s) const
 {
   if (!std::isinf(s.stiffness.kA) && !std::isinf(s.stiffness.kP))
-    error->all(FLERR, "Pair style deformable/sector conserves the perimeter or the area: it needs kP = "
+    error->all(FLERR,
+               "Pair style deformable/sector conserves the perimeter or the area: it needs kP = "
                "inf or kA = inf, but species {} has kA = {} and kP = {}",
                s.name, s.stiffness.kA, s.stiffness.kP);
 }
@@ -99,12 +100,14 @@ Energy PairDeformableSector::deform(int i, const Contacts &contacts)
   if (conserves_perimeter)
     sector_shape(radius[type], contacts, by_angle, shape);
   else if (!area_sector_shape(radius[type], contacts, by_angle, shape))
-    error->one(FLERR, "Atom {} has no shape that keeps the area of each of its sectors: its {} contacts "
+    error->one(FLERR,
+               "Atom {} has no shape that keeps the area of each of its sectors: its {} contacts "
                "leave no room. Compress less, or conserve the perimeter (kP = inf)",
                atom->tag[i], contacts.size);
   const double change = conserves_perimeter ? shape.area_deficit : shape.perimeter_excess;
   if (!std::isfinite(change))
-    error->one(FLERR, "Atom {} has two contacts in the same direction, which leaves no sector between "
+    error->one(FLERR,
+               "Atom {} has two contacts in the same direction, which leaves no sector between "
                "them: use pair_style deformable/ring",
                atom->tag[i]);
 
@@ -156,8 +159,7 @@ template <bool WALLS> void PairDeformableSector::repel(const SingleContact &sing
   f[i][1] += force_per_distance * dy;
   f[j][0] -= force_per_distance * dx;
   f[j][1] -= force_per_distance * dy;
-  if (evflag)
-    ev_tally(i, j, atom->nlocal, 1, energy.value, 0.0, force_per_distance, dx, dy, 0.0);
+  if (evflag) ev_tally(i, j, atom->nlocal, 1, energy.value, 0.0, force_per_distance, dx, dy, 0.0);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -33,7 +33,7 @@ class PairDeformableSector : public PairDeformable {
   };
   std::vector<SingleContact> singles;
   double *ncontacts = nullptr;    // per atom, ghosts included
-  int maxcontacts = 0;      // entries of it
+  int maxcontacts = 0;            // entries of it
 
   template <bool WALLS> void evaluate(int eflag, int vflag);
   template <bool WALLS> void repel(const SingleContact &);

