@@ -47,7 +47,7 @@ void FixDeformableWall::init()
   region = domain->get_region_by_id(region_id);
   if (!region)
     error->all(FLERR, "Region '{}' of fix {} deformable/wall does not exist", region_id, id);
-  if (!force->pair_match("^deformable/", 0))
+  if (!force->pair_match("^deformable/", 0) && !force->pair_match("^deformable/", 0, 1))
     error->all(FLERR, "Fix {} deformable/wall needs a deformable pair style, but pair_style is {}",
                id, force->pair_style ? force->pair_style : "none");
 

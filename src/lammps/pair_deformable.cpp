@@ -163,15 +163,13 @@ template <bool WALLS> void PairDeformable::begin(int eflag, int vflag)
     for (double *&result : results) memory->grow(result, maxresults, "pair:results");
   }
 
-  if (neighbor->ago == 0) {
-    bulge_over_reach = 0.0;
-    longest_list = 0;
-    for (int ii = 0; ii < list->inum; ++ii) {
-      const int i = list->ilist[ii];
-      if (ii > 0 && i < list->ilist[ii - 1])
-        error->one(FLERR, "Pair style deformable needs a neighbor list in the order of the atoms");
-      longest_list = std::max(longest_list, list->numneigh[i]);
-    }
+  if (neighbor->ago == 0) bulge_over_reach = 0.0;
+  longest_list = 0;
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
+    if (ii > 0 && i < list->ilist[ii - 1])
+      error->one(FLERR, "Pair style deformable needs a neighbor list in the order of the atoms");
+    longest_list = std::max(longest_list, list->numneigh[i]);
   }
   int most = longest_list;
   if constexpr (WALLS)

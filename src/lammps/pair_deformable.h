@@ -108,7 +108,7 @@ class PairDeformable : public Pair {
   enum { AREA, PERIMETER, CONTACTS, PRESSURE, ARC_RADIUS, CONTACT_LENGTH, NRESULTS };
   std::array<double *, NRESULTS> results{};    // per atom; null until somebody asks for them
   int maxresults = 0;
-  int longest_list = 0;    // of this rank, at the last new neighbour list
+  int longest_list = 0;    // of this rank's particles
   bool wanted = false;
   bool warned = false;
 

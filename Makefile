@@ -1,0 +1,58 @@
+# Everything from a fresh clone, with Python >= 3.10, a C++17 compiler and make:
+#
+#   make demo        compress 128 bubbles; picture, trajectory and tables go to demo/
+#   make test        the tests, without the long ones
+#   make test-slow   the long ones
+#   make lint        style and types
+#   make clean       remove what the above made
+#
+# PYTHON=python3.12 chooses the interpreter, WERROR=ON makes compiler warnings errors, JOBS the number of
+# test processes.
+
+PYTHON ?= python3
+WERROR ?= OFF
+JOBS ?= 2
+
+VENV := .venv
+BIN := $(VENV)/bin
+PIP_INSTALL := SKBUILD_CMAKE_DEFINE=DEFORMABLE_WERROR=$(WERROR) \
+  $(BIN)/python -m pip --disable-pip-version-check install --quiet
+SOURCES := $(shell find cmake python src -type f -not -name '*.pyc') CMakeLists.txt pyproject.toml
+
+.PHONY: demo test test-slow lint clean
+.DELETE_ON_ERROR:
+
+demo: $(VENV)/installed
+	@$(BIN)/deformable compress --number 128 --strain 0.01 --steps 10 --seed 1 --out demo
+
+test: $(VENV)/installed
+	@$(BIN)/python -m pytest -q -n $(JOBS) -m "not slow" tests
+
+test-slow: $(VENV)/installed
+	@$(BIN)/python -m pytest -q -n $(JOBS) -m slow tests
+
+lint: $(VENV)/installed-dev
+	@$(BIN)/ruff check --quiet .
+	@$(BIN)/ruff format --diff --quiet .
+	@$(BIN)/clang-format --dry-run -Werror src/core/*.h src/lammps/*.h src/lammps/*.cpp src/bindings/*.cpp
+	@$(BIN)/mypy --no-error-summary
+
+clean:
+	@rm -rf $(VENV) build demo .pytest_cache .ruff_cache .mypy_cache
+
+$(VENV)/bin/python:
+	@command -v $(PYTHON) >/dev/null || \
+	  { echo "$(PYTHON) not found: install Python >= 3.10, or name it: make PYTHON=python3.12" >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
+	  { echo "$$($(PYTHON) --version) is too old, Python >= 3.10 is needed: make PYTHON=python3.12" >&2; exit 1; }
+	@$(PYTHON) -m venv $(VENV) || \
+	  { rm -rf $(VENV); \
+	    echo "$(PYTHON) cannot make virtual environments (Debian, Ubuntu: apt install python3-venv)" >&2; exit 1; }
+
+# installed-dev brings all that installed does, so that whoever wants both compiles once
+$(VENV)/installed $(VENV)/installed-dev: $(VENV)/bin/python $(SOURCES)
+	@command -v $${CXX:-c++} >/dev/null || command -v g++ >/dev/null || command -v clang++ >/dev/null || \
+	  { echo "No C++ compiler found: install g++ or clang++, or name one: make CXX=..." >&2; exit 1; }
+	@echo "Installing into $(VENV)" >&2
+	@$(PIP_INSTALL) '.[$(if $(findstring dev,$(notdir $@)),dev,test)]'
+	@touch $(VENV)/installed $@

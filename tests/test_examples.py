@@ -1,0 +1,152 @@
+"""The input scripts and the snippets of the documentation run as they stand and are right."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[1]
+BIN = Path(sys.executable).parent
+ENVIRONMENT = os.environ | {
+    "PATH": f"{BIN}:{os.environ['PATH']}",  # as after activating the environment
+    "MPLBACKEND": "agg",
+    # waiting ranks give way: without it, more ranks than cores take a hundred times as long
+    "MPIR_CVAR_CH4_PROGRESS_THROTTLE": "1",
+    "MPIR_CVAR_CH4_PROGRESS_THROTTLE_NO_PROGRESS_COUNT": "16",
+}
+NUMBER = r"[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?"
+
+
+@pytest.fixture
+def tree(tmp_path):
+    """Examples and species files as in the repository, in a folder to write in."""
+    for name in ("examples", "potentials"):
+        shutil.copytree(ROOT / name, tmp_path / name)
+    return tmp_path
+
+
+def run(folder, *command):
+    """Output of a command of this environment."""
+    result = subprocess.run(
+        [BIN / command[0], *command[1:]],
+        cwd=folder,
+        env=ENVIRONMENT,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert result.returncode == 0, result.stdout + result.stderr
+    return result.stdout
+
+
+def table(log, header):
+    """The last table of thermodynamic output whose header begins so."""
+    lines = log.splitlines()
+    start = max(n for n, line in enumerate(lines) if line.split()[: len(header)] == header) + 1
+    rows = []
+    for line in lines[start:]:
+        if not re.fullmatch(rf"\s*(?:{NUMBER}\s*)+", line):
+            break
+        rows.append([float(word) for word in line.split()])
+    return np.array(rows).T
+
+
+def numbers(log, pattern):
+    """All numbers on the lines that a pattern matches."""
+    lines = [line for line in log.splitlines() if re.match(pattern, line)]
+    return np.array([[float(word) for word in re.findall(NUMBER, line)] for line in lines])
+
+
+def test_hexagon(tree):
+    log = run(tree / "examples" / "hexagon", "lmp", "-in", "in.hexagon")
+    step, a, deficit, _, force, _, energy = table(log, ["Step", "v_a"])
+    k = 33.74416677654674
+    assert np.allclose(a, 0.005 * step, rtol=1e-14, atol=0.0)
+    assert len(a) == 11
+    for found, exact in (
+        (deficit, k * a**2),
+        (force, k**2 * a**3 / 3),
+        (energy, k**2 * a**4 / 2),
+    ):
+        assert np.abs(found - exact).max() < 1e-12 * np.abs(exact).max()
+
+    ((x, y, relaxed, exact),) = numbers(log, "back at")
+    assert abs(x) < 1e-12
+    assert abs(y) < 1e-12
+    assert relaxed == exact == pytest.approx(k**2 * 0.05**4 / 2, rel=1e-11)
+
+
+def test_hexagon_log_is_up_to_date():
+    """The log beside the example is of the input script beside it."""
+    log = (ROOT / "examples" / "hexagon" / "log.hexagon").read_text()
+    for line in (ROOT / "examples" / "hexagon" / "in.hexagon").read_text().splitlines():
+        assert line.rstrip(" &") in log
+
+
+def test_mpi_input(tree):
+    log = run(tree / "examples" / "mpi", "mpiexec", "-n", "2", "lmp", "-in", "in.mpi")
+    reference = (ROOT / "examples" / "mpi" / "log.mpi").read_text()
+
+    steps, expected = (numbers(text, "strain 0") for text in (log, reference))
+    assert steps.shape == (8, 5)
+    strain, phi, z, pressure, energy = range(5)
+    assert steps[:, strain] == pytest.approx(0.001 * np.arange(1, 9))
+    assert steps[:, phi] == pytest.approx(expected[:, phi], rel=1e-6)
+    assert steps[:, z] == pytest.approx(expected[:, z], abs=0.1)
+    # quartic energies: pressure and energy of a minimum are known less well than forces are small
+    assert steps[:, pressure] == pytest.approx(expected[:, pressure], rel=1e-3)
+    assert steps[:, energy] == pytest.approx(expected[:, energy], rel=1e-3)
+
+    total = table(log, ["Step", "v_phi"])[-1]
+    assert len(total) == 21
+    assert np.abs(total / total[0] - 1.0).max() < 2e-6
+
+
+def snippets(page, language):
+    text = (ROOT / page).read_text()
+    return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md"])
+def test_python_snippets(page, tmp_path):
+    """One after the other, as a reader would."""
+    (tmp_path / "script.py").write_text("\n".join(snippets(page, "python")))
+    output = run(tmp_path, "python", "script.py")
+    assert (tmp_path / "packing.png").stat().st_size > 10_000
+    if page == "README.md":
+        phi, pressure = np.array([line.split() for line in output.splitlines()], float).T
+        assert len(phi) == 10
+        assert np.all(np.diff(phi) > 0.0)
+        assert 1e-10 < pressure[0] < pressure[-1] < 1e-3
+
+
+def test_lammps_snippet(tree):
+    (script,) = snippets("README.md", "lammps")
+    (tree / "in.bubbles").write_text(script)
+    run(tree, "deformable", "compress", "--number", "32", "--steps", "2", "--out", "demo")
+    log = run(tree, "lmp", "-in", "in.bubbles")
+    total = table(log, ["Step", "PotEng"])[3]
+    assert len(total) == 11
+    assert np.abs(total / total[0] - 1.0).max() < 1e-4
+    assert (tree / "shapes.dump").read_text().count("ITEM: TIMESTEP") == 11
+
+
+PAGES = [p for pattern in ("*.md", "docs/*.md", "examples/*/*.md") for p in ROOT.glob(pattern)]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links(page):
+    """Links inside the repository lead somewhere."""
+    for target in re.findall(r"\]\((?!http)([^)]+)\)", page.read_text()):
+        name, _, section = target.partition("#")
+        file = (page.parent / name) if name else page
+        assert file.exists(), target
+        if section:
+            heads = re.findall(r"^#+ (.*)$", file.read_text(), re.MULTILINE)
+            slugs = [re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads]
+            assert section in slugs, target
