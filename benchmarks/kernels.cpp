@@ -84,7 +84,7 @@ int main()
       sink += shape.area_deficit;
     });
     const double general = nanoseconds(all, [&](Particle &p) {
-      shape.clear(static_cast<int>(p.contacts.size()));
+      shape.reset(static_cast<int>(p.contacts.size()), 1.0);
       programme.clear(static_cast<int>(p.contacts.size()));
       ring_of_any(1.0, p.view(), programme, shape);
       sink += shape.area_deficit;

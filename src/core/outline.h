@@ -40,7 +40,7 @@ inline void ring_outline(double radius, const Contacts &contacts, const Shape &s
   sort_by_angle(contacts, order);
   std::vector<int> active;
   for (int k = 0; k < contacts.size; ++k)
-    if (shape.contact_length[order[k]] > 0.0) active.push_back(order[k]);
+    if (shape.contact[order[k]].length > 0.0) active.push_back(order[k]);
   if (active.empty()) return circle_outline(radius, points, outline);
 
   for (std::size_t k = 0; k < active.size(); ++k) {
@@ -48,7 +48,7 @@ inline void ring_outline(double radius, const Contacts &contacts, const Shape &s
     const double from = contacts[i].angle;
     const double to = contacts[next].angle + (k + 1 < active.size() ? 0.0 : 2.0 * PI);
     // ring_support sees t = 0 at the contact itself from above: H' is the one after the contact
-    point(from, -shape.contact_length[i]);
+    point(from, -shape.contact[i].length);
     point(from, 0.0);
     const int inner = std::max(1, static_cast<int>(points * (to - from) / (2.0 * PI)));
     for (int m = 1; m < inner; ++m) point(from + (to - from) * m / inner, 0.0);

@@ -138,8 +138,7 @@ DEFORMABLE_INLINE void fill_shape(double radius, int n, const RingCandidates &r,
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
     const int c = r.contact[m];
-    shape.contact_length[c] = shape.d_indentation[c] = length[m];
-    shape.d_angle[c] = d_angle[m];
+    shape.contact[c] = {length[m], length[m], d_angle[m]};
   }
   shape.area_deficit = 0.5 * twice_deficit;
   shape.arc_radius = radius - sum * (0.5 / PI) - std::sqrt(mx * mx + my * my) * (1.0 / PI);
@@ -345,8 +344,8 @@ inline void ring_of_any(double radius, const Contacts &contacts, RingProgramme &
 inline void ring_shape(double radius, const Contacts &contacts, char *carries, RingProgramme &p,
                        Shape &shape)
 {
-  shape.clear(contacts.size);
-  shape.arc_radius = radius;
+  shape.reset(contacts.size, radius);
+  for (int c = 0; c < contacts.size; ++c) shape.contact[c] = {0.0, 0.0, 0.0};
   p.clear(contacts.size);
 
   int *const active = p.active.data();
@@ -377,7 +376,7 @@ inline void ring_shape(double radius, const Contacts &contacts, char *carries, R
       default: trial = Trial::FAILED;
     }
   if (trial != Trial::DONE) ring_of_any(radius, contacts, p, shape);
-  for (int c = 0; c < contacts.size; ++c) carries[c] = shape.contact_length[c] > 0.0;
+  for (int c = 0; c < contacts.size; ++c) carries[c] = shape.contact[c].length > 0.0;
 }
 
 // The outline's support function in one direction:
@@ -391,7 +390,7 @@ inline Support ring_support(double radius, const Contacts &contacts, const Shape
 {
   Support support = {radius, 0.0, radius};
   for (int c = 0; c < contacts.size; ++c) {
-    const double length = shape.contact_length[c];
+    const double length = shape.contact[c].length;
     if (length == 0.0) continue;
     double t = std::remainder(theta - contacts[c].angle, 2.0 * PI);
     const double sign = t < 0.0 ? -1.0 : 1.0;

@@ -33,15 +33,19 @@ inline void sort_by_angle(const Contacts &contacts, int *order)
   }
 }
 
+// Fewer than two contacts bound no sector, and do nothing to the particle.
+inline void leave_round(const Contacts &contacts, Shape &shape)
+{
+  for (int c = 0; c < contacts.size; ++c) shape.contact[c] = {0.0, 0.0, 0.0};
+}
+
 // Calls visit(s, i, k, opening) for the sector from the s-th contact i by angle to the next one k, with
-// `order` as sort_by_angle leaves it. Fewer than two contacts bound no sector.
+// `order` as sort_by_angle leaves it.
 template <class Visitor>
 void for_each_sector(const Contacts &contacts, const int *order, Visitor &&visit)
 {
-  const int n = contacts.size;
-  if (n < 2) return;
-  for (int s = 0; s < n; ++s) {
-    const bool last = s + 1 == n;
+  for (int s = 0; s < contacts.size; ++s) {
+    const bool last = s + 1 == contacts.size;
     const int i = order[s], k = order[last ? 0 : s + 1];
     const double difference = contacts[k].angle - contacts[i].angle;
     const double angle = last ? 2.0 * PI + difference : difference;
@@ -95,26 +99,26 @@ inline Sector sector(const SectorCoefficients &w, double ai, double ak)
 // Two contacts in one direction leave no shape: the area deficit is then not finite.
 inline void sector_shape(double radius, const Contacts &contacts, int *order, Shape &shape)
 {
+  shape.reset(contacts.size, radius);
+  if (contacts.size < 2) return leave_round(contacts, shape);
   sort_by_angle(contacts, order);
-  shape.clear(contacts.size);
-  double shrinkage = 0.0;
+  // What a sector gives to its second contact, until the next sector adds its own share.
+  double length_before = 0.0, d_before = 0.0, twice_deficit = 0.0, shrinkage = 0.0;
   for_each_sector(contacts, order, [&](int, int i, int k, const Opening &o) {
     const double ai = contacts[i].indentation;
     const Sector part = sector(sector_coefficients(o), ai, contacts[k].indentation);
     const double d_opening =
         0.5 * (ai * (2.0 * part.shrinkage - ai) - part.length_i * part.length_i);
-    shape.d_indentation[i] += part.length_i;
-    shape.d_indentation[k] += part.length_k;
-    shape.d_angle[i] -= d_opening;
-    shape.d_angle[k] += d_opening;
+    const double length = length_before + part.length_i;
+    shape.contact[i] = {length, length, d_before - d_opening};
+    twice_deficit += ai * length;
     shrinkage = std::max(shrinkage, part.shrinkage);
+    length_before = part.length_k;
+    d_before = d_opening;
   });
-  double twice_deficit = 0.0;
-  for (int c = 0; c < contacts.size; ++c) {
-    shape.contact_length[c] = shape.d_indentation[c];
-    twice_deficit += contacts[c].indentation * shape.d_indentation[c];
-  }
-  shape.area_deficit = 0.5 * twice_deficit;
+  Response &first = shape.contact[order[0]];
+  first = {first.length + length_before, first.length + length_before, first.d_angle + d_before};
+  shape.area_deficit = 0.5 * (twice_deficit + contacts[order[0]].indentation * length_before);
   shape.arc_radius = radius - shrinkage;
 }
 
@@ -156,9 +160,10 @@ inline AreaSector area_sector(double radius, const Opening &o, double ai, double
 // Returns false where such a sector does not exist; the shape is then unspecified.
 inline bool area_sector_shape(double radius, const Contacts &contacts, int *order, Shape &shape)
 {
+  shape.reset(contacts.size, radius);
+  leave_round(contacts, shape);
+  if (contacts.size < 2) return true;
   sort_by_angle(contacts, order);
-  shape.clear(contacts.size);
-  shape.arc_radius = radius;
   bool exists = true;
   for_each_sector(contacts, order, [&](int, int i, int k, const Opening &o) {
     const double ai = contacts[i].indentation;
@@ -166,17 +171,18 @@ inline bool area_sector_shape(double radius, const Contacts &contacts, int *orde
     exists = exists && a.exists;
     if (!a.exists) return;
     const double q = radius - a.part.shrinkage, li = a.part.length_i, lk = a.part.length_k;
-
-    shape.perimeter_excess += a.perimeter_excess;
-    shape.contact_length[i] += li;
-    shape.contact_length[k] += lk;
-    shape.d_indentation[i] += li / q;
-    shape.d_indentation[k] += lk / q;
     // the R of dP/dphi is left out: it cancels between the two sectors of a contact
     const double d_opening = (ai * (2.0 * a.part.shrinkage - ai) - li * li) / (2.0 * q);
-    shape.d_angle[i] -= d_opening;
-    shape.d_angle[k] += d_opening;
-    if (q < shape.arc_radius) shape.arc_radius = q;
+
+    Response &at_i = shape.contact[i], &at_k = shape.contact[k];
+    at_i.length += li;
+    at_i.d_indentation += li / q;
+    at_i.d_angle -= d_opening;
+    at_k.length += lk;
+    at_k.d_indentation += lk / q;
+    at_k.d_angle += d_opening;
+    shape.perimeter_excess += a.perimeter_excess;
+    shape.arc_radius = std::min(shape.arc_radius, q);
   });
   return exists;
 }

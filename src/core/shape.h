@@ -23,26 +23,27 @@ struct Contacts {
   const Contact &operator[](int c) const { return first[c]; }
 };
 
-// The answer of a contact law. A law conserves either the perimeter or the area and lets the other one
-// change: the derivatives are those of what changes, the area deficit or the perimeter excess. Buffers
-// only ever grow, so that a force loop that keeps one Shape for all particles allocates nothing.
+// What a law makes of one contact. The derivatives are those of what the law lets change: of the area
+// deficit where it conserves the perimeter, of the perimeter excess where it conserves the area.
+struct Response {
+  double length;
+  double d_indentation, d_angle;
+};
+
+// The answer of a contact law for one particle, its contacts in the order of the input. The memory only
+// ever grows, so that a force loop that keeps one Shape for all particles allocates nothing.
 struct Shape {
   double area_deficit = 0.0;        // S = A0 - A
   double perimeter_excess = 0.0;    // P - P0
   double arc_radius = 0.0;          // smallest radius of curvature; negative: beyond the model
-  std::vector<double> d_indentation;
-  std::vector<double> d_angle;
-  std::vector<double> contact_length;
+  std::vector<Response> contact;
 
-  void clear(int contacts)
+  // A circle, with room for what is to come.
+  void reset(int contacts, double radius)
   {
-    if (static_cast<std::size_t>(contacts) > d_indentation.size()) {
-      d_indentation.resize(contacts);
-      d_angle.resize(contacts);
-      contact_length.resize(contacts);
-    }
+    if (static_cast<std::size_t>(contacts) > contact.size()) contact.resize(contacts);
     area_deficit = perimeter_excess = 0.0;
-    for (int c = 0; c < contacts; ++c) d_indentation[c] = d_angle[c] = contact_length[c] = 0.0;
+    arc_radius = radius;
   }
 };
 

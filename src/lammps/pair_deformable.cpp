@@ -346,8 +346,8 @@ void PairDeformable::store_shape(int i, const deformable::Contacts &contacts, do
   int touching = 0;
   double length = 0.0;
   for (int c = 0; c < contacts.size; ++c) {
-    touching += shape.contact_length[c] != 0.0;
-    length += shape.contact_length[c];
+    touching += shape.contact[c].length != 0.0;
+    length += shape.contact[c].length;
   }
   results[AREA][i] = deformable::PI * r * r - shape.area_deficit;
   results[PERIMETER][i] = 2.0 * deformable::PI * r + shape.perimeter_excess;

@@ -162,11 +162,11 @@ void PairDeformable::apply(int i, const deformable::Contacts &contacts,
   const Partner *const partners = &table.partner[table.first(i)];
   double fx = 0.0, fy = 0.0;
   for (int c = 0; c < contacts.size; ++c) {
-    if (shape.d_indentation[c] == 0.0 && shape.d_angle[c] == 0.0) continue;
+    if (shape.contact[c].d_indentation == 0.0 && shape.contact[c].d_angle == 0.0) continue;
     const Partner &partner = partners[c];
     const double nx = contacts[c].nx, ny = contacts[c].ny;
-    const double along = energy.derivative * shape.d_indentation[c] * partner.d_indentation;
-    const double across = energy.derivative * shape.d_angle[c] * partner.per_lever;
+    const double along = energy.derivative * shape.contact[c].d_indentation * partner.d_indentation;
+    const double across = energy.derivative * shape.contact[c].d_angle * partner.per_lever;
     const double px = along * nx - across * ny, py = along * ny + across * nx;    // on particle i
     if (WALLS && partner.atom < 0) {
       const double height = radius[atom->type[i]] - contacts[c].indentation;

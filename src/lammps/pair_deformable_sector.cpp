@@ -116,8 +116,8 @@ Energy PairDeformableSector::deform(int i, const Contacts &contacts)
   if (!conserves_perimeter) {    // each arc has its own, tension/radius: their mean over the contacts
     double force = 0.0, length = 0.0;
     for (int c = 0; c < contacts.size; ++c) {
-      force += energy.derivative * shape.d_indentation[c];
-      length += shape.contact_length[c];
+      force += energy.derivative * shape.contact[c].d_indentation;
+      length += shape.contact[c].length;
     }
     pressure = length > 0.0 ? force / length : 0.0;
   }
