@@ -2,10 +2,11 @@
 
     python benchmarks/loop_time.py [--out benchmarks/results/loop_time.json]
 
-One packing (bidisperse, 1:1.4, relaxed as soft disks at phi = 0.90), replicated to N = 1e3, 1e4 and 1e5,
-is run by NVE from the same small velocities with each style in turn, on one core. The styles are
-interleaved and repeated in one process, and their processor time is counted, so that the ratios hold on a
-machine that others use too; quoted are medians. LAMMPS' own breakdown says where the time goes.
+One packing (bidisperse, 1:1.4, relaxed as soft disks at phi = 0.90), replicated to N = 1e3, 1e4 and
+1e5, is run by NVE from the same small velocities with each style in turn, on one core. The styles
+are interleaved and repeated in one process, and their processor time is counted, so that the ratios
+hold on a machine that others use too; quoted are medians. LAMMPS' own breakdown says where the time
+goes.
 """
 
 from __future__ import annotations
