@@ -57,7 +57,7 @@ def gather_neighbours(
     Args:
         lmp: LAMMPS after a run or minimisation with the pair style.
         comm: its communicator.
-        style: pair style that owns the (full) neighbour list.
+        style: pair style that owns the neighbour list.
         reach: range in units of the sum of radii.
         radius: undeformed radius of each particle, shape (N,) [length].
         box: lattice vectors as rows, shape (2, 2) [length].
@@ -67,6 +67,9 @@ def gather_neighbours(
     listed = list(lmp.numpy.get_neighlist(lmp.find_pair_neighlist(style)))
     here = np.repeat([i for i, _ in listed], [len(others) for _, others in listed]).astype(np.int64)
     there = np.concatenate([others for _, others in listed] or [here]).astype(np.int64)
+    # the list has a pair of this rank's particles once, and one with a ghost on either rank
+    both = there < lmp.extract_setting("nlocal")
+    here, there = np.append(here, there[both]), np.append(there, here[both])
     parts = comm.allgather((tag[here] - 1, tag[there] - 1, x[there] - x[here], x[here]))
     i, j, apart, origin = (np.concatenate(column) for column in zip(*parts, strict=True))
 

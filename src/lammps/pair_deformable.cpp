@@ -104,7 +104,8 @@ void PairDeformable::init_style()
     error->all(FLERR, "Pair style deformable is two-dimensional: use 'dimension 2'");
   if (force->newton_pair == 0)
     error->all(FLERR, "Pair style deformable needs 'newton on': its forces act on ghost atoms");
-  neighbor->add_request(this, NeighConst::REQ_FULL);
+  // each pair of this rank's particles once, those with a ghost on either rank
+  neighbor->add_request(this, NeighConst::REQ_NEWTON_OFF);
 
   walls.clear();
   for (Fix *fix : modify->get_fix_by_style(FixDeformableWall::STYLE))
@@ -125,15 +126,24 @@ double PairDeformable::init_one(int i, int j)
 
 /* ---------------------------------------------------------------------- */
 
-void PairDeformable::ContactTable::clear(int nlocal, int longest)
+void PairDeformable::ContactTable::clear(int nlocal)
 {
   row.assign(nlocal, -1);
-  if (longest > stride) {
-    stride = longest;
-    count.clear();
-  }
   free_rows.resize(count.size());
   std::iota(free_rows.begin(), free_rows.end(), 0);
+}
+
+// Twice the places for each particle.
+void PairDeformable::ContactTable::widen()
+{
+  const std::size_t rows = count.size(), before = stride;
+  stride *= 2;
+  contact.resize(rows * stride);
+  partner.resize(rows * stride);
+  for (std::size_t r = rows; r-- > 1;) {
+    std::copy_n(&contact[r * before], before, &contact[r * stride]);
+    std::copy_n(&partner[r * before], before, &partner[r * stride]);
+  }
 }
 
 void PairDeformable::ContactTable::add_row(int i)
@@ -141,11 +151,8 @@ void PairDeformable::ContactTable::add_row(int i)
   if (free_rows.empty()) {
     free_rows.push_back(static_cast<int>(count.size()));
     count.push_back(0);
-    const std::size_t size = count.size() * stride;
-    if (contact.size() < size) {
-      contact.resize(size);
-      partner.resize(size);
-    }
+    contact.resize(count.size() * stride);
+    partner.resize(count.size() * stride);
   }
   row[i] = free_rows.back();
   free_rows.pop_back();
@@ -154,31 +161,17 @@ void PairDeformable::ContactTable::add_row(int i)
 
 /* ---------------------------------------------------------------------- */
 
-template <bool WALLS> void PairDeformable::begin(int eflag, int vflag)
+void PairDeformable::begin(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
   beyond = 0;
+  if (neighbor->ago == 0) bulge_over_reach = 0.0;
   if (wanted && atom->nmax > maxresults) {
     maxresults = atom->nmax;
     for (double *&result : results) memory->grow(result, maxresults, "pair:results");
   }
-
-  if (neighbor->ago == 0) bulge_over_reach = 0.0;
-  longest_list = 0;
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii];
-    if (ii > 0 && i < list->ilist[ii - 1])
-      error->one(FLERR, "Pair style deformable needs a neighbor list in the order of the atoms");
-    longest_list = std::max(longest_list, list->numneigh[i]);
-  }
-  int most = longest_list;
-  if constexpr (WALLS)
-    for (const FixDeformableWall *wall : walls) most += wall->max_contacts();
-  table.clear(atom->nlocal, most);
+  table.clear(atom->nlocal);
 }
-
-template void PairDeformable::begin<false>(int, int);
-template void PairDeformable::begin<true>(int, int);
 
 /* ----------------------------------------------------------------------
    compute pair sums pvector over ranks; all ranks look together only when
@@ -205,15 +198,17 @@ void PairDeformable::finish()
 }
 
 /* ----------------------------------------------------------------------
-   pairs within the cutoff of a block of particles, each from the side of
-   its lower index
+   pairs within the cutoff of a block of particles
 ------------------------------------------------------------------------- */
 
 void PairDeformable::find_pairs(int begin, int end)
 {
   const double *const *const x = atom->x;
   const int *const type = atom->type;
-  pairs.resize(static_cast<std::size_t>(end - begin) * longest_list);
+  std::size_t most = 0;
+  for (int ii = begin; ii < end; ++ii) most += list->numneigh[list->ilist[ii]];
+  pairs.resize(most);
+
   int n = 0;
   for (int ii = begin; ii < end; ++ii) {
     const int i = list->ilist[ii];
@@ -223,7 +218,6 @@ void PairDeformable::find_pairs(int begin, int end)
     const int count = list->numneigh[i];
     for (int jj = 0; jj < count; ++jj) {
       const int j = neighbors[jj] & NEIGHMASK;
-      if (j < i) continue;
       const double dx = x[j][0] - xi, dy = x[j][1] - yi;
       if (dx * dx + dy * dy > cutsq_i[type[j]]) continue;
       pairs.i[n] = i;

@@ -56,16 +56,17 @@ class PairDeformable : public Pair {
   // turn: few particles have some at a time, and the places they leave are taken again at once, so that
   // the table stays in the cache however large the system.
   struct ContactTable {
-    int stride = 0;          // places of a particle: the longest neighbour list and walls
+    int stride = 8;          // places of a particle; doubled when one needs more
     std::vector<int> row;    // of each particle; -1: it has no contact yet
     std::vector<int> free_rows;
     std::vector<int> count;    // by row
     std::vector<deformable::Contact> contact;
     std::vector<Partner> partner;
 
-    void clear(int nlocal, int longest);
+    void clear(int nlocal);
     void add(int i, const deformable::Contact &, const Partner &);
     void add_row(int i);
+    void widen();
     void release(int i);
     deformable::Contacts of(int i) const
     {
@@ -74,10 +75,33 @@ class PairDeformable : public Pair {
     }
     std::size_t first(int i) const { return static_cast<std::size_t>(row[i]) * stride; }
   } table;
+  // What a law recalls of each particle's contacts from one call to the next, as a first guess: they come
+  // in the same order as long as none forms or breaks. start(first, last) fills it in where it is lost.
+  template <class T> struct Recall {
+    int stride = 8;
+    std::vector<T> value;
+    std::vector<int> count;
+
+    template <class Start> T *of(int i, int n, Start &&start)
+    {
+      if (n > stride) {
+        while (n > stride) stride *= 2;
+        count.clear();
+      }
+      if (static_cast<std::size_t>(i) >= count.size()) {
+        count.resize(i + 1, 0);
+        value.resize(count.size() * stride);
+      }
+      T *const first = &value[static_cast<std::size_t>(i) * stride];
+      if (count[i] != n) start(first, first + n);
+      count[i] = n;
+      return first;
+    }
+  };
   deformable::Shape shape;    // of the particle at hand
 
   // One force call: begin, for_each_particle the law and apply or store_circle, finish.
-  template <bool WALLS> void begin(int eflag, int vflag);
+  void begin(int eflag, int vflag);
   template <bool WALLS, class Law> void for_each_particle(Law &&law);
   template <bool WALLS>
   void apply(int i, const deformable::Contacts &, const deformable::Energy &energy);
@@ -108,7 +132,6 @@ class PairDeformable : public Pair {
   enum { AREA, PERIMETER, CONTACTS, PRESSURE, ARC_RADIUS, CONTACT_LENGTH, NRESULTS };
   std::array<double *, NRESULTS> results{};    // per atom; null until somebody asks for them
   int maxresults = 0;
-  int longest_list = 0;    // of this rank's particles
   bool wanted = false;
   bool warned = false;
 
@@ -120,6 +143,7 @@ inline void PairDeformable::ContactTable::add(int i, const deformable::Contact &
                                               const Partner &whom)
 {
   if (row[i] < 0) add_row(i);
+  if (count[row[i]] == stride) widen();
   const std::size_t c = first(i) + count[row[i]]++;
   contact[c] = with;
   partner[c] = whom;
@@ -133,8 +157,8 @@ inline void PairDeformable::ContactTable::release(int i)
 }
 
 // Calls law(i, contacts) for all particles, a block of them at a time, so that their pairs can be worked on
-// side by side. Particles come in the order of their index: those of earlier blocks have left here what
-// they share with these.
+// side by side. Particles come in the order of their index and the list has a pair at its lower one, so
+// that earlier blocks have left here what they share with these.
 template <bool WALLS, class Law> void PairDeformable::for_each_particle(Law &&law)
 {
   constexpr int BLOCK = 64;

@@ -72,12 +72,12 @@ void PairDeformableRing::compute(int eflag, int vflag)
 template <bool WALLS> void PairDeformableRing::evaluate(int eflag, int vflag)
 {
   const bool new_list = neighbor->ago == 0;
-  begin<WALLS>(eflag, vflag);
-  carries.resize(static_cast<std::size_t>(atom->nlocal) * table.stride, 0);
+  begin(eflag, vflag);
   for_each_particle<WALLS>([&](int i, const Contacts &contacts) {
     const int type = atom->type[i];
-    char *const guess = &carries[static_cast<std::size_t>(i) * table.stride];
-    ring_shape(radius[type], contacts, guess, programme, shape);
+    char *const carries =
+        carried.of(i, contacts.size, [](char *first, char *last) { std::fill(first, last, 0); });
+    ring_shape(radius[type], contacts, carries, programme, shape);
     if (shape.area_deficit == 0.0) return store_circle(i);
 
     const Energy energy = harmonic(species[type].stiffness.kA, shape.area_deficit);

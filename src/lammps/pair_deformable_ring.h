@@ -20,12 +20,8 @@ class PairDeformableRing : public PairDeformable {
 
  private:
   deformable::RingProgramme programme;
-
-  // Which of each particle's contacts carried at the last call: contacts come in the same order as long as
-  // none forms or breaks, which makes this a good guess.
-  std::vector<char> carries;
-  std::vector<double>
-      depth;    // by atom type: how far outside of the circle candidates are complete
+  Recall<char> carried;         // which contacts carried
+  std::vector<double> depth;    // by atom type: how far out of the circle candidates are complete
 
   template <bool WALLS> void evaluate(int eflag, int vflag);
   void check_reach(int i, const deformable::Contacts &);

@@ -55,11 +55,7 @@ void PairDeformableSector::compute(int eflag, int vflag)
 
 template <bool WALLS> void PairDeformableSector::evaluate(int eflag, int vflag)
 {
-  const int stride = table.stride;
-  begin<WALLS>(eflag, vflag);
-  if (table.stride != stride) ordered.clear();
-  ordered.resize(std::max<std::size_t>(ordered.size(), atom->nlocal), 0);
-  order.resize(ordered.size() * table.stride);
+  begin(eflag, vflag);
   if (atom->nmax > maxcontacts) {
     maxcontacts = atom->nmax;
     memory->grow(ncontacts, maxcontacts, "pair:ncontacts");
@@ -89,11 +85,8 @@ template <bool WALLS> void PairDeformableSector::evaluate(int eflag, int vflag)
 
 Energy PairDeformableSector::deform(int i, const Contacts &contacts)
 {
-  int *const by_angle = &order[static_cast<std::size_t>(i) * table.stride];
-  if (ordered[i] != contacts.size) {
-    std::iota(by_angle, by_angle + contacts.size, 0);
-    ordered[i] = contacts.size;
-  }
+  int *const by_angle =
+      order.of(i, contacts.size, [](int *first, int *last) { std::iota(first, last, 0); });
   const int type = atom->type[i];
   const Stiffness &stiffness = species[type].stiffness;
   const bool conserves_perimeter = std::isinf(stiffness.kP);

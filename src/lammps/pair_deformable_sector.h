@@ -21,9 +21,7 @@ class PairDeformableSector : public PairDeformable {
   void check_species(const Species &) const override;
 
  private:
-  // Each particle's contacts by angle, and of how many contacts the permutation is. Contacts come in the
-  // same order as long as none forms or breaks: the last step's is a good guess.
-  std::vector<int> order, ordered;
+  Recall<int> order;    // of the contacts by angle
 
   // A particle with one contact has no sector; the pair repels as soft disks, once. Who shares the pair
   // depends on how many contacts the partner has, which its own rank knows.
