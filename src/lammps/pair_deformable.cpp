@@ -133,30 +133,37 @@ void PairDeformable::ContactTable::clear(int nlocal)
   std::iota(free_rows.begin(), free_rows.end(), 0);
 }
 
-// Twice the places for each particle.
-void PairDeformable::ContactTable::widen()
+// A row for a particle that has none, and twice as many places in each row where its own is full.
+void PairDeformable::ContactTable::make_room(int i)
 {
-  const std::size_t rows = count.size(), before = stride;
-  stride *= 2;
-  contact.resize(rows * stride);
-  partner.resize(rows * stride);
-  for (std::size_t r = rows; r-- > 1;) {
-    std::copy_n(&contact[r * before], before, &contact[r * stride]);
-    std::copy_n(&partner[r * before], before, &partner[r * stride]);
+  if (row[i] < 0) {
+    if (free_rows.empty()) {
+      free_rows.push_back(static_cast<int>(count.size()));
+      count.push_back(0);
+      contact.resize(count.size() * stride);
+      partner.resize(count.size() * stride);
+    }
+    row[i] = free_rows.back();
+    free_rows.pop_back();
+    count[row[i]] = 0;
+  } else if (count[row[i]] == stride) {
+    const std::size_t before = stride;
+    stride *= 2;
+    contact.resize(count.size() * stride);
+    partner.resize(count.size() * stride);
+    for (std::size_t r = count.size(); r-- > 1;) {
+      std::copy_n(&contact[r * before], before, &contact[r * stride]);
+      std::copy_n(&partner[r * before], before, &partner[r * stride]);
+    }
   }
 }
 
-void PairDeformable::ContactTable::add_row(int i)
+void PairDeformable::ContactTable::add(int i, const deformable::Contact &with, const Partner &whom)
 {
-  if (free_rows.empty()) {
-    free_rows.push_back(static_cast<int>(count.size()));
-    count.push_back(0);
-    contact.resize(count.size() * stride);
-    partner.resize(count.size() * stride);
-  }
-  row[i] = free_rows.back();
-  free_rows.pop_back();
-  count[row[i]] = 0;
+  make_room(i);
+  const std::size_t c = first(i) + count[row[i]]++;
+  contact[c] = with;
+  partner[c] = whom;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -266,17 +273,42 @@ DEFORMABLE_CLONES void PairDeformable::meet(Pairs &p)
 void PairDeformable::enter_pairs()
 {
   using deformable::PI;
+  // the table's memory, looked up again only when it has moved
+  int stride, *row, *count;
+  deformable::Contact *contact;
+  Partner *partner;
+  const auto look_up = [&] {
+    stride = table.stride;
+    row = table.row.data();
+    count = table.count.data();
+    contact = table.contact.data();
+    partner = table.partner.data();
+  };
+  const auto place = [&](int i) {
+    if (row[i] < 0 || count[row[i]] == stride) {
+      table.make_room(i);
+      look_up();
+    }
+    return static_cast<std::size_t>(row[i]) * stride + count[row[i]]++;
+  };
+  look_up();
+
   const int nlocal = atom->nlocal;
   for (int k = 0; k < pairs.size; ++k) {
     const int i = pairs.i[k], j = pairs.j[k];
     const double theta = pairs.angle[k], nx = pairs.nx[k], ny = pairs.ny[k];
     const double ai = pairs.indentation_i[k], aj = pairs.indentation_j[k];
+    const double per_distance = pairs.per_distance[k];
     if (!(ai < pairs.radius_i[k])) behind_centre(i, j);
     if (!(aj < pairs.radius_j[k])) behind_centre(j, i);
-    table.add(i, {theta, nx, ny, ai}, {j, pairs.d_indentation_i[k], pairs.per_distance[k]});
-    if (j < nlocal)
-      table.add(j, {theta > 0.0 ? theta - PI : theta + PI, -nx, -ny, aj},
-                {i, pairs.d_indentation_j[k], pairs.per_distance[k]});
+
+    const std::size_t at_i = place(i);
+    contact[at_i] = {theta, nx, ny, ai};
+    partner[at_i] = {j, pairs.d_indentation_i[k], per_distance};
+    if (j >= nlocal) continue;
+    const std::size_t at_j = place(j);
+    contact[at_j] = {theta > 0.0 ? theta - PI : theta + PI, -nx, -ny, aj};
+    partner[at_j] = {i, pairs.d_indentation_j[k], per_distance};
   }
 }
 

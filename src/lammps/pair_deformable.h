@@ -64,9 +64,8 @@ class PairDeformable : public Pair {
     std::vector<Partner> partner;
 
     void clear(int nlocal);
+    void make_room(int i);
     void add(int i, const deformable::Contact &, const Partner &);
-    void add_row(int i);
-    void widen();
     void release(int i);
     deformable::Contacts of(int i) const
     {
@@ -138,16 +137,6 @@ class PairDeformable : public Pair {
   void allocate();
   [[noreturn]] void behind_centre(int i, int j);
 };
-
-inline void PairDeformable::ContactTable::add(int i, const deformable::Contact &with,
-                                              const Partner &whom)
-{
-  if (row[i] < 0) add_row(i);
-  if (count[row[i]] == stride) widen();
-  const std::size_t c = first(i) + count[row[i]]++;
-  contact[c] = with;
-  partner[c] = whom;
-}
 
 inline void PairDeformable::ContactTable::release(int i)
 {
