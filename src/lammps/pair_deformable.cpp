@@ -1,5 +1,7 @@
 #include "pair_deformable.h"
 
+#include "trigonometry.h"
+
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
@@ -11,13 +13,6 @@
 
 #include <cstring>
 #include <numeric>
-
-// One more version of a loop for processors with 256-bit vectors, chosen when the plugin is loaded.
-#if defined(__x86_64__) && defined(__gnu_linux__) && (!defined(__clang__) || __clang_major__ >= 17)
-#define DEFORMABLE_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
-#else
-#define DEFORMABLE_CLONES
-#endif
 
 using namespace LAMMPS_NS;
 
@@ -126,48 +121,6 @@ double PairDeformable::init_one(int i, int j)
 
 /* ---------------------------------------------------------------------- */
 
-void PairDeformable::ContactTable::clear(int nlocal)
-{
-  row.assign(nlocal, -1);
-  free_rows.resize(count.size());
-  std::iota(free_rows.begin(), free_rows.end(), 0);
-}
-
-// A row for a particle that has none, and twice as many places in each row where its own is full.
-void PairDeformable::ContactTable::make_room(int i)
-{
-  if (row[i] < 0) {
-    if (free_rows.empty()) {
-      free_rows.push_back(static_cast<int>(count.size()));
-      count.push_back(0);
-      contact.resize(count.size() * stride);
-      partner.resize(count.size() * stride);
-    }
-    row[i] = free_rows.back();
-    free_rows.pop_back();
-    count[row[i]] = 0;
-  } else if (count[row[i]] == stride) {
-    const std::size_t before = stride;
-    stride *= 2;
-    contact.resize(count.size() * stride);
-    partner.resize(count.size() * stride);
-    for (std::size_t r = count.size(); r-- > 1;) {
-      std::copy_n(&contact[r * before], before, &contact[r * stride]);
-      std::copy_n(&partner[r * before], before, &partner[r * stride]);
-    }
-  }
-}
-
-void PairDeformable::ContactTable::add(int i, const deformable::Contact &with, const Partner &whom)
-{
-  make_room(i);
-  const std::size_t c = first(i) + count[row[i]]++;
-  contact[c] = with;
-  partner[c] = whom;
-}
-
-/* ---------------------------------------------------------------------- */
-
 void PairDeformable::begin(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
@@ -214,9 +167,9 @@ void PairDeformable::find_pairs(int begin, int end)
   const int *const type = atom->type;
   std::size_t most = 0;
   for (int ii = begin; ii < end; ++ii) most += list->numneigh[list->ilist[ii]];
-  pairs.resize(most);
+  pairs.reserve(most);
+  pairs.size = 0;
 
-  int n = 0;
   for (int ii = begin; ii < end; ++ii) {
     const int i = list->ilist[ii];
     const double xi = x[i][0], yi = x[i][1], ri = radius[type[i]];
@@ -227,44 +180,8 @@ void PairDeformable::find_pairs(int begin, int end)
       const int j = neighbors[jj] & NEIGHMASK;
       const double dx = x[j][0] - xi, dy = x[j][1] - yi;
       if (dx * dx + dy * dy > cutsq_i[type[j]]) continue;
-      pairs.i[n] = i;
-      pairs.j[n] = j;
-      pairs.dx[n] = dx;
-      pairs.dy[n] = dy;
-      pairs.radius_i[n] = ri;
-      pairs.radius_j[n] = radius[type[j]];
-      ++n;
+      pairs.add(i, j, dx, dy, ri, radius[type[j]]);
     }
-  }
-  pairs.size = n;
-}
-
-/* ----------------------------------------------------------------------
-   distance, direction and contact line of each pair: a loop without a
-   branch, compiled for wider vector registers too
-------------------------------------------------------------------------- */
-
-DEFORMABLE_CLONES void PairDeformable::meet(Pairs &p)
-{
-  const int n = p.size;
-  const double *const dx = p.dx.data(), *const dy = p.dy.data();
-  const double *const ri = p.radius_i.data(), *const rj = p.radius_j.data();
-  double *const per_distance = p.per_distance.data(), *const angle = p.angle.data();
-  double *const nx = p.nx.data(), *const ny = p.ny.data();
-  double *const ai = p.indentation_i.data(), *const aj = p.indentation_j.data();
-  double *const d_ai = p.d_indentation_i.data(), *const d_aj = p.d_indentation_j.data();
-#pragma GCC ivdep
-  for (int k = 0; k < n; ++k) {
-    const double d = std::sqrt(dx[k] * dx[k] + dy[k] * dy[k]), per_d = 1.0 / d;
-    const deformable::ContactLine line = deformable::contact_line(d, per_d, ri[k], rj[k]);
-    per_distance[k] = per_d;
-    nx[k] = dx[k] * per_d;
-    ny[k] = dy[k] * per_d;
-    angle[k] = deformable::angle_of(dx[k], dy[k]);
-    ai[k] = line.indentation_i;
-    aj[k] = line.indentation_j;
-    d_ai[k] = line.d_indentation_i;
-    d_aj[k] = line.d_indentation_j;
   }
 }
 
@@ -323,17 +240,6 @@ void PairDeformable::enter_walls(int i)
                       table.add(i, {deformable::angle_of(nx, ny), nx, ny, ri - height},
                                 {-1 - static_cast<int>(w), -1.0, per_lever});
                     });
-}
-
-void PairDeformable::Pairs::resize(std::size_t most)
-{
-  if (most <= i.size()) return;
-  i.resize(most);
-  j.resize(most);
-  for (std::vector<double> *v :
-       {&dx, &dy, &radius_i, &radius_j, &per_distance, &nx, &ny, &angle, &indentation_i,
-        &indentation_j, &d_indentation_i, &d_indentation_j})
-    v->resize(most);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -6,12 +6,12 @@
 
 #include "pair.h"
 
-#include "contact.h"
+#include "contact_pairs.h"
+#include "contact_table.h"
 #include "fix_deformable_wall.h"
 #include "shape.h"
 #include "species.h"
 #include "stiffness.h"
-#include "trigonometry.h"
 
 #include "atom.h"
 #include "neigh_list.h"
@@ -43,60 +43,7 @@ class PairDeformable : public Pair {
   std::vector<double> radius;      // by atom type
   std::vector<FixDeformableWall *> walls;
 
-  // What a contact's force acts on.
-  struct Partner {
-    int atom;                // local index, or -1 - w for wall w
-    double d_indentation;    // da/dd, d the distance of the partner
-    double
-        per_lever;    // turn of the direction per sideways step of the partner: 1/d but for walls
-  };
-
-  // The contacts found so far. Two particles of one rank share what belongs to their contact, so each is
-  // computed once, when the first of the two has its turn. Contacts live from then until the second one's
-  // turn: few particles have some at a time, and the places they leave are taken again at once, so that
-  // the table stays in the cache however large the system.
-  struct ContactTable {
-    int stride = 8;          // places of a particle; doubled when one needs more
-    std::vector<int> row;    // of each particle; -1: it has no contact yet
-    std::vector<int> free_rows;
-    std::vector<int> count;    // by row
-    std::vector<deformable::Contact> contact;
-    std::vector<Partner> partner;
-
-    void clear(int nlocal);
-    void make_room(int i);
-    void add(int i, const deformable::Contact &, const Partner &);
-    void release(int i);
-    deformable::Contacts of(int i) const
-    {
-      if (row[i] < 0) return {0, nullptr};
-      return {count[row[i]], &contact[first(i)]};
-    }
-    std::size_t first(int i) const { return static_cast<std::size_t>(row[i]) * stride; }
-  } table;
-  // What a law recalls of each particle's contacts from one call to the next, as a first guess: they come
-  // in the same order as long as none forms or breaks. start(first, last) fills it in where it is lost.
-  template <class T> struct Recall {
-    int stride = 8;
-    std::vector<T> value;
-    std::vector<int> count;
-
-    template <class Start> T *of(int i, int n, Start &&start)
-    {
-      if (n > stride) {
-        while (n > stride) stride *= 2;
-        count.clear();
-      }
-      if (static_cast<std::size_t>(i) >= count.size()) {
-        count.resize(i + 1, 0);
-        value.resize(count.size() * stride);
-      }
-      T *const first = &value[static_cast<std::size_t>(i) * stride];
-      if (count[i] != n) start(first, first + n);
-      count[i] = n;
-      return first;
-    }
-  };
+  ContactTable table;
   deformable::Shape shape;    // of the particle at hand
 
   // One force call: begin, for_each_particle the law and apply or store_circle, finish.
@@ -114,17 +61,8 @@ class PairDeformable : public Pair {
   double bulge_over_reach;    // the largest of this rank, at the last new neighbour list
 
  private:
-  // Neighbours in touch, each pair once, as a structure of arrays: what meets, and how.
-  struct Pairs {
-    int size = 0;
-    std::vector<int> i, j;
-    std::vector<double> dx, dy, radius_i, radius_j;
-    std::vector<double> per_distance, nx, ny, angle;
-    std::vector<double> indentation_i, indentation_j, d_indentation_i, d_indentation_j;
-    void resize(std::size_t most);
-  } pairs;
+  ContactPairs pairs;    // those of the block of particles at hand
   void find_pairs(int begin, int end);
-  static void meet(Pairs &);
   void enter_pairs();
   void enter_walls(int i);
 
@@ -137,13 +75,6 @@ class PairDeformable : public Pair {
   void allocate();
   [[noreturn]] void behind_centre(int i, int j);
 };
-
-inline void PairDeformable::ContactTable::release(int i)
-{
-  if (row[i] < 0) return;
-  free_rows.push_back(row[i]);
-  row[i] = -1;
-}
 
 // Calls law(i, contacts) for all particles, a block of them at a time, so that their pairs can be worked on
 // side by side. Particles come in the order of their index and the list has a pair at its lower one, so
