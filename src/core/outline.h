@@ -4,8 +4,8 @@
 #ifndef DEFORMABLE_OUTLINE_H
 #define DEFORMABLE_OUTLINE_H
 
-#include "ring.h"
 #include "sector.h"
+#include "support.h"
 
 namespace deformable {
 

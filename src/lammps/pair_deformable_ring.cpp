@@ -1,6 +1,7 @@
 #include "pair_deformable_ring.h"
 
 #include "contact.h"
+#include "support.h"
 
 #include "error.h"
 #include "neighbor.h"

@@ -1,0 +1,35 @@
+// The Green function of the ring law.
+
+#ifndef DEFORMABLE_GREEN_H
+#define DEFORMABLE_GREEN_H
+
+#include "trigonometry.h"
+
+namespace deformable {
+
+// Green function of -u'' - u on the angular modes n >= 2, for 0 <= t <= 2 pi; even and 2 pi periodic:
+//   G(t) = [1/2 + cos t/4 - (pi - t) sin t/2]/pi
+inline double green(double t, double sine, double cosine)
+{
+  return (0.5 + 0.25 * cosine - 0.5 * (PI - t) * sine) * (1.0 / PI);
+}
+
+// dG/dt, 0 < t < 2 pi; odd, with a jump of -1 at t = 0
+inline double d_green(double t, double sine, double cosine)
+{
+  return (0.25 * sine - 0.5 * (PI - t) * cosine) * (1.0 / PI);
+}
+
+constexpr double GREEN_AT_ZERO = 0.75 / PI;
+
+// A quartic in cos t that nowhere exceeds G (and stays within 0.02 of it but for |t| < 0.6): most contacts
+// outside of the circle are out of the outline's reach by far, which this tells at a lower price.
+inline double green_bound(double cosine)
+{
+  return -0.094792 +
+         cosine * (-0.102549 + cosine * (0.106182 + cosine * (0.116296 + cosine * 0.081933)));
+}
+
+}    // namespace deformable
+
+#endif

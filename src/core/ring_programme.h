@@ -1,0 +1,225 @@
+// The quadratic programme of the ring law: L >= 0, g = a - G L <= 0, L.g = 0.
+
+#ifndef DEFORMABLE_RING_PROGRAMME_H
+#define DEFORMABLE_RING_PROGRAMME_H
+
+#include "green.h"
+#include "shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+namespace deformable {
+
+// What follows is written once for any number of contacts n and compiled for each small n by itself
+// (ring_shape), where all loops unroll: a particle has 3 to 7 contacts, and loops of unknown short length
+// would cost more than the arithmetic.
+#define DEFORMABLE_INLINE inline __attribute__((always_inline))
+
+// The contacts that may be active, row m of G and G' up to column m.
+struct RingCandidates {
+  int stride;
+  int *contact;    // indices in Contacts
+  double *angle, *nx, *ny, *indentation;
+  double *green, *d_green;
+};
+
+DEFORMABLE_INLINE void add_candidate(const RingCandidates &r, int m, const Contacts &contacts,
+                                     int c)
+{
+  const double theta = contacts[c].angle, x = contacts[c].nx, y = contacts[c].ny;
+  r.contact[m] = c;
+  r.angle[m] = theta;
+  r.nx[m] = x;
+  r.ny[m] = y;
+  r.indentation[m] = contacts[c].indentation;
+#pragma GCC unroll 8
+  for (int k = 0; k < m; ++k) {
+    // sin |t| from the directions: sin t turns its sign with t
+    const double difference = theta - r.angle[k], t = std::fabs(difference);
+    const double cosine = r.nx[k] * x + r.ny[k] * y;
+    const double cross = r.nx[k] * y - r.ny[k] * x;
+    const double sine = difference < 0.0 ? -cross : cross;
+    const double slope = d_green(t, sine, cosine);
+    r.green[m * r.stride + k] = green(t, sine, cosine);
+    r.d_green[m * r.stride + k] = difference < 0.0 ? -slope : slope;
+  }
+  r.green[m * r.stride + m] = GREEN_AT_ZERO;
+}
+
+// x = G^-1 x by L D L^T in place. Returns the row whose pivot vanishes, a direction that the rows before
+// it already hold up to rounding, or -1.
+DEFORMABLE_INLINE int solve_dense(int n, double *g, int stride, double *x, double *per_pivot)
+{
+  constexpr double SMALLEST_PIVOT = 1e-13;
+#pragma GCC unroll 8
+  for (int c = 0; c < n; ++c) {
+    const double pivot = g[c * stride + c];
+    if (pivot < SMALLEST_PIVOT) return c;
+    per_pivot[c] = 1.0 / pivot;
+#pragma GCC unroll 8
+    for (int r = c + 1; r < n; ++r) {
+      const double scaled = g[r * stride + c] * per_pivot[c];
+      x[r] -= scaled * x[c];
+#pragma GCC unroll 8
+      for (int k = c + 1; k <= r; ++k) g[r * stride + k] -= scaled * g[k * stride + c];
+    }
+  }
+#pragma GCC unroll 8
+  for (int c = n - 1; c >= 0; --c) {
+#pragma GCC unroll 8
+    for (int r = c + 1; r < n; ++r) x[c] -= g[r * stride + c] * x[r];
+    x[c] *= per_pivot[c];
+  }
+  return -1;
+}
+
+// Can the outline reach a contact outside of the circle? False only where it certainly cannot.
+DEFORMABLE_INLINE bool may_reach(const Contacts &contacts, int c, int n, const RingCandidates &r,
+                                 const double *length)
+{
+  double gap = contacts[c].indentation;
+#pragma GCC unroll 8
+  for (int m = 0; m < n; ++m)
+    gap -= length[m] * green_bound(r.nx[m] * contacts[c].nx + r.ny[m] * contacts[c].ny);
+  return gap > 0.0;
+}
+
+// The slack g = a - G L of a contact that carries nothing; negative where the outline stays off its line.
+DEFORMABLE_INLINE double slack(const Contacts &contacts, int c, int n, const RingCandidates &r,
+                               const double *length)
+{
+  double gap = contacts[c].indentation;
+#pragma GCC unroll 8
+  for (int m = 0; m < n; ++m) {
+    const double difference = contacts[c].angle - r.angle[m];
+    const double cosine = r.nx[m] * contacts[c].nx + r.ny[m] * contacts[c].ny;
+    const double cross = r.nx[m] * contacts[c].ny - r.ny[m] * contacts[c].nx;
+    gap -= length[m] * green(std::fabs(difference), difference < 0.0 ? -cross : cross, cosine);
+  }
+  return gap;
+}
+
+// Any number of contacts, any of them active: the memory to solve it in.
+struct RingProgramme {
+  // a DUPLICATE has the direction of a deeper contact
+  enum State : char { FREE, ACTIVE, DUPLICATE };
+
+  int size = 0;
+  int stride = 0;
+  std::vector<int> contact, active;
+  std::vector<double> angle, nx, ny, indentation, green, d_green;
+  std::vector<State> state;
+  std::vector<double> length;    // the solution
+  std::vector<double> block, block_length, scratch;
+  std::vector<char> violates;
+  std::vector<char> candidate;    // by index in Contacts
+
+  void clear(int capacity)
+  {
+    size = 0;
+    if (capacity <= stride) return;
+    stride = capacity;
+    for (std::vector<int> *v : {&contact, &active}) v->resize(stride);
+    for (std::vector<double> *v :
+         {&angle, &nx, &ny, &indentation, &length, &block_length, &scratch})
+      v->resize(stride);
+    state.resize(stride);
+    violates.resize(stride);
+    candidate.resize(stride);
+    for (std::vector<double> *v : {&green, &d_green, &block})
+      v->resize(static_cast<std::size_t>(stride) * stride);
+  }
+
+  RingCandidates candidates()
+  {
+    return {stride,    contact.data(),     angle.data(), nx.data(),
+            ny.data(), indentation.data(), green.data(), d_green.data()};
+  }
+
+  void add(const Contacts &contacts, int c, State as)
+  {
+    add_candidate(candidates(), size, contacts, c);
+    candidate[c] = 1;
+    state[size++] = as;
+  }
+
+  double between(int m, int k) const { return green[m > k ? m * stride + k : k * stride + m]; }
+};
+
+// L = G^-1 a on the active block. Of two contacts in the same direction, the deeper one carries everything.
+inline void solve_active(RingProgramme &p)
+{
+  for (bool again = true; again;) {
+    int n = 0;
+    for (int m = 0; m < p.size; ++m) {
+      p.length[m] = 0.0;
+      if (p.state[m] == RingProgramme::ACTIVE) p.active[n++] = m;
+    }
+    for (int r = 0; r < n; ++r) {
+      for (int c = 0; c <= r; ++c) p.block[r * p.stride + c] = p.between(p.active[r], p.active[c]);
+      p.block_length[r] = p.indentation[p.active[r]];
+    }
+    const int row =
+        solve_dense(n, p.block.data(), p.stride, p.block_length.data(), p.scratch.data());
+    again = row >= 0;
+    if (again) {
+      const int m = p.active[row];
+      int twin = p.active[0];
+      for (int c = 1; c < row; ++c)
+        if (p.between(m, p.active[c]) > p.between(m, twin)) twin = p.active[c];
+      p.state[p.indentation[twin] < p.indentation[m] ? twin : m] = RingProgramme::DUPLICATE;
+    } else {
+      for (int r = 0; r < n; ++r) p.length[p.active[r]] = p.block_length[r];
+    }
+  }
+}
+
+// L >= 0, g = a - G L <= 0, L.g = 0 by block principal pivoting: exchange every contact that violates its
+// condition as long as their number falls, one at a time (Murty's rule, which must end) where it does not.
+// J. J. Judice and F. M. Pires, Comput. Oper. Res. 21, 587 (1994).
+inline void solve(RingProgramme &p)
+{
+  constexpr double ROUNDING = 8.0 * std::numeric_limits<double>::epsilon();
+  int fewest = p.size + 1, patience = 3;
+  for (int iteration = 0; iteration < 100 + 10 * p.size; ++iteration) {
+    solve_active(p);
+
+    int violations = 0, last = 0;
+    double sum = 0.0;
+    for (int m = 0; m < p.size; ++m) sum += std::fabs(p.length[m]);
+    for (int m = 0; m < p.size; ++m) {
+      p.violates[m] = 0;
+      if (p.state[m] == RingProgramme::ACTIVE) {
+        p.violates[m] = p.length[m] < 0.0;
+      } else if (p.state[m] == RingProgramme::FREE) {
+        double gap = p.indentation[m];
+        for (int k = 0; k < p.size; ++k) gap -= p.between(m, k) * p.length[k];
+        p.violates[m] = gap > ROUNDING * (std::fabs(p.indentation[m]) + sum);
+      }
+      if (p.violates[m]) {
+        ++violations;
+        last = m;
+      }
+    }
+    if (violations == 0) return;
+
+    const bool falls = violations < fewest;
+    if (falls) {
+      fewest = violations;
+      patience = 3;
+    }
+    for (int m = falls || patience-- > 0 ? 0 : last; m < p.size; ++m)
+      if (p.violates[m])
+        p.state[m] =
+            p.state[m] == RingProgramme::ACTIVE ? RingProgramme::FREE : RingProgramme::ACTIVE;
+  }
+  for (int m = 0; m < p.size; ++m) p.length[m] = std::max(p.length[m], 0.0);
+}
+
+}    // namespace deformable
+
+#endif
