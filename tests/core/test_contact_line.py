@@ -4,10 +4,9 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from deformable import core
 from hypothesis import given
 from hypothesis import strategies as st
-
-from deformable import core
 
 EPSILON = np.finfo(float).eps
 radii = st.floats(0.1, 10)
@@ -47,5 +46,7 @@ def test_both_sides_share_the_overlap(radius_i, radius_j, overlap):
 
 def test_arrays():
     distance, radius = np.array([1.1, 1.15]), np.array([0.5, 0.7])
-    one_by_one = [core.contact_line(*pair) for pair in zip(distance, radius, radius[::-1], strict=True)]
+    one_by_one = [
+        core.contact_line(*pair) for pair in zip(distance, radius, radius[::-1], strict=True)
+    ]
     np.testing.assert_array_equal(core.contact_line(distance, radius, radius[::-1]), one_by_one)

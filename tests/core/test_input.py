@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from contacts import LAWS
-
 from deformable import core
 
 ANGLE, INDENTATION = [0.0, 2.0, 4.0], [0.01, 0.02, 0.01]
@@ -17,7 +16,12 @@ BAD = {
     "radius negative": (-1.0, ANGLE, INDENTATION, "radius is -1"),
     "radius nan": (np.nan, ANGLE, INDENTATION, "radius is nan"),
     "radius inf": (np.inf, ANGLE, INDENTATION, "radius is inf"),
-    "behind the centre": (1.0, ANGLE, [0.01, 1.2, 0.01], r"indentation\[1\] is 1.2.*behind the centre"),
+    "behind the centre": (
+        1.0,
+        ANGLE,
+        [0.01, 1.2, 0.01],
+        r"indentation\[1\] is 1.2.*behind the centre",
+    ),
 }
 
 
@@ -57,7 +61,7 @@ def test_area_sector_that_cannot_exist():
 
 def test_outline_options():
     arguments = 1.0, np.array(ANGLE), np.array(INDENTATION)
-    with pytest.raises(ValueError, match="law is 'star'.*'ring', 'sector' or 'area_sector'"):
+    with pytest.raises(ValueError, match=r"law is 'star'.*'ring', 'sector' or 'area_sector'"):
         core.outline("star", *arguments)
     with pytest.raises(ValueError, match="points is 3"):
         core.outline("ring", *arguments, 3)
@@ -68,5 +72,5 @@ def test_contact_line():
         core.contact_line(0.0, 0.5, 0.5)
     with pytest.raises(ValueError, match="same length"):
         core.contact_line(np.ones(2), np.ones(2), np.ones(3))
-    with pytest.raises(ValueError, match="distance is .*nan"):
+    with pytest.raises(ValueError, match=r"distance is .*nan"):
         core.contact_line(np.nan, 0.5, 0.5)

@@ -5,17 +5,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from contacts import LAWS, polygon_stiffness, regular_polygon
+from closed_forms import polygon_stiffness
+from contacts import LAWS, regular_polygon
 
 CASES = json.loads((Path(__file__).parents[1] / "data" / "kernel_cases.json").read_text())["cases"]
 TOLERANCE = {"sector": 1e-12, "ring": 1e-10}
 
 
-@pytest.mark.parametrize("law", TOLERANCE)
-@pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case['case']}-{len(case['angle'])}")
+ANSWERS = [
+    pytest.param(case, law, id=f"{case['case']}-{len(case['angle'])}-{law}")
+    for case in CASES
+    for law in TOLERANCE
+    if law in case  # some cases have no sector
+]
+
+
+@pytest.mark.parametrize(("case", "law"), ANSWERS)
 def test_known_answers(case, law):
-    if law not in case:
-        pytest.skip("the file has no answer of this law")
     shape = LAWS[law](case["radius"], np.array(case["angle"]), np.array(case["indentation"]))
     for name, expected in case[law].items():
         scale = np.abs(expected).max()

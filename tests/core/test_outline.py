@@ -1,5 +1,7 @@
 """Outlines: their area and perimeter are what the laws say, and the lines bound them."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from contacts import LAWS, Contacts
@@ -33,13 +35,13 @@ def extrapolated(outline_of):
     # one point more than a multiple of 64 keeps the division of each arc off the rounding
     table = [area_and_perimeter(outline_of(64 * m + 1)) for m in (4, 8, 16, 32)]
     for order in (4, 16, 64):
-        table = [(order * b - a) / (order - 1) for a, b in zip(table, table[1:], strict=False)]
+        table = [(order * b - a) / (order - 1) for a, b in pairwise(table)]
     return table[0]
 
 
 @laws
 @given(contacts=contacts_on_a_grid())
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_area_and_perimeter(law, contacts):
     shape = contacts.shape(law)
     expected = (
@@ -48,7 +50,9 @@ def test_area_and_perimeter(law, contacts):
     )
     # steps of 2 pi/256 leave (2 pi/256)^8/9! = 4e-19 after three extrapolations; the rest is
     # the rounding of sums of up to 2000 terms
-    np.testing.assert_allclose(extrapolated(lambda points: contacts.outline(law, points)), expected, rtol=2e-13)
+    np.testing.assert_allclose(
+        extrapolated(lambda points: contacts.outline(law, points)), expected, rtol=2e-13
+    )
 
 
 @laws
@@ -62,8 +66,11 @@ def test_lines_bound_the_outline(law, contacts):
         return
     # positions are rounded to a few 1e-16 of the radius
     assert beyond.max() < 1e-14
-    # and both ends of every contact are points of the outline
-    assert (np.sort(np.abs(beyond[:, pressed]), axis=0)[:2] < 1e-14).all()
+    # both ends of every contact are points of the outline, as far apart as the contact is long
+    tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
+    for c in np.flatnonzero(pressed):
+        along = (outline @ tangent[c])[np.abs(beyond[:, c]) < 1e-14]
+        assert np.ptp(along) == pytest.approx(shape.contact_length[c], abs=1e-14 * contacts.radius)
 
 
 @laws

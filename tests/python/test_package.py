@@ -7,7 +7,6 @@ from pathlib import Path
 import deformable
 import pytest
 from deformable import plugin
-
 from lammps import lammps
 
 HEAVY = ("numpy", "mpi4py", "lammps", "MDAnalysis", "matplotlib", "tqdm", "typer")

@@ -1,0 +1,143 @@
+// Runs the kernels on the contacts of standard input, and on random ones, for compilers that check memory
+// and arithmetic. Input: `radius z`, then z lines `angle indentation`, and so on. Ends with an error where
+// an answer is not finite.
+
+#include "contact.h"
+#include "outline.h"
+#include "ring.h"
+#include "sector.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <iostream>
+#include <numeric>
+#include <random>
+
+using namespace deformable;
+
+namespace {
+
+int checked = 0;
+
+void require(bool good, const char *what, const std::vector<Contact> &contacts)
+{
+  ++checked;
+  if (good) return;
+  std::fprintf(stderr, "%s is not right for %zu contacts:\n", what, contacts.size());
+  for (const Contact &c : contacts) std::fprintf(stderr, "%.17g %.17g\n", c.angle, c.indentation);
+  std::exit(1);
+}
+
+bool finite(const Shape &shape, int z)
+{
+  bool good = std::isfinite(shape.area_deficit) && std::isfinite(shape.perimeter_excess) &&
+              std::isfinite(shape.arc_radius);
+  for (int c = 0; c < z; ++c)
+    good = good && std::isfinite(shape.contact[c].length) &&
+           std::isfinite(shape.contact[c].d_indentation) && std::isfinite(shape.contact[c].d_angle);
+  return good;
+}
+
+bool finite(const Outline &outline)
+{
+  for (const double x : outline.xy)
+    if (!std::isfinite(x)) return false;
+  return true;
+}
+
+// One memory for all particles, as in a force loop.
+struct Kernels {
+  Shape shape;
+  RingProgramme programme;
+  std::vector<int> order;
+  std::vector<char> carries;
+
+  void ring(double radius, const std::vector<Contact> &memory)
+  {
+    const Contacts contacts = {static_cast<int>(memory.size()), memory.data()};
+    ring_shape(radius, contacts, carries.data(), programme, shape);
+    require(finite(shape, contacts.size), "ring", memory);
+    const double cold = shape.area_deficit;
+
+    // what carried is the next guess, and so is anything else: the answer does not depend on it
+    for (int guess = 0; guess < 3; ++guess) {
+      ring_shape(radius, contacts, carries.data(), programme, shape);
+      require(std::fabs(shape.area_deficit - cold) <= 1e-10 * cold, "ring with a guess", memory);
+      for (std::size_t c = 0; c < memory.size(); ++c) carries[c] = (c + guess) % 2;
+    }
+    Outline outline;
+    ring_outline(radius, contacts, shape, order.data(), 60, outline);
+    require(finite(outline), "ring outline", memory);
+    require(std::isfinite(ring_bulge(radius, contacts, shape)), "ring bulge", memory);
+  }
+
+  void sectors(double radius, const std::vector<Contact> &memory)
+  {
+    const Contacts contacts = {static_cast<int>(memory.size()), memory.data()};
+    sector_shape(radius, contacts, order.data(), shape);
+    require(finite(shape, contacts.size), "sector", memory);
+    Outline outline;
+    sector_outline(radius, contacts, order.data(), 60, outline,
+                   [](const Opening &o, double ai, double ak) {
+                     return sector(sector_coefficients(o), ai, ak);
+                   });
+    require(finite(outline), "sector outline", memory);
+    if (area_sector_shape(radius, contacts, order.data(), shape))
+      require(finite(shape, contacts.size), "area sector", memory);
+  }
+
+  void operator()(double radius, const std::vector<Contact> &memory, bool distinct)
+  {
+    carries.assign(memory.size(), 0);
+    order.resize(memory.size());
+    std::iota(order.begin(), order.end(), 0);
+    ring(radius, memory);
+    if (distinct) sectors(radius, memory);
+  }
+};
+
+Contact contact(double angle, double indentation)
+{
+  return {angle, std::cos(angle), std::sin(angle), indentation};
+}
+
+}    // namespace
+
+int main()
+{
+  Kernels kernels;
+  double radius, angle, indentation;
+  int z;
+  while (std::cin >> radius >> z) {
+    std::vector<Contact> contacts;
+    for (int c = 0; c < z && std::cin >> angle >> indentation; ++c)
+      contacts.push_back(contact(angle, indentation));
+    kernels(radius, contacts, true);
+  }
+
+  std::mt19937 random(1);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  for (int trial = 0; trial < 5000; ++trial) {
+    std::vector<Contact> contacts;
+    const int size = static_cast<int>(uniform(0.0, trial % 10 ? 10.0 : 41.0));
+    for (int c = 0; c < size; ++c) contacts.push_back(contact(uniform(-PI, PI), uniform(-0.01, 0.1)));
+    kernels(1.0, contacts, true);
+
+    // twins: the same direction, or one that rounding hardly tells apart
+    for (int c = 0; c < size; c += 2) {
+      const double apart = c % 4 ? 0.0 : std::pow(10.0, uniform(-16.0, -6.0));
+      contacts.push_back(contact(contacts[c].angle + apart * (contacts[c].angle < 0.0 ? 1 : -1),
+                                 contacts[c].indentation + (c % 3) * 1e-9));
+    }
+    kernels(1.0, contacts, false);
+  }
+
+  for (int trial = 0; trial < 1000; ++trial) {
+    const double ri = uniform(0.1, 2.0), rj = uniform(0.1, 2.0), d = (ri + rj) * uniform(0.5, 1.2);
+    const ContactLine line = contact_line(d, 1.0 / d, ri, rj);
+    require(std::isfinite(line.indentation_i), "contact line", {});
+  }
+  std::printf("%d checks\n", checked);
+}

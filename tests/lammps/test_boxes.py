@@ -1,0 +1,108 @@
+"""Small, tilted and replicated boxes; hybrid pair styles."""
+
+import numpy as np
+import pytest
+from closed_forms import polygon_stiffness
+from scene import LAWS, PACKINGS, SPECIES, Scene
+
+laws = pytest.mark.parametrize("law", LAWS)
+
+
+@laws
+def test_a_particle_that_touches_its_own_images(law):
+    """One disk in a square cell: S = K a^2 of the square, a quarter of the overlap on each side."""
+    a, kA, radius = 0.01, 1.0, 0.5
+    length = 2 * (radius - a)
+    state = Scene(np.array([[0.2, 0.3]]), ["small"], (0, length, 0, length), f"deformable/{law}")
+    deficit = polygon_stiffness(4) * a**2
+    assert state.evaluate().energy == pytest.approx(0.5 * kA * deficit**2, rel=1e-12)
+
+
+SMALL_CELLS = {
+    "one particle": (np.array([[0.2, 0.3]]), (0, 0.97, 0, 0.96), 0.0),
+    "one particle, tilted cell": (np.array([[0.2, 0.3]]), (0, 0.97, 0, 0.86), 0.4),
+    "two images of one neighbour": (np.array([[0.3, 0.3], [0.8, 1.1]]), (0, 0.98, 0, 1.68), 0.0),
+    "two particles, tilted cell": (np.array([[0.3, 0.3], [0.7, 1.1]]), (0, 0.98, 0, 1.68), -0.2),
+}
+
+
+@laws
+@pytest.mark.parametrize(("x", "box", "tilt"), SMALL_CELLS.values(), ids=SMALL_CELLS)
+def test_cells_smaller_than_their_particles(law, x, box, tilt):
+    """Neighbours are images of oneself, or several images of one other: the same as 2 x 2 cells."""
+    style = f"deformable/{law}"
+    small = Scene(x, ["small"] * len(x), box, style, tilt=tilt).evaluate()
+    across, up = np.array([box[1], 0]), np.array([tilt, box[3]])
+    x4 = np.vstack([x + k * across + m * up for k in (0, 1) for m in (0, 1)])
+    box4 = (0, 2 * box[1], 0, 2 * box[3])
+    large = Scene(x4, ["small"] * len(x4), box4, style, tilt=2 * tilt).evaluate()
+    assert small.energy > 1e-5
+    # coordinates of the larger box are rounded to 4e-16, indentations are 0.01, U ~ a^4
+    assert large.energy == pytest.approx(4 * small.energy, rel=1e-12)
+    np.testing.assert_allclose(large.atom_energy, np.tile(small.atom_energy, 4), rtol=1e-12)
+    atol = 1e-12 * np.abs(small.atom_virial).max()
+    np.testing.assert_allclose(large.force, np.tile(small.force, (4, 1)), rtol=0, atol=atol)
+    np.testing.assert_allclose(large.virial, 4 * small.virial, rtol=0, atol=atol)
+
+
+@laws
+def test_a_cell_tilted_by_its_width_is_the_same_lattice(law):
+    case = PACKINGS[0]
+    upright = Scene.packing(case, f"deformable/{law}").evaluate()
+    tilted = Scene.packing(case, f"deformable/{law}", tilt=case["L"]).evaluate()
+    # the tilt rounds coordinates to 1e-15 and so indentations of 0.01 to 1e-13
+    assert tilted.energy == pytest.approx(upright.energy, rel=1e-12)
+    atol = 1e-12 * np.abs(upright.force).max()
+    np.testing.assert_allclose(tilted.force, upright.force, rtol=0, atol=atol)
+    np.testing.assert_allclose(tilted.virial, upright.virial, rtol=1e-11)
+
+
+SOFT = "harmonic/cut"
+
+
+@laws
+def test_overlay_adds_another_style(law):
+    case = PACKINGS[1]
+    style = f"deformable/{law}"
+    none = Scene.packing(case, style).evaluate()
+    one, two = (
+        Scene.packing(
+            case,
+            f"hybrid/overlay {style} {SOFT}",
+            coeff=f"pair_coeff * * {style} {SPECIES} small large\npair_coeff * * {SOFT} {k} 1.1",
+        ).evaluate()
+        for k in (0.02, 0.04)
+    )
+    assert one.energy > 1.1 * none.energy
+    # twice the strength of the other style adds its share once more
+    for name in ("energy", "force", "virial"):
+        e, f, g = (np.asarray(getattr(state, name)) for state in (none, one, two))
+        np.testing.assert_allclose(g - f, f - e, rtol=0, atol=1e-12 * np.abs(g).max())
+    for name, values in none.shape.items():
+        np.testing.assert_allclose(one.shape[name], values, rtol=1e-12, atol=1e-15, err_msg=name)
+
+
+@laws
+def test_types_of_another_style_are_not_seen(law):
+    """NULL types: the deformable ones are alone, and what is between the others is theirs."""
+    case = PACKINGS[0]
+    style = f"deformable/{law}"
+    small = np.array(case["type"]) == 1
+    x = np.array(case["x"])
+    mixed = Scene.packing(
+        case,
+        f"hybrid {style} {SOFT}",
+        coeff=f"pair_coeff * * {style} {SPECIES} small NULL\npair_coeff * 2 {SOFT} 0.02 1.2",
+    ).evaluate()
+    box = (0, case["L"], 0, case["L"])
+    alone = Scene(x[small], ["small"] * small.sum(), box, style).evaluate()
+    assert alone.energy > 0
+    for name, values in alone.shape.items():
+        np.testing.assert_allclose(mixed.shape[name][small], values, rtol=1e-12, atol=1e-15)
+
+    d = x[:, None] - x
+    d -= case["L"] * np.round(d / case["L"])
+    overlap = np.clip(1.2 - np.hypot(*np.moveaxis(d, -1, 0)), 0, None)
+    others = np.triu(~(small[:, None] & small), 1)
+    expected = alone.energy + 0.02 * (overlap[others] ** 2).sum()
+    assert mixed.energy == pytest.approx(expected, rel=1e-12)

@@ -1,0 +1,75 @@
+"""Energy along trajectories: kept by the ring law, with jumps of known size in the sector law."""
+
+import sys
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from scene import Scene
+
+sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
+import nve
+import sector_stall
+
+
+@pytest.fixture(scope="module")
+def jammed():
+    return {n: deformable.jam(deformable.bidisperse(n, seed=1)) for n in (16, 64)}
+
+
+def test_energy_error_falls_with_the_square_of_the_time_step(jammed):
+    row = nve.measure(jammed[16], 0.9, time=100.0)
+    # five points of a chaotic trajectory scatter about 2
+    assert 1.7 < row["order"] < 2.3
+    assert row["energy_error"][-1] < 1e-5 * row["kinetic_energy"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("phi", [0.80, 0.88, 0.92])
+def test_energy_of_a_large_packing(jammed, phi):
+    """The rows of benchmarks/results/nve.json."""
+    row = nve.measure(jammed[64], phi)
+    assert 1.7 < row["order"] < 2.3
+    # what kinks add at random grows by a factor 4, a drift would by 16
+    assert nve.growth(jammed[64], row) < 0.5 * nve.LONGER
+
+
+def between_walls(law, top):
+    """Energy of a particle of radius 1 between walls at -0.97, 0.97 and, above it, at `top`."""
+    faces = {"left": (-0.97, 0), "right": (0.97, 0), "top": (0, top)}
+    walls = "\n".join(
+        f"region {name} plane {px:.17g} {py:.17g} 0 {-px:.17g} {-py:.17g} 0\n"
+        f"fix {name} all deformable/wall {name}"
+        for name, (px, py) in faces.items()
+    )
+    options = {"boundary": "f f p", "commands": walls}
+    return Scene(
+        np.zeros((1, 2)), ["unit"], (-2, 2, -2, 2), f"deformable/{law}", **options
+    ).energy()
+
+
+def test_jump_of_the_sector_law():
+    """A third contact at no indentation cuts off what bulged between two walls, at once.
+
+    Between the walls S = pi a^2. The third contact halves one sector of pi: each half has an
+    alpha = 1/(2 - pi/2) and no indentation at its other end, so S = pi a^2/2 + alpha a^2.
+    """
+    a, apart = 0.03, 1e-15
+    before, after = (between_walls("sector", 1 + s * apart) for s in (1, -1))
+    assert before == pytest.approx((np.pi * a**2) ** 2 / 2, rel=1e-12)
+    assert after == pytest.approx((np.pi / 2 * a**2 + a**2 / (2 - np.pi / 2)) ** 2 / 2, rel=1e-12)
+    assert after / before == pytest.approx(1.54, abs=5e-3)  # as the manual page says
+
+    # the ring has felt the third wall since it bulged up to it; S is linear in what is so small
+    before, after = (between_walls("ring", 1 + s * apart) for s in (1, -1))
+    assert after == pytest.approx(before, rel=1e-12)
+
+
+@pytest.mark.parametrize(("law", "stalls"), [("sector", True), ("ring", False)])
+def test_fire_stalls_with_the_sector_law_only(jammed, law, stalls):
+    """A row of benchmarks/results/sector_stall.json."""
+    row = sector_stall.measure(jammed[64], law, 0.88)
+    assert row["stalled"] == stalls
+    residual = row["largest_force_over_mean_contact_force"]
+    assert residual > 0.1 if stalls else residual <= 1e-6

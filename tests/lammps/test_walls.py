@@ -1,0 +1,172 @@
+"""Particles between walls: regular polygons in closed form, forces on walls, moving walls."""
+
+import numpy as np
+import pytest
+from closed_forms import polygon_stiffness
+from scene import LAWS, Scene, box_walls, polygon_faces, polygon_walls
+
+ROOM = (-2, 2, -2, 2)
+laws = pytest.mark.parametrize("law", LAWS)
+CENTRE = np.zeros((1, 2))
+
+
+def alone(law, walls, x=CENTRE, species="unit"):
+    """One particle between walls."""
+    return Scene(x, [species], ROOM, f"deformable/{law}", boundary="f f p", commands=walls)
+
+
+@laws
+@pytest.mark.parametrize("n", [3, 4, 5, 6])
+def test_regular_polygon(law, n):
+    """S = K a^2, contact lengths 2 K a/n, and the force kA S L on every face."""
+    a, kA = 0.02, 1.0
+    deficit = polygon_stiffness(n) * a**2
+    length = 2 * polygon_stiffness(n) * a / n
+    scene = alone(law, polygon_walls(n, 1 - a))
+    state = scene.evaluate()
+    # the area is a difference of pi: S = 0.01 keeps 1e-16 pi/S of it
+    assert np.pi - state.shape["area"][0] == pytest.approx(deficit, rel=1e-12, abs=4e-16)
+    assert state.energy == pytest.approx(0.5 * kA * deficit**2, rel=1e-12)
+    assert state.shape["contact_length"][0] == pytest.approx(n * length, rel=1e-12)
+    assert state.shape["pressure"][0] == pytest.approx(kA * deficit, rel=1e-12)
+    # n forces that cancel, each of the rounding of 1e-16/a of itself
+    force = kA * deficit * length
+    assert np.abs(state.force).max() <= 1e-13 * force
+    assert np.abs(scene.force_on_wall("walls")).max() <= 1e-13 * force
+
+    # the same polygon as one wall a face
+    faces = "\n".join(f"fix wall{k} all deformable/wall face{k}" for k in range(n))
+    scene = alone(law, polygon_faces(n, 1 - a) + "\n" + faces)
+    assert scene.evaluate().energy == pytest.approx(state.energy, rel=1e-13)
+    for k in range(n):
+        theta = 0.1 + 2 * np.pi * k / n
+        outwards = force * np.array([np.cos(theta), np.sin(theta)])
+        np.testing.assert_allclose(scene.force_on_wall(f"wall{k}"), outwards, atol=1e-12 * force)
+
+
+def test_deep_hexagon():
+    """The free arcs are gone beyond a = 0.0931 R: counted, and still finite."""
+    assert alone("ring", polygon_walls(6, 1 - 0.092)).evaluate().beyond == 0
+    assert alone("ring", polygon_walls(6, 1 - 0.094)).evaluate().beyond == 1
+
+
+@laws
+def test_force_on_the_wall_is_minus_the_force_on_the_particles(law):
+    x = np.array([[-0.481, -0.477], [0.483, -0.479], [0.478, 0.482], [-0.479, 0.479]])
+    state_of = Scene(
+        x,
+        ["small"] * 4,
+        ROOM,
+        f"deformable/{law}",
+        boundary="f f p",
+        commands=box_walls(-0.965, 0.97, -0.96, 0.967),
+    )
+    total = state_of.evaluate().force.sum(0)
+    assert np.abs(total).max() > 1e-5
+    np.testing.assert_allclose(state_of.force_on_wall("walls"), -total, rtol=1e-12)
+
+
+@laws
+def test_one_contact_with_a_wall(law):
+    """Ring: S = a^2/2G(0). Sector: a soft disk and its mirror image, U = k/2 (1 - h/R)^2."""
+    a = 0.03
+    plane = f"region walls plane {1 - a} 0 0 -1 0 0\nfix walls all deformable/wall walls"
+    scene = alone(law, plane)
+    deficit, slope = a**2 * 2 * np.pi / 3, a * 4 * np.pi / 3
+    energy, force = {"ring": (deficit**2 / 2, deficit * slope), "sector": (a**2 / 2, a)}[law]
+    state = scene.evaluate()
+    assert state.energy == pytest.approx(energy, rel=1e-12)
+    np.testing.assert_allclose(state.force, [[-force, 0]], rtol=1e-12)
+    np.testing.assert_allclose(scene.force_on_wall("walls"), [force, 0], rtol=1e-12)
+
+
+@laws
+def test_block_is_four_planes_and_its_lid_does_not_press(law):
+    half = 0.98
+    planes = "\n".join(
+        f"region side{k} plane {half * nx} {half * ny} 0 {-nx} {-ny} 0\n"
+        f"fix side{k} all deformable/wall side{k}"
+        for k, (nx, ny) in enumerate([(1, 0), (0, 1), (-1, 0), (0, -1)])
+    )
+    x = np.array([[0.003, -0.004]])
+    block = alone(law, box_walls(-half, half, -half, half), x).evaluate()
+    four = alone(law, planes, x).evaluate()
+    assert block.energy == pytest.approx(four.energy, rel=1e-14)
+    np.testing.assert_allclose(block.force, four.force, rtol=1e-12)
+    assert block.shape["contacts"][0] == four.shape["contacts"][0] == 4
+
+
+@laws
+def test_moving_wall(law):
+    """A region that moves presses where it is, and drags its particle along."""
+    at_rest = alone(law, box_walls(-0.97, 0.97, -0.98, 0.98), np.array([[-0.01, 0.0]])).evaluate()
+    moving = """
+        variable shift equal 0.01
+        variable rest equal 0
+        region walls block -0.97 0.97 -0.98 0.98 -0.5 0.5 move v_shift v_rest v_rest
+        fix walls all deformable/wall walls"""
+    shifted = alone(law, moving).evaluate()
+    assert shifted.energy == pytest.approx(at_rest.energy, rel=1e-12)
+    np.testing.assert_allclose(shifted.force, at_rest.force, rtol=1e-11, atol=1e-15)
+
+    carried = alone(law, moving.replace("0.01", "5e-4*dt*step"))
+    carried.run("fix move all nve\nfix damp all viscous 0.5\ntimestep 0.05\nrun 4000")
+    # drag 0.5 at a speed of 5e-4 against the stiffness of the cell, kA S dL/dx = 0.08 or more
+    np.testing.assert_allclose(carried.x, [[0.1, 0]], rtol=0, atol=0.5 * 5e-4 / 0.08)
+
+
+@laws
+def test_two_walls_are_one_of_both(law):
+    x = np.array([[0.003, -0.004]])
+    one = alone(law, box_walls(-0.97, 0.98, -0.98, 0.99), x)
+    two = alone(
+        law,
+        """
+        region across block -0.97 0.98 EDGE EDGE EDGE EDGE
+        region along block EDGE EDGE -0.98 0.99 EDGE EDGE
+        fix across all deformable/wall across
+        fix along all deformable/wall along""",
+        x,
+    )
+    state = one.evaluate()
+    assert two.evaluate().energy == pytest.approx(state.energy, rel=1e-14)
+    both = two.force_on_wall("across") + two.force_on_wall("along")
+    np.testing.assert_allclose(both, -state.force[0], rtol=1e-12)
+    # each wall feels nothing but its own faces' normal force
+    assert two.force_on_wall("across")[1] == two.force_on_wall("along")[0] == 0
+
+
+@laws
+def test_group(law):
+    """A wall of another group's particles does not exist."""
+    walls = """
+        group none id 99
+        region walls block -0.97 0.97 -0.97 0.97 -0.5 0.5
+        fix walls none deformable/wall walls"""
+    assert alone(law, walls).evaluate().energy == 0
+
+
+@laws
+def test_virial(law):
+    """Pressing a box of walls in costs what its virial says, once the fix is asked for it."""
+    x = np.array([[-0.476, 0.004], [0.474, -0.003]])
+
+    def scene(sx, sy):
+        walls = box_walls(-0.96 * sx, 0.965 * sx, -0.48 * sy, 0.475 * sy)
+        return Scene(
+            x * [sx, sy],
+            ["small", "weak"],
+            ROOM,
+            f"deformable/{law}",
+            boundary="f f p",
+            commands=walls + "fix_modify walls virial yes",
+        )
+
+    step = 1e-6
+    virial = scene(1, 1).evaluate().virial
+    for component, (ex, ey) in enumerate(step * np.eye(2)):
+        strained = scene(1 + ex, 1 + ey).energy() - scene(1 - ex, 1 - ey).energy()
+        # F ~ a^3 with a ~ 0.02: the difference misses 1e-12/a^2
+        assert virial[component] == pytest.approx(-strained / (2 * step), rel=1e-7)
+    state = scene(1, 1).evaluate()
+    np.testing.assert_allclose(state.atom_virial.sum(0), virial, rtol=1e-12)
