@@ -34,7 +34,7 @@ test-slow: $(VENV)/installed
 lint: $(VENV)/installed-dev
 	@$(BIN)/ruff check --quiet .
 	@$(BIN)/ruff format --diff --quiet .
-	@$(BIN)/clang-format --dry-run -Werror src/core/*.h src/lammps/*.h src/lammps/*.cpp src/bindings/*.cpp
+	@$(BIN)/clang-format --dry-run -Werror $$(git ls-files "*.h" "*.cpp")
 	@$(BIN)/mypy --no-error-summary
 
 clean:

@@ -122,7 +122,8 @@ int main()
   for (int trial = 0; trial < 5000; ++trial) {
     std::vector<Contact> contacts;
     const int size = static_cast<int>(uniform(0.0, trial % 10 ? 10.0 : 41.0));
-    for (int c = 0; c < size; ++c) contacts.push_back(contact(uniform(-PI, PI), uniform(-0.01, 0.1)));
+    for (int c = 0; c < size; ++c)
+      contacts.push_back(contact(uniform(-PI, PI), uniform(-0.01, 0.1)));
     kernels(1.0, contacts, true);
 
     // twins: the same direction, or one that rounding hardly tells apart
