@@ -12,6 +12,8 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -19,7 +21,6 @@ using namespace deformable;
 
 namespace {
 
-using Input = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Vector = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
 using Points = nb::ndarray<nb::numpy, double, nb::shape<-1, 2>>;
 
@@ -33,52 +34,63 @@ template <class Array> Array to_numpy(const double *begin, std::initializer_list
   return Array(data, shape, owner);
 }
 
-void require_finite(const char *name, const Input &values)
+[[noreturn]] void refuse(const std::string &message)
 {
-  for (std::size_t k = 0; k < values.size(); ++k)
-    if (!std::isfinite(values(k)))
-      throw nb::value_error((std::string(name) + "[" + std::to_string(k) + "] is " +
-                             std::to_string(values(k)) + ": it must be finite")
-                                .c_str());
+  throw nb::value_error(message.c_str());
 }
 
-// The contacts of a call, and the memory that they are a view of.
-struct Checked {
+// Anything that numpy takes for a vector of finite numbers.
+std::vector<double> vector_of(const std::string &name, nb::handle given)
+{
+  const nb::object array =
+      nb::module_::import_("numpy").attr("ascontiguousarray")(given, "dtype"_a = "float64");
+  const auto values = nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(array);
+  if (values.ndim() != 1)
+    refuse(name + " has " + std::to_string(values.ndim()) + " dimensions: it must have one");
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (!std::isfinite(values.data()[k]))
+      refuse(name + "[" + std::to_string(k) + "] is " + std::to_string(values.data()[k]) +
+             ": it must be finite");
+  return {values.data(), values.data() + values.size()};
+}
+
+void require_positive(const std::string &name, double value)
+{
+  if (!(value > 0.0) || !std::isfinite(value))
+    refuse(name + " is " + std::to_string(value) + ": it must be positive and finite");
+}
+
+// The contacts of a call, checked, and the memory that they are a view of.
+struct Call {
+  double radius;
   std::vector<Contact> contacts;
   std::vector<int> order;
   Contacts view() const { return {static_cast<int>(contacts.size()), contacts.data()}; }
 };
 
-Checked checked(double radius, const Input &angle, const Input &indentation)
+Call checked(double radius, nb::handle angles, nb::handle indentations)
 {
-  if (!(radius > 0.0) || !std::isfinite(radius))
-    throw nb::value_error(
-        ("radius is " + std::to_string(radius) + ": it must be positive and finite").c_str());
+  require_positive("radius", radius);
+  const std::vector<double> angle = vector_of("angle", angles);
+  const std::vector<double> indentation = vector_of("indentation", indentations);
   if (angle.size() != indentation.size())
-    throw nb::value_error(("angle has " + std::to_string(angle.size()) +
-                           " entries but indentation has " + std::to_string(indentation.size()) +
-                           ": give one of each per contact")
-                              .c_str());
-  require_finite("angle", angle);
-  require_finite("indentation", indentation);
+    refuse("angle has " + std::to_string(angle.size()) + " entries but indentation has " +
+           std::to_string(indentation.size()) + ": give one of each per contact");
   for (std::size_t k = 0; k < indentation.size(); ++k)
-    if (indentation(k) >= radius)
-      throw nb::value_error(
-          ("indentation[" + std::to_string(k) + "] is " + std::to_string(indentation(k)) +
-           ": the contact line lies behind the centre (radius " + std::to_string(radius) + ")")
-              .c_str());
+    if (indentation[k] >= radius)
+      refuse("indentation[" + std::to_string(k) + "] is " + std::to_string(indentation[k]) +
+             ": the contact line lies behind the centre (radius " + std::to_string(radius) + ")");
 
   // The kernels want all angles within one turn; those that are keep every digit.
-  const int n = static_cast<int>(angle.size());
-  const auto [low, high] = std::minmax_element(angle.data(), angle.data() + n);
-  const bool wraps = n > 0 && *high - *low >= 2.0 * PI;
-  Checked memory;
-  for (int c = 0; c < n; ++c) {
-    const double theta = wraps ? std::remainder(angle(c), 2.0 * PI) : angle(c);
-    memory.contacts.push_back({theta, std::cos(theta), std::sin(theta), indentation(c)});
-    memory.order.push_back(c);
+  const auto [low, high] = std::minmax_element(angle.begin(), angle.end());
+  const bool wraps = !angle.empty() && *high - *low >= 2.0 * PI;
+  Call call = {radius, {}, {}};
+  for (std::size_t c = 0; c < angle.size(); ++c) {
+    const double theta = wraps ? std::remainder(angle[c], 2.0 * PI) : angle[c];
+    call.contacts.push_back({theta, std::cos(theta), std::sin(theta), indentation[c]});
+    call.order.push_back(static_cast<int>(c));
   }
-  return memory;
+  return call;
 }
 
 struct Result {
@@ -88,103 +100,116 @@ struct Result {
   std::vector<double> arc_radii;    // one a sector
 };
 
-void refuse_coincident(const Shape &shape)
+void refuse_coincident(double change)
 {
-  if (!std::isfinite(shape.area_deficit) || !std::isfinite(shape.perimeter_excess))
-    throw nb::value_error("angle: two contacts press in the same direction, which leaves no sector "
-                          "between them; use the ring law");
+  if (!std::isfinite(change))
+    refuse("angle: two contacts press in the same direction, which leaves no sector between them; "
+           "use the ring law");
 }
 
-Result sector_result(double radius, const Input &angle, const Input &indentation)
+// `part(opening, a_i, a_k)` is one sector of the law.
+template <class Part> Result with_arcs(Call &call, Shape &&shape, Part &&part)
 {
-  Checked memory = checked(radius, angle, indentation);
-  const Contacts contacts = memory.view();
-  int *order = memory.order.data();
-  Result result{{}, angle.size(), true, std::vector<double>(angle.size(), radius)};
-  sector_shape(radius, contacts, order, result.shape);
-  refuse_coincident(result.shape);
-  for_each_sector(contacts, order, [&](int s, int i, int k, const Opening &o) {
-    result.arc_radii[s] =
-        radius -
-        sector(sector_coefficients(o), contacts[i].indentation, contacts[k].indentation).shrinkage;
+  Result result = {std::move(shape), call.contacts.size(), true,
+                   std::vector<double>(call.contacts.size(), call.radius)};
+  if (call.contacts.size() < 2) return result;
+  for_each_sector(call.view(), call.order.data(), [&](int s, int i, int k, const Opening &o) {
+    const Sector sector = part(o, call.contacts[i].indentation, call.contacts[k].indentation);
+    result.arc_radii[s] = call.radius - sector.shrinkage;
   });
   return result;
 }
 
-Result area_sector_result(double radius, const Input &angle, const Input &indentation)
+Sector perimeter_part(const Opening &o, double ai, double ak)
 {
-  Checked memory = checked(radius, angle, indentation);
-  const Contacts contacts = memory.view();
-  int *order = memory.order.data();
-  Result result{{}, angle.size(), true, std::vector<double>(angle.size(), radius)};
-  if (!area_sector_shape(radius, contacts, order, result.shape))
-    throw nb::value_error("indentation: these contacts leave no room for a sector of this area");
-  refuse_coincident(result.shape);
-  for_each_sector(contacts, order, [&](int s, int i, int k, const Opening &o) {
-    result.arc_radii[s] =
-        radius -
-        area_sector(radius, o, contacts[i].indentation, contacts[k].indentation).part.shrinkage;
-  });
-  return result;
+  return sector(sector_coefficients(o), ai, ak);
 }
 
-Result ring_result(double radius, const Input &angle, const Input &indentation)
+Result sector_result(Call &call)
 {
-  Checked memory = checked(radius, angle, indentation);
-  std::vector<char> carries(angle.size(), 0);
+  Shape shape;
+  sector_shape(call.radius, call.view(), call.order.data(), shape);
+  refuse_coincident(shape.area_deficit);
+  return with_arcs(call, std::move(shape), perimeter_part);
+}
+
+Result area_sector_result(Call &call)
+{
+  Shape shape;
+  if (!area_sector_shape(call.radius, call.view(), call.order.data(), shape))
+    refuse("indentation: these contacts leave no room for a sector of this area");
+  refuse_coincident(shape.perimeter_excess);
+  return with_arcs(call, std::move(shape), [&](const Opening &o, double ai, double ak) {
+    return area_sector(call.radius, o, ai, ak).part;
+  });
+}
+
+Result ring_result(Call &call)
+{
+  std::vector<char> carries(call.contacts.size(), 0);
   RingProgramme programme;
-  Result result{{}, angle.size(), false, {}};
-  ring_shape(radius, memory.view(), carries.data(), programme, result.shape);
+  Result result = {{}, call.contacts.size(), false, {}};
+  ring_shape(call.radius, call.view(), carries.data(), programme, result.shape);
   return result;
 }
 
-Points outline_points(const std::string &law, double radius, const Input &angle,
-                      const Input &indentation, int points)
+template <Result (*LAW)(Call &)>
+Result evaluate(double radius, nb::handle angle, nb::handle indentation)
 {
-  if (points < 8)
-    throw nb::value_error(("points is " + std::to_string(points) + ": give at least 8").c_str());
-  Checked memory = checked(radius, angle, indentation);
-  const Contacts contacts = memory.view();
-  int *order = memory.order.data();
+  Call call = checked(radius, angle, indentation);
+  return LAW(call);
+}
+
+Points outline_points(const std::string &law, double radius, nb::handle angle,
+                      nb::handle indentation, int points)
+{
+  if (points < 8) refuse("points is " + std::to_string(points) + ": give at least 8");
+  Call call = checked(radius, angle, indentation);
+  int *const order = call.order.data();
   Outline outline;
   if (law == "ring") {
-    const Result result = ring_result(radius, angle, indentation);
-    ring_outline(radius, contacts, result.shape, order, points, outline);
+    const Result result = ring_result(call);
+    ring_outline(radius, call.view(), result.shape, order, points, outline);
   } else if (law == "sector") {
-    sector_result(radius, angle, indentation);    // refuses what has no shape
-    sector_outline(radius, contacts, order, points, outline,
-                   [&](const Opening &o, double ai, double ak) {
-                     return sector(sector_coefficients(o), ai, ak);
-                   });
+    sector_result(call);    // refuses what has no shape
+    sector_outline(radius, call.view(), order, points, outline, perimeter_part);
   } else if (law == "area_sector") {
-    area_sector_result(radius, angle, indentation);    // likewise
-    sector_outline(radius, contacts, order, points, outline,
+    area_sector_result(call);    // likewise
+    sector_outline(radius, call.view(), order, points, outline,
                    [&](const Opening &o, double ai, double ak) {
                      return area_sector(radius, o, ai, ak).part;
                    });
   } else {
-    throw nb::value_error(
-        ("law is '" + law + "': it must be 'ring', 'sector' or 'area_sector'").c_str());
+    refuse("law is '" + law + "': it must be 'ring', 'sector' or 'area_sector'");
   }
   return to_numpy<Points>(outline.xy.data(), {outline.xy.size() / 2, 2});
 }
 
-double checked_contact_line(double distance, double radius_i, double radius_j)
+double line_of(double distance, double radius_i, double radius_j)
 {
-  if (!(distance > 0.0))
-    throw nb::value_error(
-        ("distance is " + std::to_string(distance) + ": it must be positive").c_str());
+  require_positive("distance", distance);
+  require_positive("radius_i", radius_i);
+  require_positive("radius_j", radius_j);
   return contact_line(distance, 1.0 / distance, radius_i, radius_j).indentation_i;
 }
 
-Vector contact_lines(const Input &distance, const Input &radius_i, const Input &radius_j)
+nb::object lines_of(nb::handle distances, nb::handle radii_i, nb::handle radii_j)
 {
+  const nb::object ndim = nb::module_::import_("numpy").attr("ndim");
+  const auto is_scalar = [&](nb::handle given) { return nb::cast<int>(ndim(given)) == 0; };
+  if (is_scalar(distances) && is_scalar(radii_i) && is_scalar(radii_j))
+    return nb::cast(line_of(nb::cast<double>(nb::float_(distances)),
+                            nb::cast<double>(nb::float_(radii_i)),
+                            nb::cast<double>(nb::float_(radii_j))));
+  const std::vector<double> distance = vector_of("distance", distances);
+  const std::vector<double> radius_i = vector_of("radius_i", radii_i);
+  const std::vector<double> radius_j = vector_of("radius_j", radii_j);
   if (distance.size() != radius_i.size() || distance.size() != radius_j.size())
-    throw nb::value_error("distance, radius_i and radius_j must have the same length");
+    refuse("distance, radius_i and radius_j must have the same length");
   std::vector<double> indentation(distance.size());
   for (std::size_t k = 0; k < distance.size(); ++k)
-    indentation[k] = checked_contact_line(distance(k), radius_i(k), radius_j(k));
-  return to_numpy<Vector>(indentation.data(), {indentation.size()});
+    indentation[k] = line_of(distance[k], radius_i[k], radius_j[k]);
+  return nb::cast(to_numpy<Vector>(indentation.data(), {indentation.size()}));
 }
 
 }    // namespace
@@ -226,7 +251,7 @@ NB_MODULE(core, m)
           "angle to the next; ring: the smallest radius of curvature of the free outline, a\n"
           "float. Negative: beyond the model.");
 
-  m.def("sector", &sector_result, "radius"_a, "angle"_a, "indentation"_a,
+  m.def("sector", &evaluate<sector_result>, "radius"_a, "angle"_a, "indentation"_a,
         R"(Contacts that stick: each sector between two contacts keeps its perimeter.
 
 S = sum over sectors of alpha (a_i^2 + a_k^2)/2 + beta a_i a_k, with alpha = (sin phi - phi cos phi)/D,
@@ -253,12 +278,12 @@ ValueError
     contacts in the same direction.
 
 Source: R. Maharana, "Efficient Simulation of Deformable Particles".)");
-  m.def("area_sector", &area_sector_result, "radius"_a, "angle"_a, "indentation"_a,
+  m.def("area_sector", &evaluate<area_sector_result>, "radius"_a, "angle"_a, "indentation"_a,
         R"(Contacts that stick: each sector between two contacts keeps its area R^2 phi/2.
 
 Parameters and errors as for `sector`; ValueError too where no such sector exists. Derivatives are
 those of the perimeter excess. Source: docs/theory.md, "Sectors that keep their area".)");
-  m.def("ring", &ring_result, "radius"_a, "angle"_a, "indentation"_a,
+  m.def("ring", &evaluate<ring_result>, "radius"_a, "angle"_a, "indentation"_a,
         R"(Contacts that slip: an inextensible ring takes the shape of largest area.
 
 S = 1/2 a.L with L >= 0, a - G L <= 0, L.(a - G L) = 0 and G(t) = [1/2 + cos t/4 - (pi - t) sin t/2]/pi.
@@ -273,9 +298,8 @@ deficit. Source: docs/theory.md, "Ring".)");
 Returns an array (m, 2), a closed polygon about the centre, counterclockwise, the last point not
 repeated; every point is exact, the ends of the contacts among them. `points` sets how fine a whole
 turn is divided. Parameters and errors as for the law.)");
-  m.def("contact_line", &checked_contact_line, "distance"_a, "radius_i"_a, "radius_j"_a,
+  m.def("contact_line", &lines_of, "distance"_a, "radius_i"_a, "radius_j"_a,
         R"(Indentation of particle i by j, with the contact on the radical axis.
 
 a_ij = R_i - (d^2 + R_i^2 - R_j^2)/2d [length]. Floats, or arrays of one length.)");
-  m.def("contact_line", &contact_lines, "distance"_a, "radius_i"_a, "radius_j"_a);
 }

@@ -16,7 +16,7 @@ struct Contact {
 };
 
 // All contacts of one particle, a view of an array. Angles lie within one turn: the largest minus the
-// smallest is below 2 pi.
+// smallest is 2 pi at most.
 struct Contacts {
   int size;
   const Contact *first;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 // One more version of a loop for processors with 256-bit vectors, chosen when the plugin is loaded.
-#if defined(__x86_64__) && defined(__gnu_linux__) && (!defined(__clang__) || __clang_major__ >= 17)
+#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__clang__) && __GNUC__ >= 12
 #define DEFORMABLE_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
 #else
 #define DEFORMABLE_CLONES

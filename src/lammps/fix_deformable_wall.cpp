@@ -4,6 +4,7 @@
 #include "error.h"
 #include "force.h"
 #include "pair.h"
+#include "update.h"
 
 #include <cstring>
 
@@ -47,6 +48,8 @@ void FixDeformableWall::init()
   region = domain->get_region_by_id(region_id);
   if (!region)
     error->all(FLERR, "Region '{}' of fix {} deformable/wall does not exist", region_id, id);
+  if (utils::strmatch(update->integrate_style, "^respa"))
+    error->all(FLERR, "Fix {} deformable/wall cannot be used with run_style respa", id);
   if (!force->pair_match("^deformable/", 0) && !force->pair_match("^deformable/", 0, 1))
     error->all(FLERR, "Fix {} deformable/wall needs a deformable pair style, but pair_style is {}",
                id, force->pair_style ? force->pair_style : "none");
@@ -108,6 +111,7 @@ void FixDeformableWall::setup_pre_force(int vflag)
 void FixDeformableWall::pre_force(int)
 {
   pushes.assign(atom->nlocal, Push{});
+  fresh = true;
   region->prematch();
 }
 

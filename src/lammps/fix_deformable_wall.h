@@ -36,7 +36,13 @@ class FixDeformableWall : public Fix {
   double compute_vector(int) override;
   double memory_usage() override;
 
-  int max_contacts() const { return region->cmax; }
+  // The pair style is about to compute. Only its first call of a step acts on the particles: others that
+  // fixes and computes ask for (fix numdiff) leave the forces of that one alone.
+  void begin_call()
+  {
+    listening = fresh;
+    fresh = false;
+  }
 
   // Calls visit(nx, ny, height, per_lever) for each face within the cutoff of atom i: the direction to
   // it, its distance, and how much the direction turns per sideways step of the wall.
@@ -61,6 +67,7 @@ class FixDeformableWall : public Fix {
   // The wall's force on atom i, through a face at (dx, dy) from which the atom's centre lies.
   void press(int i, double fx, double fy, double dx, double dy)
   {
+    if (!listening) return;
     Push &push = pushes[i];
     push.fx += fx;
     push.fy += fy;
@@ -79,6 +86,7 @@ class FixDeformableWall : public Fix {
     double fx, fy, vxx, vyy, vxy;
   };
   std::vector<Push> pushes;    // by local index, of the present step
+  bool fresh = false, listening = false;
   double on_wall[2] = {0.0, 0.0};
 
   double per_lever(const Region::Contact &face) const;

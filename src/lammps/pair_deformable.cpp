@@ -9,10 +9,8 @@
 #include "memory.h"
 #include "modify.h"
 #include "neighbor.h"
-#include "update.h"
 
 #include <cstring>
-#include <numeric>
 
 using namespace LAMMPS_NS;
 
@@ -126,11 +124,16 @@ void PairDeformable::begin(int eflag, int vflag)
   ev_init(eflag, vflag);
   beyond = 0;
   if (neighbor->ago == 0) bulge_over_reach = 0.0;
-  if (wanted && atom->nmax > maxresults) {
+  table.clear(atom->nlocal);
+  for (FixDeformableWall *wall : walls) wall->begin_call();
+
+  if (!wanted) return;
+  if (atom->nmax > maxresults) {
     maxresults = atom->nmax;
     for (double *&result : results) memory->grow(result, maxresults, "pair:results");
   }
-  table.clear(atom->nlocal);
+  // particles of other pair styles have no results
+  for (double *result : results) std::fill_n(result, atom->nlocal, 0.0);
 }
 
 /* ----------------------------------------------------------------------
@@ -297,14 +300,4 @@ void PairDeformable::store_circle(int i)
   results[PERIMETER][i] = 2.0 * deformable::PI * r;
   results[CONTACTS][i] = results[PRESSURE][i] = results[CONTACT_LENGTH][i] = 0.0;
   results[ARC_RADIUS][i] = r;
-}
-
-/* ---------------------------------------------------------------------- */
-
-double PairDeformable::memory_usage()
-{
-  const double per_contact = sizeof(deformable::Contact) + sizeof(Partner);
-  return Pair::memory_usage() + table.partner.size() * per_contact +
-         table.row.size() * sizeof(int) +
-         static_cast<double>(wanted ? NRESULTS : 0) * maxresults * sizeof(double);
 }

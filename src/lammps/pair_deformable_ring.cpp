@@ -42,20 +42,27 @@ void PairDeformableRing::check_species(const Species &s) const
 
 /* ----------------------------------------------------------------------
    an outline that bulges by less than depth meets no line that is not a
-   candidate: those lie at least as far out as at the cutoff
+   candidate: those of the types present lie at least as far out as at the
+   cutoff
 ------------------------------------------------------------------------- */
 
 void PairDeformableRing::init_style()
 {
   PairDeformable::init_style();
+
+  std::vector<int> here(radius.size(), 0), present(radius.size(), 0);
+  for (int i = 0; i < atom->nlocal; ++i) here[atom->type[i]] = 1;
+  MPI_Allreduce(here.data(), present.data(), static_cast<int>(here.size()), MPI_INT, MPI_MAX,
+                world);
+
   depth.assign(radius.size(), 0.0);
   for (std::size_t i = 1; i < radius.size(); ++i) {
     depth[i] = reach * radius[i];    // walls
-    for (const double rj : radius) {
-      if (rj == 0.0) continue;
-      const double cutoff = (1.0 + reach) * (radius[i] + rj);
-      depth[i] =
-          std::min(depth[i], -contact_line(cutoff, 1.0 / cutoff, radius[i], rj).indentation_i);
+    for (std::size_t j = 1; j < radius.size(); ++j) {
+      if (!present[j] || radius[j] == 0.0) continue;
+      const double cutoff = (1.0 + reach) * (radius[i] + radius[j]);
+      depth[i] = std::min(depth[i],
+                          -contact_line(cutoff, 1.0 / cutoff, radius[i], radius[j]).indentation_i);
     }
   }
 }
@@ -100,7 +107,7 @@ void PairDeformableRing::check_reach(int i, const Contacts &contacts)
   if (ratio > 1.0)
     error->one(FLERR,
                "The outline of atom {} bulges by {:.4g}, {:.3g} times as far as 'reach {}' looks "
-               "for neighbors: use at least 'pair_style deformable/ring reach {:.2g}'",
+               "for neighbors: use a reach of {:.2g} or more",
                atom->tag[i], ratio * depth[type], ratio, reach, 1.2 * ratio * reach);
   if (ratio > bulge_over_reach) bulge_over_reach = ratio;
 }

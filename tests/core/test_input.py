@@ -74,3 +74,23 @@ def test_contact_line():
         core.contact_line(np.ones(2), np.ones(2), np.ones(3))
     with pytest.raises(ValueError, match=r"distance is .*nan"):
         core.contact_line(np.nan, 0.5, 0.5)
+
+
+def test_lists_and_whole_numbers_are_taken():
+    assert core.ring(1, [0, 2, 4], [0.01, 0.02, 0.01]).area_deficit > 0
+    assert core.contact_line([1, 1], [1, 1], [1, 1]).tolist() == [0.5, 0.5]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((0.0, 1.0, 1.0), "distance is 0"),
+        ((np.inf, 1.0, 1.0), "distance is inf"),
+        ((1.0, -1.0, 1.0), "radius_i is -1"),
+        (([1.0, 1.0], [1.0], [1.0, 1.0]), "must have the same length"),
+        (([1.0, np.nan], [1.0, 1.0], [1.0, 1.0]), r"distance\[1\] is .*nan"),
+    ],
+)
+def test_bad_contact_lines(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        core.contact_line(*arguments)

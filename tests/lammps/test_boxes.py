@@ -106,3 +106,37 @@ def test_types_of_another_style_are_not_seen(law):
     others = np.triu(~(small[:, None] & small), 1)
     expected = alone.energy + 0.02 * (overlap[others] ** 2).sum()
     assert mixed.energy == pytest.approx(expected, rel=1e-12)
+
+
+@laws
+def test_types_of_another_style_have_no_results(law):
+    """Also when the particle had some as a type of this style."""
+    case, style = PACKINGS[0], f"deformable/{law}"
+    scene = Scene.packing(
+        case,
+        f"hybrid {style} {SOFT}",
+        coeff=f"pair_coeff * * {style} {SPECIES} small NULL\npair_coeff * 2 {SOFT} 0.02 1.2",
+    )
+    assert scene.evaluate().shape["area"][0] > 0
+    scene.run("set atom 1 type 2")
+    for values in scene.evaluate().shape.values():
+        assert values[0] == 0
+
+
+def test_species_without_particles_do_not_narrow_the_reach(tmp_path):
+    """A tiny species would make the depth that a reach covers tiny, were there any of it."""
+    file = tmp_path / "species"
+    file.write_text("# UNITS: lj\nunit 1 1 inf\ntiny 0.01 1 inf\n")
+    x, species = np.array([[0.0, 0.0], [1.9, 0.0]]), ["unit", "unit"]
+    bulges = []
+    for types, names in ((1, "unit"), (2, "unit tiny")):
+        scene = Scene(x, species, (-3, 3, -3, 3), "deformable/ring")
+        scene.run(
+            "clear\nunits lj\ndimension 2\nregion box block -3 3 -3 3 -0.5 0.5\n"
+            f"create_box {types} box\nmass * 1\ncreate_atoms 1 single 0 0 0\n"
+            "create_atoms 1 single 1.9 0 0\npair_style deformable/ring\n"
+            f"pair_coeff * * {file} {names}\ncompute pair all pair deformable/ring\n"
+            "thermo_style custom step pe c_pair[1] c_pair[2]\nrun 0"
+        )
+        bulges.append(scene.vector("pair", 2)[1])
+    assert bulges[0] == bulges[1] > 0

@@ -83,7 +83,7 @@ def test_reach_too_small():
     walls = "region walls plane 0.7 0 0 -1 0 0\nfix walls all deformable/wall walls"
     with refuses("outline of atom 1 bulges by .* 'reach 0.1'") as error:
         Scene(np.zeros((1, 2)), ["unit"], BOX, "deformable/ring reach 0.1", commands=walls).energy()
-    enough = str(error.value).split("deformable/ring reach ")[1].split("'")[0]
+    enough = str(error.value).split("use a reach of ")[1].split()[0]
     style = f"deformable/ring reach {enough}"
     assert Scene(np.zeros((1, 2)), ["unit"], BOX, style, commands=walls).energy() > 0
 
@@ -252,6 +252,13 @@ def test_wall_without_deformable_particles(style):
         lmp.command("pair_coeff * * 1.0 1.0")
     lmp.command("fix cell all deformable/wall box")
     with refuses(f"Fix cell deformable/wall needs a deformable pair style.*{style.split()[0]}"):
+        lmp.command("run 0")
+
+
+def test_walls_do_not_go_with_respa():
+    lmp = two_particles()
+    lmp.commands_string("run_style respa 2 2 pair 1\nfix cell all deformable/wall box")
+    with refuses("Fix cell deformable/wall cannot be used with run_style respa"):
         lmp.command("run 0")
 
 

@@ -170,3 +170,14 @@ def test_virial(law):
         assert virial[component] == pytest.approx(-strained / (2 * step), rel=1e-7)
     state = scene(1, 1).evaluate()
     np.testing.assert_allclose(state.atom_virial.sum(0), virial, rtol=1e-12)
+
+
+@pytest.mark.parametrize("order", ["before", "after"])
+def test_other_calls_of_the_pair_style_leave_the_wall_alone(order):
+    """fix numdiff moves the particles and calls the pair style many times within a step."""
+    numdiff = "fix probe all numdiff 1 1e-5"
+    walls = polygon_walls(5, 0.97)
+    commands = f"{numdiff}\n{walls}" if order == "before" else f"{walls}\n{numdiff}"
+    x = np.array([[0.01, 0.005]])
+    expected = alone("ring", walls, x).evaluate().force
+    np.testing.assert_array_equal(alone("ring", commands, x).evaluate().force, expected)

@@ -1,0 +1,77 @@
+"""Does FIRE relax every packing of the ring law, and in how many force calls?
+
+    python benchmarks/relaxation.py [--out benchmarks/results/relaxation.json]
+
+Bidisperse packings of several sizes, size ratios and box shapes are jammed as soft disks and
+compressed in steps up to 5 % beyond; each state is relaxed until no force exceeds 1e-6 of the mean
+contact force. Quoted are the states that got there, the largest residual and the force calls.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import json
+import statistics
+import warnings
+from pathlib import Path
+
+import deformable
+
+HERE = Path(__file__).parent
+NUMBERS, SEEDS = (16, 32, 64, 128), (1, 2, 3)
+SHAPES = ({"ratio": 1.4}, {"ratio": 1.0}, {"ratio": 3.0}, {"ratio": 1.4, "tilt": 0.4})
+STRAINS = (0.002, 0.01, 0.03, 0.05)
+TOLERANCE = 1e-6
+
+
+def measure(number: int, seed: int, shape: dict[str, float]) -> list[dict[str, object]]:
+    """The relaxed states of one packing, from the onset of jamming on."""
+    jammed = deformable.jam(deformable.bidisperse(number, seed=seed, **shape))
+    rows = []
+    with deformable.Simulation(jammed, deformable.Ring(kA=1.0)) as sim:
+        box = sim.box
+        for strain in STRAINS:
+            sim.deform(box * (1.0 - strain))
+            before = sim.lmp.extract_global("ntimestep")
+            state = sim.relax(TOLERANCE)
+            rows.append(
+                {
+                    "N": number,
+                    "seed": seed,
+                    **shape,
+                    "strain": strain,
+                    "phi": state.phi,
+                    "residual": state.residual,
+                    "stalled": state.stalled,
+                    "steps": sim.lmp.extract_global("ntimestep") - before,
+                }
+            )
+    return rows
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=Path, default=HERE / "results" / "relaxation.json")
+    options = parser.parse_args()
+    warnings.simplefilter("ignore", UserWarning)  # what they say is in the rows
+    rows = [
+        row
+        for number, seed, shape in itertools.product(NUMBERS, SEEDS, SHAPES)
+        for row in measure(number, seed, shape)
+    ]
+    summary = {
+        "states": len(rows),
+        "stalled": sum(bool(row["stalled"]) for row in rows),
+        "largest_residual": max(row["residual"] for row in rows),
+        "median_steps": statistics.median(row["steps"] for row in rows),
+        "most_steps": max(row["steps"] for row in rows),
+    }
+    print("  ".join(f"{key} {value}" for key, value in summary.items()))
+    result = {"command": "python benchmarks/relaxation.py", "tolerance": TOLERANCE, **summary}
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    options.out.write_text(json.dumps({**result, "rows": rows}, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
