@@ -14,6 +14,7 @@ import typer
 from mpi4py import MPI
 from tqdm import tqdm
 
+from .compression import check_protocol
 from .compression import compress as compress_packing
 from .engine import silent_lammps
 from .errors import FileError, LammpsError, ParameterError
@@ -40,6 +41,13 @@ STYLES = (
 )
 
 
+# What describes a packing and its law; the rest describes what is done to it.
+PACKING_OPTIONS = (
+    *("number", "radii", "fraction", "aspect", "tilt", "seed"),
+    *("law", "ka", "kp", "reach"),
+)
+
+
 class Law(str, Enum):
     """Contact laws by name."""
 
@@ -54,12 +62,18 @@ def main() -> None:
     try:
         app()
     except (ParameterError, FileError, LammpsError, OSError) as error:
-        _say(f"error: {error}", file=sys.stderr)
+        world = MPI.COMM_WORLD
+        if world.rank > 0:
+            time.sleep(1.0)  # rank 0 speaks for all if it failed as well, and ends them
+        print(f"error: {error}", file=sys.stderr, flush=True)
+        if world.size > 1:
+            world.Abort(2)  # the others may be waiting for this rank
         sys.exit(2)
 
 
 @app.command()
 def compress(
+    context: typer.Context,
     number: Annotated[int, typer.Option(help="Number of particles.")] = 128,
     radii: Annotated[
         tuple[float, float], typer.Option(help="Radii of small and large particles.")
@@ -71,7 +85,7 @@ def compress(
     law: Annotated[Law, typer.Option(help="Contacts slip (ring) or stick (sector).")] = Law.RING,
     ka: Annotated[float, typer.Option("--kA", help="Area stiffness; inf with a finite kP.")] = 1.0,
     kp: Annotated[float, typer.Option("--kP", help="Perimeter stiffness (sector).")] = float("inf"),
-    reach: Annotated[float, typer.Option(help="Range of neighbours beyond touching (ring).")] = 0.1,
+    reach: Annotated[float, typer.Option(help="Range of neighbours beyond touching (ring).")] = 0.3,
     strain: Annotated[float, typer.Option(help="Linear strain in all.")] = 0.01,
     steps: Annotated[int, typer.Option(help="Number of steps.")] = 10,
     tolerance: Annotated[
@@ -87,11 +101,25 @@ def compress(
     Writes packing.data, summary.json, series.csv, trajectory.lammpstrj and, with matplotlib,
     packing.png into the output folder as the run goes.
     """
-    parameters = dict(locals())
     began = time.perf_counter()
+    check_protocol(strain, steps)
+    parameters: dict[str, object] = {"strain": strain, "steps": steps, "tolerance": tolerance}
     if resume:
+        given = [name for name in PACKING_OPTIONS if _is_given(context, name)]
+        if given:
+            raise ParameterError(
+                f"--resume goes on with the packing and law in '{out}': leave out "
+                + ", ".join(
+                    "--" + given_name.replace("ka", "kA").replace("kp", "kP")
+                    for given_name in given
+                )
+            )
         sim = load(out)
     else:
+        if MPI.COMM_WORLD.rank == 0:
+            out.mkdir(parents=True, exist_ok=True)  # or fail before the work
+        values = context.params
+        parameters |= {name: values[name] for name in PACKING_OPTIONS}
         model: Model
         if law is Law.RING:
             if kp != float("inf"):
@@ -110,10 +138,9 @@ def compress(
         row = numbers(state)
         _say(f"{step:4d} " + " ".join(f"{row[name]:12.6g}" for name in columns))
     if state.root and importlib.util.find_spec("matplotlib"):
-        from matplotlib import pyplot as plt
-
-        state.plot()
-        plt.savefig(out / "packing.png", dpi=150)
+        figure = state.plot().get_figure(root=True)
+        assert figure is not None  # the plot is in one
+        figure.savefig(out / "packing.png", dpi=150)
     _say(f"wrote {out} ({time.perf_counter() - began:.1f} s)")
 
 
@@ -137,6 +164,12 @@ def info() -> None:
     lmp.close()
     if not (complete and match):
         sys.exit(1)
+
+
+def _is_given(context: typer.Context, name: str) -> bool:
+    """Whether an option stands on the command line."""
+    source = context.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"
 
 
 def _say(line: str, file: object = None) -> None:

@@ -29,11 +29,16 @@ def compress(
     Raises:
         ParameterError: a value is out of range.
     """
+    check_protocol(strain, steps)
+    return _compress(sim, strain, steps, tolerance)
+
+
+def check_protocol(strain: float, steps: int) -> None:
+    """Refuse what `compress` cannot do."""
     if not -1.0 < strain < 1.0:
         raise ParameterError(f"strain must lie between -1 and 1, not {strain}")
     if steps < 1:
         raise ParameterError(f"steps must be at least 1, not {steps}")
-    return _compress(sim, strain, steps, tolerance)
 
 
 def _compress(sim: Simulation, strain: float, steps: int, tolerance: float) -> Iterator[State]:

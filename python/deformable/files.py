@@ -95,11 +95,12 @@ def record(
     if append and series.exists():
         with series.open(newline="") as file:
             first = sum(1 for _ in csv.DictReader(file))
-        before = json.loads((folder / SUMMARY).read_text())["parameters"]
-        parameters = {**(parameters or {}), "before": before}
+        parameters = {**(parameters or {}), "before": _summary(folder).get("parameters")}
     for number, state in enumerate(states, start=first):
         save(state, folder, parameters)
         if state.root:
+            if number == first > 0:
+                _keep_frames(trajectory, first)
             mode = "a" if number > 0 else "w"
             row = {"frame": number} | numbers(state)
             with series.open(mode, newline="") as file:
@@ -204,15 +205,33 @@ def _dump_frame(number: int, state: State) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _read(folder: Path) -> tuple[Packing, Ring | Sector]:
+def _keep_frames(trajectory: Path, number: int) -> None:
+    """Cut off what a killed run may have left behind the last whole frame."""
+    start = "ITEM: TIMESTEP\n"
+    text = trajectory.read_text() if trajectory.exists() else ""
+    frames = text.split(start)[1:]
+    if len(frames) > number:
+        _replace(trajectory, "".join(start + frame for frame in frames[:number]))
+
+
+def _summary(folder: Path) -> dict[str, Any]:
     try:
-        summary = json.loads((folder / SUMMARY).read_text())
+        return dict(json.loads((folder / SUMMARY).read_text()))
+    except FileNotFoundError:
+        raise FileError(f"no saved run in '{folder}': {folder / SUMMARY} is missing") from None
+    except (ValueError, TypeError) as error:
+        raise FileError(f"the saved run in '{folder}' cannot be read: {error}") from None
+
+
+def _read(folder: Path) -> tuple[Packing, Ring | Sector]:
+    summary = _summary(folder)
+    try:
         settings = dict(summary["model"])
         model = _MODELS[settings.pop("name")](
             **{name: float(value) for name, value in settings.items()}
         )
+        if not (folder / DATA).exists():
+            raise FileError(f"no saved run in '{folder}': {folder / DATA} is missing")
         return read_data(folder / DATA, summary["radii"]), model
-    except FileNotFoundError as error:
-        raise FileError(f"no saved run in '{folder}': {error.filename} is missing") from None
     except (ValueError, KeyError, TypeError, LammpsError) as error:
         raise FileError(f"the saved run in '{folder}' cannot be read: {error}") from None

@@ -72,11 +72,18 @@ def gather_neighbours(
     here, there = np.append(here, there[both]), np.append(there, here[both])
     parts = comm.allgather((tag[here] - 1, tag[there] - 1, x[there] - x[here], x[here]))
     i, j, apart, origin = (np.concatenate(column) for column in zip(*parts, strict=True))
+    i, j = i.astype(np.int64), j.astype(np.int64)
 
     # The image is an exact integer: both ends of a pair agree on it whatever their rounding.
     home = np.zeros((len(radius), 2))
     home[i] = origin
     image = np.rint((home[i] + apart - home[j]) @ np.linalg.inv(box)).astype(np.int64)
+    # rounding may put a pair at the very end of the list's range into one end's list only
+    seen = np.vstack([np.column_stack([i, j, image]), np.column_stack([j, i, -image])])
+    _, which, times = np.unique(seen, axis=0, return_inverse=True, return_counts=True)
+    paired = times[which.ravel()[: len(i)]] == 2
+    i, j, image, apart = (a[paired] for a in (i, j, image, apart))
+
     order = np.lexsort((image[:, 1], image[:, 0], j, i))
     i, j, image, apart = (a[order] for a in (i, j, image, apart))
     backward = np.lexsort((-image[:, 1], -image[:, 0], i, j))

