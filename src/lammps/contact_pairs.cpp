@@ -12,6 +12,13 @@
 #define DEFORMABLE_CLONES
 #endif
 
+// The arrays of a loop do not overlap.
+#if defined(__clang__)
+#define DEFORMABLE_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#else
+#define DEFORMABLE_INDEPENDENT _Pragma("GCC ivdep")
+#endif
+
 using namespace LAMMPS_NS;
 using namespace deformable;
 
@@ -36,7 +43,7 @@ DEFORMABLE_CLONES void LAMMPS_NS::meet(ContactPairs &p)
   double *const nx = p.nx.data(), *const ny = p.ny.data();
   double *const ai = p.indentation_i.data(), *const aj = p.indentation_j.data();
   double *const d_ai = p.d_indentation_i.data(), *const d_aj = p.d_indentation_j.data();
-#pragma GCC ivdep
+  DEFORMABLE_INDEPENDENT
   for (int k = 0; k < n; ++k) {
     const double d = std::sqrt(dx[k] * dx[k] + dy[k] * dy[k]), per_d = 1.0 / d;
     const ContactLine line = contact_line(d, per_d, ri[k], rj[k]);

@@ -119,7 +119,7 @@ double PairDeformable::init_one(int i, int j)
 
 /* ---------------------------------------------------------------------- */
 
-void PairDeformable::begin(int eflag, int vflag)
+void PairDeformable::begin_call(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
   beyond = 0;
@@ -141,7 +141,7 @@ void PairDeformable::begin(int eflag, int vflag)
    the neighbour list is new, so that a step costs no communication
 ------------------------------------------------------------------------- */
 
-void PairDeformable::finish()
+void PairDeformable::end_call()
 {
   if (vflag_fdotr) virial_fdotr_compute();
 

@@ -45,12 +45,12 @@ class PairDeformable : public Pair {
   ContactTable table;
   deformable::Shape shape;    // of the particle at hand
 
-  // One force call: begin, for_each_particle the law and apply or store_circle, finish.
-  void begin(int eflag, int vflag);
+  // One force call: begin_call, for_each_particle the law and apply or store_circle, end_call.
+  void begin_call(int eflag, int vflag);
   template <bool WALLS, class Law> void for_each_particle(Law &&law);
   template <bool WALLS>
   void apply(int i, const deformable::Contacts &, const deformable::Energy &energy);
-  void finish();
+  void end_call();
 
   // Per-atom results of a deformed particle, and of one that is still a circle.
   void store_shape(int i, const deformable::Contacts &, double pressure);

@@ -82,7 +82,7 @@ void PairDeformableRing::compute(int eflag, int vflag)
 template <bool WALLS> void PairDeformableRing::evaluate(int eflag, int vflag)
 {
   const bool new_list = neighbor->ago == 0;
-  begin(eflag, vflag);
+  begin_call(eflag, vflag);
   for_each_particle<WALLS>([&](int i, const Contacts &contacts) {
     const int type = atom->type[i];
     char *const carries =
@@ -95,7 +95,7 @@ template <bool WALLS> void PairDeformableRing::evaluate(int eflag, int vflag)
     store_shape(i, contacts, energy.derivative);
     if (new_list) check_reach(i, contacts);
   });
-  finish();
+  end_call();
 }
 
 /* ---------------------------------------------------------------------- */

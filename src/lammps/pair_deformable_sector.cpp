@@ -55,7 +55,7 @@ void PairDeformableSector::compute(int eflag, int vflag)
 
 template <bool WALLS> void PairDeformableSector::evaluate(int eflag, int vflag)
 {
-  begin(eflag, vflag);
+  begin_call(eflag, vflag);
   if (atom->nmax > maxcontacts) {
     maxcontacts = atom->nmax;
     memory->grow(ncontacts, maxcontacts, "pair:ncontacts");
@@ -77,7 +77,7 @@ template <bool WALLS> void PairDeformableSector::evaluate(int eflag, int vflag)
 
   comm->forward_comm(this);
   for (const SingleContact &single : singles) repel<WALLS>(single);
-  finish();
+  end_call();
 }
 
 /* ----------------------------------------------------------------------
