@@ -103,13 +103,16 @@ void PairDeformable::apply(int i, const deformable::Contacts &contacts,
 {
   double *const *const f = atom->f;
   const Partner *const partners = &table.partner[table.first(i)];
+  const deformable::Response *const responses = shape.contact.data();
+  const double slope = energy.derivative;
   double fx = 0.0, fy = 0.0;
   for (int c = 0; c < contacts.size; ++c) {
-    if (shape.contact[c].d_indentation == 0.0 && shape.contact[c].d_angle == 0.0) continue;
-    const Partner &partner = partners[c];
+    const deformable::Response response = responses[c];
+    if (response.d_indentation == 0.0 && response.d_angle == 0.0) continue;
+    const Partner partner = partners[c];
     const double nx = contacts[c].nx, ny = contacts[c].ny;
-    const double along = energy.derivative * shape.contact[c].d_indentation * partner.d_indentation;
-    const double across = energy.derivative * shape.contact[c].d_angle * partner.per_lever;
+    const double along = slope * response.d_indentation * partner.d_indentation;
+    const double across = slope * response.d_angle * partner.per_lever;
     const double px = along * nx - across * ny, py = along * ny + across * nx;    // on particle i
     if (WALLS && partner.atom < 0) {
       const double height = radius[atom->type[i]] - contacts[c].indentation;
@@ -118,8 +121,9 @@ void PairDeformable::apply(int i, const deformable::Contacts &contacts,
     }
     fx += px;
     fy += py;
-    f[partner.atom][0] -= px;
-    f[partner.atom][1] -= py;
+    double *const fj = f[partner.atom];
+    fj[0] -= px;
+    fj[1] -= py;
     if (vflag_either)
       ev_tally_xyz(i, partner.atom, atom->nlocal, 1, 0.0, 0.0, px, py, 0.0, -nx / partner.per_lever,
                    -ny / partner.per_lever, 0.0);

@@ -61,7 +61,8 @@ template <bool WALLS> void PairDeformableSector::evaluate(int eflag, int vflag)
     memory->grow(ncontacts, maxcontacts, "pair:ncontacts");
   }
 
-  std::fill_n(ncontacts, atom->nlocal, 0.0);    // particles of other pair styles have none
+  if (list->inum < atom->nlocal)    // particles of other pair styles have none
+    std::fill_n(ncontacts, atom->nlocal, 0.0);
   singles.clear();
   for_each_particle<WALLS>([&](int i, const Contacts &contacts) {
     ncontacts[i] = contacts.size;
