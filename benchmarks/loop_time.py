@@ -29,6 +29,7 @@ CELL = 1000
 SIZES = {1000: (1, 1), 10_000: (5, 2), 100_000: (10, 10)}
 PARTICLE_STEPS = 2_000_000
 SPECIES = "# UNITS: lj\nsmall 0.5 1.0 inf\nlarge 0.7 1.0 inf\n"
+LAWS = ("disks", "sector", "ring")
 BREAKDOWN = ("Pair", "Neigh", "Comm", "Modify", "Other")
 
 
@@ -73,7 +74,9 @@ def relaxed_cell(folder: Path) -> Path:
     return data
 
 
-def run(data: Path, style: str, replicate: tuple[int, int]) -> dict[str, float]:
+def run(
+    data: Path, style: str, replicate: tuple[int, int], particle_steps: int = PARTICLE_STEPS
+) -> dict[str, float]:
     """Seconds per particle-step of a short NVE run, in all and by LAMMPS' sections."""
     log = data.with_name("log.run")
     lmp = start()
@@ -83,7 +86,7 @@ def run(data: Path, style: str, replicate: tuple[int, int]) -> dict[str, float]:
         "thermo 0\nrun 10"
     )
     n = lmp.get_natoms()
-    steps = max(10, PARTICLE_STEPS // n)
+    steps = max(10, particle_steps // n)
     lmp.command(f"log {log}")  # afresh: only the timed run's breakdown stays
     lmp.command(f"run {steps}")
     lmp.close()
@@ -107,6 +110,15 @@ def processor() -> str:
         return next(line.split(": ", 1)[1] for line in lines if line.startswith("model name"))
     except (OSError, StopIteration, IndexError):
         return platform.machine()
+
+
+def profile(law: str) -> None:
+    """One law long enough for a sampling profiler."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "species").write_text(SPECIES)
+        style = styles(folder / "species")[law]
+        run(relaxed_cell(folder), style, SIZES[10_000], 10 * PARTICLE_STEPS)
 
 
 def measure(repeats: int) -> list[dict]:
@@ -150,7 +162,10 @@ def main() -> None:
         "--out", type=Path, default=Path(__file__).parent / "results/loop_time.json"
     )
     parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--law", choices=LAWS, help="run this one only, for a profiler to look at")
     options = parser.parse_args()
+    if options.law:
+        return profile(options.law)
     rows = measure(options.repeats)
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.write_text(
