@@ -105,14 +105,11 @@ def compress(
     check_protocol(strain, steps)
     parameters: dict[str, object] = {"strain": strain, "steps": steps, "tolerance": tolerance}
     if resume:
-        given = [name for name in PACKING_OPTIONS if _is_given(context, name)]
+        given = [f"--{name}" for name in PACKING_OPTIONS if _is_given(context, name)]
         if given:
             raise ParameterError(
                 f"--resume goes on with the packing and law in '{out}': leave out "
-                + ", ".join(
-                    "--" + given_name.replace("ka", "kA").replace("kp", "kP")
-                    for given_name in given
-                )
+                + ", ".join(given).replace("--ka", "--kA").replace("--kp", "--kP")
             )
         sim = load(out)
     else:
@@ -138,8 +135,10 @@ def compress(
         row = numbers(state)
         _say(f"{step:4d} " + " ".join(f"{row[name]:12.6g}" for name in columns))
     if state.root and importlib.util.find_spec("matplotlib"):
-        figure = state.plot().get_figure(root=True)
-        assert figure is not None  # the plot is in one
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(6.4, 5.6), layout="constrained")
+        state.plot(figure.subplots())
         figure.savefig(out / "packing.png", dpi=150)
     _say(f"wrote {out} ({time.perf_counter() - began:.1f} s)")
 
