@@ -103,13 +103,14 @@ def record(
                 _keep_frames(trajectory, first)
             mode = "a" if number > 0 else "w"
             row = {"frame": number} | numbers(state)
+            # the frame first: a row stands for a whole frame, also after a kill
+            with trajectory.open(mode) as file:
+                file.write(_dump_frame(number, state))
             with series.open(mode, newline="") as file:
                 writer = csv.DictWriter(file, row.keys())
                 if number == 0:
                     writer.writeheader()
                 writer.writerow(row)
-            with trajectory.open(mode) as file:
-                file.write(_dump_frame(number, state))
         yield state
 
 

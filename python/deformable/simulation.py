@@ -69,6 +69,7 @@ class Simulation:
         comm: the communicator.
 
     Raises:
+        ParameterError: radii too large for LAMMPS' neighbour bins; choose another length unit.
         LammpsError: LAMMPS refuses the packing or the model.
     """
 
@@ -116,6 +117,9 @@ class Simulation:
 
         Args:
             box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
+
+        Raises:
+            ParameterError: the box has another form; the simulation stays as it was.
         """
         (lx, _), (xy, ly) = lattice_vectors(box).tolist()
         run(

@@ -113,8 +113,7 @@ inline void ring_of_any(double radius, const Contacts &contacts, RingProgramme &
 inline void ring_shape(double radius, const Contacts &contacts, char *carries, RingProgramme &p,
                        Shape &shape)
 {
-  shape.reset(contacts.size, radius);
-  for (int c = 0; c < contacts.size; ++c) shape.contact[c] = {0.0, 0.0, 0.0};
+  shape.circle(contacts.size, radius);
   p.clear(contacts.size);
 
   int *const active = p.active.data();

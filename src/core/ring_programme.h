@@ -27,25 +27,35 @@ struct RingCandidates {
   double *green, *d_green;
 };
 
+// The turn from candidate k to a contact: |t|, its sine (which turns its sign with t) and its cosine.
+struct Turn {
+  bool back;
+  double angle, sine, cosine;
+};
+
+DEFORMABLE_INLINE Turn turn_from(const RingCandidates &r, int k, const Contact &to)
+{
+  const double difference = to.angle - r.angle[k];
+  const double cross = r.nx[k] * to.ny - r.ny[k] * to.nx;
+  const bool back = difference < 0.0;
+  return {back, std::fabs(difference), back ? -cross : cross, r.nx[k] * to.nx + r.ny[k] * to.ny};
+}
+
 DEFORMABLE_INLINE void add_candidate(const RingCandidates &r, int m, const Contacts &contacts,
                                      int c)
 {
-  const double theta = contacts[c].angle, x = contacts[c].nx, y = contacts[c].ny;
+  const Contact contact = contacts[c];
   r.contact[m] = c;
-  r.angle[m] = theta;
-  r.nx[m] = x;
-  r.ny[m] = y;
-  r.indentation[m] = contacts[c].indentation;
+  r.angle[m] = contact.angle;
+  r.nx[m] = contact.nx;
+  r.ny[m] = contact.ny;
+  r.indentation[m] = contact.indentation;
 #pragma GCC unroll 8
   for (int k = 0; k < m; ++k) {
-    // sin |t| from the directions: sin t turns its sign with t
-    const double difference = theta - r.angle[k], t = std::fabs(difference);
-    const double cosine = r.nx[k] * x + r.ny[k] * y;
-    const double cross = r.nx[k] * y - r.ny[k] * x;
-    const double sine = difference < 0.0 ? -cross : cross;
-    const double slope = d_green(t, sine, cosine);
-    r.green[m * r.stride + k] = green(t, sine, cosine);
-    r.d_green[m * r.stride + k] = difference < 0.0 ? -slope : slope;
+    const Turn t = turn_from(r, k, contact);
+    const double slope = d_green(t.angle, t.sine, t.cosine);
+    r.green[m * r.stride + k] = green(t.angle, t.sine, t.cosine);
+    r.d_green[m * r.stride + k] = t.back ? -slope : slope;
   }
   r.green[m * r.stride + m] = GREEN_AT_ZERO;
 }
@@ -95,10 +105,8 @@ DEFORMABLE_INLINE double slack(const Contacts &contacts, int c, int n, const Rin
   double gap = contacts[c].indentation;
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    const double difference = contacts[c].angle - r.angle[m];
-    const double cosine = r.nx[m] * contacts[c].nx + r.ny[m] * contacts[c].ny;
-    const double cross = r.nx[m] * contacts[c].ny - r.ny[m] * contacts[c].nx;
-    gap -= length[m] * green(std::fabs(difference), difference < 0.0 ? -cross : cross, cosine);
+    const Turn t = turn_from(r, m, contacts[c]);
+    gap -= length[m] * green(t.angle, t.sine, t.cosine);
   }
   return gap;
 }

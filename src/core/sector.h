@@ -33,12 +33,6 @@ inline void sort_by_angle(const Contacts &contacts, int *order)
   }
 }
 
-// Fewer than two contacts bound no sector, and do nothing to the particle.
-inline void leave_round(const Contacts &contacts, Shape &shape)
-{
-  for (int c = 0; c < contacts.size; ++c) shape.contact[c] = {0.0, 0.0, 0.0};
-}
-
 // Calls visit(s, i, k, opening) for the sector from the s-th contact i by angle to the next one k, with
 // `order` as sort_by_angle leaves it.
 template <class Visitor>
@@ -99,8 +93,8 @@ inline Sector sector(const SectorCoefficients &w, double ai, double ak)
 // Two contacts in one direction leave no shape: the area deficit is then not finite.
 inline void sector_shape(double radius, const Contacts &contacts, int *order, Shape &shape)
 {
+  if (contacts.size < 2) return shape.circle(contacts.size, radius);    // no sector
   shape.reset(contacts.size, radius);
-  if (contacts.size < 2) return leave_round(contacts, shape);
   sort_by_angle(contacts, order);
   // What a sector gives to its second contact, until the next sector adds its own share.
   double length_before = 0.0, d_before = 0.0, twice_deficit = 0.0, shrinkage = 0.0;
@@ -160,8 +154,7 @@ inline AreaSector area_sector(double radius, const Opening &o, double ai, double
 // Returns false where such a sector does not exist; the shape is then unspecified.
 inline bool area_sector_shape(double radius, const Contacts &contacts, int *order, Shape &shape)
 {
-  shape.reset(contacts.size, radius);
-  leave_round(contacts, shape);
+  shape.circle(contacts.size, radius);
   if (contacts.size < 2) return true;
   sort_by_angle(contacts, order);
   bool exists = true;

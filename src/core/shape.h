@@ -38,12 +38,19 @@ struct Shape {
   double arc_radius = 0.0;          // smallest radius of curvature; negative: beyond the model
   std::vector<Response> contact;
 
-  // A circle, with room for what is to come.
+  // Room for the contacts, which the law fills in.
   void reset(int contacts, double radius)
   {
     if (static_cast<std::size_t>(contacts) > contact.size()) contact.resize(contacts);
     area_deficit = perimeter_excess = 0.0;
     arc_radius = radius;
+  }
+
+  // A circle that its contacts do nothing to.
+  void circle(int contacts, double radius)
+  {
+    reset(contacts, radius);
+    for (int c = 0; c < contacts; ++c) contact[c] = {0.0, 0.0, 0.0};
   }
 };
 

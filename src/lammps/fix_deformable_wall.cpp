@@ -111,7 +111,7 @@ void FixDeformableWall::setup_pre_force(int vflag)
 void FixDeformableWall::pre_force(int)
 {
   pushes.assign(atom->nlocal, Push{});
-  fresh = true;
+  heard.clear();
   region->prematch();
 }
 

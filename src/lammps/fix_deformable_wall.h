@@ -11,6 +11,7 @@
 #include "atom.h"
 #include "region.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -36,12 +37,12 @@ class FixDeformableWall : public Fix {
   double compute_vector(int) override;
   double memory_usage() override;
 
-  // The pair style is about to compute. Only its first call of a step acts on the particles: others that
+  // A pair style is about to compute. Only its first call of a step acts on the particles: others that
   // fixes and computes ask for (fix numdiff) leave the forces of that one alone.
-  void begin_call()
+  void begin_call(const class Pair *caller)
   {
-    listening = fresh;
-    fresh = false;
+    listening = std::find(heard.begin(), heard.end(), caller) == heard.end();
+    if (listening) heard.push_back(caller);
   }
 
   // Calls visit(nx, ny, height, per_lever) for each face within the cutoff of atom i: the direction to
@@ -85,8 +86,9 @@ class FixDeformableWall : public Fix {
   struct Push {
     double fx, fy, vxx, vyy, vxy;
   };
-  std::vector<Push> pushes;    // by local index, of the present step
-  bool fresh = false, listening = false;
+  std::vector<Push> pushes;                 // by local index, of the present step
+  std::vector<const class Pair *> heard;    // in the present step
+  bool listening = false;
   double on_wall[2] = {0.0, 0.0};
 
   double per_lever(const Region::Contact &face) const;

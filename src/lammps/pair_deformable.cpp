@@ -100,6 +100,9 @@ void PairDeformable::init_style()
   // each pair of this rank's particles once, those with a ghost on either rank
   neighbor->add_request(this, NeighConst::REQ_NEWTON_OFF);
 
+  // a fix pair that is gone leaves nobody to keep results for; extract_peratom hears of new ones
+  wanted = !modify->get_fix_by_style("^pair$").empty();
+
   walls.clear();
   for (Fix *fix : modify->get_fix_by_style(FixDeformableWall::STYLE))
     walls.push_back(static_cast<FixDeformableWall *>(fix));
@@ -109,11 +112,7 @@ void PairDeformable::init_style()
 
 double PairDeformable::init_one(int i, int j)
 {
-  if (setflag[i][j] == 0)
-    error->all(FLERR,
-               "Pair style deformable has no species for atom types {} and {}: set them with "
-               "'pair_coeff * * FILE species1 species2 ...'",
-               i, j);
+  if (setflag[i][j] == 0) error->all(FLERR, "All pair coeffs are not set");
   return (1.0 + reach) * (radius[i] + radius[j]);
 }
 
@@ -125,15 +124,15 @@ void PairDeformable::begin_call(int eflag, int vflag)
   beyond = 0;
   if (neighbor->ago == 0) bulge_over_reach = 0.0;
   table.clear(atom->nlocal);
-  for (FixDeformableWall *wall : walls) wall->begin_call();
+  for (FixDeformableWall *wall : walls) wall->begin_call(this);
 
   if (!wanted) return;
   if (atom->nmax > maxresults) {
     maxresults = atom->nmax;
     for (double *&result : results) memory->grow(result, maxresults, "pair:results");
   }
-  // particles of other pair styles have no results
-  for (double *result : results) std::fill_n(result, atom->nlocal, 0.0);
+  if (list->inum < atom->nlocal)    // particles of other pair styles have none
+    for (double *result : results) std::fill_n(result, atom->nlocal, 0.0);
 }
 
 /* ----------------------------------------------------------------------

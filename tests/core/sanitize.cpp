@@ -140,5 +140,21 @@ int main()
     const ContactLine line = contact_line(d, 1.0 / d, ri, rj);
     require(std::isfinite(line.indentation_i), "contact line", {});
   }
+
+  // the two replacements of exact functions: where they hold, and how closely
+  constexpr int STEPS = 100000;
+  for (int k = 0; k <= STEPS; ++k) {
+    const double t = PI * k / STEPS, g = green(t, std::sin(t), std::cos(t));
+    const double below = g - green_bound(std::cos(t));
+    require(below >= 0.0, "green_bound exceeds G", {});
+    require(t < 0.6 || below < 0.02, "green_bound is far below G", {});
+    for (const double theta : {t, -t, t * 1e-9, PI - t * 1e-9}) {
+      const double x = 3.0 * std::cos(theta), y = 3.0 * std::sin(theta);
+      require(std::fabs(angle_of(x, y) - std::atan2(y, x)) <= 4.5e-16, "angle_of", {});
+    }
+  }
+  for (const double x : {-2.0, 0.0, 2.0})
+    for (const double y : {-2.0, 0.0, 2.0})
+      require((x == 0.0 && y == 0.0) || angle_of(x, y) == std::atan2(y, x), "angle_of an axis", {});
   std::printf("%d checks\n", checked);
 }

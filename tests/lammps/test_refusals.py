@@ -195,18 +195,11 @@ def test_newton_off(law):
 
 
 @laws
-def test_missing_coefficients(law):
+@pytest.mark.parametrize("coefficients", ["", f"pair_coeff * * {SPECIES} small NULL"])
+def test_missing_coefficients(law, coefficients):
     lmp = two_particles()
-    lmp.command(f"pair_style deformable/{law}")
-    with refuses("All pair coeffs are not set|pair_coeff"):
-        lmp.command("run 0")
-
-
-@laws
-def test_type_without_species(law):
-    lmp = two_particles()
-    lmp.commands_string(f"pair_style deformable/{law}\npair_coeff * * {SPECIES} small NULL")
-    with refuses("pair coeffs|no species for atom types 1 and 2"):
+    lmp.commands_string(f"pair_style deformable/{law}\n{coefficients}")
+    with refuses("All pair coeffs are not set"):
         lmp.command("run 0")
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from closed_forms import polygon_stiffness
-from scene import LAWS, Scene, box_walls, polygon_faces, polygon_walls
+from scene import LAWS, SPECIES, Scene, box_walls, polygon_faces, polygon_walls
 
 ROOM = (-2, 2, -2, 2)
 laws = pytest.mark.parametrize("law", LAWS)
@@ -181,3 +181,28 @@ def test_other_calls_of_the_pair_style_leave_the_wall_alone(order):
     x = np.array([[0.01, 0.005]])
     expected = alone("ring", walls, x).evaluate().force
     np.testing.assert_array_equal(alone("ring", commands, x).evaluate().force, expected)
+
+
+def test_both_laws_beside_each_other_meet_the_wall():
+    """Each pair style of a hybrid calls on its own, and its particles have their own forces."""
+    x = np.array([[-1.53, 0.3], [1.52, 0.3]])
+    walls = box_walls(-2, 2, -2, 2)
+
+    def forces(style, **options):
+        room = (-3, 3, -3, 3)
+        return Scene(x, ["small", "twin"], room, style, boundary="f f p", commands=walls, **options)
+
+    coeff = "\n".join(
+        [
+            f"pair_coeff * * deformable/ring {SPECIES} small NULL",
+            f"pair_coeff * * deformable/sector {SPECIES} NULL small",
+            "pair_coeff 1 2 none",
+        ]
+    )
+    both = forces("hybrid deformable/ring deformable/sector", coeff=coeff).evaluate().force
+    alike = f"pair_coeff * * {SPECIES} small small"
+    ring, sector = (
+        forces(f"deformable/{law}", coeff=alike).evaluate().force for law in ("ring", "sector")
+    )
+    assert ring[0, 0] > 0 > sector[1, 0]
+    np.testing.assert_array_equal(both, [ring[0], sector[1]])

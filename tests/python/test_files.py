@@ -106,7 +106,7 @@ def test_append_cuts_off_half_a_frame(jammed: deformable.Packing, tmp_path: Path
             pass
         trajectory = tmp_path / "trajectory.lammpstrj"
         whole = trajectory.read_text()
-        trajectory.write_text(whole + whole[: len(whole) // 2])  # as a kill would leave it
+        trajectory.write_text(whole + whole[: len(whole) // 2])  # killed in the second frame
         for _ in deformable.record(deformable.compress(sim, 0.01, 1), tmp_path, append=True):
             pass
     text = trajectory.read_text()
@@ -121,3 +121,21 @@ def test_append_without_a_summary_is_refused(state: deformable.State, tmp_path: 
     (tmp_path / "summary.json").unlink()
     with pytest.raises(deformable.FileError, match=r"summary\.json is missing"):
         next(iter(deformable.record([state], tmp_path, append=True)))
+
+
+def test_a_row_stands_for_a_whole_frame(
+    jammed: deformable.Packing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever ends the writing of a frame, the series does not count it."""
+    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+        steps = deformable.record(deformable.compress(sim, 0.01, 2), tmp_path)
+        next(steps)
+
+        def killed(*_: object) -> str:
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr("deformable.files._dump_frame", killed)
+        with pytest.raises(KeyboardInterrupt):
+            next(steps)
+    with (tmp_path / "series.csv").open(newline="") as file:
+        assert len(list(csv.DictReader(file))) == 1
