@@ -2,6 +2,7 @@
 
 #include "plugin_abi.h"
 
+#include "fix_deformable_polygon.h"
 #include "fix_deformable_wall.h"
 #include "pair_deformable_ring.h"
 #include "pair_deformable_sector.h"
@@ -70,5 +71,10 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.name = "deformable/wall";
   plugin.info = "flat walls for deformable particles, fix style deformable/wall";
   plugin.creator.v2 = &fix_creator<FixDeformableWall>;
+  register_style(&plugin, lmp);
+
+  plugin.name = "deformable/polygon";
+  plugin.info = "area term of bead rings, fix style deformable/polygon";
+  plugin.creator.v2 = &fix_creator<FixDeformablePolygon>;
   register_style(&plugin, lmp);
 }
