@@ -38,6 +38,7 @@ STYLES = (
     ("pair", "deformable/ring"),
     ("pair", "deformable/sector"),
     ("fix", "deformable/wall"),
+    ("fix", "deformable/stick"),
 )
 
 

@@ -3,6 +3,7 @@
 #include "plugin_abi.h"
 
 #include "fix_deformable_polygon.h"
+#include "fix_deformable_stick.h"
 #include "fix_deformable_wall.h"
 #include "pair_deformable_ring.h"
 #include "pair_deformable_sector.h"
@@ -76,5 +77,10 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.name = "deformable/polygon";
   plugin.info = "area term of bead rings, fix style deformable/polygon";
   plugin.creator.v2 = &fix_creator<FixDeformablePolygon>;
+  register_style(&plugin, lmp);
+
+  plugin.name = "deformable/stick";
+  plugin.info = "no-slip walls for beads, fix style deformable/stick";
+  plugin.creator.v2 = &fix_creator<FixDeformableStick>;
   register_style(&plugin, lmp);
 }
