@@ -21,9 +21,9 @@ namespace LAMMPS_NS {
 class FixDeformableWall : public Fix {
  public:
   FixDeformableWall(class LAMMPS *, int, char **);
-  // The style name of the object: LAMMPS takes every fix whose style begins with "deform" for a fix deform
-  // and crashes in Domain::init() where it is not one.
-  static constexpr const char *STYLE = "wall/deformable";
+  // The style name of the object: LAMMPS takes every fix whose style contains "deform" for a fix deform. It
+  // crashes in Domain::init() where a style begins so, and counts the others as second ones beside it.
+  static constexpr const char *STYLE = "wall/flat";
 
   int setmask() override;
   void init() override;
