@@ -16,6 +16,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .bead_reference import BeadReference as BeadReference
+    from .bead_state import BeadState as BeadState
+    from .beads import Beads as Beads
+    from .comparison import Comparison as Comparison
+    from .comparison import compare as compare
+    from .comparison import predict as predict
     from .compression import compress as compress
     from .errors import BeyondModelWarning as BeyondModelWarning
     from .errors import FileError as FileError
@@ -31,10 +37,16 @@ if TYPE_CHECKING:
     from .packing import Packing as Packing
     from .packing import bidisperse as bidisperse
     from .simulation import Simulation as Simulation
+    from .single import squeeze as squeeze
     from .state import State as State
+    from .walls import Walls as Walls
 
 _HOMES = {
+    "BeadReference": "bead_reference",
+    "BeadState": "bead_state",
+    "Beads": "beads",
     "BeyondModelWarning": "errors",
+    "Comparison": "comparison",
     "FileError": "errors",
     "LammpsError": "errors",
     "Packing": "packing",
@@ -45,11 +57,15 @@ _HOMES = {
     "StalledWarning": "errors",
     "State": "state",
     "UnjammedWarning": "errors",
+    "Walls": "walls",
     "bidisperse": "packing",
+    "compare": "comparison",
     "compress": "compression",
     "jam": "jamming",
     "load": "files",
+    "predict": "comparison",
     "record": "files",
+    "squeeze": "single",
 }
 
 __all__ = list(_HOMES)

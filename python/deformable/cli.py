@@ -39,6 +39,7 @@ STYLES = (
     ("pair", "deformable/sector"),
     ("fix", "deformable/wall"),
     ("fix", "deformable/stick"),
+    ("fix", "deformable/polygon"),
 )
 
 

@@ -3,25 +3,49 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from .errors import ParameterError
 from .progress import progress
-from .simulation import Simulation
-from .state import State
+
+
+class Snapshot(Protocol):
+    """What the progress bar shows of a state."""
+
+    @property
+    def phi(self) -> float: ...
+    @property
+    def pressure(self) -> float: ...
+
+
+S = TypeVar("S", bound=Snapshot)
+S_co = TypeVar("S_co", bound=Snapshot, covariant=True)
+
+
+class Compressible(Protocol[S_co]):
+    """A simulation in a periodic box: `Simulation`, or `BeadReference`."""
+
+    @property
+    def box(self) -> NDArray[np.float64]: ...
+    def deform(self, box: NDArray[np.float64]) -> None: ...
+    def relax(self, tolerance: float = ...) -> S_co: ...
 
 
 def compress(
-    sim: Simulation, strain: float, steps: int, tolerance: float = 1e-6
-) -> Iterator[State]:
+    sim: Compressible[S], strain: float, steps: int, tolerance: float | None = None
+) -> Iterator[S]:
     """Compress isotropically in equal steps, relaxing after each one.
 
     After step n each length of the box is 1 - strain n / steps of what it was at the call.
 
     Args:
-        sim: the simulation; it ends in the last state.
+        sim: a `Simulation` or a `BeadReference`; it ends in the last state.
         strain: linear strain in all, below 1; negative expands.
         steps: number of steps.
-        tolerance: of each relaxation, see `Simulation.relax`.
+        tolerance: of each relaxation, see `relax` of the simulation, whose default it is.
 
     Yields:
         The relaxed state after each step.
@@ -41,12 +65,14 @@ def check_protocol(strain: float, steps: int) -> None:
         raise ParameterError(f"steps must be at least 1, not {steps}")
 
 
-def _compress(sim: Simulation, strain: float, steps: int, tolerance: float) -> Iterator[State]:
+def _compress(
+    sim: Compressible[S], strain: float, steps: int, tolerance: float | None
+) -> Iterator[S]:
     box = sim.box
     with progress("compressing", unit="step", total=steps) as bar:
         for n in range(1, steps + 1):
             sim.deform(box * (1.0 - strain * n / steps))
-            state = sim.relax(tolerance)
+            state = sim.relax() if tolerance is None else sim.relax(tolerance)
             bar.set_postfix(phi=f"{state.phi:.4f}", pressure=f"{state.pressure:.3g}")
             bar.update()
             yield state

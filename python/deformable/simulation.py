@@ -11,11 +11,11 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from .engine import gather, lattice, open_lammps, run
+from .engine import change_box, gather, lattice, open_lammps, run
 from .errors import BeyondModelWarning, StalledWarning, UnjammedWarning
 from .models import Model
 from .neighbours import gather_neighbours
-from .packing import Packing, lattice_vectors, positive
+from .packing import Packing, positive
 from .state import State
 
 # Results by fix pair. It reads the pair style once on a time step, which a run of no steps does not
@@ -121,11 +121,7 @@ class Simulation:
         Raises:
             ParameterError: the box has another form; the simulation stays as it was.
         """
-        (lx, _), (xy, ly) = lattice_vectors(box).tolist()
-        run(
-            self.lmp,
-            f"change_box all x final 0 {lx!r} y final 0 {ly!r} xy final {xy!r} remap units box",
-        )
+        change_box(self.lmp, box)
 
     def relax(self, tolerance: float = 1e-6) -> State:
         """Minimise the energy by FIRE until no force exceeds a part of the mean contact force.

@@ -1,0 +1,79 @@
+"""One state of a simulation of bead rings, and what a contact law makes of the same centres."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .beads import Beads, Rings
+from .packing import Packing
+
+
+@dataclass(frozen=True, eq=False)
+class RingContacts:
+    """Rings whose beads overlap, each pair once.
+
+    Attributes:
+        i: ring, shape (M,).
+        j: the other ring, shape (M,).
+        image: periodic image of j that is met, in lattice vectors, shape (M, 2).
+        force: on i, shape (M, 2) [energy/length].
+    """
+
+    i: NDArray[np.int64]
+    j: NDArray[np.int64]
+    image: NDArray[np.int64]
+    force: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class BeadState:
+    """A snapshot, the same on every rank. Rings are numbered from 0.
+
+    Attributes:
+        packing: centres of mass (mean of the beads), species, radii and box.
+        beads: the settings.
+        rings: the undeformed rings.
+        outlines: beads of each ring, unwrapped around its centre, arrays (N_v, 2) [length].
+        area: of the polygons, shape (N,) [length^2].
+        perimeter: of the polygons, shape (N,) [length].
+        contacts: rings that touch, with their forces.
+        energy: of all rings [energy].
+        stress: pressure tensor, compression positive, shape (2, 2) [energy/length^2].
+        residual: largest force on a bead over the mean force of a contact; 0 without contacts.
+        stalled: the relaxation stopped before its tolerance.
+    """
+
+    packing: Packing
+    beads: Beads
+    rings: Rings
+    outlines: list[NDArray[np.float64]]
+    area: NDArray[np.float64]
+    perimeter: NDArray[np.float64]
+    contacts: RingContacts
+    energy: float
+    stress: NDArray[np.float64]
+    residual: float
+    stalled: bool
+
+    @property
+    def phi(self) -> float:
+        """Packing fraction, sum of the polygons' areas over the area of the box."""
+        return float(np.sum(self.area) / np.prod(self.packing.box.diagonal()))
+
+    @property
+    def pressure(self) -> float:
+        """Pressure of the packing, half the trace of `stress` [energy/length^2]."""
+        return float(np.trace(self.stress) / 2.0)
+
+    @property
+    def area_deficit(self) -> NDArray[np.float64]:
+        """S = A0 - A of each ring, shape (N,) [length^2]."""
+        return self.rings.area[self.packing.species] - self.area
+
+    @property
+    def coordination(self) -> float:
+        """Mean number of rings that a ring touches."""
+        return 2.0 * len(self.contacts.i) / len(self.packing)

@@ -1,0 +1,105 @@
+"""What a contact law says about the centres of bead rings, and how far off it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from . import core
+from .bead_state import BeadState
+from .models import Model
+from .shape_error import shape_error
+from .simulation import Simulation
+from .state import State
+
+# Corners of an outline: the polygon is nearer to the curve than 2e-6 of its radius.
+_POINTS = 1440
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A contact law against bead rings with the same centres.
+
+    Attributes:
+        beads: the bead rings.
+        state: the law's particles, with the effective radii of the rings; not relaxed.
+        shape_error: I of each particle, see `shape_error`, shape (N,).
+        area_deficit_error: root mean square of S - S_beads over that of S_beads.
+        energy_ratio: energy of the law over that of the beads.
+        pressure_ratio: pressure of the law over that of the beads.
+    """
+
+    beads: BeadState
+    state: State
+    shape_error: NDArray[np.float64]
+
+    @property
+    def area_deficit_error(self) -> float:
+        """Root mean square of S - S_beads over the root mean square of S_beads."""
+        exact = self.beads.area_deficit
+        return float(np.linalg.norm(self.state.area_deficit - exact) / np.linalg.norm(exact))
+
+    @property
+    def energy_ratio(self) -> float:
+        """Energy of the law over that of the beads."""
+        return self.state.energy / self.beads.energy
+
+    @property
+    def pressure_ratio(self) -> float:
+        """Pressure of the law over that of the beads."""
+        return self.state.pressure / self.beads.pressure
+
+
+def predict(beads: BeadState, model: Model, comm: MPI.Comm | None = None) -> State:
+    """The state that a contact law gives particles at the centres of bead rings, not relaxed.
+
+    Their radius is the effective one of the rings, `Rings.effective_radius`.
+    """
+    packing = replace(beads.packing, radii=beads.rings.effective_radius)
+    with Simulation(packing, model, comm) as sim:
+        return sim.state()
+
+
+def compare(beads: BeadState, model: Model, comm: MPI.Comm | None = None) -> Comparison:
+    """Compare a contact law with bead rings, both with the same centres."""
+    state = predict(beads, model, comm)
+    return Comparison(beads, state, shape_errors(beads, state))
+
+
+def ring_outlines(beads: BeadState, state: State) -> list[NDArray[np.float64]]:
+    """The outlines that a law predicts for the beads' centres, about each particle's own centre.
+
+    Beads lie within the outline of a particle, at the distance that two of them keep. Both laws
+    give a particle of another radius and the same indentations a parallel outline.
+    """
+    near = state.neighbours
+    radii = beads.rings.radius[beads.packing.species]
+    return [
+        core.outline(
+            state.model.law,
+            radius,
+            near.angle[near.first[n] : near.first[n + 1]],
+            near.indentation[near.first[n] : near.first[n + 1]],
+            _POINTS,
+        )
+        for n, radius in enumerate(radii)
+    ]
+
+
+def shape_errors(beads: BeadState, state: State) -> NDArray[np.float64]:
+    """I of each particle, shape (N,): the outlines of a state against the beads."""
+    return np.array(
+        [
+            shape_error(ring - centre, outline, radius)
+            for ring, centre, outline, radius in zip(
+                beads.outlines,
+                beads.packing.positions,
+                ring_outlines(beads, state),
+                beads.packing.radius,
+                strict=True,
+            )
+        ]
+    )

@@ -1,0 +1,132 @@
+"""One ring of beads between walls, against both contact laws: the paper's first test."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from . import core
+from .bead_reference import BeadReference
+from .bead_state import BeadState
+from .beads import Beads
+from .packing import Packing
+from .shape_error import deviation
+from .walls import Walls
+
+# Directions of the sides of the asymmetric polygons. The paper draws but does not list them.
+IRREGULAR = {
+    3: np.array([0.0, 1.8, 3.9]),
+    4: np.array([0.0, 1.2, 2.9, 4.4]),
+}
+
+
+def regular(sides: int) -> NDArray[np.float64]:
+    """Directions of the sides of a regular polygon, shape (sides,) [rad]."""
+    return 2.0 * np.pi * np.arange(sides) / sides
+
+
+@dataclass(frozen=True, eq=False)
+class Squeezed:
+    """A ring squeezed by walls to R - a from the origin, and what the laws make of it.
+
+    The laws are given the centre that their regime has: with walls that stick the origin, where
+    the particle began; with walls that slip the mean of the beads.
+
+    Attributes:
+        walls: around the particle.
+        indentation: a, of a particle that stays at the origin [length].
+        beads: the relaxed ring.
+        seconds: of the relaxation.
+        centre: of the particle for the laws, shape (2,) [length].
+        outlines: of each law for the beads, about the centre, by name, arrays (m, 2) [length].
+        area_deficit: S of each law, by name [length^2].
+        deviation: |v| - g(theta) of each bead from each law, by name, shape (N_v,) [length].
+        law_seconds: of both laws together.
+    """
+
+    walls: Walls
+    indentation: float
+    beads: BeadState
+    seconds: float
+    centre: NDArray[np.float64]
+    outlines: dict[str, NDArray[np.float64]]
+    area_deficit: dict[str, float]
+    deviation: dict[str, NDArray[np.float64]]
+    law_seconds: float
+
+    @property
+    def angle(self) -> NDArray[np.float64]:
+        """Direction of each bead from the centre, shape (N_v,) [rad]."""
+        x, y = (self.beads.outlines[0] - self.centre).T
+        return np.asarray(np.arctan2(y, x))
+
+    def shape_error(self, law: str) -> float:
+        """I = 1/(R N_v) sum | |v| - g(theta) | of a law, `sector` or `ring`."""
+        return float(np.mean(np.abs(self.deviation[law])) / self.beads.rings.radius[0])
+
+
+def squeeze(
+    angle: NDArray[np.float64],
+    indentations: Iterable[float],
+    beads: Beads,
+    stick: bool,
+    tolerance: float = 1e-3,
+) -> list[Squeezed]:
+    """Squeeze a ring of beads whose circle has the radius R0 = 1 in steps, as the paper does.
+
+    Args:
+        angle: directions of the walls, shape (n,) [rad].
+        indentations: a/R0 of each step; every step starts from the one before.
+        beads: the ring, N_v its number of beads.
+        stick: walls that beads stick to, else walls along which they slip.
+        tolerance: of each relaxation, see `BeadReference.relax`.
+
+    Returns:
+        One result a step.
+    """
+    outer = 1.0 + beads.radius  # walls stop the beads' rims, and R0 is where their centres are
+    packing = Packing(
+        np.zeros((1, 2)), np.zeros(1, int), np.array([outer]), 4.0 * outer * np.eye(2)
+    )
+    results: list[Squeezed] = []
+    walls = Walls(angle, outer, stick)
+    with BeadReference(packing, beads, walls, MPI.COMM_SELF) as ring:
+        for a in indentations:
+            walls = replace(walls, height=outer - a)
+            began = time.perf_counter()
+            ring.confine(walls)
+            state = ring.relax(tolerance)
+            results.append(_measure(walls, a, state, time.perf_counter() - began))
+    return results
+
+
+def _measure(walls: Walls, a: float, beads: BeadState, seconds: float) -> Squeezed:
+    centre = np.zeros(2) if walls.stick else beads.packing.positions[0]
+    began = time.perf_counter()
+    pressed = 1.0 + beads.beads.radius - walls.seen_from(centre)
+    touching = pressed >= 0.0  # the sector law has contacts only there, the ring law finds them
+    contacts = {
+        "sector": (walls.angle[touching], pressed[touching]),
+        "ring": (walls.angle, pressed),
+    }
+    shapes = {law: getattr(core, law)(1.0, *contacts[law]) for law in contacts}
+    law_seconds = time.perf_counter() - began
+    outlines = {law: core.outline(law, 1.0, *contacts[law], 2880) for law in contacts}
+    return Squeezed(
+        walls=walls,
+        indentation=a,
+        beads=beads,
+        seconds=seconds,
+        centre=centre,
+        outlines=outlines,
+        area_deficit={law: shape.area_deficit for law, shape in shapes.items()},
+        deviation={
+            law: deviation(beads.outlines[0] - centre, outline) for law, outline in outlines.items()
+        },
+        law_seconds=law_seconds,
+    )

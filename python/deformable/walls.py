@@ -1,0 +1,53 @@
+"""Flat walls around one particle: a convex polygon, given by its sides."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import ParameterError
+
+
+@dataclass(frozen=True, eq=False)
+class Walls:
+    """A convex polygon around the origin.
+
+    Attributes:
+        angle: directions of the sides as seen from the origin, rising, shape (n,), n >= 3 [rad].
+        height: distance of each side from the origin, shape (n,) or one number [length].
+        stick: beads that touch a side keep their place along it (the paper's walls); else they
+            slip.
+
+    Raises:
+        ParameterError: the sides do not close a polygon around the origin.
+    """
+
+    angle: NDArray[np.float64]
+    height: NDArray[np.float64]
+    stick: bool = False
+
+    def __post_init__(self) -> None:
+        angle = np.array(self.angle, dtype=np.float64)
+        height = np.array(np.broadcast_to(np.asarray(self.height, dtype=np.float64), angle.shape))
+        turns = np.diff(angle, append=angle[:1] + 2.0 * np.pi)
+        if angle.ndim != 1 or len(angle) < 3 or not ((turns > 0.0) & (turns < np.pi)).all():
+            raise ParameterError(
+                "angles of walls must rise through one turn, by less than half a turn from one to "
+                f"the next, not {angle.tolist()}"
+            )
+        if not (np.isfinite(height).all() and (height > 0.0).all()):
+            raise ParameterError(f"heights of walls must be positive, not {height.tolist()}")
+        for name, array in (("angle", angle), ("height", height)):
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    @property
+    def normal(self) -> NDArray[np.float64]:
+        """Outward normals, shape (n, 2)."""
+        return np.column_stack([np.cos(self.angle), np.sin(self.angle)])
+
+    def seen_from(self, centre: ArrayLike) -> NDArray[np.float64]:
+        """Distance of each side from a point, negative beyond it, shape (n,) [length]."""
+        return self.height - self.normal @ np.asarray(centre)
