@@ -55,8 +55,30 @@ inline void ring_outline(double radius, const Contacts &contacts, const Shape &s
   }
 }
 
-// Foot of contact i - end of its flat - arc about its centre - end of the flat of contact k. The centre of
-// the arc: from the foot l_i along the line, then q inwards.
+// One arc of a sector law: centre about the circle's own, radius, directions of its normals from its
+// beginning to its end, counterclockwise. The outline is its arcs, joined by straight flats.
+struct Arc {
+  double x, y, radius, from, to;
+};
+
+// The centre of the arc: from the foot of contact i the length l_i along the line, then q inwards.
+inline Arc sector_arc(double radius, const Contact &i, const Opening &o, const Sector &part)
+{
+  const double inward = part.shrinkage - i.indentation;
+  return {inward * i.nx - part.length_i * i.ny, inward * i.ny + part.length_i * i.nx,
+          radius - part.shrinkage, i.angle, i.angle + o.angle};
+}
+
+inline void arc_outline(const Arc &arc, int points, Outline &outline)
+{
+  const double opening = arc.to - arc.from;
+  const int inner = std::max(1, static_cast<int>(points * opening / (2.0 * PI)));
+  for (int m = 0; m <= inner; ++m) {
+    const double theta = arc.from + opening * m / inner;
+    outline.add(arc.x + arc.radius * std::cos(theta), arc.y + arc.radius * std::sin(theta));
+  }
+}
+
 template <class SectorOf>
 void sector_outline(double radius, const Contacts &contacts, int *order, int points,
                     Outline &outline, SectorOf &&sector_of)
@@ -65,14 +87,7 @@ void sector_outline(double radius, const Contacts &contacts, int *order, int poi
   sort_by_angle(contacts, order);
   for_each_sector(contacts, order, [&](int, int i, int k, const Opening &o) {
     const Sector part = sector_of(o, contacts[i].indentation, contacts[k].indentation);
-    const double q = radius - part.shrinkage, inward = part.shrinkage - contacts[i].indentation;
-    const double nx = contacts[i].nx, ny = contacts[i].ny;
-    const double x = inward * nx - part.length_i * ny, y = inward * ny + part.length_i * nx;
-    const int inner = std::max(1, static_cast<int>(points * o.angle / (2.0 * PI)));
-    for (int m = 0; m <= inner; ++m) {
-      const double theta = contacts[i].angle + o.angle * m / inner;
-      outline.add(x + q * std::cos(theta), y + q * std::sin(theta));
-    }
+    arc_outline(sector_arc(radius, contacts[i], o, part), points, outline);
   });
 }
 
