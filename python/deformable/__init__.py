@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from .models import Sector as Sector
     from .packing import Packing as Packing
     from .packing import bidisperse as bidisperse
+    from .secondary import resolve_secondary as resolve_secondary
     from .simulation import Simulation as Simulation
     from .single import squeeze as squeeze
     from .state import State as State
@@ -65,6 +66,7 @@ _HOMES = {
     "load": "files",
     "predict": "comparison",
     "record": "files",
+    "resolve_secondary": "secondary",
     "squeeze": "single",
 }
 

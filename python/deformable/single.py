@@ -94,10 +94,10 @@ def squeeze(
         np.zeros((1, 2)), np.zeros(1, int), np.array([outer]), 4.0 * outer * np.eye(2)
     )
     results: list[Squeezed] = []
-    walls = Walls(angle, outer, stick)
+    walls = Walls(angle, np.full(len(angle), outer), stick)
     with BeadReference(packing, beads, walls, MPI.COMM_SELF) as ring:
         for a in indentations:
-            walls = replace(walls, height=outer - a)
+            walls = replace(walls, height=np.full(len(angle), outer - a))
             began = time.perf_counter()
             ring.confine(walls)
             state = ring.relax(tolerance)

@@ -16,7 +16,7 @@ class Walls:
 
     Attributes:
         angle: directions of the sides as seen from the origin, rising, shape (n,), n >= 3 [rad].
-        height: distance of each side from the origin, shape (n,) or one number [length].
+        height: distance of each side from the origin, shape (n,) [length].
         stick: beads that touch a side keep their place along it (the paper's walls); else they
             slip.
 
@@ -30,15 +30,17 @@ class Walls:
 
     def __post_init__(self) -> None:
         angle = np.array(self.angle, dtype=np.float64)
-        height = np.array(np.broadcast_to(np.asarray(self.height, dtype=np.float64), angle.shape))
+        height = np.array(self.height, dtype=np.float64)
         turns = np.diff(angle, append=angle[:1] + 2.0 * np.pi)
         if angle.ndim != 1 or len(angle) < 3 or not ((turns > 0.0) & (turns < np.pi)).all():
             raise ParameterError(
                 "angles of walls must rise through one turn, by less than half a turn from one to "
                 f"the next, not {angle.tolist()}"
             )
-        if not (np.isfinite(height).all() and (height > 0.0).all()):
-            raise ParameterError(f"heights of walls must be positive, not {height.tolist()}")
+        if height.shape != angle.shape or not (np.isfinite(height) & (height > 0.0)).all():
+            raise ParameterError(
+                f"heights of walls must be {len(angle)} positive numbers, not {height.tolist()}"
+            )
         for name, array in (("angle", angle), ("height", height)):
             array.setflags(write=False)
             object.__setattr__(self, name, array)
