@@ -14,37 +14,26 @@
 using namespace LAMMPS_NS;
 using namespace FixConst;
 
-namespace {
-
-// What one bead tells all ranks when rings are looked for.
-struct Bead {
-  double tag, molecule, x, y;
-};
-
-// A molecule ID this far beyond the lowest one would make the table of rings larger than the beads.
-constexpr tagint WIDEST_RANGE = 100000000;
-
-}    // namespace
-
 /* ---------------------------------------------------------------------- */
 
 FixDeformablePolygon::FixDeformablePolygon(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {
   if (narg < 4) utils::missing_cmd_args(FLERR, "fix deformable/polygon", error);
   kA = utils::numeric(FLERR, arg[3], false, lmp);
-  if (!(std::isfinite(kA) && kA >= 0.0))
-    error->all(FLERR, 3, "Stiffness kA of fix deformable/polygon must not be negative, but is {}",
+  if (!(kA >= 0.0 && std::isfinite(kA)))
+    error->all(FLERR, 3, "Fix deformable/polygon: kA is '{}': it must be finite and not negative",
                arg[3]);
   for (int iarg = 4; iarg < narg; iarg += 2) {
     if (std::strcmp(arg[iarg], "rest") != 0)
-      error->all(FLERR, iarg, "Unknown fix deformable/polygon keyword '{}'", arg[iarg]);
+      error->all(FLERR, iarg, "Unknown fix deformable/polygon keyword '{}': it knows 'rest'",
+                 arg[iarg]);
     if (iarg + 1 >= narg) utils::missing_cmd_args(FLERR, "fix deformable/polygon rest", error);
-    given_rest_area = -1.0;
+    given_rest_area = 0.0;
     if (std::strcmp(arg[iarg + 1], "initial") == 0) continue;
     given_rest_area = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
-    if (!(std::isfinite(given_rest_area) && given_rest_area > 0.0))
+    if (!(given_rest_area > 0.0 && std::isfinite(given_rest_area)))
       error->all(FLERR, iarg + 1,
-                 "Rest area of fix deformable/polygon must be initial or positive, but is {}",
+                 "Fix deformable/polygon: rest is '{}': it must be initial, or positive and finite",
                  arg[iarg + 1]);
   }
   if (!atom->molecule_flag)
@@ -65,8 +54,23 @@ FixDeformablePolygon::FixDeformablePolygon(LAMMPS *lmp, int narg, char **arg) : 
   virial_global_flag = virial_peratom_flag = thermo_virial = 1;
   restart_global = 1;
 
-  adopt(find_rings());
+  rings = find_rings();
   size_array_rows = static_cast<int>(rings.size());
+  for (Ring &ring : rings) {
+    // far above what coordinates round to, and below what any outline encloses
+    if (!(std::fabs(ring.area) > 1e-12 * ring.perimeter * ring.perimeter))
+      error->all(FLERR, "Fix {} deformable/polygon: the beads of ring {} enclose no area", id,
+                 ring.molecule);
+    ring.rest_area = given_rest_area > 0.0 ? std::copysign(given_rest_area, ring.area) : ring.area;
+  }
+}
+
+std::vector<FixDeformablePolygon::Ring> FixDeformablePolygon::find_rings()
+{
+  std::vector<Ring> found;
+  for (const BeadRing &ring : find_bead_rings(lmp, groupbit, id)) found.push_back({ring});
+  perimeters_known = true;
+  return found;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -76,15 +80,34 @@ int FixDeformablePolygon::setmask()
   return POST_FORCE | MIN_POST_FORCE;
 }
 
+/* ---------------------------------------------------------------------- */
+
 void FixDeformablePolygon::init()
 {
+  if (domain->dimension != 2)
+    error->all(FLERR, "Fix {} deformable/polygon is two-dimensional: use 'dimension 2'", id);
   if (utils::strmatch(update->integrate_style, "^respa"))
     error->all(FLERR, "Fix {} deformable/polygon cannot be used with run_style respa", id);
 }
 
+/* ----------------------------------------------------------------------
+   Commands between runs may move beads and change the box, but the rings
+   stay those of the definition, with their rest areas.
+------------------------------------------------------------------------- */
+
 void FixDeformablePolygon::setup(int vflag)
 {
-  adopt(find_rings());
+  std::vector<Ring> found = find_rings();
+  const auto same = [](const Ring &a, const Ring &b) {
+    return a.molecule == b.molecule && a.first == b.first && a.beads == b.beads;
+  };
+  if (!std::equal(rings.begin(), rings.end(), found.begin(), found.end(), same))
+    error->all(FLERR,
+               "Fix {} deformable/polygon: its group no longer holds the {} rings that it was "
+               "defined for; define it anew",
+               id, rings.size());
+  for (std::size_t m = 0; m < rings.size(); ++m) found[m].rest_area = rings[m].rest_area;
+  rings = std::move(found);
   links_of_build = -1;
   post_force(vflag);
 }
@@ -94,158 +117,51 @@ void FixDeformablePolygon::min_setup(int vflag)
   setup(vflag);
 }
 
-/* ----------------------------------------------------------------------
-   The rings of the group, by rising molecule ID, as the beads are now.
-------------------------------------------------------------------------- */
-
-std::vector<FixDeformablePolygon::Ring> FixDeformablePolygon::find_rings()
-{
-  std::vector<Bead> mine;
-  for (int i = 0; i < atom->nlocal; ++i) {
-    if (!(atom->mask[i] & groupbit)) continue;
-    Bead bead{static_cast<double>(atom->tag[i]), static_cast<double>(atom->molecule[i]), 0.0, 0.0};
-    unwrapped(i, bead.x, bead.y);
-    mine.push_back(bead);
-  }
-  constexpr int PER_BEAD = sizeof(Bead) / sizeof(double);
-  const int length = PER_BEAD * static_cast<int>(mine.size());
-  std::vector<int> lengths(comm->nprocs), offsets(comm->nprocs);
-  MPI_Allgather(&length, 1, MPI_INT, lengths.data(), 1, MPI_INT, world);
-  int total = 0;
-  for (int rank = 0; rank < comm->nprocs; ++rank) {
-    offsets[rank] = total;
-    total += lengths[rank];
-  }
-  std::vector<Bead> beads(total / PER_BEAD);
-  MPI_Allgatherv(mine.data(), length, MPI_DOUBLE, beads.data(), lengths.data(), offsets.data(),
-                 MPI_DOUBLE, world);
-  if (beads.empty()) error->all(FLERR, "Fix {} deformable/polygon: its group has no atoms", id);
-  std::sort(beads.begin(), beads.end(), [](const Bead &a, const Bead &b) {
-    return a.molecule != b.molecule ? a.molecule < b.molecule : a.tag < b.tag;
-  });
-
-  std::vector<Ring> found;
-  centre.clear();
-  for (std::size_t begin = 0, end; begin < beads.size(); begin = end) {
-    const double molecule = beads[begin].molecule, first = beads[begin].tag;
-    for (end = begin; end < beads.size() && beads[end].molecule == molecule; ++end)
-      if (beads[end].tag != first + static_cast<double>(end - begin))
-        error->all(
-            FLERR,
-            "Fix {} deformable/polygon: the beads of ring {:.0f} are not consecutive, atom {:.0f} "
-            "follows {:.0f}; number them around the ring",
-            id, molecule, beads[end].tag, beads[end - 1].tag);
-    if (molecule <= 0.0)
-      error->all(FLERR, "Fix {} deformable/polygon: atom {:.0f} belongs to no molecule", id, first);
-    if (end - begin < 3)
-      error->all(FLERR,
-                 "Fix {} deformable/polygon: ring {:.0f} has {} beads, at least 3 are needed", id,
-                 molecule, end - begin);
-    double twice_area = 0.0, x = 0.0, y = 0.0;
-    for (std::size_t k = begin; k < end; ++k) {
-      const Bead &bead = beads[k], &next = beads[k + 1 < end ? k + 1 : begin];
-      const double dx = next.x - bead.x, dy = next.y - bead.y;
-      double nearest_x = dx, nearest_y = dy, nearest_z = 0.0;
-      domain->minimum_image_big(FLERR, nearest_x, nearest_y, nearest_z);
-      const double step = std::hypot(dx, dy);
-      if (std::hypot(dx - nearest_x, dy - nearest_y) > 1e-6 * step)
-        error->all(
-            FLERR,
-            "Fix {} deformable/polygon: by their image flags atoms {:.0f} and {:.0f} of ring "
-            "{:.0f} are {:.6g} apart; make the ring whole with reset_atoms image",
-            id, bead.tag, next.tag, molecule, step);
-      twice_area += (bead.x - beads[begin].x) * dy - (bead.y - beads[begin].y) * dx;
-      x += bead.x;
-      y += bead.y;
-    }
-    centre.push_back(x / static_cast<double>(end - begin));
-    centre.push_back(y / static_cast<double>(end - begin));
-    found.push_back({static_cast<tagint>(molecule), static_cast<tagint>(first),
-                     static_cast<int>(end - begin), twice_area < 0.0 ? -1.0 : 1.0,
-                     given_rest_area >= 0.0 ? given_rest_area : 0.5 * std::fabs(twice_area)});
-  }
-  return found;
-}
-
-/* ----------------------------------------------------------------------
-   The rings stay those of the definition, with their rest areas; what may
-   change is the sense in which a ring runs.
-------------------------------------------------------------------------- */
-
-void FixDeformablePolygon::adopt(std::vector<Ring> &&found)
-{
-  const auto same = [](const Ring &a, const Ring &b) {
-    return a.molecule == b.molecule && a.first == b.first && a.beads == b.beads;
-  };
-  if (!rings.empty() && !std::equal(rings.begin(), rings.end(), found.begin(), found.end(), same))
-    error->all(
-        FLERR,
-        "Fix {} deformable/polygon: its group no longer holds the {} rings that it was defined "
-        "for; define it anew",
-        id, rings.size());
-  for (std::size_t m = 0; m < rings.size(); ++m) found[m].rest_area = rings[m].rest_area;
-  rings = std::move(found);
-
-  lowest_molecule = rings.front().molecule;
-  const tagint range = rings.back().molecule - lowest_molecule + 1;
-  if (range > WIDEST_RANGE)
-    error->all(
-        FLERR,
-        "Fix {} deformable/polygon: molecule IDs from {} to {} are too far apart; renumber them "
-        "with reset_atoms mol",
-        id, lowest_molecule, rings.back().molecule);
-  ring_of_molecule.assign(range, -1);
-  for (std::size_t m = 0; m < rings.size(); ++m)
-    ring_of_molecule[rings[m].molecule - lowest_molecule] = static_cast<int>(m);
-
-  sums.assign(rings.size(), Sums{});
-  perimeter.assign(rings.size(), 0.0);
-}
-
 /* ---------------------------------------------------------------------- */
 
 void FixDeformablePolygon::link_beads()
 {
-  const auto neighbour = [&](int i, const Ring &ring, tagint tag) {
-    const int j = domain->closest_image(i, atom->map(tag));
-    if (j < 0)
-      error->one(
-          FLERR,
-          "Fix {} deformable/polygon: atom {} of ring {} is not found beside atom {}: lost, or "
-          "beyond the ghost cutoff (see comm_modify cutoff)",
-          id, tag, ring.molecule, atom->tag[i]);
-    return j;
-  };
-  links.resize(atom->nlocal);
-  for (int i = 0; i < atom->nlocal; ++i) {
-    links[i].ring = -1;
-    const tagint at = atom->molecule[i] - lowest_molecule;
-    if (at < 0 || at >= static_cast<tagint>(ring_of_molecule.size())) continue;
-    const int m = ring_of_molecule[at];
-    if (m < 0) continue;
-    const Ring &ring = rings[m];
-    if (!(atom->mask[i] & groupbit))
-      error->one(
-          FLERR,
-          "Fix {} deformable/polygon: atom {} belongs to ring {} but not to the group of the "
-          "fix",
-          id, atom->tag[i], ring.molecule);
-    const tagint place = atom->tag[i] - ring.first, last = ring.beads - 1;
-    links[i] = {m, neighbour(i, ring, ring.first + (place == 0 ? last : place - 1)),
-                neighbour(i, ring, ring.first + (place == last ? 0 : place + 1))};
+  links.clear();
+  for (Ring &ring : rings) {
+    const tagint last = ring.first + ring.beads - 1;
+    for (tagint tag = ring.first; tag <= last; ++tag) {
+      const int i = atom->map(tag);
+      if (i >= 0 && i < atom->nlocal)
+        links.push_back({i, beside(i, ring, tag == ring.first ? last : tag - 1),
+                         beside(i, ring, tag == last ? ring.first : tag + 1)});
+    }
+    ring.links_end = links.size();
   }
   links_of_build = neighbor->ncalls;
 }
 
+/* ----------------------------------------------------------------------
+   The image of a bead that is next to bead i. Where the ghost cutoff is too
+   small, only another image may be there.
+------------------------------------------------------------------------- */
+
+int FixDeformablePolygon::beside(int i, const Ring &ring, tagint tag) const
+{
+  const int j = domain->closest_image(i, atom->map(tag));
+  const double *const *const x = atom->x;
+  if (j < 0 || !is_nearest_image(domain, x[j][0] - x[i][0], x[j][1] - x[i][1]))
+    error->one(FLERR,
+               "Fix {} deformable/polygon: atom {} of ring {} is not found beside atom {}: lost, "
+               "or beyond the ghost cutoff (see comm_modify cutoff)",
+               id, tag, ring.molecule, atom->tag[i]);
+  return j;
+}
+
 /* ---------------------------------------------------------------------- */
 
-void FixDeformablePolygon::unwrapped(int i, double &x, double &y) const
+void FixDeformablePolygon::from_centre(const Ring &ring, int i, double &x, double &y) const
 {
   const imageint image = atom->image[i];
-  const double across = static_cast<double>((image & IMGMASK) - IMGMAX);
-  const double up = static_cast<double>((image >> IMGBITS & IMGMASK) - IMGMAX);
-  x = atom->x[i][0] + across * domain->xprd + (domain->triclinic ? up * domain->xy : 0.0);
-  y = atom->x[i][1] + up * domain->yprd;
+  const int across = boxes_between(ring.image_x, image_x(image));
+  const int up = boxes_between(ring.image_y, image_y(image));
+  x = atom->x[i][0] - ring.x + across * domain->xprd;
+  y = atom->x[i][1] - ring.y + up * domain->yprd;
+  if (domain->triclinic) x += up * domain->xy;
 }
 
 /* ----------------------------------------------------------------------
@@ -255,32 +171,49 @@ void FixDeformablePolygon::unwrapped(int i, double &x, double &y) const
 void FixDeformablePolygon::measure_areas()
 {
   const double *const *const x = atom->x;
-  std::fill(sums.begin(), sums.end(), Sums{});
-  for (int i = 0; i < static_cast<int>(links.size()); ++i) {
-    const Link &link = links[i];
-    if (link.ring < 0) continue;
-    double px, py;
-    unwrapped(i, px, py);
-    px -= centre[2 * link.ring];
-    py -= centre[2 * link.ring + 1];
-    Sums &sum = sums[link.ring];
-    sum.area += 0.5 * (px * (x[link.next][1] - x[i][1]) - py * (x[link.next][0] - x[i][0]));
-    sum.x += px;
-    sum.y += py;
+  sums.clear();
+  auto link = links.begin();
+  for (const Ring &ring : rings) {
+    double area = 0.0, sum_x = 0.0, sum_y = 0.0;
+    for (const auto end = links.begin() + ring.links_end; link != end; ++link) {
+      const double *here = x[link->bead], *next = x[link->next];
+      double px, py;
+      from_centre(ring, link->bead, px, py);
+      area += 0.5 * (px * (next[1] - here[1]) - py * (next[0] - here[0]));
+      sum_x += px;
+      sum_y += py;
+    }
+    sums.insert(sums.end(), {area, sum_x, sum_y});
   }
   if (comm->nprocs > 1)
-    MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(3 * sums.size()), MPI_DOUBLE, MPI_SUM,
+    MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM,
                   world);
-  for (std::size_t m = 0; m < rings.size(); ++m) {
-    sums[m].area *= rings[m].orientation;
-    centre[2 * m] += sums[m].x / rings[m].beads;
-    centre[2 * m + 1] += sums[m].y / rings[m].beads;
+  const double *sum = sums.data();
+  for (Ring &ring : rings) {
+    ring.area = *sum++;
+    ring.x += *sum++ / ring.beads;
+    ring.y += *sum++ / ring.beads;
   }
+  perimeters_known = false;
 }
 
-double FixDeformablePolygon::pressure(int ring) const
+void FixDeformablePolygon::measure_perimeters()
 {
-  return kA * (rings[ring].rest_area - sums[ring].area);
+  const double *const *const x = atom->x;
+  sums.clear();
+  auto link = links.begin();
+  for (const Ring &ring : rings) {
+    double perimeter = 0.0;
+    for (const auto end = links.begin() + ring.links_end; link != end; ++link) {
+      const double *here = x[link->bead], *next = x[link->next];
+      perimeter += std::hypot(next[0] - here[0], next[1] - here[1]);
+    }
+    sums.push_back(perimeter);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM,
+                world);
+  for (std::size_t m = 0; m < rings.size(); ++m) rings[m].perimeter = sums[m];
+  perimeters_known = true;
 }
 
 /* ----------------------------------------------------------------------
@@ -292,25 +225,23 @@ void FixDeformablePolygon::post_force(int vflag)
   v_init(vflag);
   if (links_of_build != neighbor->ncalls) link_beads();
   measure_areas();
-  perimeters_known = false;
 
   const double *const *const x = atom->x;
   double *const *const f = atom->f;
-  for (int i = 0; i < static_cast<int>(links.size()); ++i) {
-    const Link &link = links[i];
-    if (link.ring < 0) continue;
-    const double half = 0.5 * pressure(link.ring) * rings[link.ring].orientation;
-    const double fx = half * (x[link.next][1] - x[link.previous][1]);
-    const double fy = -half * (x[link.next][0] - x[link.previous][0]);
-    f[i][0] += fx;
-    f[i][1] += fy;
-    if (evflag) {
-      double px, py;
-      unwrapped(i, px, py);
-      px -= centre[2 * link.ring];
-      py -= centre[2 * link.ring + 1];
-      double v[6] = {px * fx, py * fy, 0.0, 0.5 * (px * fy + py * fx), 0.0, 0.0};
-      v_tally(i, v);
+  auto link = links.begin();
+  for (const Ring &ring : rings) {
+    const double half = 0.5 * kA * (ring.rest_area - ring.area);
+    for (const auto end = links.begin() + ring.links_end; link != end; ++link) {
+      const double *previous = x[link->previous], *next = x[link->next];
+      const double fx = half * (next[1] - previous[1]), fy = half * (previous[0] - next[0]);
+      f[link->bead][0] += fx;
+      f[link->bead][1] += fy;
+      if (evflag) {
+        double px, py;
+        from_centre(ring, link->bead, px, py);
+        double v[6] = {px * fx, py * fy, 0.0, 0.5 * (px * fy + py * fx), 0.0, 0.0};
+        v_tally(link->bead, v);
+      }
     }
   }
 }
@@ -320,13 +251,22 @@ void FixDeformablePolygon::min_post_force(int vflag)
   post_force(vflag);
 }
 
+/* ----------------------------------------------------------------------
+   what commands do after the run must not get into its results
+------------------------------------------------------------------------- */
+
+void FixDeformablePolygon::post_run()
+{
+  if (!perimeters_known) measure_perimeters();
+}
+
 /* ---------------------------------------------------------------------- */
 
 double FixDeformablePolygon::compute_scalar()
 {
   double energy = 0.0;
-  for (std::size_t m = 0; m < rings.size(); ++m) {
-    const double excess = sums[m].area - rings[m].rest_area;
+  for (const Ring &ring : rings) {
+    const double excess = ring.area - ring.rest_area;
     energy += 0.5 * kA * excess * excess;
   }
   return energy;
@@ -338,28 +278,16 @@ double FixDeformablePolygon::compute_scalar()
 
 double FixDeformablePolygon::compute_array(int m, int column)
 {
+  if (column == 1 && !perimeters_known) measure_perimeters();
+  const Ring &ring = rings[m];
+  const int across = ring.image_x - IMGMAX, up = ring.image_y - IMGMAX;
   switch (column) {
-    case 0: return sums[m].area;
-    case 1:
-      if (!perimeters_known) measure_perimeters();
-      return perimeter[m];
-    case 2: return rings[m].rest_area;
-    default: return centre[2 * m + column - 3];
+    case 0: return std::copysign(1.0, ring.rest_area) * ring.area;
+    case 1: return ring.perimeter;
+    case 2: return std::fabs(ring.rest_area);
+    case 3: return ring.x + across * domain->xprd + (domain->triclinic ? up * domain->xy : 0.0);
+    default: return ring.y + up * domain->yprd;
   }
-}
-
-void FixDeformablePolygon::measure_perimeters()
-{
-  const double *const *const x = atom->x;
-  std::fill(perimeter.begin(), perimeter.end(), 0.0);
-  for (int i = 0; i < static_cast<int>(links.size()); ++i) {
-    const Link &link = links[i];
-    if (link.ring >= 0)
-      perimeter[link.ring] += std::hypot(x[link.next][0] - x[i][0], x[link.next][1] - x[i][1]);
-  }
-  MPI_Allreduce(MPI_IN_PLACE, perimeter.data(), static_cast<int>(perimeter.size()), MPI_DOUBLE,
-                MPI_SUM, world);
-  perimeters_known = true;
 }
 
 /* ----------------------------------------------------------------------
@@ -382,20 +310,20 @@ void FixDeformablePolygon::write_restart(FILE *fp)
 
 void FixDeformablePolygon::restart(char *buffer)
 {
-  if (given_rest_area >= 0.0) return;    // said anew
   const auto *kept = reinterpret_cast<const double *>(buffer);
   const auto count = static_cast<std::size_t>(*kept++);
   bool same = count == rings.size();
   for (std::size_t m = 0; same && m < count; ++m) {
     same = static_cast<tagint>(*kept++) == rings[m].molecule;
-    rings[m].rest_area = *kept++;
+    const double rest_area = *kept++;
+    rings[m].rest_area =
+        given_rest_area > 0.0 ? std::copysign(given_rest_area, rest_area) : rest_area;
   }
   if (!same)
-    error->all(
-        FLERR,
-        "Fix {} deformable/polygon: the restart file keeps the rest areas of {} other rings; use "
-        "another fix ID, or rest AREA",
-        id, count);
+    error->all(FLERR,
+               "Fix {} deformable/polygon: the restart file keeps the rest areas of {} other "
+               "rings under this ID; use another fix ID",
+               id, count);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -403,5 +331,5 @@ void FixDeformablePolygon::restart(char *buffer)
 double FixDeformablePolygon::memory_usage()
 {
   return static_cast<double>(links.capacity() * sizeof(Link) + rings.capacity() * sizeof(Ring) +
-                             ring_of_molecule.capacity() * sizeof(int));
+                             sums.capacity() * sizeof(double));
 }

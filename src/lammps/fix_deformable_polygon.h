@@ -9,6 +9,8 @@
 
 #include "fix.h"
 
+#include "bead_rings.h"
+
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -25,6 +27,7 @@ class FixDeformablePolygon : public Fix {
   void min_setup(int) override;
   void post_force(int) override;
   void min_post_force(int) override;
+  void post_run() override;
   double compute_scalar() override;
   double compute_array(int, int) override;
   void write_restart(FILE *) override;
@@ -32,43 +35,32 @@ class FixDeformablePolygon : public Fix {
   double memory_usage() override;
 
  private:
-  struct Ring {
-    tagint molecule, first;
-    int beads;
-    double orientation;    // 1 or -1: beads run counterclockwise or clockwise
-    double rest_area;
+  // Areas are signed, so that the energy stays smooth where a ring turns inside out. The centre, from which
+  // areas are measured, is the mean of the beads as of the call before.
+  struct Ring : BeadRing {
+    double rest_area = 0.0;
+    std::size_t links_end = 0;
   };
-  // What the beads of a ring add up to; every rank has the sums over all of them.
-  struct Sums {
-    double area;    // signed
-    double x, y;    // of the beads from `centre`
-  };
+  std::vector<Ring> rings;    // by rising molecule ID, the same on every rank
+  std::vector<double> sums;
+  bool perimeters_known = true;    // they cost a look at every bead, which few scenes ask for
 
   double kA;
-  double given_rest_area = -1.0;    // or negative: the initial area of each ring
-  std::vector<Ring> rings;          // by rising molecule ID, the same on every rank
-  std::vector<int> ring_of_molecule;
-  tagint lowest_molecule = 0;
+  double given_rest_area = 0.0;    // 0: the initial area of each ring
 
-  // Where a local bead stands in its ring, by local index; valid until the neighbour list is rebuilt.
+  // A bead of this rank and those beside it, by local index: ring after ring, along each ring.
   struct Link {
-    int ring, previous, next;    // ring = -1: not of the group
+    int bead, previous, next;
   };
   std::vector<Link> links;
-  bigint links_of_build = -1;
-
-  std::vector<Sums> sums;
-  std::vector<double> centre;    // mean of the beads a call ago, from which areas keep their digits
-  std::vector<double> perimeter;
-  bool perimeters_known = false;    // they cost a look at every bead, which few scenes ask for
+  bigint links_of_build = -1;    // they change with the neighbour list
 
   std::vector<Ring> find_rings();
-  void adopt(std::vector<Ring> &&found);
   void link_beads();
+  int beside(int i, const Ring &ring, tagint tag) const;
+  void from_centre(const Ring &ring, int i, double &x, double &y) const;
   void measure_areas();
   void measure_perimeters();
-  void unwrapped(int i, double &x, double &y) const;
-  double pressure(int ring) const;
 };
 
 }    // namespace LAMMPS_NS

@@ -1,0 +1,218 @@
+"""The area term of bead rings: energy, forces, virial, images, ranks, dynamics, files."""
+
+import numpy as np
+import pytest
+from rings import (
+    ALONE,
+    AREA,
+    BOX,
+    DIAMETER,
+    FIVE,
+    KA,
+    KL,
+    REST,
+    SEVEN,
+    SPRINGS,
+    Rings,
+    lattice,
+    perimeter,
+    regular,
+    shoelace,
+)
+
+TILT = 0.9
+tilts = pytest.mark.parametrize("tilt", [0.0, TILT], ids=["orthogonal", "tilted"])
+
+# Coordinates of up to 4 are known to half a spacing of numbers, 4.4e-16, areas of rings to that
+# times the perimeter, 5: 2e-15.
+ULP, AREA_ULP = 4.4e-16, 2e-15
+
+
+def area_energy(outlines, rest=1.4):
+    return sum(KA / 2 * (abs(shoelace(outline)) - rest) ** 2 for outline in outlines)
+
+
+# ---- energy, forces, virial ----
+
+
+@tilts
+def test_energy_and_table(tilt):
+    rings = Rings(tilt=tilt, commands=REST, springs=ALONE)
+    assert rings.energy() == pytest.approx(area_energy([SEVEN, FIVE]), rel=1e-14)
+    assert rings.area_energy == rings.lmp.get_thermo("pe")
+    expected = [
+        [abs(shoelace(outline)), perimeter(outline), 1.4, *outline.mean(axis=0)]
+        for outline in (SEVEN, FIVE)
+    ]
+    np.testing.assert_allclose(rings.table, expected, rtol=1e-14, atol=ULP)
+
+
+def test_table_before_and_between_runs():
+    """Before the first run as the rings are, and then as the last run left them."""
+    rings = Rings(commands=REST)
+    before = rings.table
+    rings.energy()
+    np.testing.assert_allclose(before, rings.table, rtol=1e-14, atol=ULP)
+    rings.energy()
+    rings.run("displace_atoms all random 0.1 0.1 0 1\ngroup gone id 1\ndelete_atoms group gone")
+    np.testing.assert_allclose(before, rings.table, rtol=1e-14, atol=ULP)
+
+
+def test_rows_are_in_the_order_of_molecules():
+    rings = Rings(molecules=[30, 7])
+    np.testing.assert_allclose(
+        rings.table[:, 0], np.abs([shoelace(FIVE), shoelace(SEVEN)]), rtol=1e-14
+    )
+
+
+def test_initial_area_is_at_rest():
+    rings = Rings(springs=ALONE)
+    assert rings.energy() == pytest.approx(0, abs=2 * KA / 2 * AREA_ULP**2)
+    assert np.abs(rings.force).max() <= KA * AREA_ULP
+    scaled = np.vstack([SEVEN * 1.02, FIVE * 0.97])
+    strain = np.array([1.02**2 - 1, 0.97**2 - 1]) * [shoelace(SEVEN), shoelace(FIVE)]
+    assert rings.energy(scaled) == pytest.approx(KA / 2 * np.sum(strain**2), rel=1e-12)
+
+
+@tilts
+def test_area_forces_are_the_gradient(tilt):
+    """Quadratic in the place of each bead: central differences are exact but for rounding."""
+    rings = Rings(tilt=tilt, commands=REST, springs=ALONE)
+    rings.energy()
+    force, x, step = rings.force, rings.x, 1e-2
+    assert np.abs(force).min() > 1e-3
+    # U changes by kA (A - A0) dA, with |A - A0| < 0.4
+    rounding = KA * 0.4 * AREA_ULP / step
+    assert rounding < 1e-7 * np.abs(force).min()
+    for i, k in np.ndindex(x.shape):
+        moved = step * (np.arange(x.size).reshape(x.shape) == 2 * i + k)
+        slope = (rings.energy(x + moved) - rings.energy(x - moved)) / (2 * step)
+        assert slope == pytest.approx(-force[i, k], abs=rounding)
+
+
+@tilts
+def test_forces_of_whole_rings_are_the_gradient(tilt):
+    """With springs and contacts; two steps, h and 2h, whose errors of order h^2 cancel."""
+    rings = Rings(tilt=tilt, commands=REST)
+    energy = rings.energy()
+    force, x, step = rings.force, rings.x, 2e-4
+    apart = SEVEN[:, None] - FIVE
+    assert np.hypot(*np.moveaxis(apart, -1, 0)).min() < DIAMETER - 0.05
+
+    def slope(moved):
+        return (rings.energy(x + moved) - rings.energy(x - moved)) / (2 * step)
+
+    # h^4/20 of fifth derivatives, 100 k/r^3, and the rounding of each sum of 20 energies
+    error = 5 * 100 * 10 * step**4 + 20 * ULP * energy / step
+    assert error < 1e-7 * np.abs(force).max()
+    for i, k in np.ndindex(x.shape):
+        moved = step * (np.arange(x.size).reshape(x.shape) == 2 * i + k)
+        extrapolated = (4 * slope(moved) - slope(2 * moved) / 2) / 3
+        assert extrapolated == pytest.approx(-force[i, k], abs=error)
+
+
+@tilts
+@pytest.mark.parametrize("springs", [ALONE, SPRINGS], ids=["area", "whole"])
+def test_virial_is_the_strain_derivative(tilt, springs):
+    step = 2e-4
+
+    def strained(xx, yy, xy):
+        rings = Rings(tilt=tilt, commands=REST, springs=springs)
+        rings.run(
+            f"change_box all triclinic x scale {1 + xx} y scale {1 + yy} "
+            f"xy final {(1 + xx) * tilt + xy * BOX[1]} remap"
+        )
+        return rings
+
+    def slope(strain):
+        return (strained(*strain).energy() - strained(*-strain).energy()) / (2 * step)
+
+    reference = Rings(tilt=tilt, commands=REST, springs=springs)
+    virial, of_beads = reference.virial()
+    # h^4/20 of fifth derivatives; U, of size 1, from coordinates that a change of box rounds
+    error = 100 * step**4 + 20 * ULP / step
+    for component, direction in enumerate(step * np.eye(3)):
+        extrapolated = (4 * slope(direction) - slope(2 * direction) / 2) / 3
+        assert virial[component] == pytest.approx(-extrapolated, abs=error)
+    assert error < 1e-7 * np.abs(virial).max()
+    np.testing.assert_allclose(of_beads, virial, atol=1e-14)
+    reference.run("fix_modify area virial no")
+    if springs is ALONE:
+        np.testing.assert_array_equal(reference.virial()[0], 0)
+
+
+@tilts
+def test_no_net_force_and_no_torque(tilt):
+    rings = Rings(tilt=tilt, commands=REST, springs=ALONE)
+    rings.energy()
+    forces = np.split(rings.force, [7])
+    for outline, force in zip(rings.outlines, forces, strict=True):
+        scale = 7 * np.abs(force).max()
+        assert np.abs(force.sum(0)).max() <= ULP * scale
+        x, y = (outline - outline.mean(0)).T
+        assert abs(np.sum(x * force[:, 1] - y * force[:, 0])) <= 2 * ULP * scale
+
+
+# ---- a regular polygon: the corrected formulas ----
+
+
+def test_regular_polygon_is_at_rest():
+    """A0 = Nv/2 r^2 sin(2 pi/Nv) and L0 = 2 r sin(pi/Nv)."""
+    number, radius = 24, 1.2
+    rest = number / 2 * radius**2 * np.sin(2 * np.pi / number)
+    length = 2 * radius * np.sin(np.pi / number)
+    springs = SPRINGS.replace("0.8", repr(float(length)))
+    commands = AREA.replace("\n", f" rest {float(rest)!r}\n")
+    rings = Rings([regular(number, radius)], springs=springs, commands=commands)
+    assert rings.energy() <= KA / 2 * (2 * AREA_ULP) ** 2 + KL / 2 * number * ULP**2
+    assert np.abs(rings.force).max() <= 2 * KA * AREA_ULP + 2 * KL * ULP
+
+    stretch = 1.01
+    energy = rings.energy(stretch * regular(number, radius))
+    assert rings.area_energy == pytest.approx(KA / 2 * (stretch**2 - 1) ** 2 * rest**2, rel=1e-12)
+    bonds = energy - rings.area_energy
+    # the perimeter, and what it is longer by, is known to 1e-16 of itself
+    excess = rings.table[0, 1] - number * length
+    assert bonds == pytest.approx(KL / 2 * number * (stretch - 1) ** 2 * length**2, rel=1e-11)
+    assert bonds == pytest.approx(KL / number / 2 * excess**2, rel=1e-11)
+
+
+# ---- images ----
+
+
+@tilts
+def test_periodic_images(tilt):
+    """Rings may be given in any image, and each in its own."""
+    h = lattice(tilt=tilt)
+    reference = Rings(tilt=tilt, commands=REST)
+    energy = reference.energy()
+    for n1, n2 in [((1, 0), (0, 0)), ((-1, 2), (3, 1)), ((0, -2), (-1, -1))]:
+        moved = Rings([SEVEN + n1 @ h, FIVE + n2 @ h], tilt=tilt, commands=REST)
+        assert moved.energy() == pytest.approx(energy, rel=1e-13)
+        np.testing.assert_allclose(moved.force, reference.force, atol=1e-13)
+        centres = reference.table[:, 3:] + np.array([n1, n2]) @ h
+        np.testing.assert_allclose(moved.table[:, 3:], centres, rtol=1e-13)
+
+
+@tilts
+def test_any_image_flags_give_the_same_digits(tilt):
+    """Nothing is lost far away, nor where flags overflow in the middle of a ring."""
+    reference = Rings(tilt=tilt, commands=REST)
+    energy = reference.energy()
+    flags = reference.gather("image", 3, 0).astype(int)
+    assert len(np.unique(flags[:7, 0])) == len(np.unique(flags[7:, 1])) == 2
+    for far in ([300, -300], [511, 511], [-512, -513]):
+        rings = Rings(tilt=tilt)
+        for i, (nx, ny) in enumerate((flags + far + 512) % 1024 - 512, start=1):
+            rings.run(f"set atom {i} image {nx} {ny} NULL")
+        rings.run("unfix area\n" + REST)
+        assert rings.energy() == energy
+        np.testing.assert_array_equal(rings.force, reference.force)
+        np.testing.assert_array_equal(rings.table[:, :3], reference.table[:, :3])
+
+
+def test_ring_that_touches_itself_across_the_box():
+    """Rings may be larger than half the box, bonds may not."""
+    outline = regular(12, 1.7, (0.3, -0.2))
+    rings = Rings([outline], commands=REST, springs=ALONE)
+    assert rings.energy() == pytest.approx(area_energy([outline]), rel=1e-14)

@@ -1,0 +1,258 @@
+"""The area term of bead rings: which atoms, runs, minimisers, boxes, files, ranks."""
+
+import numpy as np
+import pytest
+from rings import (
+    ALONE,
+    AREA,
+    BOX,
+    FIVE,
+    HEADER,
+    KA,
+    MEASURE,
+    REST,
+    SEVEN,
+    SPRINGS,
+    Rings,
+    data_file,
+    shoelace,
+)
+from test_parallel import GRIDS, lmp
+
+tilts = pytest.mark.parametrize("tilt", [0.0, 0.9], ids=["orthogonal", "tilted"])
+
+
+# ---- who belongs to a ring, and how ----
+
+
+def test_other_atoms_are_left_alone():
+    others = [(-1.0, 0.5), (0.0, -0.5)]
+    commands = "group rings molecule > 0\n" + REST.replace(" all ", " rings ")
+    rings, alone = (
+        Rings(others=others, commands=commands, springs=ALONE),
+        Rings(commands=REST, springs=ALONE),
+    )
+    assert rings.energy() == pytest.approx(alone.energy(), rel=1e-14)
+    np.testing.assert_array_equal(rings.force[:12], alone.force)
+    np.testing.assert_array_equal(rings.force[12:], 0)
+
+
+def test_one_fix_a_kind_of_ring():
+    commands = "group seven molecule 1\ngroup five molecule 2\n" + "".join(
+        f"fix {name} {name} deformable/polygon {KA} rest 1.4\n" for name in ("seven", "five")
+    )
+    both = Rings(commands=REST, springs=ALONE)
+    rings = Rings(commands=commands, springs=ALONE)
+    assert rings.energy() == pytest.approx(both.energy(), rel=1e-14)
+    np.testing.assert_array_equal(rings.force, both.force)
+
+
+def test_no_stiffness():
+    """kA = 0 measures, and leaves springs and contacts alone."""
+    rings, springs = Rings(commands=REST.replace("2.0", "0")), Rings(commands="")
+    assert rings.energy() == springs.energy()
+    np.testing.assert_array_equal(rings.force, springs.force)
+    assert rings.table[0, 0] == pytest.approx(shoelace(SEVEN), rel=1e-14)
+
+
+def test_energy_is_part_of_pe_unless_told_otherwise():
+    rings = Rings(commands=REST)
+    energy = rings.energy()
+    rings.run("fix_modify area energy no")
+    assert rings.energy() == pytest.approx(energy - rings.area_energy, rel=1e-14)
+    assert rings.area_energy > 0.1
+
+
+def test_a_ring_keeps_its_sense():
+    """Inside out, its area is negative: in later runs and after a restart too."""
+    rings = Rings([FIVE], springs=ALONE)
+    rings.energy()
+    area = abs(shoelace(FIVE))
+    mirrored = FIVE * [1, -1] + [0, -3.6]
+    for _ in range(2):
+        assert rings.energy(mirrored) == pytest.approx(KA / 2 * (2 * area) ** 2, rel=1e-13)
+    assert rings.table[0, 0] == pytest.approx(-area, rel=1e-13)
+
+
+# ---- runs, minimisers, boxes ----
+
+MOVE = """
+velocity all create 0.02 4711 loop all
+velocity all set 0.4 0.3 NULL sum yes
+fix move all nve
+timestep 0.02
+"""
+
+
+@pytest.mark.parametrize(
+    "commands",
+    [
+        "atom_modify sort 1 0.5\nrun 300",
+        "run 150\nrun 150 pre no",
+        "run 150\nrun 0\nrun 0\nrun 150",
+        "run 300 every 50 NULL",
+        "run 300 every 50 'print x'",
+    ],
+)
+def test_order_of_beads_and_runs_do_not_matter(commands):
+    reference, rings = (Rings(commands=REST + MOVE) for _ in range(2))
+    reference.run("atom_modify sort 0 0.0\nrun 300")
+    rings.run(commands)
+    assert not np.array_equal(reference.gather("image", 3, 0), Rings().gather("image", 3, 0))
+    # rounding of 1e-16 a step, that grows while rings bump into each other
+    np.testing.assert_allclose(rings.x, reference.x, atol=1e-12)
+    np.testing.assert_allclose(rings.table, reference.table, atol=1e-12)
+
+
+def test_minimisers_and_runs_agree():
+    found = []
+    for style in ("fire", "cg"):
+        rings = Rings(commands=REST)
+        start = rings.energy()
+        rings.run(f"min_style {style}\nminimize 0 1e-10 20000 200000")
+        energy, force, table = rings.lmp.get_thermo("pe"), rings.force, rings.table
+        assert energy < start - 0.1
+        assert rings.energy() == pytest.approx(energy, rel=1e-13)
+        np.testing.assert_allclose(rings.force, force, atol=1e-13)
+        np.testing.assert_allclose(rings.table, table, rtol=1e-13)
+        found.append((energy, np.linalg.norm(force)))
+    (fire, norm), (cg, _) = found
+    assert norm < 1e-9
+    assert cg == pytest.approx(fire, rel=1e-8)
+
+
+def test_dynamics_conserves_energy_to_second_order():
+    """One ring without contacts, whose energy is smooth: half the step, a quarter of the error."""
+    errors = []
+    for halves in (1, 2):
+        rings = Rings([SEVEN], commands=REST + MOVE)
+        rings.run(f"timestep {0.02 / halves}\nrun 0")
+        start, error = rings.lmp.get_thermo("etotal"), 0.0
+        for _ in range(100):
+            rings.run(f"run {halves} pre no post no")
+            error = max(error, abs(rings.lmp.get_thermo("etotal") - start))
+        errors.append(error)
+    assert errors[0] < 1e-2
+    # the next order is (omega dt)^2 = 4 kL dt^2 = 0.5 % of it
+    assert errors[0] / errors[1] == pytest.approx(4, rel=0.05)
+
+
+@tilts
+def test_change_of_box_between_runs(tilt):
+    rings = Rings(tilt=tilt, springs=ALONE)
+    rings.energy()
+    areas = np.abs([shoelace(SEVEN), shoelace(FIVE)])
+    rings.run(f"change_box all triclinic x scale 1.03 xy final {1.03 * tilt} remap")
+    assert rings.energy() == pytest.approx(KA / 2 * 0.03**2 * np.sum(areas**2), rel=1e-12)
+    np.testing.assert_allclose(rings.table[:, 0], 1.03 * areas, rtol=1e-14)
+    np.testing.assert_allclose(rings.table[:, 2], areas, rtol=1e-14)
+
+
+def test_beside_fix_deform():
+    """LAMMPS does not take it for one more fix deform. Where the box flips, rings stay whole."""
+    deform = "change_box all triclinic\nfix shear all deform 1 xy erate 1.0 remap x\n"
+    far = np.array([0, 30 * BOX[1]])
+    rings = Rings([SEVEN + far, FIVE - far], commands=AREA + deform, springs=ALONE)
+    areas = rings.table[:, 0]
+    rings.run("timestep 0.01\nrun 80")
+    assert rings.lmp.get_thermo("xy") < -1
+    np.testing.assert_allclose(rings.table[:, 0], areas, rtol=1e-13)
+    centres = [outline.mean(axis=0) for outline in rings.outlines]
+    # the box has moved on since the last forces, by a strain of 0.01
+    np.testing.assert_allclose(rings.table[:, 3:], centres, atol=0.01 * BOX[1])
+
+
+# ---- files ----
+
+
+def from_restart(file, commands=AREA, springs=SPRINGS):
+    rings = Rings([FIVE])
+    rings.run(f"clear\nread_restart {file}\ncomm_modify cutoff 1.6\n{springs}{MEASURE}{commands}")
+    rings.sizes = [7, 5]
+    return rings
+
+
+def test_restart_keeps_rest_areas(tmp_path):
+    rings = Rings(commands=AREA + MOVE)
+    rings.run(f"run 0\nrun 50\nchange_box all x scale 1.05 remap\nwrite_restart {tmp_path}/file")
+    energy = rings.energy()
+    again = from_restart(tmp_path / "file")
+    assert again.energy() == pytest.approx(energy, rel=1e-13)
+    np.testing.assert_array_equal(again.table[:, 2], rings.table[:, 2])
+    np.testing.assert_allclose(again.force, rings.force, atol=1e-13)
+    # told anew
+    assert (from_restart(tmp_path / "file", REST).table[:, 2] == 1.4).all()
+
+
+def test_restart_keeps_the_sense(tmp_path):
+    rings = Rings(springs=ALONE)
+    rings.energy()
+    energy = rings.energy(np.vstack([SEVEN, FIVE * [1, -1] + [0, -3.6]]))
+    rings.run(f"write_restart {tmp_path}/file")
+    assert energy > 1
+    assert from_restart(tmp_path / "file", springs=ALONE).energy() == pytest.approx(energy)
+    told = from_restart(tmp_path / "file", REST, ALONE)
+    told.energy()
+    assert told.table[1, 0] == pytest.approx(shoelace(FIVE))
+
+
+# ---- ranks ----
+
+PARALLEL = (
+    "processors {grid}\n"
+    + HEADER
+    + "read_data data\n"
+    + SPRINGS
+    + MEASURE
+    + REST
+    + MOVE
+    + "{balance}"
+    + "".join(
+        f"""
+run {steps}
+print "$(pe:%.17g) $(c_virial[1]:%.17g) $(c_virial[2]:%.17g) $(c_virial[4]:%.17g) &
+$(f_area[1][1]:%.17g) $(f_area[1][2]:%.17g) $(f_area[1][4]:%.17g) $(f_area[2][1]:%.17g) &
+$(f_area[2][2]:%.17g) $(f_area[2][5]:%.17g)" file scalars{steps}
+write_dump all custom atoms{steps} id proc x y fx fy c_stress[1] c_stress[4] &
+modify sort id format float %.17g
+"""
+        for steps in (0, 300)
+    )
+)
+BALANCE = "comm_style tiled\nfix balance all balance 10 1.0 rcb\n"
+
+
+@tilts
+def test_ranks_and_grids(tilt, tmp_path):
+    """Rings are shared by ranks and their beads change them."""
+    found = {}
+    cases = [(grid, "") for grids in GRIDS.values() for grid in grids] + [("2 1 1", BALANCE)]
+    for grid, balance in cases:
+        folder = tmp_path / (grid.replace(" ", "") + balance[:4])
+        folder.mkdir()
+        (folder / "data").write_text(data_file([SEVEN, FIVE], tilt=tilt))
+        ranks = np.prod([int(word) for word in grid.split()])
+        result = lmp(ranks, PARALLEL.format(grid=grid, balance=balance), folder)
+        assert result.returncode == 0, result.stdout + result.stderr
+        found[grid, balance] = {
+            steps: (
+                np.loadtxt(folder / f"scalars{steps}"),
+                np.loadtxt(folder / f"atoms{steps}", skiprows=9),
+            )
+            for steps in (0, 300)
+        }
+    reference = found["1 1 1", ""]
+    for case, theirs in found.items():
+        for steps, (scalars, atoms) in theirs.items():
+            name = f"{case} after {steps} steps"
+            expected_scalars, expected = reference[steps]
+            # virials are sums of either sign
+            np.testing.assert_allclose(
+                scalars, expected_scalars, rtol=1e-12, atol=1e-14, err_msg=name
+            )
+            scale = 1e-12 * np.abs(expected[:, 2:]).max(axis=0)
+            assert (np.abs(atoms - expected)[:, 2:] <= scale).all(), name
+        owners = theirs[0][1][:, 1], theirs[300][1][:, 1]
+        if case[0] != "1 1 1":
+            assert len(np.unique(owners[0])) > 1
+            assert (owners[0] != owners[1]).any()
