@@ -103,8 +103,8 @@ std::vector<BeadRing> LAMMPS_NS::find_bead_rings(LAMMPS *lmp, int groupbit, cons
       if (!is_nearest_image(domain, dx, dy))
         error->all(FLERR,
                    "Fix {} deformable/polygon: by their image flags atoms {:.0f} and {:.0f} of "
-                   "ring {:.0f} are {:.6g} apart, more than half the box; make the ring whole "
-                   "with reset_atoms image",
+                   "ring {:.0f} are {:.6g} apart, more than half the box; give its beads flags "
+                   "that make it whole (set image, or read_data)",
                    fix_id, bead.tag, next.tag, first.molecule, std::hypot(dx, dy));
       area += 0.5 * (x * dy - y * dx);
       perimeter += std::hypot(dx, dy);

@@ -13,6 +13,8 @@ STYLES = (
     "pair style plugin deformable/ring",
     "deformable/sector",
     "fix style plugin deformable/wall",
+    "deformable/polygon",
+    "deformable/stick",
 )
 
 

