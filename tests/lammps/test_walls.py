@@ -147,6 +147,19 @@ def test_group(law):
 
 
 @laws
+def test_beside_fix_deform(law):
+    """LAMMPS does not take it for one more fix deform."""
+    plane = "region walls plane 0.97 0 0 -1 0 0\nfix walls all deformable/wall walls\n"
+    deform = "fix grow all deform 1 y final -2.2 2.2\nrun 2 post no"
+    at_rest, beside = (
+        Scene(CENTRE, ["unit"], ROOM, f"deformable/{law}", boundary="f p p", commands=commands)
+        for commands in (plane, plane + deform)
+    )
+    assert beside.lmp.get_thermo("ly") > 4
+    np.testing.assert_allclose(beside.evaluate().force, at_rest.evaluate().force, rtol=1e-12)
+
+
+@laws
 def test_virial(law):
     """Pressing a box of walls in costs what its virial says, once the fix is asked for it."""
     x = np.array([[-0.476, 0.004], [0.474, -0.003]])
