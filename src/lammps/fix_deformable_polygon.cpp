@@ -239,7 +239,7 @@ void FixDeformablePolygon::post_force(int vflag)
       if (evflag) {
         double px, py;
         from_centre(ring, link->bead, px, py);
-        double v[6] = {px * fx, py * fy, 0.0, 0.5 * (px * fy + py * fx), 0.0, 0.0};
+        double v[6] = {px * fx, py * fy, 0.0, px * fy, 0.0, 0.0};
         v_tally(link->bead, v);
       }
     }
