@@ -1,6 +1,7 @@
 # Everything from a fresh clone, with Python >= 3.10, a C++17 compiler and make:
 #
-#   make demo        compress 128 bubbles; picture, trajectory and tables go to demo/
+#   make demo        compress 128 bubbles; picture, trajectory and tables go to demo/; then rings of
+#                    beads against the contact laws
 #   make test        the tests, without the long ones
 #   make test-slow   the long ones
 #   make lint        style and types
@@ -24,6 +25,7 @@ SOURCES := $(shell find cmake python src -type f -not -name '*.pyc') CMakeLists.
 
 demo: $(VENV)/installed
 	@$(BIN)/deformable compress --number 128 --strain 0.01 --steps 10 --seed 1 --out demo
+	@$(BIN)/deformable compare --number 16
 
 test: $(VENV)/installed
 	@$(BIN)/python -m pytest -q -n $(JOBS) -m "not slow" tests

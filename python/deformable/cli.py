@@ -14,6 +14,7 @@ import typer
 from mpi4py import MPI
 from tqdm import tqdm
 
+from .beads import Beads
 from .compression import check_protocol
 from .compression import compress as compress_packing
 from .engine import silent_lammps
@@ -143,6 +144,52 @@ def compress(
         state.plot(figure.subplots())
         figure.savefig(out / "packing.png", dpi=150)
     _say(f"wrote {out} ({time.perf_counter() - began:.1f} s)")
+
+
+@app.command()
+def compare(
+    number: Annotated[int, typer.Option(help="Number of particles.")] = 16,
+    beads: Annotated[int, typer.Option(help="Beads on a ring of the small particles.")] = 50,
+    strain: Annotated[float, typer.Option(help="Linear strain from jamming, in one step.")] = 0.01,
+    seed: Annotated[int, typer.Option(help="Seed of the random start.")] = 1,
+) -> None:
+    """Compress a packing of bead rings, and show what each contact law makes of it in which time.
+
+    The laws are given the rings' centres: I is the mean distance of their outlines from the beads
+    over the radius, S_rms the error of the area deficits. The seconds are those of the same strain
+    step from the same start.
+    """
+    from .report.packings import packing_rows
+
+    check_protocol(strain, 1)
+    _say(f"{number} rings, {beads} beads on the small ones, {100 * strain:g} % strain from jamming")
+    rows, _ = packing_rows(number, seed, strain, Beads(number=beads))
+    _say(f"{'model':8} {'I':>9} {'S_rms':>9} {'energy/beads':>12} {'seconds':>9} {'speed-up':>9}")
+    took = rows[0]["seconds_beads"]
+    _say(f"{'beads':8} {'-':>9} {'-':>9} {1:12d} {took:9.3g} {1:9d}")
+    for row in rows:
+        ratio = "-" if row["energy_ratio"] is None else f"{row['energy_ratio']:.3g}"
+        _say(
+            f"{row['model']:8} {row['I']:9.2e} {row['S_rms']:9.2g} {ratio:>12} "
+            f"{row['seconds']:9.2g} {took / row['seconds']:9.0f}"
+        )
+
+
+@app.command()
+def report(
+    quick: Annotated[bool, typer.Option("--quick", help="Smaller, in minutes.")] = False,
+    out: Annotated[Path, typer.Option(help="Output folder.")] = Path("report"),
+) -> None:
+    """Measure error against run time, and reproduce the paper: an HTML page, pictures, JSON.
+
+    Writes index.html, its pictures and report.json into the output folder. Takes an hour or two on
+    two cores, with --quick some minutes.
+    """
+    from .report import write_report
+
+    began = time.perf_counter()
+    write_report(out, quick)
+    _say(f"wrote {out / 'index.html'} ({time.perf_counter() - began:.0f} s)")
 
 
 @app.command()

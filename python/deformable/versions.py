@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import importlib.metadata
+import os
 import platform
+from pathlib import Path
 
 import numpy as np
 from mpi4py import MPI
@@ -23,6 +25,24 @@ def versions() -> dict[str, str]:
         "mpi4py": importlib.metadata.version("mpi4py"),
         "mpi": mpi_of_python(),
     }
+
+
+def machine() -> dict[str, str | int]:
+    """What the times of a result were measured on."""
+    return {
+        "processor": _processor(),
+        "cores": os.cpu_count() or 1,
+        "system": platform.system(),
+    }
+
+
+def _processor() -> str:
+    """The processor's name where Linux tells it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        return next(line.split(": ", 1)[1] for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration, IndexError):
+        return platform.machine()
 
 
 def mpi_of_python() -> str:

@@ -1,0 +1,124 @@
+"""Error against run time: every method on one packing, against bead rings without end.
+
+Rings of different numbers of beads N_v stand for the same smooth particles: their radii are such
+that the effective ones agree, and kL = N_v kP. What they tend to for many beads is the reference;
+it is extrapolated from the two finest in 1/N_v^2, the order of a polygon's error.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..bead_state import BeadState
+from ..beads import Beads
+from ..comparison import parallel_outlines
+from ..jamming import jam
+from ..packing import Packing, bidisperse
+from ..shape_error import radial_distance
+from .packings import laws, strain_beads, strain_disks, strain_law
+
+# Directions in which outlines are compared.
+_DIRECTIONS = 2.0 * np.pi * np.arange(720) / 720
+
+
+def pareto_rows(
+    number: int, seed: int, strain: float, bead_numbers: list[int], kP: float = 6.0
+) -> list[dict[str, Any]]:
+    """Error and processor time of one strain step from jamming, on one core, of every method.
+
+    Args:
+        number: of particles.
+        seed: of the random start.
+        strain: linear strain.
+        bead_numbers: N_v of the small particles, rising, at least two.
+        kP: stiffness of the perimeter of a small ring [energy/length^2].
+
+    Returns:
+        A row for each method: `error`, the root mean square error of the area deficits over their
+        root mean square; `shape_error`, the mean over particles and directions of the error of
+        the outline over the radius, each about its own centre; `seconds`; `beads`, of a small
+        particle, or none.
+    """
+    start = jam(bidisperse(number, seed=seed))
+    runs = []
+    for count in bead_numbers:
+        beads = Beads(number=count, kL=kP * count)
+        runs.append((count, *strain_beads(matching(start, beads), beads, strain)))
+    (n1, coarse, _), (n2, fine, _) = runs[-2:]
+    weight = n1**2 / (n2**2 - n1**2)  # of what the error of the finest is taken to be
+    deficit = fine.area_deficit + weight * (fine.area_deficit - coarse.area_deficit)
+    dents = _dents(fine) + weight * (_dents(fine) - _dents(coarse))
+
+    def row(
+        method: str, area_deficit: NDArray[np.float64], shape_error: float, seconds: float
+    ) -> dict[str, Any]:
+        return {
+            "method": method,
+            "error": float(np.linalg.norm(area_deficit - deficit) / np.linalg.norm(deficit)),
+            "shape_error": shape_error,
+            "seconds": seconds,
+            "n": number,
+            "seed": seed,
+            "strain": strain,
+        }
+
+    def off(found: NDArray[np.float64]) -> float:
+        return float(np.mean(np.abs(found - dents) / start.radius[:, None]))
+
+    rows = [row("disk", 0.0 * deficit, off(0.0 * dents), strain_disks(start, strain))]
+    for name, model in laws(Beads()).items():
+        state, seconds = strain_law(start, model, strain)
+        outlines = parallel_outlines(state, start.radius)
+        found = np.array(
+            [
+                radius - radial_distance(outline, _DIRECTIONS)
+                for radius, outline in zip(start.radius, outlines, strict=True)
+            ]
+        )
+        rows.append(row(name, state.area_deficit, off(found), seconds))
+    for count, rings, seconds in runs:
+        error = _error_of_beads(rings, dents)
+        rows.append(row("beads", rings.area_deficit, error, seconds) | {"beads": count})
+    return rows
+
+
+def matching(packing: Packing, beads: Beads) -> Packing:
+    """The packing with radii whose rings act on each other as smooth particles of its own radii."""
+    radii = packing.radii
+    for _ in range(10):  # the roughness hardly depends on the radius: each step gains two digits
+        radii = radii + packing.radii - beads.rings(radii).effective_radius
+    return replace(packing, radii=radii)
+
+
+def _dents(state: BeadState) -> NDArray[np.float64]:
+    """How far each ring lies within its circle at rest, shape (N, directions) [length].
+
+    Straight lines between beads cut the arcs off by the order 1/N_v^2, which the extrapolation
+    takes away.
+    """
+    radii = state.rings.radius[state.packing.species]
+    return np.array(
+        [
+            radius - radial_distance(ring - centre, _DIRECTIONS)
+            for ring, centre, radius in zip(
+                state.outlines, state.packing.positions, radii, strict=True
+            )
+        ]
+    )
+
+
+def _error_of_beads(state: BeadState, dents: NDArray[np.float64]) -> float:
+    """The shape error of rings where their beads are, and not in between."""
+    errors = []
+    for ring, centre, kind, exact in zip(
+        state.outlines, state.packing.positions, state.packing.species, dents, strict=True
+    ):
+        x, y = (ring - centre).T
+        expected = np.interp(np.arctan2(y, x), _DIRECTIONS, exact, period=2.0 * np.pi)
+        found = state.rings.radius[kind] - np.hypot(x, y)
+        errors.append(np.mean(np.abs(found - expected)) / state.packing.radii[kind])
+    return float(np.mean(errors))
