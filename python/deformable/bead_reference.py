@@ -11,24 +11,27 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from .bead_state import BeadState, RingContacts
-from .beads import Beads, Rings
+from .bead_start import data_file, refuse_outside, refuse_overlap, refuse_own_image, undeformed
+from .bead_state import BeadState, sum_contacts
+from .beads import Beads
 from .engine import change_box, gather, lattice, local_array, run, silent_lammps
 from .errors import ParameterError, StalledWarning
 from .packing import Packing, positive
 from .walls import Walls
 
 _SETUP = """
-special_bonds lj 1 1 1
 neigh_modify exclude molecule/intra all
 pair_style harmonic/cut
 pair_coeff * * {pair!r} {diameter!r}
 bond_style harmonic
 {bonds}
 neighbor {skin!r} bin
+comm_modify cutoff {ghosts!r}
 neigh_modify delay 0 every 1 check yes
 fix area all deformable/polygon {kA!r}
 compute virial all pressure NULL virial
+compute pairs all property/local patom1 patom2
+compute overlaps all pair/local dx dy fx fy
 thermo_style custom step pe c_virial[1] c_virial[2] c_virial[4]
 thermo_modify norm no
 min_style fire
@@ -44,15 +47,9 @@ _LARGEST_STEP = 1.25
 # which a relaxation counts as stalled: rough rings creep through many small rearrangements.
 _ITERATIONS, _PATIENCE = 20_000, 2_000_000
 
-# Relative area deficit below which a ring counts as free.
-_LOOSE = 1e-12
-
-# Overlapping beads with their forces, for one evaluation.
-_OVERLAPS = """
-compute beads all property/local patom1 patom2
-compute overlaps all pair/local dx dy fx fy
-run 0 post no
-"""
+# Forces of springs are known to a few roundings of the beads' coordinates: forces up to so many
+# roundings count as none.
+_ROUNDINGS = 8.0
 
 
 class BeadReference:
@@ -70,11 +67,12 @@ class BeadReference:
         lmp: the LAMMPS instance, for any command of LAMMPS.
         beads: what rings are made of.
         rings: the undeformed rings of each species.
+        walls: as they stand now, or None.
         comm: the communicator.
 
     Raises:
-        ParameterError: beads too large or too few, rings that overlap at the start, or walls around
-            more than one particle.
+        ParameterError: beads too large or too few, rings that overlap at the start or reach their
+            own periodic image, or walls that are not around a single particle.
         LammpsError: LAMMPS refuses the rings.
     """
 
@@ -91,17 +89,18 @@ class BeadReference:
         self.rings = rings = beads.rings(packing.radii)
         self._species, self._radii = packing.species, packing.radii
         self._first = np.concatenate([[0], np.cumsum(rings.number[packing.species])])
-        positions = _undeformed(packing, rings)
-        if walls is None:
-            _refuse_overlap(packing, beads)
+        positions = undeformed(packing, rings)
         self.walls = walls
-        if walls is not None and (len(packing) != 1 or packing.positions.any()):
-            raise ParameterError("walls stand around a single particle at the origin")
+        if walls is None:
+            refuse_overlap(packing, beads)
+            refuse_own_image(positions, packing.box, beads.radius)
+        else:
+            refuse_outside(packing, beads, walls)
         self.lmp = silent_lammps(self.comm)
         with tempfile.TemporaryDirectory() as folder:
             file = self.comm.bcast(str(Path(folder, "rings.data")))
             if self.comm.rank == 0:
-                Path(file).write_text(_data_file(packing, positions, centred=walls is not None))
+                Path(file).write_text(data_file(packing, positions, centred=walls is not None))
             if walls is not None:
                 run(self.lmp, "boundary f f p")
             run(self.lmp, f'atom_style bond\nread_data "{file}"')
@@ -109,13 +108,16 @@ class BeadReference:
             f"bond_coeff {n} {0.5 * beads.kL!r} {float(spacing)!r}"  # LAMMPS has no 1/2
             for n, spacing in enumerate(rings.spacing, start=1)
         )
+        skin = 0.5 * beads.radius
         run(
             self.lmp,
             _SETUP.format(
                 pair=0.5 * beads.kr,
                 diameter=2.0 * beads.radius,
                 bonds=bonds,
-                skin=0.5 * beads.radius,
+                skin=skin,
+                # springs reach for a far image of a bead if the near one is no ghost
+                ghosts=max(2.0 * beads.radius + skin, 2.0 * float(rings.spacing.max())),
                 kA=beads.kA,
                 dmax=0.1 * beads.radius,
                 timestep=0.5 * _LARGEST_STEP / float(np.sqrt(4.0 * (beads.kL + beads.kr))),
@@ -123,8 +125,8 @@ class BeadReference:
         )
         if walls is not None:
             self._stand(walls)
-            style = "deformable/stick walls {}" if walls.stick else "wall/region walls harmonic {}"
-            run(self.lmp, f"fix walls all {style.format(_wall_arguments(beads, walls.stick))}")
+            run(self.lmp, f"fix walls all {_wall_style(beads, walls.stick)}")
+            run(self.lmp, "fix_modify walls energy yes")
 
     def close(self) -> None:
         """Free the LAMMPS instance."""
@@ -153,10 +155,11 @@ class BeadReference:
             box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
 
         Raises:
-            ParameterError: the box has another form; the simulation stays as it was.
+            ParameterError: the box has another form, or there are walls, which `confine` moves; the
+                simulation stays as it was.
         """
-        change_box(self.lmp, box)
-
+        if self.walls is not None:
+            raise ParameterError("walls do not follow the box: move them with confine")
         change_box(self.lmp, box)
 
     def confine(self, walls: Walls) -> None:
@@ -167,12 +170,21 @@ class BeadReference:
                 particle of radius R meets.
 
         Raises:
-            ParameterError: there were no such walls before.
+            ParameterError: there were no such walls before, or a bead would be beyond one; the
+                simulation stays as it was.
         """
         before = self.walls
         if before is None or (len(walls.angle), walls.stick) != (len(before.angle), before.stick):
             raise ParameterError(
                 "confine moves the walls that are there: their number and kind stay"
+            )
+        reach = walls.height - (gather(self.lmp, "x", 3)[:, :2] @ walls.normal.T).max(axis=0)
+        if reach.min() <= 0.0:
+            side = int(reach.argmin())
+            raise ParameterError(
+                f"a step of {before.height[side] - walls.height[side]:.3g} puts beads of radius "
+                f"{self.beads.radius:g} {-reach[side]:.3g} beyond wall {side}: relax, and take "
+                "steps below the radius of a bead"
             )
         run(self.lmp, "\n".join(f"region {name} delete" for name in ("walls", *_sides(before))))
         self._stand(walls)
@@ -201,22 +213,24 @@ class BeadReference:
 
         Raises:
             LammpsError: LAMMPS gave up.
+            ParameterError: a ring reached its own periodic image.
 
         Warns:
             StalledWarning: the forces stopped falling.
         """
         positive("tolerance", tolerance)
-        residual, scale = self._evaluate()
+        residual = self._evaluate()
         best, patience = residual, _PATIENCE
         while residual > tolerance and patience > 0:
-            force = 0.9 * tolerance * scale  # the scale falls while the packing relaxes
+            # the scale falls while the packing relaxes
+            force = 0.9 * max(tolerance * self._force_scale, self._rounding)
             run(self.lmp, f"minimize 0 {force!r} {_ITERATIONS} {2 * _ITERATIONS}")
-            residual, scale = self._evaluate()
+            residual = self._evaluate()
             patience -= _ITERATIONS
             if residual < 0.5 * best:
                 best, patience = residual, _PATIENCE
         stalled = residual > tolerance
-        if stalled:
+        if stalled and self.comm.rank == 0:
             warnings.warn(
                 f"relaxation of bead rings stalled: the largest force is {residual:.2g} of that on "
                 f"a bead in contact, not {tolerance:.2g}",
@@ -227,10 +241,10 @@ class BeadReference:
 
     def state(self) -> BeadState:
         """The present state, not relaxed."""
-        return self._snapshot(self._evaluate()[0], stalled=False)
+        return self._snapshot(self._evaluate(), stalled=False)
 
-    def _evaluate(self) -> tuple[float, float]:
-        """Bring forces up to date; the residual and the force it is measured by."""
+    def _evaluate(self) -> float:
+        """Bring forces, areas and perimeters up to date; returns the residual."""
         run(self.lmp, "run 0 post no")
         count = len(self._species)
         measured = [
@@ -238,14 +252,16 @@ class BeadReference:
             for m in range(count)
         ]
         self._area, self._perimeter = np.array(measured).T
-        deficit = self.rings.area[self._species] - self._area
-        bearing = deficit > _LOOSE * self._area
         largest = float(np.linalg.norm(gather(self.lmp, "f", 3), axis=1).max())
-        if not bearing.any():
-            return 0.0 if largest == 0.0 else np.inf, 0.0
-        spacing = self.rings.spacing[self._species]
-        scale = float(np.mean((self.beads.kA * deficit * spacing)[bearing]))
-        return largest / scale, scale
+        pressed = np.maximum(self.rings.area[self._species] - self._area, 0.0)
+        self._force_scale = self.beads.kA * float(
+            np.mean(pressed * self.rings.spacing[self._species])
+        )
+        coordinate = float(np.abs(self.box).sum(axis=0).max())
+        self._rounding = _ROUNDINGS * self.beads.kL * coordinate * float(np.finfo(float).eps)
+        if largest <= self._rounding:
+            return 0.0
+        return largest / max(self._force_scale, self._rounding)
 
     def _snapshot(self, residual: float, stalled: bool) -> BeadState:
         """Gather the state of the last evaluation."""
@@ -253,7 +269,13 @@ class BeadReference:
         positions = gather(self.lmp, "x", 3)[:, :2]
         image = np.array(self.lmp.gather("image", 0, 3)).reshape(-1, 3)[:, :2]
         outlines = np.split(positions + image @ box, self._first[1:-1])
+        if self.walls is None:
+            refuse_own_image(outlines, box, self.beads.radius)
         centres = np.array([outline.mean(axis=0) for outline in outlines])
+        parts = self.comm.allgather(
+            (local_array(self.lmp, "pairs", 2), local_array(self.lmp, "overlaps", 4))
+        )
+        pairs, overlaps = (np.concatenate(column) for column in zip(*parts, strict=True))
         xx, yy, _, xy, *_ = self.lmp.numpy.extract_compute("virial", 0, 1)
         return BeadState(
             packing=Packing(centres, self._species, self._radii, box),
@@ -262,35 +284,12 @@ class BeadReference:
             outlines=outlines,
             area=self._area,
             perimeter=self._perimeter,
-            contacts=self._contacts(np.vstack(outlines), box),
+            contacts=sum_contacts(np.vstack(outlines), self._first, pairs, overlaps, box),
             energy=float(self.lmp.get_thermo("pe")),
             stress=np.array([[xx, xy], [xy, yy]]),
             residual=residual,
             stalled=stalled,
         )
-
-    def _contacts(self, beads: NDArray[np.float64], box: NDArray[np.float64]) -> RingContacts:
-        """Sum the forces of overlapping beads by pairs of rings."""
-        run(self.lmp, _OVERLAPS)
-        tags = local_array(self.lmp, "beads", 2)
-        overlaps = local_array(self.lmp, "overlaps", 4)
-        parts = self.comm.allgather((tags - 1.0, overlaps))
-        run(self.lmp, "uncompute beads\nuncompute overlaps")
-        pairs, overlaps = (np.concatenate(column) for column in zip(*parts, strict=True))
-        a, b = pairs.astype(np.int64).T
-        # an exact integer, the same for all beads of a contact whatever their rounding
-        apart = beads[a] - overlaps[:, :2] - beads[b]
-        image = np.rint(apart @ np.linalg.inv(box)).astype(np.int64)
-        i, j = (np.searchsorted(self._first, bead, side="right") - 1 for bead in (a, b))
-        force = overlaps[:, 2:]
-        # each pair of rings once, from its lower number, or from the right if a ring meets itself
-        turn = (i > j) | ((i == j) & ((image[:, 0] < 0) | ((image[:, 0] == 0) & (image[:, 1] < 0))))
-        i, j = np.where(turn, j, i), np.where(turn, i, j)
-        sign = np.where(turn, -1, 1)[:, None]
-        keys, which = np.unique(np.column_stack([i, j, sign * image]), axis=0, return_inverse=True)
-        total = np.zeros((len(keys), 2))
-        np.add.at(total, which.ravel(), sign * force)
-        return RingContacts(i=keys[:, 0], j=keys[:, 1], image=keys[:, 2:], force=total)
 
 
 def _sides(walls: Walls) -> list[str]:
@@ -298,66 +297,8 @@ def _sides(walls: Walls) -> list[str]:
     return [f"side{n}" for n in range(len(walls.angle))]
 
 
-def _wall_arguments(beads: Beads, stick: bool) -> str:
+def _wall_style(beads: Beads, stick: bool) -> str:
     """Walls press like beads do; the harmonic wall of LAMMPS has no 1/2, and ignores its sigma."""
     if stick:
-        return f"{beads.kr!r} radius {beads.radius!r}"
-    return f"{0.5 * beads.kr!r} 1.0 {beads.radius!r}"
-
-
-def _undeformed(packing: Packing, rings: Rings) -> list[NDArray[np.float64]]:
-    """Beads of undeformed rings around the centres of a packing, arrays (N_v, 2)."""
-    positions = []
-    for centre, kind in zip(packing.positions, packing.species, strict=True):
-        turn = 2.0 * np.pi * np.arange(rings.number[kind]) / rings.number[kind]
-        positions.append(
-            centre + rings.radius[kind] * np.column_stack([np.cos(turn), np.sin(turn)])
-        )
-    return positions
-
-
-def _refuse_overlap(packing: Packing, beads: Beads) -> None:
-    """Rings must start apart: deeper in each other, they could stay entangled."""
-    steps = np.array([(a, b) for a in (-1, 0, 1) for b in (-1, 0, 1)]) @ packing.box
-    for n, (centre, radius) in enumerate(zip(packing.positions, packing.radius, strict=True)):
-        apart = packing.positions[n:, None] + steps - centre
-        overlap = (packing.radius[n:] + radius)[:, None] - np.hypot(*np.moveaxis(apart, -1, 0))
-        overlap[0, len(steps) // 2] = 0.0  # itself
-        if overlap.max() > beads.radius:
-            other = n + int(overlap.max(axis=1).argmax())
-            raise ParameterError(
-                f"particles {n} and {other} overlap by {overlap.max():.3g}, rings may start "
-                f"at most a bead radius {beads.radius:g} in each other: take a packing at jamming"
-            )
-
-
-def _data_file(packing: Packing, positions: list[NDArray[np.float64]], centred: bool) -> str:
-    """LAMMPS data file of rings; the box begins at the origin or is centred on it."""
-    (lx, _), (xy, ly) = packing.box.tolist()
-    x0, y0 = (-0.5 * lx, -0.5 * ly) if centred else (0.0, 0.0)
-    species = len(packing.radii)
-    total = sum(len(ring) for ring in positions)
-    atoms, bonds = [], []
-    first = 1
-    for m, (ring, kind) in enumerate(zip(positions, packing.species, strict=True), start=1):
-        last = first + len(ring) - 1
-        for tag, (x, y) in enumerate(ring.tolist(), start=first):
-            atoms.append(f"{tag} {m} {kind + 1} {x!r} {y!r} 0")
-            bonds.append(f"{tag} {kind + 1} {tag} {tag + 1 if tag < last else first}")
-        first = last + 1
-    head = f"""bead rings
-
-{total} atoms
-{total} bonds
-{species} atom types
-{species} bond types
-{x0!r} {x0 + lx!r} xlo xhi
-{y0!r} {y0 + ly!r} ylo yhi
--0.5 0.5 zlo zhi
-{xy!r} 0 0 xy xz yz
-
-Masses
-
-"""
-    masses = [f"{n} 1" for n in range(1, species + 1)]
-    return head + "\n".join([*masses, "\nAtoms # bond\n", *atoms, "\nBonds\n", *bonds, ""])
+        return f"deformable/stick walls {beads.kr!r} radius {beads.radius!r}"
+    return f"wall/region walls harmonic {0.5 * beads.kr!r} 1.0 {beads.radius!r}"

@@ -17,7 +17,7 @@ class RingContacts:
 
     Attributes:
         i: ring, shape (M,).
-        j: the other ring, shape (M,).
+        j: the other ring, above i, shape (M,).
         image: periodic image of j that is met, in lattice vectors, shape (M, 2).
         force: on i, shape (M, 2) [energy/length].
     """
@@ -26,6 +26,34 @@ class RingContacts:
     j: NDArray[np.int64]
     image: NDArray[np.int64]
     force: NDArray[np.float64]
+
+
+def sum_contacts(
+    beads: NDArray[np.float64],
+    first: NDArray[np.int64],
+    pairs: NDArray[np.float64],
+    overlaps: NDArray[np.float64],
+    box: NDArray[np.float64],
+) -> RingContacts:
+    """Sum the forces of overlapping beads by pairs of rings.
+
+    Args:
+        beads: of all rings, each ring unwrapped, shape (number of beads, 2) [length].
+        first: the beads of ring m are first[m] to first[m + 1] - 1, shape (N + 1,).
+        pairs: numbers, from 1, of two beads that overlap, shape (K, 2).
+        overlaps: vector from the second to the first of them and force on the first, shape (K, 4).
+        box: lattice vectors as rows, shape (2, 2) [length].
+    """
+    a, b = pairs.astype(np.int64).T - 1
+    # an exact integer, the same for all beads of a contact whatever their rounding
+    image = np.rint((beads[a] - overlaps[:, :2] - beads[b]) @ np.linalg.inv(box)).astype(np.int64)
+    i, j = (np.searchsorted(first, bead, side="right") - 1 for bead in (a, b))
+    sign = np.where(i > j, -1, 1)[:, None]  # each pair of rings once, from its lower number
+    ends = np.column_stack([np.minimum(i, j), np.maximum(i, j), sign * image])
+    contacts, which = np.unique(ends, axis=0, return_inverse=True)
+    force = np.zeros((len(contacts), 2))
+    np.add.at(force, which.ravel(), sign * overlaps[:, 2:])
+    return RingContacts(i=contacts[:, 0], j=contacts[:, 1], image=contacts[:, 2:], force=force)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +70,8 @@ class BeadState:
         contacts: rings that touch, with their forces.
         energy: of all rings [energy].
         stress: pressure tensor, compression positive, shape (2, 2) [energy/length^2].
-        residual: largest force on a bead over the mean force of a contact; 0 without contacts.
+        residual: largest force on a bead over what a bead in a contact bears, the mean of
+            kA max(A0 - A, 0) L0 over the rings; 0 where no more than rounding is left.
         stalled: the relaxation stopped before its tolerance.
     """
 

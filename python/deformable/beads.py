@@ -44,9 +44,10 @@ class Beads:
 
     def __post_init__(self) -> None:
         for name in ("radius", "kL", "kA", "kr"):
-            positive(name, getattr(self, name))
-        counts = np.atleast_1d(np.asarray(self.number, dtype=np.float64))
-        if not np.array_equal(counts, np.rint(counts)) or counts.min() < 3:
+            object.__setattr__(self, name, positive(name, getattr(self, name)))
+        counts = np.atleast_1d(np.asarray(self.number))
+        whole = counts.ndim == 1 and counts.dtype.kind in "iuf" and np.isfinite(counts).all()
+        if not (whole and (counts == np.rint(counts)).all() and (counts >= 3).all()):
             raise ParameterError(
                 f"a ring needs a whole number of beads, at least 3, not {self.number}"
             )

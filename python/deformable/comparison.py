@@ -27,9 +27,6 @@ class Comparison:
         beads: the bead rings.
         state: the law's particles, with the effective radii of the rings; not relaxed.
         shape_error: I of each particle, see `shape_error`, shape (N,).
-        area_deficit_error: root mean square of S - S_beads over that of S_beads.
-        energy_ratio: energy of the law over that of the beads.
-        pressure_ratio: pressure of the law over that of the beads.
     """
 
     beads: BeadState

@@ -5,22 +5,35 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .errors import ParameterError
+
+# Corners that coincide may differ in direction by rounding [rad].
+_ROUNDING = 1e-12
+
 
 def radial_distance(outline: ArrayLike, angle: ArrayLike) -> NDArray[np.float64]:
     """Distance g(theta) of an outline from the origin.
 
     Args:
-        outline: closed polygon around the origin, counterclockwise, shape (m, 2) [length].
+        outline: corners of a polygon around the origin, counterclockwise, shape (m, 2) [length].
         angle: directions theta, shape (k,) [rad].
 
     Returns:
         Where the rays meet the polygon, shape (k,) [length].
+
+    Raises:
+        ParameterError: a ray meets the polygon more than once, as of particles beyond the model.
     """
     corners = np.asarray(outline, dtype=np.float64)
     turn = np.arctan2(corners[:, 1], corners[:, 0])
     start = int(turn.argmin())
     corners = np.roll(corners, -start, axis=0)
     turn = np.roll(turn, -start)
+    steps = np.diff(turn, append=turn[0] + 2.0 * np.pi)
+    if not ((steps > -_ROUNDING) & (steps < np.pi)).all():
+        raise ParameterError(
+            "an outline must go once around its centre, counterclockwise and without turning back"
+        )
     ray = np.asarray(angle, dtype=np.float64)
     ray = (ray - turn[0]) % (2.0 * np.pi) + turn[0]
     side = np.searchsorted(turn, ray, side="right") - 1
