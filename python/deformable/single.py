@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from mpi4py import MPI
@@ -14,6 +15,7 @@ from . import core
 from .bead_reference import BeadReference
 from .bead_state import BeadState
 from .beads import Beads
+from .errors import ParameterError
 from .packing import Packing
 from .shape_error import deviation
 from .walls import Walls
@@ -88,7 +90,17 @@ def squeeze(
 
     Returns:
         One result a step.
+
+    Raises:
+        ParameterError: the walls would move past beads, or meet the centre.
     """
+    indentations = list(indentations)
+    for before, a in pairwise([0.0, *indentations]):
+        if not (a - before < beads.radius and a < 1.0):  # also where one is no number
+            raise ParameterError(
+                f"walls cannot move in from a/R0 = {before:g} to {a:g} in one step: it must be "
+                f"less than the bead radius {beads.radius:g}, and a/R0 less than 1"
+            )
     outer = 1.0 + beads.radius  # walls stop the beads' rims, and R0 is where their centres are
     packing = Packing(
         np.zeros((1, 2)), np.zeros(1, int), np.array([outer]), 4.0 * outer * np.eye(2)

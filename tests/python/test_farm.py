@@ -1,0 +1,75 @@
+"""Calls in processes of their own."""
+
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from deformable import ParameterError, squeeze
+from deformable.farm import farm
+from deformable.paper import ring_in_walls
+from deformable.single import regular
+
+LAUNCHED = """
+import os
+from deformable.farm import farm
+assert farm(os.getpid, [()] * 3, workers=2) == [os.getpid()] * 3
+"""
+
+UNGUARDED = """
+import math
+from deformable.farm import farm
+farm(math.sqrt, [(1.0,), (4.0,)], workers=2)
+"""
+
+
+def test_results_keep_their_order() -> None:
+    assert farm(math.sqrt, [(n * n,) for n in range(20)], workers=2) == list(range(20))
+    assert farm(math.sqrt, [(4.0,)]) == [2.0]
+    assert farm(math.sqrt, []) == []
+
+
+def test_processes_run_lammps_and_use_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("OMP_NUM_THREADS", "7")
+    run = (regular(4), [0.02], ring_in_walls(24, 100.0), False)
+    here = squeeze(*run)[0]
+    for [there] in farm(squeeze, [run, run], workers=2):
+        assert there.shape_error("ring") == here.shape_error("ring")
+    assert set(farm(os.getenv, [("OMP_NUM_THREADS",)] * 2, workers=2)) == {"1"}
+    assert os.environ["OMP_NUM_THREADS"] == "7"
+    assert os.getpid() not in farm(os.getpid, [()] * 2, workers=2)
+
+
+def test_one_worker_is_this_process() -> None:
+    assert farm(os.getpid, [()] * 2, workers=1) == [os.getpid()] * 2
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_errors_come_through(workers: int) -> None:
+    with pytest.raises(ValueError, match="math domain error"):
+        farm(math.sqrt, [(1.0,), (-1.0,), (4.0,)], workers)
+
+
+def test_no_workers() -> None:
+    with pytest.raises(ParameterError, match="at least 1, not 0"):
+        farm(math.sqrt, [(1.0,)], workers=0)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_ranks_do_not_farm(tmp_path: Path, ranks: int) -> None:
+    (tmp_path / "script.py").write_text(LAUNCHED)
+    mpiexec = Path(sys.executable).with_name("mpiexec")
+    command = [str(mpiexec), "-n", str(ranks), sys.executable, "-m", "mpi4py", "script.py"]
+    subprocess.run(command, cwd=tmp_path, check=True, timeout=60)
+
+
+def test_a_script_without_guard_is_told(tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(UNGUARDED)
+    run = subprocess.run(
+        [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=60
+    )
+    assert run.returncode != 0
+    assert "a process of sqrt died" in run.stderr.splitlines()[-1]
+    assert "workers=1" in run.stderr.splitlines()[-1]
