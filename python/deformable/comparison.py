@@ -92,6 +92,11 @@ def parallel_outlines(state: State, radii: NDArray[np.float64]) -> list[NDArray[
     ]
 
 
+def ring_outlines(beads: BeadState, state: State) -> list[NDArray[np.float64]]:
+    """The lines that a law has the beads draw, about each particle's own centre, arrays (m, 2)."""
+    return parallel_outlines(state, beads.rings.radius[beads.packing.species])
+
+
 def shape_errors(beads: BeadState, state: State) -> NDArray[np.float64]:
     """I of each particle, shape (N,): the outlines of a state against the beads."""
     return np.array(
@@ -100,7 +105,7 @@ def shape_errors(beads: BeadState, state: State) -> NDArray[np.float64]:
             for ring, centre, outline, radius in zip(
                 beads.outlines,
                 beads.packing.positions,
-                parallel_outlines(state, beads.rings.radius[beads.packing.species]),
+                ring_outlines(beads, state),
                 beads.packing.radius,
                 strict=True,
             )

@@ -7,7 +7,7 @@ Simulation of Deformable Particles", sections 4 and 5. `docs/paper.md` has what 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -38,9 +38,9 @@ def ring_in_walls(number: int, kL: float) -> Beads:
     """The ring for walls: R0 = kA = 1.
 
     Walls are smooth, so the radius of the beads does not matter; it bounds the steps of the walls.
-    They yield by p L0/kr under the pressure p in the ring, the perimeter by p q N_v/kL: with this
-    kr the former stays below 3e-6 R0 for stiff springs, and far below the latter for soft ones.
-    Stiffer walls would only cost time steps.
+    They yield by p L0/kr under the pressure p in the ring: below 3e-6 R0 for 188 beads in a hexagon
+    at a/R0 = 0.05, and for soft springs far below p q/(2 pi kP), by which the ring widens. Stiffer
+    walls would only cost time steps.
     """
     return Beads(number=number, radius=0.1, kL=kL, kA=1.0, kr=min(kL, 1e3))
 
@@ -138,7 +138,8 @@ class Limit:
     kP: the perimeter stretches until p q = kP (P - P0), p = K a^2, as if R0 were larger by
     delta = p q/(2 pi kP); S falls by 2 pi q delta. N_v: the curve through beads that keep their
     distance L0 is longer by L0^3/(24 q^2) a segment where it is bent, and gains
-    2 pi L0^2/24 (1/q - 1) when flats shrink its arcs. kr: walls yield by p L0/kr; 2e-5 here.
+    2 pi L0^2/24 (1/q - 1) when flats shrink its arcs. kr: walls yield by p L0/kr; with kr = 1e4
+    that term is at most 2 % of the one before.
 
     Attributes:
         sides: of the polygon, n.
@@ -196,7 +197,12 @@ def limit(
     most = max(numbers)
     grid = [(number, k) for number in numbers for k in _STIFF] + [(most, k) for k in kP]
     runs = [
-        (regular(sides), [indentation], ring_in_walls(number, k * number), False)
+        (
+            regular(sides),
+            [indentation],
+            replace(ring_in_walls(number, k * number), kr=1e4),
+            False,
+        )
         for number, k in grid
     ]
     results = [steps[0] for steps in farm(squeeze, runs, workers, "limit")]

@@ -1,17 +1,8 @@
-"""The paper's figures from the data of `paper`: each function returns a Matplotlib figure.
-
-    python -m deformable.paper_figures FOLDER
-
-runs everything and leaves figures and numbers in the folder.
-"""
+"""The paper's figures from the data of `paper`: each function returns a Matplotlib figure."""
 
 from __future__ import annotations
 
-import json
-import sys
-import time
 from collections.abc import Iterable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -295,64 +286,3 @@ def _images(
             for b in range(low[1], high[1] + 1):
                 images.append(outline - np.array([a, b]) @ box)
     return images
-
-
-def main(folder: Path) -> None:
-    """Run everything in full; figures and `paper.json` go to the folder."""
-    folder.mkdir(parents=True, exist_ok=True)
-    began = time.perf_counter()
-    single, sweep, numbers = paper.shapes(), paper.stiffness_sweep(), paper.number_sweep()
-    found = [paper.limit(sides) for sides in (3, 4, 6)]
-    packed = paper.packing()
-    figures = {
-        "shapes_stick": shapes(single, stick=True),
-        "shapes_slip": shapes(single, stick=False),
-        "deviation": deviation(sweep),
-        "error_by_indentation": error_by_indentation(sweep),
-        "error_by_number": error_by_number(numbers),
-        "limit": limits(found),
-        "packing": packing(packed),
-    }
-    for name, figure in figures.items():
-        figure.savefig(folder / f"{name}.png")
-    numbers_out = {
-        "single": [paper.single_row(result) for result in (*single, *sweep, *numbers)],
-        "steiner": [
-            {
-                "sides": len(each.walls.angle),
-                "a_over_R": each.indentation,
-                "I_ring": paper.steiner_error(each),
-            }
-            for each in single
-            if not each.walls.stick
-        ],
-        "limit": [
-            {
-                "sides": each.sides,
-                "a_over_R": each.indentation,
-                "beads": each.numbers.tolist(),
-                "error_beads": each.number_error.tolist(),
-                "rate_beads": each.number_rate,
-                "kP": each.stiffness.tolist(),
-                "error_kP": each.stiffness_error.tolist(),
-                "rate_kP": each.stiffness_rate,
-            }
-            for each in found
-        ],
-        "packing": [
-            {
-                "model": each.state.model.law,
-                "I": float(each.shape_error.mean()),
-                "S_rms": each.area_deficit_error,
-                "energy_ratio": each.energy_ratio,
-                "pressure_ratio": each.pressure_ratio,
-            }
-            for each in packed
-        ],
-        "seconds": time.perf_counter() - began,
-    }
-    (folder / "paper.json").write_text(json.dumps(numbers_out, indent=1) + "\n")
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]))

@@ -8,13 +8,13 @@ from deformable import Beads, report
 
 SMALLEST = report.Plan(
     ablation={"number": 64, "steps": 2, "repeats": 1},
-    pareto={"number": 4, "seed": 1, "strain": 0.03, "bead_numbers": [16, 20]},
-    large=(4, 1, 0.03, Beads(number=16)),
-    packings=[(4, 2, 0.03, Beads(number=16))],
+    pareto={"number": 8, "seed": 1, "strain": 0.03, "bead_numbers": [20, 25]},
+    large=(8, 1, 0.03, Beads(number=16)),
+    packings=[(8, 2, 0.03, Beads(number=16))],
     shapes={"indentations": (0.02,), "number": 24, "kL": 100.0},
     stiffness={"indentations": (0.01, 0.02), "number": 24, "kL": (1.0, 100.0)},
     number={"indentations": (0.02,), "numbers": (16, 24), "kP": (1.0,)},
-    limit={"numbers": (16, 24), "kP": (1.0, 2.0)},
+    limits=[(6, 0.05, (16, 24), (5.0, 10.0))],
 )
 
 KEYS = {

@@ -17,6 +17,7 @@ from ..comparison import Comparison
 from ..errors import ParameterError
 from ..farm import farm
 from ..progress import progress
+from ..single import Squeezed
 from ..versions import machine, versions
 from .ablation import ablation_rows
 from .packings import packing_rows
@@ -35,7 +36,7 @@ class Plan:
     shapes: dict[str, Any]
     stiffness: dict[str, Any]
     number: dict[str, Any]
-    limit: dict[str, Any]
+    limits: list[tuple[Any, ...]]
 
 
 FULL = Plan(
@@ -55,7 +56,7 @@ FULL = Plan(
     shapes={},
     stiffness={},
     number={},
-    limit={},
+    limits=[(sides,) for sides in (3, 4, 6)],
 )
 
 QUICK = Plan(
@@ -66,7 +67,7 @@ QUICK = Plan(
     shapes={"indentations": (0.01, 0.02, 0.03), "number": 94},
     stiffness={"indentations": (0.01, 0.02, 0.03), "number": 94, "kL": (1.0, 1e2, 1e4)},
     number={"indentations": (0.02,), "numbers": (24, 48, 96), "kP": (1.0, 10.0)},
-    limit={"numbers": (24, 48, 96)},
+    limits=[(6, 0.05, (24, 48, 96))],
 )
 
 
@@ -74,10 +75,10 @@ QUICK = Plan(
 class Results:
     """All that a report measures: rows for its tables, and what its pictures need."""
 
-    shapes: list[Any]
-    stiffness: list[Any]
-    number: list[Any]
-    limit: Any
+    shapes: list[Squeezed]
+    stiffness: list[Squeezed]
+    number: list[Squeezed]
+    limits: list[paper.Limit]
     large: list[dict[str, Any]]
     comparisons: list[Comparison]
     packing: list[dict[str, Any]]
@@ -93,8 +94,8 @@ def write_report(folder: str | Path, quick: bool = False) -> dict[str, Any]:
         quick: smaller and coarser, in a few minutes on two cores; the full one takes hours.
 
     Returns:
-        What report.json holds: lists of rows `single`, `packing`, `pareto`, `ablation`, and
-        `machine`, `versions`, `quick`.
+        What report.json holds: lists of rows `single`, `packing`, `pareto`, `ablation`,
+        `limit`, and `machine`, `versions`, `quick`.
 
     Raises:
         ParameterError: matplotlib is missing.
@@ -104,7 +105,7 @@ def write_report(folder: str | Path, quick: bool = False) -> dict[str, Any]:
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)  # or fail before the work
     results = _measure(QUICK if quick else FULL)
-    rows = {
+    rows: dict[str, Any] = {
         "single": [
             paper.single_row(result)
             for result in (*results.shapes, *results.stiffness, *results.number)
@@ -112,6 +113,7 @@ def write_report(folder: str | Path, quick: bool = False) -> dict[str, Any]:
         "packing": [*results.packing, *results.large],
         "pareto": results.pareto,
         "ablation": results.ablation,
+        "limit": [_limit_row(limit) for limit in results.limits],
         "machine": machine(),
         "versions": versions(),
         "quick": quick,
@@ -131,6 +133,20 @@ def write_report(folder: str | Path, quick: bool = False) -> dict[str, Any]:
     return rows
 
 
+def _limit_row(limit: paper.Limit) -> dict[str, Any]:
+    """How S tends to K a^2: relative errors by number of beads and by kP, with their powers."""
+    return {
+        "sides": limit.sides,
+        "a_over_R": limit.indentation,
+        "beads": limit.numbers.tolist(),
+        "error_beads": limit.number_error.tolist(),
+        "rate_beads": limit.number_rate,
+        "kP": limit.stiffness.tolist(),
+        "error_kP": limit.stiffness_error.tolist(),
+        "rate_kP": limit.stiffness_rate,
+    }
+
+
 def _measure(plan: Plan) -> Results:
     with progress("report", unit="part", total=4) as bar:
         ablation = ablation_rows(**plan.ablation)
@@ -145,7 +161,7 @@ def _measure(plan: Plan) -> Results:
         shapes=paper.shapes(**plan.shapes),
         stiffness=paper.stiffness_sweep(**plan.stiffness),
         number=paper.number_sweep(**plan.number),
-        limit=paper.limit(**plan.limit),
+        limits=[paper.limit(*arguments) for arguments in plan.limits],
         large=large,
         comparisons=comparisons,
         packing=[row for rows, _ in packings for row in rows],

@@ -89,7 +89,7 @@ def packing_rows(
     """
     start = jam(bidisperse(number, seed=seed))
     rings, seconds_beads = strain_beads(start, beads, strain)
-    common = {
+    common: dict[str, Any] = {
         "n": number,
         "strain": strain,
         "beads": int(rings.rings.number.min()),
@@ -107,7 +107,7 @@ def packing_rows(
             strict=True,
         )
     ]
-    disk = {
+    disk: dict[str, Any] = {
         "model": "disk",
         "I": float(np.mean(circle)),
         "S_rms": 1.0,  # a disk keeps its area, S = 0
@@ -118,7 +118,7 @@ def packing_rows(
         "residual": None,
         "seconds": strain_disks(start, strain),
     }
-    rows = [common | disk]
+    rows: list[dict[str, Any]] = [common | disk]
     smooth = replace(start, radii=rings.rings.effective_radius)
     comparisons = []
     for name, model in laws(beads).items():

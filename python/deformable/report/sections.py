@@ -25,7 +25,7 @@ def sections(results: Results) -> tuple[dict[str, Figure], list[Section]]:
         "deviation.png": paper_figures.deviation(results.stiffness),
         "stiffness.png": paper_figures.error_by_indentation(results.stiffness),
         "number.png": paper_figures.error_by_number(results.number),
-        "limit.png": paper_figures.limits([results.limit]),
+        "limit.png": paper_figures.limits(results.limits),
         "ablation.png": figures.ablation(results.ablation),
     }
     parts = [
@@ -82,9 +82,13 @@ def sections(results: Results) -> tuple[dict[str, Figure], list[Section]]:
         Section(
             "The exact limit",
             (
-                f"S = K a^2 in regular polygons is the limit of many stiff beads: S errs with the "
-                f"power {results.limit.number_rate:.2f} of the number of beads and "
-                f"{results.limit.stiffness_rate:.2f} of kP (-2 and -1 expected).",
+                "S = K a^2 in regular polygons is the limit of many stiff beads. "
+                + " ".join(
+                    f"{limit.sides} sides: S errs with the power {limit.number_rate:.2f} of the "
+                    f"number of beads and {limit.stiffness_rate:.2f} of kP."
+                    for limit in results.limits
+                )
+                + " Expected are -2 and -1.",
             ),
             {"limit.png": "Relative error of the beads' area deficit; lines: expected."},
         ),
