@@ -4,6 +4,7 @@
 #include "contact.h"
 #include "ring.h"
 #include "sector.h"
+#include "soft_ring.h"
 
 #include <algorithm>
 #include <chrono>
@@ -83,15 +84,20 @@ int main()
       ring_shape(1.0, p.view(), p.carries.data(), programme, shape);
       sink += shape.area_deficit;
     });
+    const double soft_ring = nanoseconds(all, [&](Particle &p) {
+      Energy energy;
+      soft_ring_shape(1.0, {1.0, 0.1}, p.view(), p.carries.data(), programme, shape, energy);
+      sink += energy.value;
+    });
     const double general = nanoseconds(all, [&](Particle &p) {
       shape.reset(static_cast<int>(p.contacts.size()), 1.0);
       programme.clear(static_cast<int>(p.contacts.size()));
-      ring_of_any(1.0, p.view(), programme, shape);
+      ring_of_any(InextensibleRing{1.0}, p.view(), programme, shape);
       sink += shape.area_deficit;
     });
     std::printf("%s\n{\"z\": %d, \"geometry\": %.1f, \"sector\": %.1f, \"area_sector\": %.1f, "
-                "\"ring\": %.1f, \"ring_any_number\": %.1f}",
-                z > 3 ? "," : "", z, geometry, sector, area_sector, ring, general);
+                "\"ring\": %.1f, \"soft_ring\": %.1f, \"ring_any_number\": %.1f}",
+                z > 3 ? "," : "", z, geometry, sector, area_sector, ring, soft_ring, general);
   }
   std::printf("\n]\n");
   return sink == 0.5 ? 1 : 0;

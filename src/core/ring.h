@@ -1,5 +1,5 @@
-// Contact law "ring": contacts slip. An inextensible ring, pinned by its Steiner point at the particle's
-// centre, is pressed by frictionless contact lines; it takes the shape of largest area.
+// Contact law "ring": contacts slip. A ring, pinned by its Steiner point at the particle's
+// centre, is pressed by frictionless contact lines; it takes the shape of largest area at its perimeter.
 //
 // With H(theta) the support function of the outline, P = int H and A = 1/2 int (H^2 - H'^2), the largest
 // A at fixed P and Steiner point under H(theta_c) <= h_c is the convex quadratic programme
@@ -45,13 +45,21 @@ DEFORMABLE_INLINE void fill_shape(double radius, int n, const RingCandidates &r,
   shape.arc_radius = radius - sum * (0.5 / PI) - std::sqrt(mx * mx + my * my) * (1.0 / PI);
 }
 
+// The ring that the contacts press. This one keeps its perimeter; that of soft_ring.h breathes: contacts see
+// it moved out by `breath`, which it finds for those that carry.
+struct InextensibleRing {
+  double radius;
+  static constexpr double breath = 0.0;
+  template <int N> void breathe(const double *, const double *, double *, double *) const {}
+};
+
 // Tries the N contacts of `active` (ascending) as those that carry: done where they all push and the
 // outline reaches no other. Otherwise leaves in `active` those to be tried next: without the ones that
 // would pull or, where none does, with the ones reached.
 enum class Trial { DONE, OTHERS, FAILED };
 
-template <int N>
-Trial try_active(double radius, const Contacts &contacts, int *active, int &n, Shape &shape)
+template <int N, class Ring>
+Trial try_active(Ring &ring, const Contacts &contacts, int *active, int &n, Shape &shape)
 {
   int contact[N];
   double angle[N], nx[N], ny[N], indentation[N], green[N * N], d_green[N * N];
@@ -63,6 +71,7 @@ Trial try_active(double radius, const Contacts &contacts, int *active, int &n, S
     length[m] = indentation[m];
   }
   if (solve_dense(N, green, N, length, per_pivot) >= 0) return Trial::FAILED;
+  ring.template breathe<N>(green, per_pivot, r.indentation, length);
 
   bool push = true;
 #pragma GCC unroll 8
@@ -78,42 +87,50 @@ Trial try_active(double radius, const Contacts &contacts, int *active, int &n, S
     for (int c = 0, m = 0; c < contacts.size; ++c) {
       const bool carries = m < N && contact[m] == c;
       m += carries;
-      if (carries ||
-          (may_reach(contacts, c, N, r, length) && slack(contacts, c, N, r, length) > 0.0))
+      if (carries || (may_reach(contacts, c, N, r, length, ring.breath) &&
+                      slack(contacts, c, N, r, length) > -ring.breath))
         active[n++] = c;
     }
     if (n > N) return Trial::OTHERS;
   }
-  fill_shape(radius, N, r, length, per_pivot, shape);
+  fill_shape(ring.radius + ring.breath, N, r, length, per_pivot, shape);
   return Trial::DONE;
 }
 
 // The indented contacts decide how far the outline bulges, and so which others it may reach; those may
 // push it on to further ones.
-inline void ring_of_any(double radius, const Contacts &contacts, RingProgramme &p, Shape &shape)
+inline void solve_any(const Contacts &contacts, double breath, RingProgramme &p)
 {
+  p.size = 0;
   std::fill_n(p.candidate.begin(), contacts.size, 0);
   for (int c = 0; c < contacts.size; ++c)
-    if (contacts[c].indentation > 0.0) p.add(contacts, c, RingProgramme::ACTIVE);
+    if (contacts[c].indentation > -breath) p.add(contacts, c, breath, RingProgramme::ACTIVE);
   for (int solved = 0; p.size > solved;) {
     solve(p);
     solved = p.size;
+    const double *const length = p.length.data();
     for (int c = 0; c < contacts.size; ++c) {
-      if (p.candidate[c] || !may_reach(contacts, c, solved, p.candidates(), p.length.data()))
+      if (p.candidate[c] || !may_reach(contacts, c, solved, p.candidates(), length, breath))
         continue;
-      if (slack(contacts, c, solved, p.candidates(), p.length.data()) > 0.0)
-        p.add(contacts, c, RingProgramme::FREE);
+      if (slack(contacts, c, solved, p.candidates(), length) > -breath)
+        p.add(contacts, c, breath, RingProgramme::FREE);
     }
   }
-  fill_shape(radius, p.size, p.candidates(), p.length.data(), p.scratch.data(), shape);
+}
+
+inline void ring_of_any(const InextensibleRing &ring, const Contacts &contacts, RingProgramme &p,
+                        Shape &shape)
+{
+  solve_any(contacts, 0.0, p);
+  fill_shape(ring.radius, p.size, p.candidates(), p.length.data(), p.scratch.data(), shape);
 }
 
 // Tries the contacts marked in `carries` first, and leaves there those that do carry: from one force call
 // to the next they seldom change. A guess that names none stands for the indented ones.
-inline void ring_shape(double radius, const Contacts &contacts, char *carries, RingProgramme &p,
-                       Shape &shape)
+template <class Ring>
+void ring_shape(Ring &ring, const Contacts &contacts, char *carries, RingProgramme &p, Shape &shape)
 {
-  shape.circle(contacts.size, radius);
+  shape.circle(contacts.size, ring.radius);
   p.clear(contacts.size);
 
   int *const active = p.active.data();
@@ -134,17 +151,24 @@ inline void ring_shape(double radius, const Contacts &contacts, char *carries, R
 
   Trial trial = Trial::OTHERS;
   for (int attempt = 0; attempt < 6 && trial == Trial::OTHERS; ++attempt) switch (n) {
-      case 1: trial = try_active<1>(radius, contacts, active, n, shape); break;
-      case 2: trial = try_active<2>(radius, contacts, active, n, shape); break;
-      case 3: trial = try_active<3>(radius, contacts, active, n, shape); break;
-      case 4: trial = try_active<4>(radius, contacts, active, n, shape); break;
-      case 5: trial = try_active<5>(radius, contacts, active, n, shape); break;
-      case 6: trial = try_active<6>(radius, contacts, active, n, shape); break;
-      case 7: trial = try_active<7>(radius, contacts, active, n, shape); break;
+      case 1: trial = try_active<1>(ring, contacts, active, n, shape); break;
+      case 2: trial = try_active<2>(ring, contacts, active, n, shape); break;
+      case 3: trial = try_active<3>(ring, contacts, active, n, shape); break;
+      case 4: trial = try_active<4>(ring, contacts, active, n, shape); break;
+      case 5: trial = try_active<5>(ring, contacts, active, n, shape); break;
+      case 6: trial = try_active<6>(ring, contacts, active, n, shape); break;
+      case 7: trial = try_active<7>(ring, contacts, active, n, shape); break;
       default: trial = Trial::FAILED;
     }
-  if (trial != Trial::DONE) ring_of_any(radius, contacts, p, shape);
+  if (trial != Trial::DONE) ring_of_any(ring, contacts, p, shape);
   for (int c = 0; c < contacts.size; ++c) carries[c] = shape.contact[c].length > 0.0;
+}
+
+inline void ring_shape(double radius, const Contacts &contacts, char *carries, RingProgramme &p,
+                       Shape &shape)
+{
+  const InextensibleRing ring = {radius};
+  ring_shape(ring, contacts, carries, p, shape);
 }
 
 }    // namespace deformable

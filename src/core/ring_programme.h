@@ -87,15 +87,34 @@ DEFORMABLE_INLINE int solve_dense(int n, double *g, int stride, double *x, doubl
   return -1;
 }
 
-// Can the outline reach a contact outside of the circle? False only where it certainly cannot.
+// x = G^-1 x once more, by the factors that solve_dense has left in g and per_pivot.
+DEFORMABLE_INLINE void solve_again(int n, const double *g, int stride, const double *per_pivot,
+                                   double *x)
+{
+#pragma GCC unroll 8
+  for (int c = 0; c < n; ++c) {
+    const double scaled = x[c] * per_pivot[c];
+#pragma GCC unroll 8
+    for (int r = c + 1; r < n; ++r) x[r] -= g[r * stride + c] * scaled;
+  }
+#pragma GCC unroll 8
+  for (int c = n - 1; c >= 0; --c) {
+#pragma GCC unroll 8
+    for (int r = c + 1; r < n; ++r) x[c] -= g[r * stride + c] * x[r];
+    x[c] *= per_pivot[c];
+  }
+}
+
+// Can the outline, moved out by `breath`, reach a contact outside of the circle? False only where it
+// certainly cannot.
 DEFORMABLE_INLINE bool may_reach(const Contacts &contacts, int c, int n, const RingCandidates &r,
-                                 const double *length)
+                                 const double *length, double breath)
 {
   double gap = contacts[c].indentation;
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m)
     gap -= length[m] * green_bound(r.nx[m] * contacts[c].nx + r.ny[m] * contacts[c].ny);
-  return gap > 0.0;
+  return gap > -breath;
 }
 
 // The slack g = a - G L of a contact that carries nothing; negative where the outline stays off its line.
@@ -118,6 +137,7 @@ struct RingProgramme {
 
   int size = 0;
   int stride = 0;
+  int pushing = 0;    // entries of `active`
   std::vector<int> contact, active;
   std::vector<double> angle, nx, ny, indentation, green, d_green;
   std::vector<State> state;
@@ -148,9 +168,10 @@ struct RingProgramme {
             ny.data(), indentation.data(), green.data(), d_green.data()};
   }
 
-  void add(const Contacts &contacts, int c, State as)
+  void add(const Contacts &contacts, int c, double breath, State as)
   {
     add_candidate(candidates(), size, contacts, c);
+    indentation[size] += breath;
     candidate[c] = 1;
     state[size++] = as;
   }
@@ -167,6 +188,7 @@ inline void solve_active(RingProgramme &p)
       p.length[m] = 0.0;
       if (p.state[m] == RingProgramme::ACTIVE) p.active[n++] = m;
     }
+    p.pushing = n;
     for (int r = 0; r < n; ++r) {
       for (int c = 0; c <= r; ++c) p.block[r * p.stride + c] = p.between(p.active[r], p.active[c]);
       p.block_length[r] = p.indentation[p.active[r]];

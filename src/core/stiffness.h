@@ -3,12 +3,18 @@
 #ifndef DEFORMABLE_STIFFNESS_H
 #define DEFORMABLE_STIFFNESS_H
 
+#include <cmath>
+
 namespace deformable {
 
-// One of the two is infinite: what it belongs to is conserved.
+// One of the two may be infinite: what it belongs to is conserved.
 struct Stiffness {
   double kA;    // of the area, energy/length^4
   double kP;    // of the perimeter, energy/length^2
+
+  // All of a shape depends on this alone, 0 (area conserved) to infinity (perimeter conserved).
+  double ratio() const { return kP / kA; }
+  bool conserves_perimeter() const { return std::isinf(ratio()); }
 };
 
 // Its derivative is the pressure where an area changes, the tension where a perimeter does.

@@ -73,6 +73,7 @@ void PairDeformable::coeff(int narg, char **arg)
   const std::vector<Species> known = read_species(lmp, arg[2]);
   species.assign(atom->ntypes + 1, Species{});
   radius.assign(atom->ntypes + 1, 0.0);
+  ring_radius.assign(atom->ntypes + 1, 0.0);
   for (int type = 1; type <= atom->ntypes; ++type) {
     if (map[type] < 0) continue;
     const char *name = arg[2 + type];
@@ -86,6 +87,7 @@ void PairDeformable::coeff(int narg, char **arg)
     }
     check_species(species[type]);
     radius[type] = species[type].radius;
+    ring_radius[type] = species[type].radius - species[type].skin;
   }
 }
 
@@ -276,7 +278,7 @@ void *PairDeformable::extract_peratom(const char *name, int &ncol)
 void PairDeformable::store_shape(int i, const deformable::Contacts &contacts, double pressure)
 {
   if (!wanted) return;
-  const double r = radius[atom->type[i]];
+  const double r = ring_radius[atom->type[i]];
   int touching = 0;
   double length = 0.0;
   for (int c = 0; c < contacts.size; ++c) {
@@ -294,7 +296,7 @@ void PairDeformable::store_shape(int i, const deformable::Contacts &contacts, do
 void PairDeformable::store_circle(int i)
 {
   if (!wanted) return;
-  const double r = radius[atom->type[i]];
+  const double r = ring_radius[atom->type[i]];
   results[AREA][i] = deformable::PI * r * r;
   results[PERIMETER][i] = 2.0 * deformable::PI * r;
   results[CONTACTS][i] = results[PRESSURE][i] = results[CONTACT_LENGTH][i] = 0.0;

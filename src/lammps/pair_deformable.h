@@ -35,11 +35,12 @@ class PairDeformable : public Pair {
 
  protected:
   // Stops with an error that says what the style supports, unless this is part of it.
-  virtual void check_species(const Species &) const = 0;
+  virtual void check_species(const Species &) const {}
 
   double reach = 0.0;              // contacts are sought up to (1 + reach) (R_i + R_j)
   std::vector<Species> species;    // by atom type; nameless where the type belongs to another style
   std::vector<double> radius;      // by atom type
+  std::vector<double> ring_radius;    // likewise, the skin left out
   std::vector<FixDeformableWall *> walls;
 
   ContactTable table;

@@ -29,17 +29,6 @@ void PairDeformableRing::settings(int narg, char **arg)
   }
 }
 
-/* ---------------------------------------------------------------------- */
-
-void PairDeformableRing::check_species(const Species &s) const
-{
-  if (!std::isinf(s.stiffness.kP))
-    error->all(FLERR,
-               "Pair style deformable/ring conserves the perimeter: it needs kP = inf and a "
-               "finite kA, but species {} has kA = {} and kP = {}",
-               s.name, s.stiffness.kA, s.stiffness.kP);
-}
-
 /* ----------------------------------------------------------------------
    an outline that bulges by less than depth meets no line that is not a
    candidate: those of the types present lie at least as far out as at the
@@ -49,6 +38,9 @@ void PairDeformableRing::check_species(const Species &s) const
 void PairDeformableRing::init_style()
 {
   PairDeformable::init_style();
+
+  soft = false;
+  for (const Species &s : species) soft |= s.radius > 0.0 && !s.stiffness.conserves_perimeter();
 
   std::vector<int> here(radius.size(), 0), present(radius.size(), 0);
   for (int i = 0; i < atom->nlocal; ++i) here[atom->type[i]] = 1;
@@ -72,14 +64,14 @@ void PairDeformableRing::init_style()
 void PairDeformableRing::compute(int eflag, int vflag)
 {
   if (walls.empty())
-    evaluate<false>(eflag, vflag);
+    soft ? evaluate<false, true>(eflag, vflag) : evaluate<false, false>(eflag, vflag);
   else
-    evaluate<true>(eflag, vflag);
+    soft ? evaluate<true, true>(eflag, vflag) : evaluate<true, false>(eflag, vflag);
 }
 
 /* ---------------------------------------------------------------------- */
 
-template <bool WALLS> void PairDeformableRing::evaluate(int eflag, int vflag)
+template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate(int eflag, int vflag)
 {
   const bool new_list = neighbor->ago == 0;
   begin_call(eflag, vflag);
@@ -87,10 +79,15 @@ template <bool WALLS> void PairDeformableRing::evaluate(int eflag, int vflag)
     const int type = atom->type[i];
     char *const carries =
         carried.of(i, contacts.size, [](char *first, char *last) { std::fill(first, last, 0); });
-    ring_shape(radius[type], contacts, carries, programme, shape);
-    if (shape.area_deficit == 0.0) return store_circle(i);
+    Energy energy;
+    if (SOFT && !species[type].stiffness.conserves_perimeter()) {
+      energy = soften(i, contacts, carries);
+    } else {
+      ring_shape(ring_radius[type], contacts, carries, programme, shape);
+      energy = harmonic(species[type].stiffness.kA, shape.area_deficit);
+    }
+    if (energy.derivative == 0.0) return store_circle(i);
 
-    const Energy energy = harmonic(species[type].stiffness.kA, shape.area_deficit);
     apply<WALLS>(i, contacts, energy);
     store_shape(i, contacts, energy.derivative);
     if (new_list) check_reach(i, contacts);
@@ -100,10 +97,29 @@ template <bool WALLS> void PairDeformableRing::evaluate(int eflag, int vflag)
 
 /* ---------------------------------------------------------------------- */
 
+Energy PairDeformableRing::soften(int i, const Contacts &contacts, char *carries)
+{
+  const int type = atom->type[i];
+  Energy energy;
+  if (!soft_ring_shape(ring_radius[type], species[type].stiffness, contacts, carries, programme,
+                       shape, energy))
+    error->one(FLERR,
+               "Atom {} has no shape that keeps its area: its {} contacts leave no room. Compress "
+               "less, or give species {} a finite kA",
+               atom->tag[i], contacts.size, species[type].name);
+  return energy;
+}
+
+/* ----------------------------------------------------------------------
+   the outline reaches out of the undeformed circle where it bulges and
+   because the whole ring has moved out
+------------------------------------------------------------------------- */
+
 void PairDeformableRing::check_reach(int i, const Contacts &contacts)
 {
   const int type = atom->type[i];
-  const double ratio = ring_bulge(radius[type], contacts, shape) / depth[type];
+  const double breath = shape.perimeter_excess / (2.0 * PI);
+  const double ratio = (breath + ring_bulge(ring_radius[type], contacts, shape)) / depth[type];
   if (ratio > 1.0)
     error->one(FLERR,
                "The outline of atom {} bulges by {:.4g}, {:.3g} times as far as 'reach {}' looks "

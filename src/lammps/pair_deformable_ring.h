@@ -4,7 +4,7 @@
 #define LMP_PAIR_DEFORMABLE_RING_H
 
 #include "pair_deformable.h"
-#include "ring.h"
+#include "soft_ring.h"
 
 namespace LAMMPS_NS {
 
@@ -15,15 +15,15 @@ class PairDeformableRing : public PairDeformable {
   void init_style() override;
   void compute(int, int) override;
 
- protected:
-  void check_species(const Species &) const override;
-
  private:
   deformable::RingProgramme programme;
   Recall<char> carried;         // which contacts carried
   std::vector<double> depth;    // by atom type: how far out of the circle candidates are complete
 
-  template <bool WALLS> void evaluate(int eflag, int vflag);
+  bool soft = false;    // is there a species whose perimeter is not conserved?
+
+  template <bool WALLS, bool SOFT> void evaluate(int eflag, int vflag);
+  deformable::Energy soften(int i, const deformable::Contacts &, char *carries);
   void check_reach(int i, const deformable::Contacts &);
 };
 

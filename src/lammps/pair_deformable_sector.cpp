@@ -39,6 +39,11 @@ void PairDeformableSector::check_species(const Species &s) const
                "Pair style deformable/sector conserves the perimeter or the area: it needs kP = "
                "inf or kA = inf, but species {} has kA = {} and kP = {}",
                s.name, s.stiffness.kA, s.stiffness.kP);
+  if (s.skin > 0.0)
+    error->all(FLERR,
+               "Pair style deformable/sector knows no skin, but species {} has one of {}: leave "
+               "that column out, or use pair_style deformable/ring",
+               s.name, s.skin);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -15,12 +15,12 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-// A positive number, `inf` among them; 0 for anything else.
-double positive_number(const std::string &word)
+// `inf` is a number here; what is none becomes a nan.
+double number_of(const std::string &word)
 {
   char *end = nullptr;
   const double value = std::strtod(word.c_str(), &end);
-  return *end == '\0' && value > 0.0 ? value : 0.0;
+  return *end == '\0' ? value : std::nan("");
 }
 
 std::string read_text(LAMMPS *lmp, const std::string &file)
@@ -61,15 +61,16 @@ std::vector<Species> LAMMPS_NS::read_species(LAMMPS *lmp, const std::string &fil
     const std::vector<std::string> words = utils::split_words(line);
     if (words.empty()) continue;
 
-    if (words.size() != 4)
-      error->all(FLERR,
-                 "Species file '{}', line {}: expected 'name radius kA kP', got {} words: '{}'",
-                 file, number, words.size(), utils::trim(line));
+    if (words.size() != 4 && words.size() != 5)
+      error->all(
+          FLERR,
+          "Species file '{}', line {}: expected 'name radius kA kP [skin]', got {} words: '{}'",
+          file, number, words.size(), utils::trim(line));
     const char *const names[] = {"radius", "kA", "kP"};
     double values[3];
     for (int k = 0; k < 3; ++k) {
-      values[k] = positive_number(words[k + 1]);
-      if (values[k] == 0.0)
+      values[k] = number_of(words[k + 1]);
+      if (!(values[k] > 0.0))
         error->all(FLERR,
                    "Species file '{}', line {}: {} of species {} is '{}': it must be a positive "
                    "number{}",
@@ -83,11 +84,17 @@ std::vector<Species> LAMMPS_NS::read_species(LAMMPS *lmp, const std::string &fil
                  "Species file '{}', line {}: kA and kP of species {} are both inf, which leaves "
                  "a rigid disk: give one of them a finite value",
                  file, number, words[0]);
+    const double skin = words.size() == 5 ? number_of(words[4]) : 0.0;
+    if (!(skin >= 0.0 && skin < values[0]))
+      error->all(FLERR,
+                 "Species file '{}', line {}: skin of species {} is '{}': it must be zero or a "
+                 "positive number below its radius {}",
+                 file, number, words[0], words[4], words[1]);
     for (const Species &other : all)
       if (other.name == words[0])
         error->all(FLERR, "Species file '{}', line {}: species {} is defined twice", file, number,
                    words[0]);
-    all.push_back({words[0], values[0], {values[1], values[2]}});
+    all.push_back({words[0], values[0], {values[1], values[2]}, skin});
   }
   if (all.empty()) error->all(FLERR, "Species file '{}' defines no species", file);
   return all;

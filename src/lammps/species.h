@@ -1,4 +1,4 @@
-// The species of a parameter file: one line each, `name radius kA kP`.
+// The species of a parameter file: one line each, `name radius kA kP [skin]`.
 
 #ifndef DEFORMABLE_SPECIES_H
 #define DEFORMABLE_SPECIES_H
@@ -16,6 +16,7 @@ struct Species {
   std::string name;
   double radius;
   deformable::Stiffness stiffness;
+  double skin;    // thickness of the rigid shell around the ring
 };
 
 // Reads the file on rank 0 and hands it to all ranks; stops with LAMMPS' error on all of them where the

@@ -6,6 +6,7 @@
 #include "outline.h"
 #include "ring.h"
 #include "sector.h"
+#include "soft_ring.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -71,6 +72,26 @@ struct Kernels {
     require(std::isfinite(ring_bulge(radius, contacts, shape)), "ring bulge", memory);
   }
 
+  void soft_ring(double radius, const Stiffness &stiffness, const std::vector<Contact> &memory)
+  {
+    const Contacts contacts = {static_cast<int>(memory.size()), memory.data()};
+    double cold = 0.0;
+    for (int guess = 0; guess < 4; ++guess) {
+      Energy energy;
+      const bool exists =
+          soft_ring_shape(radius, stiffness, contacts, carries.data(), programme, shape, energy);
+      require(exists || std::isinf(stiffness.kA), "soft ring", memory);
+      if (!exists) return;
+      require(finite(shape, contacts.size) && std::isfinite(energy.value) &&
+                  std::isfinite(energy.derivative),
+              "soft ring", memory);
+      if (shape.arc_radius < 0.0) return;
+      if (guess == 0) cold = energy.value;
+      require(std::fabs(energy.value - cold) <= 1e-10 * cold, "soft ring with a guess", memory);
+      for (std::size_t c = 0; c < memory.size(); ++c) carries[c] = (c + guess) % 2;
+    }
+  }
+
   void sectors(double radius, const std::vector<Contact> &memory)
   {
     const Contacts contacts = {static_cast<int>(memory.size()), memory.data()};
@@ -92,6 +113,8 @@ struct Kernels {
     order.resize(memory.size());
     std::iota(order.begin(), order.end(), 0);
     ring(radius, memory);
+    for (const double ratio : {1e-6, 1e-2, 1.0, 1e12}) soft_ring(radius, {1.0, ratio}, memory);
+    soft_ring(radius, {std::numeric_limits<double>::infinity(), 1.0}, memory);
     if (distinct) sectors(radius, memory);
   }
 };

@@ -32,6 +32,9 @@ PAIRS = {
     "sector, one of each": ("sector", ("fixed", "large")),
     "ring": ("ring", ("small", "large")),
     "ring, two stiffnesses": ("ring", ("small", "soft")),
+    "ring, finite stiffness": ("ring", ("both", "bothlarge")),
+    "ring, area conserved": ("ring", ("fixed", "fixedlarge")),
+    "ring, a skin beside kP = inf": ("ring", ("small", "skinned")),
 }
 pairs = pytest.mark.parametrize(("law", "species"), PAIRS.values(), ids=PAIRS)
 

@@ -132,8 +132,8 @@ def test_coefficients_of_single_types(law):
 
 
 MALFORMED = {
-    "too few words": ("a 0.5 1.0", "line 2: expected 'name radius kA kP', got 3 words"),
-    "too many words": ("a 0.5 1.0 inf 7", "line 2: expected .* got 5 words"),
+    "too few words": ("a 0.5 1.0", "line 2: expected 'name radius kA kP \\[skin\\]', got 3 words"),
+    "too many words": ("a 0.5 1.0 inf 0 7", "line 2: expected .* got 6 words"),
     "radius no number": ("a half 1.0 inf", "line 2: radius of species a is 'half'"),
     "radius zero": ("a 0 1.0 inf", "line 2: radius of species a is '0': it must be a positive"),
     "radius negative": ("a -0.5 1.0 inf", "radius of species a is '-0.5'"),
@@ -142,6 +142,10 @@ MALFORMED = {
     "kA no number": ("a 0.5 1.0x inf", "kA of species a is '1.0x': .*number or inf"),
     "kA zero": ("a 0.5 0.0 inf", "kA of species a is '0.0'"),
     "kP negative": ("a 0.5 1.0 -inf", "kP of species a is '-inf'"),
+    "skin no number": ("a 0.5 1.0 inf thin", "skin of species a is 'thin': .*below its radius 0.5"),
+    "skin negative": ("a 0.5 1.0 inf -0.1", "skin of species a is '-0.1'"),
+    "skin nan": ("a 0.5 1.0 inf nan", "skin of species a is 'nan'"),
+    "skin too thick": ("a 0.5 1.0 inf 0.5", "skin of species a is '0.5'"),
     "both inf": ("a 0.5 inf inf", "kA and kP of species a are both inf"),
     "twice": ("a 0.5 1.0 inf\nb 0.5 1 inf\na 0.6 1.0 inf", "line 4: species a is defined twice"),
     "nothing": ("", "defines no species"),
@@ -164,18 +168,30 @@ def test_comments_and_blank_lines_are_no_species(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("law", "species", "message"),
+    ("species", "message"),
     [
-        ("ring", "both", "deformable/ring .*needs kP = inf and a finite kA, but species both"),
-        ("ring", "fixed", "deformable/ring .*needs kP = inf and a finite kA, but species fixed"),
-        ("sector", "both", "deformable/sector .*needs kP = inf or kA = inf, but species both"),
+        ("both", "deformable/sector .*needs kP = inf or kA = inf, but species both"),
+        ("skinned", "deformable/sector .*needs kP = inf or kA = inf, but species skinned"),
+        ("thick", "deformable/sector knows no skin, but species thick has one of 0.1: leave"),
     ],
 )
-def test_stiffness(law, species, message):
+def test_sectors_conserve_one_and_have_no_skin(species, message):
     lmp = two_particles()
-    lmp.command(f"pair_style deformable/{law}")
+    lmp.command("pair_style deformable/sector")
     with refuses(message):
         lmp.command(f"pair_coeff * * {SPECIES} small {species}")
+
+
+def test_ring_that_cannot_keep_its_area():
+    """A hexagon of inradius 0.95 R has 3.126 R^2, less than pi R^2."""
+    for a, fits in ((0.047, True), (0.048, False)):
+        walls = polygon_walls(6, 0.5 * (1 - a))
+        scene = Scene(np.zeros((1, 2)), ["fixed"], BOX, "deformable/ring", commands=walls)
+        if fits:
+            assert scene.energy() > 0
+            continue
+        with refuses("Atom 1 has no shape that keeps its area: its 6 contacts.*species fixed"):
+            scene.energy()
 
 
 @laws

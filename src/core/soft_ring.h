@@ -1,0 +1,142 @@
+// Contact law "ring" with a perimeter of finite stiffness: the ring breathes from its radius R - c (c: the
+// thickness of a rigid skin around it) to R - c + delta, and its contacts see a + delta.
+//
+//   U = kA/2 (A - A0)^2 + kP/2 (P - P0)^2,   A0 - A = S - pi delta (2 (R - c) + delta),   P - P0 = 2 pi delta
+// is smallest where Laplace's law holds, p q = kP (P - P0) with p = kA (A0 - A) and the mean radius of
+// curvature q = R - c + delta - sum L/2 pi. docs/theory.md derives it.
+
+#ifndef DEFORMABLE_SOFT_RING_H
+#define DEFORMABLE_SOFT_RING_H
+
+#include "ring.h"
+#include "stiffness.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace deformable {
+
+// While the same contacts carry:  S = deficit + sum delta + rate delta^2/2,  sum L = sum + rate delta
+struct Branch {
+  double deficit, sum;    // S and sum L at delta = 0
+  double rate;            // 1.G^-1.1
+};
+
+// The root delta of f = 2 pi delta kP/kA - D q, D = A0 - A, on one branch, where with e = 1 - rate/2 pi
+//   q = q0 + e delta,   D = S0 - pi delta (q0 + q),   f' = 2 pi kP/kA + 2 pi q^2 - e D.
+// It lies between 0 (kP infinite) and the ring that keeps its area, D = 0, or where there is none the ring of
+// largest area, q = 0. Newton starts where a constant q would put it, which is right at either end.
+inline double breath_of(const Branch &branch, double radius, double ratio)
+{
+  const double e = 1.0 - branch.rate * (0.5 / PI), q0 = radius - branch.sum * (0.5 / PI);
+  const double drive = branch.deficit * q0;
+  if (drive == 0.0) return 0.0;
+  const double square = q0 * q0 + e * branch.deficit * (1.0 / PI);    // of q where D = 0
+  const double end =
+      square >= 0.0 ? branch.deficit / (PI * (q0 + std::copysign(std::sqrt(square), q0))) : -q0 / e;
+  const double spring = 2.0 * PI * ratio;
+  if (spring == 0.0) return end;
+
+  constexpr double CLOSE = 1e-8;    // a step that doubles the digits is the last one
+  double near = 0.0, far = end, delta = end * (drive / (drive + spring * end));
+  for (int iteration = 0; iteration < 100; ++iteration) {
+    const double q = q0 + e * delta, deficit = branch.deficit - PI * delta * (q0 + q);
+    const double f = spring * delta - deficit * q;
+    ((f > 0.0) == (end > 0.0) ? far : near) = delta;
+    const double next = delta - f / (spring + 2.0 * PI * q * q - e * deficit);
+    const bool inside = std::min(near, far) <= next && next <= std::max(near, far);
+    const double step = next - delta;
+    delta = inside ? next : 0.5 * (near + far);
+    if (inside && std::fabs(step) <= CLOSE * std::fabs(delta)) break;
+  }
+  return delta;
+}
+
+struct SoftRing {
+  double radius;    // R - c
+  double ratio;     // kP/kA, finite
+  double breath;    // delta
+
+  // From the lengths at delta = 0 and the factors of G to delta, and the indentations and lengths there.
+  template <int N>
+  DEFORMABLE_INLINE void breathe(const double *factors, const double *per_pivot,
+                                 double *indentation, double *length)
+  {
+    double rate[N];
+#pragma GCC unroll 8
+    for (int m = 0; m < N; ++m) rate[m] = 1.0;
+    solve_again(N, factors, N, per_pivot, rate);
+    Branch branch = {0.0, 0.0, 0.0};
+#pragma GCC unroll 8
+    for (int m = 0; m < N; ++m) {
+      branch.deficit += 0.5 * indentation[m] * length[m];
+      branch.sum += length[m];
+      branch.rate += rate[m];
+    }
+    breath = breath_of(branch, radius, ratio);
+#pragma GCC unroll 8
+    for (int m = 0; m < N; ++m) {
+      indentation[m] += breath;
+      length[m] += breath * rate[m];
+    }
+  }
+};
+
+// The branch at one delta says where delta is if it holds; below and above are those that are known to be
+// too small and too large.
+inline void ring_of_any(SoftRing &ring, const Contacts &contacts, RingProgramme &p, Shape &shape)
+{
+  constexpr double ROUNDING = 1e-13;
+  double below = -std::numeric_limits<double>::infinity(), above = -below;
+  ring.breath = 0.0;
+  for (int iteration = 0; iteration < 100; ++iteration) {
+    const double delta = ring.breath;
+    solve_any(contacts, delta, p);
+    double *const rate = p.block_length.data();
+    std::fill_n(rate, p.pushing, 1.0);
+    solve_again(p.pushing, p.block.data(), p.stride, p.scratch.data(), rate);
+    Branch branch = {0.0, 0.0, 0.0};
+    for (int k = 0; k < p.pushing; ++k) {
+      const int m = p.active[k];
+      branch.deficit += 0.5 * p.indentation[m] * p.length[m];
+      branch.sum += p.length[m];
+      branch.rate += rate[k];
+    }
+    branch.deficit -= delta * (branch.sum - 0.5 * delta * branch.rate);
+    branch.sum -= delta * branch.rate;
+
+    const double next = breath_of(branch, ring.radius, ring.ratio);
+    if (std::fabs(next - delta) <= ROUNDING * std::fabs(next)) break;
+    (next > delta ? below : above) = delta;
+    ring.breath = below < next && next < above ? next : 0.5 * (below + above);
+  }
+  fill_shape(ring.radius + ring.breath, p.size, p.candidates(), p.length.data(), p.scratch.data(),
+             shape);
+}
+
+// Shape and energy; the derivatives in `shape` times the pressure are those of the energy. Radius: R - c.
+// Returns whether there is such a shape: not where kA is infinite and the contacts leave too little area.
+inline bool soft_ring_shape(double radius, const Stiffness &stiffness, const Contacts &contacts,
+                            char *carries, RingProgramme &p, Shape &shape, Energy &energy)
+{
+  SoftRing ring = {radius, stiffness.ratio(), 0.0};
+  ring_shape(ring, contacts, carries, p, shape);
+
+  const double delta = ring.breath, excess = 2.0 * PI * delta;
+  const double deficit = shape.area_deficit - PI * delta * (2.0 * radius + delta);
+  double q = radius + delta;
+  for (int c = 0; c < contacts.size; ++c) q -= shape.contact[c].length * (0.5 / PI);
+  // either side of Laplace's law gives p: the one that loses less to a difference of large numbers
+  const bool by_tension = deficit * (radius + delta) <= std::fabs(q) * shape.area_deficit;
+  const double pressure = by_tension ? stiffness.kP * excess / q : stiffness.kA * deficit;
+
+  shape.area_deficit = pressure / stiffness.kA;
+  shape.perimeter_excess = excess;
+  energy = {0.5 * (pressure * shape.area_deficit + stiffness.kP * excess * excess), pressure};
+  return std::isfinite(pressure);
+}
+
+}    // namespace deformable
+
+#endif
