@@ -141,7 +141,7 @@ def test_scale_of_the_stiffness(kA):
 
 
 def ring_at(contacts, delta):
-    return core.ring(contacts.radius, contacts.angle, contacts.indentation + delta)
+    return core.ring(contacts.radius + delta, contacts.angle, contacts.indentation + delta)
 
 
 def change_of_area(contacts, skin, delta):
@@ -171,6 +171,9 @@ def assert_at_rest(contacts, kA, kP, skin):
     assert error <= 1e-11 * (abs(shape.pressure) * size + abs(tension))
     if np.isfinite(kA):
         assert shape.pressure == pytest.approx(kA * shape.area_deficit, rel=1e-14)
+    direction = np.array([np.cos(contacts.angle), np.sin(contacts.angle)])
+    push = np.hypot(*(direction @ shape.contact_length)) / np.pi
+    assert shape.arc_radius == pytest.approx(q - push, abs=1e-13 * radius)
     assert shape.perimeter == pytest.approx(2 * np.pi * size, rel=1e-15)
     assert shape.area == pytest.approx(np.pi * radius**2 - shape.area_deficit, rel=1e-15)
     np.testing.assert_allclose(shape.d_indentation, shape.pressure * shape.contact_length)
@@ -282,6 +285,14 @@ def test_beyond_the_model(a, kP):
     slope = (difference[1] - difference[0]) / (2 * step)
     # the third derivative leaves step^2/6 of what varies over (A - pi)/A = 0.09: 1e-8
     assert shape.d_indentation.sum() == pytest.approx(slope, rel=1e-7)
+
+
+@pytest.mark.parametrize("kP", [1e-2, 3e-2])
+@pytest.mark.parametrize("a", [0.70, 0.72, 0.74])
+def test_newton_alone_would_find_another_root(a, kP):
+    """One contact behind the centre of a ring in a thick skin: one of several is right."""
+    one = Contacts(1.0, np.array([0.3]), np.array([a]))
+    assert assert_at_rest(one, 1.0, kP, 0.5).delta > 0
 
 
 def test_no_room_for_the_area():

@@ -9,7 +9,11 @@ import numpy as np
 import pytest
 from scene import HEADER, MEASURE, PACKINGS, SPECIES, Scene
 
-STYLES = {"sector": "deformable/sector", "ring": "deformable/ring reach 0.3"}
+STYLES = {
+    "sector": ("deformable/sector", "small large"),
+    "ring": ("deformable/ring reach 0.3", "small large"),
+    "ring, any stiffness": ("deformable/ring reach 0.3", "fixed skinned"),
+}
 GRIDS = {1: ["1 1 1"], 2: ["2 1 1", "1 2 1"], 4: ["2 2 1", "4 1 1"]}
 # Waiting ranks give way: without it, more ranks than cores take a hundred times as long.
 PATIENT = {
@@ -24,7 +28,7 @@ SCRIPT = (
 processors {grid}
 read_data {data}
 pair_style {style}
-pair_coeff * * {species} small large
+pair_coeff * * {species}
 neighbor 0.3 bin
 {commands}
 """
@@ -89,18 +93,18 @@ fix_modify walls virial yes
 }
 
 
-@pytest.mark.parametrize("law", STYLES)
+@pytest.mark.parametrize(("style", "names"), STYLES.values(), ids=STYLES)
 @pytest.mark.parametrize(("boundary", "commands"), SCENES.values(), ids=SCENES)
-def test_ranks_and_grids(law, boundary, commands, tmp_path):
+def test_ranks_and_grids(style, names, boundary, commands, tmp_path):
     fields = {
-        "style": STYLES[law],
-        "name": f"deformable/{law}",
-        "species": SPECIES,
+        "style": style,
+        "name": style.split()[0],
+        "species": f"{SPECIES} {names}",
         "data": tmp_path / "data",
         "boundary": boundary,
         "commands": commands,
     }
-    scene = Scene.packing(PACKINGS[0], fields["style"], boundary=boundary)
+    scene = Scene.packing(PACKINGS[0], style, boundary=boundary)
     scene.run("velocity all create 1e-4 4711 loop all")
     scene.run(f"write_data {fields['data']} nofix")
     runs = {
@@ -128,7 +132,7 @@ def test_errors_end_all_ranks(tmp_path):
         data=data,
         style="deformable/ring",
         name="deformable/ring",
-        species="nowhere.txt",
+        species="nowhere.txt small large",
         commands="",
     )
     result = lmp(2, script, tmp_path)
