@@ -25,25 +25,27 @@ struct Branch {
 
 // The root delta of f = 2 pi delta kP/kA - D q, D = A0 - A, on one branch, where with e = 1 - rate/2 pi
 //   q = q0 + e delta,   D = S0 - pi delta (q0 + q),   f' = 2 pi kP/kA + 2 pi q^2 - e D.
-// It lies between 0 (kP infinite) and the ring that keeps its area, D = 0, or where there is none the ring of
-// largest area, q = 0. Newton starts where a constant q would put it, which is right at either end.
+// It lies between 0, where kP = inf leaves the ring, and D = 0, where kA = inf takes it to, or where no ring of
+// this area exists, that of the largest one, q = 0. Newton starts where a constant q would put it.
 inline double breath_of(const Branch &branch, double radius, double ratio)
 {
   const double e = 1.0 - branch.rate * (0.5 / PI), q0 = radius - branch.sum * (0.5 / PI);
   const double drive = branch.deficit * q0;
   if (drive == 0.0) return 0.0;
-  const double square = q0 * q0 + e * branch.deficit * (1.0 / PI);    // of q where D = 0
-  const double end =
-      square >= 0.0 ? branch.deficit / (PI * (q0 + std::copysign(std::sqrt(square), q0))) : -q0 / e;
-  const double spring = 2.0 * PI * ratio;
-  if (spring == 0.0) return end;
+  const double square = PI * q0 * q0 + e * branch.deficit;    // pi q^2 where D = 0
+  double near = 0.0, far = square > 0.0 ? branch.deficit / (PI * q0) : -q0 / e;    // encloses it
+  if (ratio == 0.0)
+    return square > 0.0 ? branch.deficit / (PI * q0 + std::copysign(std::sqrt(PI * square), q0))
+                        : far;
 
   constexpr double CLOSE = 1e-8;    // a step that doubles the digits is the last one
-  double near = 0.0, far = end, delta = end * (drive / (drive + spring * end));
+  const double spring = 2.0 * PI * ratio;
+  double delta = drive / (spring + 2.0 * PI * q0 * q0);
+  if (std::fabs(delta) > std::fabs(far)) delta = far;
   for (int iteration = 0; iteration < 100; ++iteration) {
     const double q = q0 + e * delta, deficit = branch.deficit - PI * delta * (q0 + q);
     const double f = spring * delta - deficit * q;
-    ((f > 0.0) == (end > 0.0) ? far : near) = delta;
+    ((f > 0.0) == (q0 > 0.0) ? far : near) = delta;
     const double next = delta - f / (spring + 2.0 * PI * q * q - e * deficit);
     const bool inside = std::min(near, far) <= next && next <= std::max(near, far);
     const double step = next - delta;
