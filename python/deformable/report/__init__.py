@@ -61,9 +61,9 @@ FULL = Plan(
 
 QUICK = Plan(
     ablation={"repeats": 3},
-    pareto={"number": 8, "seed": 1, "strain": 0.02, "bead_numbers": [25, 35, 50]},
-    large=(24, 1, 0.01, Beads()),
-    packings=[(8, seed, 0.01, Beads()) for seed in (1, 2, 3)],
+    pareto={"number": 16, "seed": 1, "strain": 0.02, "bead_numbers": [25, 35, 50]},
+    large=(48, 1, 0.01, Beads()),
+    packings=[(16, seed, 0.01, Beads()) for seed in (1, 2, 3)],
     shapes={"indentations": (0.01, 0.02, 0.03), "number": 94},
     stiffness={"indentations": (0.01, 0.02, 0.03), "number": 94, "kL": (1.0, 1e2, 1e4)},
     number={"indentations": (0.02,), "numbers": (24, 48, 96), "kP": (1.0, 10.0)},
