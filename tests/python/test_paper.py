@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from deformable import Beads, Comparison, ParameterError, core, paper, paper_figures, squeeze
+from deformable import Beads, Comparison, ParameterError, core, paper, paper_run, squeeze
 from deformable.shape_error import shape_error
 from deformable.single import IRREGULAR, Squeezed, regular
 
@@ -147,7 +147,7 @@ def test_everything_is_drawn_and_written(
         "packing": packed,
     }.items():
         monkeypatch.setattr(paper, name, lambda *_, result=result: result)
-    paper_figures.main(tmp_path / "paper")
+    paper_run.main(tmp_path / "paper")
     written = json.loads((tmp_path / "paper" / "paper.json").read_text())
     assert len(single) == 12
     assert written["single"] == [paper.single_row(r) for r in (*single, *sweep, *sweep)]
