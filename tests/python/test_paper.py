@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from deformable import Beads, Comparison, ParameterError, core, paper, paper_run, squeeze
+from deformable import Beads, Comparison, ParameterError, core, paper, paper_figures, squeeze
 from deformable.shape_error import shape_error
 from deformable.single import IRREGULAR, Squeezed, regular
 
@@ -131,32 +131,19 @@ def test_steps_that_leave_beads_behind_are_refused(indentations: list[float]) ->
         squeeze(regular(4), indentations, Beads(radius=0.1), stick=False)
 
 
-def test_everything_is_drawn_and_written(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    sweep: list[Squeezed],
-    packed: list[Comparison],
+def test_figures_are_1200_pixels_wide(
+    tmp_path: Path, sweep: list[Squeezed], packed: list[Comparison]
 ) -> None:
     single = paper.shapes([0.02], number=24, kL=1e3, workers=1)
-    found = paper.limit(4, 0.05, numbers=(24, 36), kP=(10.0, 20.0), workers=1)
-    for name, result in {
-        "shapes": single,
-        "stiffness_sweep": sweep,
-        "number_sweep": sweep,
-        "limit": found,
-        "packing": packed,
-    }.items():
-        monkeypatch.setattr(paper, name, lambda *_, result=result: result)
-    paper_run.main(tmp_path / "paper")
-    written = json.loads((tmp_path / "paper" / "paper.json").read_text())
     assert len(single) == 12
-    assert written["single"] == [paper.single_row(r) for r in (*single, *sweep, *sweep)]
-    assert [row["beads"] for row in written["limit"]] == [[24, 36]] * 3
-    assert [row["model"] for row in written["packing"]] == ["sector", "ring"]
-    assert len(written["steiner"]) == 6
-    assert {file.stem for file in (tmp_path / "paper").glob("*.png")} == {
-        *("shapes_stick", "shapes_slip", "deviation", "error_by_indentation", "error_by_number"),
-        *("limit", "packing"),
-    }
-    for file in (tmp_path / "paper").glob("*.png"):
-        assert struct.unpack(">I", file.read_bytes()[16:20]) == (1200,)
+    for figure in (
+        paper_figures.shapes(single, stick=True),
+        paper_figures.shapes(single, stick=False),
+        paper_figures.deviation(sweep),
+        paper_figures.error_by_indentation(sweep),
+        paper_figures.error_by_number(sweep),
+        paper_figures.limits([paper.limit(4, 0.05, numbers=(24, 36), kP=(10.0, 20.0), workers=1)]),
+        paper_figures.packing(packed),
+    ):
+        figure.savefig(tmp_path / "figure.png")
+        assert struct.unpack(">I", (tmp_path / "figure.png").read_bytes()[16:20]) == (1200,)

@@ -107,8 +107,7 @@ def write_report(folder: str | Path, quick: bool = False) -> dict[str, Any]:
     results = _measure(QUICK if quick else FULL)
     rows: dict[str, Any] = {
         "single": [
-            paper.single_row(result)
-            for result in (*results.shapes, *results.stiffness, *results.number)
+            _single_row(result) for result in (*results.shapes, *results.stiffness, *results.number)
         ],
         "packing": [*results.packing, *results.large],
         "pareto": results.pareto,
@@ -131,6 +130,12 @@ def write_report(folder: str | Path, quick: bool = False) -> dict[str, Any]:
     (folder / "index.html").write_text(page("Deformable particles against bead rings", lead, parts))
     (folder / "report.json").write_text(json.dumps(rows, indent=1) + "\n")
     return rows
+
+
+def _single_row(result: Squeezed) -> dict[str, Any]:
+    """A ring between walls; where they slip, also I of the ring law about the Steiner point."""
+    row: dict[str, Any] = paper.single_row(result)
+    return row if result.walls.stick else row | {"I_ring_steiner": paper.steiner_error(result)}
 
 
 def _limit_row(limit: paper.Limit) -> dict[str, Any]:
