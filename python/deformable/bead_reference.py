@@ -182,9 +182,9 @@ class BeadReference:
         if reach.min() <= 0.0:
             side = int(reach.argmin())
             raise ParameterError(
-                f"a step of {before.height[side] - walls.height[side]:.3g} puts beads of radius "
-                f"{self.beads.radius:g} {-reach[side]:.3g} beyond wall {side}: relax, and take "
-                "steps below the radius of a bead"
+                f"a step of {before.height[side] - walls.height[side]:.3g} puts beads "
+                f"{-reach[side]:.3g} beyond wall {side}: relax, and take steps below the radius of "
+                f"a bead, {self.beads.radius:g}"
             )
         run(self.lmp, "\n".join(f"region {name} delete" for name in ("walls", *_sides(before))))
         self._stand(walls)

@@ -343,7 +343,7 @@ def test_beads_keep_their_place_on_walls_that_stick() -> None:
 def test_walls_do_not_jump_over_beads() -> None:
     with deformable.BeadReference(ALONE, LONE_BEADS, square(0.5)) as ring:
         with pytest.raises(
-            deformable.ParameterError, match=r"a step of 0\.04 puts beads of radius 0\.03 .* relax"
+            deformable.ParameterError, match=r"a step of 0\.04 puts beads .* wall .* a bead, 0\.03"
         ):
             ring.confine(square(0.46))
         assert ring.walls is not None
