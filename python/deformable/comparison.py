@@ -8,7 +8,6 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from . import core
 from .bead_state import BeadState
 from .models import Model
 from .shape_error import shape_error
@@ -66,35 +65,10 @@ def compare(beads: BeadState, model: Model, comm: MPI.Comm | None = None) -> Com
     return Comparison(beads, state, shape_errors(beads, state))
 
 
-def parallel_outlines(state: State, radii: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-    """The outlines of a state's particles with other radii but the same indentations.
-
-    Each is parallel to the particle's own, R - radius within it, for laws that keep the perimeter:
-    beads draw such a line, within the outline that other particles meet.
-
-    Args:
-        state: of a contact law.
-        radii: of each particle, shape (N,) [length].
-
-    Returns:
-        Closed polygons about each particle's own centre, arrays (m, 2) [length].
-    """
-    near = state.neighbours
-    return [
-        core.outline(
-            state.model.law,
-            radius,
-            near.angle[near.first[n] : near.first[n + 1]],
-            near.indentation[near.first[n] : near.first[n + 1]],
-            _POINTS,
-        )
-        for n, radius in enumerate(radii)
-    ]
-
-
 def ring_outlines(beads: BeadState, state: State) -> list[NDArray[np.float64]]:
     """The lines that a law has the beads draw, about each particle's own centre, arrays (m, 2)."""
-    return parallel_outlines(state, beads.rings.radius[beads.packing.species])
+    rings = beads.rings.radius[beads.packing.species]
+    return state.parallels(state.packing.radius - rings, _POINTS)
 
 
 def shape_errors(beads: BeadState, state: State) -> NDArray[np.float64]:

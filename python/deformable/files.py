@@ -136,6 +136,8 @@ def numbers(state: State) -> dict[str, Any]:
 
 def _strict(value: Any) -> Any:
     """JSON has no infinity; `float` reads it back from a string."""
+    if isinstance(value, tuple):
+        return [_strict(each) for each in value]
     return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -228,9 +230,12 @@ def _read(folder: Path) -> tuple[Packing, Ring | Sector]:
     summary = _summary(folder)
     try:
         settings = dict(summary["model"])
-        model = _MODELS[settings.pop("name")](
-            **{name: float(value) for name, value in settings.items()}
-        )
+        law = _MODELS[settings.pop("name")]
+        given: dict[str, Any] = {
+            name: [float(each) for each in value] if isinstance(value, list) else float(value)
+            for name, value in settings.items()
+        }
+        model = law(**given)
         if not (folder / DATA).exists():
             raise FileError(f"no saved run in '{folder}': {folder / DATA} is missing")
         return read_data(folder / DATA, summary["radii"]), model

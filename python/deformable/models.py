@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import core
 from .errors import ParameterError
 from .packing import positive
 
 
 @dataclass(frozen=True)
 class Ring:
-    """Contacts slip: an inextensible ring takes the shape of largest area, U = kA/2 (A0 - A)^2.
+    """Contacts slip: a ring takes the shape of least energy.
+
+        U = kA/2 (A - A0)^2 + kP/2 (P - P0)^2
+
+    With kP = inf, the default, the perimeter is conserved; with kA = inf the area is. Stiffnesses
+    and skin are numbers, or sequences of a number a species.
 
     Args:
         kA: area stiffness [energy/length^4].
@@ -20,17 +29,44 @@ class Ring:
             bulge between their contacts. More than enough costs little (3 % at 0.3), too little
             stops the run with an error that suggests a value; particles of very unequal size need
             more.
+        kP: perimeter stiffness [energy/length^2].
+        skin: thickness of a rigid skin around the ring [length]: contacts act at the radius R,
+            while A0 and P0 are those of the radius R - skin.
 
     Raises:
-        ParameterError: a value is not positive.
+        ParameterError: a stiffness is not positive, both are infinite, the reach is not positive,
+            or a skin is negative.
+
+    Source: docs/theory.md, "Ring" and "Rings that breathe".
     """
 
-    kA: float = 1.0
+    kA: float | Sequence[float] = 1.0
     reach: float = 0.3
+    kP: float | Sequence[float] = math.inf
+    skin: float | Sequence[float] = 0.0
 
     def __post_init__(self) -> None:
-        positive("kA", self.kA)
         positive("reach", self.reach)
+        for name in ("kA", "kP", "skin"):
+            given = getattr(self, name)
+            plain = float(given) if np.ndim(given) == 0 else tuple(float(value) for value in given)
+            object.__setattr__(self, name, plain)
+        kA, kP, skin = (np.atleast_1d(value) for value in (self.kA, self.kP, self.skin))
+        for name, values in (("kA", kA), ("kP", kP)):
+            if not (values > 0.0).all():
+                raise ParameterError(f"{name} must be positive, not {values.tolist()}")
+        if not (np.isfinite(skin) & (skin >= 0.0)).all():
+            raise ParameterError(f"skin must not be negative, not {skin.tolist()}")
+        if len({len(values) for values in (kA, kP, skin)} - {1}) > 1:
+            raise ParameterError(
+                f"kA, kP and skin must be numbers or have one a species, not {len(kA)}, {len(kP)} "
+                f"and {len(skin)} numbers"
+            )
+        if (np.isinf(kA) & np.isinf(kP)).any():
+            raise ParameterError(
+                f"a ring must change its area or its perimeter: kA and kP cannot both be inf, as "
+                f"in {kA.tolist()} and {kP.tolist()}"
+            )
 
     @property
     def style(self) -> str:
@@ -44,7 +80,7 @@ class Ring:
 
     @property
     def law(self) -> str:
-        """Name of the kernel in `deformable.core`."""
+        """Name of the contact law."""
         return "ring"
 
     @property
@@ -56,9 +92,67 @@ class Ring:
         """Stiffness of the only contact of a particle, while it is weak: none [energy/length^2]."""
         return 0.0
 
-    def parameters(self, radii: Iterable[float]) -> str:
+    def skins(self, species: int) -> NDArray[np.float64]:
+        """Skin of each species, shape (species,) [length]."""
+        return np.array(self._each(self.skin, species))
+
+    def parameters(self, radii: Sequence[float]) -> str:
         """Text of the parameter file for species of these radii [length], named s1, s2, ..."""
-        return _parameter_file(radii, self.kA, math.inf)
+        columns = (self._each(values, len(radii)) for values in (self.kA, self.kP, self.skin))
+        return _parameter_file(radii, *columns)
+
+    def contact_length(
+        self, species: int, radius: float, angle: ArrayLike, indentation: ArrayLike
+    ) -> NDArray[np.float64]:
+        """Length of each contact of a particle, arguments as for `outline`, shape (z,) [length]."""
+        return core.ring(
+            radius, angle, self._felt(species, radius, angle, indentation)[1]
+        ).contact_length
+
+    def outline(
+        self,
+        species: int,
+        radius: float,
+        angle: ArrayLike,
+        indentation: ArrayLike,
+        inset: float = 0.0,
+        points: int = 180,
+    ) -> NDArray[np.float64]:
+        """Outline of a particle about its centre, a closed polygon of shape (m, 2) [length].
+
+        Args:
+            species: of the particle.
+            radius: undeformed [length].
+            angle: directions of its contacts, shape (z,) [rad].
+            indentation: of each, shape (z,) [length].
+            inset: distance from the outline to the parallel line within it that is wanted [length].
+            points: how finely a whole turn is divided.
+        """
+        breath, felt = self._felt(species, radius, angle, indentation)
+        return core.outline("ring", radius - inset + breath, angle, felt, points)
+
+    def _felt(
+        self, species: int, radius: float, angle: ArrayLike, indentation: ArrayLike
+    ) -> tuple[float, NDArray[np.float64]]:
+        """How much the ring widens, and the indentations that its contacts then feel."""
+        a = np.asarray(indentation, dtype=np.float64)
+        kA, kP, skin = (self._at(values, species) for values in (self.kA, self.kP, self.skin))
+        if math.isinf(kP):
+            return 0.0, a
+        breath = core.soft_ring(radius, angle, a, kA, kP, skin).delta
+        return breath, a + breath
+
+    def _at(self, values: float | Sequence[float], species: int) -> float:
+        return values if isinstance(values, float) else float(np.asarray(values)[species])
+
+    def _each(self, values: float | Sequence[float], species: int) -> list[float]:
+        """A number for each species."""
+        if np.ndim(values) == 1 and len(np.asarray(values)) != species:
+            raise ParameterError(
+                f"there are {species} species, so {np.asarray(values).tolist()} must have as many "
+                "numbers"
+            )
+        return [self._at(values, n) for n in range(species)]
 
 
 @dataclass(frozen=True)
@@ -116,18 +210,47 @@ class Sector:
         """
         return min(self.kA, self.kP) / (2.0 * radius) ** 2
 
-    def parameters(self, radii: Iterable[float]) -> str:
+    def skins(self, species: int) -> NDArray[np.float64]:
+        """Skin of each species: none, shape (species,) [length]."""
+        return np.zeros(species)
+
+    def parameters(self, radii: Sequence[float]) -> str:
         """Text of the parameter file for species of these radii [length], named s1, s2, ..."""
-        return _parameter_file(radii, self.kA, self.kP)
+        number = len(radii)
+        return _parameter_file(radii, [self.kA] * number, [self.kP] * number, [0.0] * number)
+
+    def contact_length(
+        self, species: int, radius: float, angle: ArrayLike, indentation: ArrayLike
+    ) -> NDArray[np.float64]:
+        """As for `Ring`."""
+        kernel = core.sector if self.law == "sector" else core.area_sector
+        return kernel(radius, angle, indentation).contact_length
+
+    def outline(
+        self,
+        species: int,
+        radius: float,
+        angle: ArrayLike,
+        indentation: ArrayLike,
+        inset: float = 0.0,
+        points: int = 180,
+    ) -> NDArray[np.float64]:
+        """As for `Ring`; an inset is right for sectors that keep their perimeter."""
+        return core.outline(self.law, radius - inset, angle, indentation, points)
 
 
 Model = Ring | Sector
 
 
-def _parameter_file(radii: Iterable[float], kA: float, kP: float) -> str:
+def _parameter_file(
+    radii: Sequence[float], kA: Sequence[float], kP: Sequence[float], skin: Sequence[float]
+) -> str:
     lines = [
         "# UNITS: lj CONTRIBUTOR: written by lammps-deformable",
-        "# name radius[length] kA[energy/length^4] kP[energy/length^2]",
+        "# name radius[length] kA[energy/length^4] kP[energy/length^2] skin[length]",
     ]
-    lines += [f"s{n} {float(radius)!r} {kA!r} {kP!r}" for n, radius in enumerate(radii, start=1)]
+    lines += [
+        " ".join([f"s{n}", *(repr(float(value)) for value in values)])
+        for n, values in enumerate(zip(radii, kA, kP, skin, strict=True), start=1)
+    ]
     return "\n".join(lines) + "\n"

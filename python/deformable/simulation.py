@@ -79,12 +79,13 @@ class Simulation:
         packing = self.comm.bcast(packing)  # ranks on unlike machines may have jammed differently
         self._species, self._radii = packing.species, packing.radii
         self._rigid_phi = np.inf
+        parameters = model.parameters(self._radii.tolist())
         self.lmp = open_lammps(packing, self.comm)
         run(self.lmp, f"pair_style {model.style} {model.arguments}")
         with tempfile.TemporaryDirectory() as folder:
             file = self.comm.bcast(str(Path(folder, "species.txt")))
             if self.comm.rank == 0:
-                Path(file).write_text(model.parameters(self._radii))
+                Path(file).write_text(parameters)
             names = " ".join(f"s{n}" for n in range(1, len(self._radii) + 1))
             run(self.lmp, f'pair_coeff * * "{file}" {names}')
         smallest = float(packing.radius.min())
@@ -174,7 +175,8 @@ class Simulation:
         run(self.lmp, "unfix results")
 
         area, perimeter, contacts, pressure, _, length = self._results.T
-        radius = self._radii[np.array(self.lmp.gather("type", 0, 1)) - 1]
+        rings = self._radii - self.model.skins(len(self._radii))
+        radius = rings[np.array(self.lmp.gather("type", 0, 1)) - 1]
         strain = 1.0 - area / (np.pi * radius**2) + perimeter / (2.0 * np.pi * radius) - 1.0
         largest = np.linalg.norm(gather(self.lmp, "f", 3), axis=1).max()
         self._largest_pressure = float(pressure.max())

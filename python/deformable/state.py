@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import core
 from .models import Model
 from .neighbours import Neighbours
 from .packing import Packing
@@ -28,8 +27,8 @@ class State:
     Attributes:
         packing: centres, species, undeformed radii and box.
         model: contact law with its stiffness.
-        area: of each particle, shape (N,) [length^2].
-        perimeter: of each particle, shape (N,) [length].
+        area: of each particle, within its skin if it has one, shape (N,) [length^2].
+        perimeter: of each particle, likewise, shape (N,) [length].
         contacts: number of contacts that bear force on each particle, shape (N,).
         particle_pressure: inside each particle, shape (N,) [energy/length^2].
         arc_radius: smallest radius of curvature of the free outline, shape (N,) [length].
@@ -64,8 +63,10 @@ class State:
 
     @property
     def phi(self) -> float:
-        """Packing fraction, sum of the deformed areas over the area of the box."""
-        return float(np.sum(self.area) / np.prod(self.packing.box.diagonal()))
+        """Packing fraction, sum of the deformed areas, skins included, over the area of the box."""
+        skin = self._skin
+        filled = self.area + skin * self.perimeter + np.pi * skin**2
+        return float(np.sum(filled) / np.prod(self.packing.box.diagonal()))
 
     @property
     def pressure(self) -> float:
@@ -75,18 +76,25 @@ class State:
     @property
     def area_deficit(self) -> NDArray[np.float64]:
         """S = A0 - A of each particle, shape (N,) [length^2]."""
-        return np.pi * self.packing.radius**2 - self.area
+        return np.pi * (self.packing.radius - self._skin) ** 2 - self.area
+
+    @property
+    def _skin(self) -> NDArray[np.float64]:
+        """Thickness of the rigid skin of each particle, shape (N,) [length]."""
+        return self.model.skins(len(self.packing.radii))[self.packing.species]
 
     @cached_property
     def bearing(self) -> NDArray[np.bool_]:
         """Which `neighbours` bear force: contacts with a length on either side, shape (M,)."""
         # The pair style knows, but fix pair has results of particles only, none of contacts.
         length = np.zeros(len(self.neighbours.i))
-        law = getattr(core, self.model.law)
-        for n, radius in enumerate(self.packing.radius):
+        for n, (kind, radius) in enumerate(
+            zip(self.packing.species, self.packing.radius, strict=True)
+        ):
             part = slice(*self.neighbours.first[n : n + 2])
-            shape = law(radius, self.neighbours.angle[part], self.neighbours.indentation[part])
-            length[part] = shape.contact_length
+            length[part] = self.model.contact_length(
+                kind, radius, self.neighbours.angle[part], self.neighbours.indentation[part]
+            )
         return (length != 0.0) | (length[self.neighbours.reverse] != 0.0)
 
     @cached_property
@@ -116,17 +124,33 @@ class State:
     @cached_property
     def outlines(self) -> list[NDArray[np.float64]]:
         """Exact outline of each particle, closed polygons of shape (m, 2) [length]."""
-        near = self.neighbours
         return [
-            centre
-            + core.outline(
-                self.model.law,
+            centre + outline
+            for centre, outline in zip(self.packing.positions, self.parallels(), strict=True)
+        ]
+
+    def parallels(
+        self, inset: NDArray[np.float64] | None = None, points: int = 180
+    ) -> list[NDArray[np.float64]]:
+        """Lines within the outlines, each about its particle's centre, arrays (m, 2) [length].
+
+        Args:
+            inset: distance from each outline, shape (N,) [length]; none gives the outlines.
+            points: how finely a whole turn is divided.
+        """
+        near = self.neighbours
+        inset = np.zeros(len(self.packing)) if inset is None else inset
+        return [
+            self.model.outline(
+                kind,
                 radius,
                 near.angle[near.first[n] : near.first[n + 1]],
                 near.indentation[near.first[n] : near.first[n + 1]],
+                inset[n],
+                points,
             )
-            for n, (centre, radius) in enumerate(
-                zip(self.packing.positions, self.packing.radius, strict=True)
+            for n, (kind, radius) in enumerate(
+                zip(self.packing.species, self.packing.radius, strict=True)
             )
         ]
 

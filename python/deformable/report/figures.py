@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-_MARKERS = {"disk": "o", "sector": "s", "ring": "D"}
+_MARKERS = {"disk": "o", "sector": "s", "ring": "D", "soft ring": "^"}
 
 
 def pareto(rows: Sequence[dict[str, Any]]) -> Figure:
@@ -42,7 +42,7 @@ def pareto(rows: Sequence[dict[str, Any]]) -> Figure:
                 ax.loglog(
                     row["seconds"],
                     row[key],
-                    _MARKERS.get(row["method"], "^"),
+                    _MARKERS[row["method"]],
                     markersize=9,
                     label=row["method"],
                 )

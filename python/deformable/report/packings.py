@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..bead_reference import BeadReference
 from ..bead_state import BeadState
-from ..beads import Beads
+from ..beads import Beads, Rings
 from ..comparison import Comparison, compare
 from ..engine import run
 from ..jamming import jam, open_disks
@@ -27,9 +27,21 @@ from ..state import State
 _POINTS = 1440
 
 
-def laws(beads: Beads) -> dict[str, Model]:
-    """The contact laws that stand in for rings of such beads, by name."""
-    return {"sector": Sector(beads.kA), "ring": Ring(beads.kA)}
+def laws(beads: Beads, rings: Rings) -> dict[str, Model]:
+    """The contact laws that stand in for rings of such beads, by name.
+
+    `ring` keeps perimeters as the paper does; `soft ring` has the rings' own stiffness kP =
+    kL/N_v, and their beads as a rigid skin.
+    """
+    return {
+        "sector": Sector(beads.kA),
+        "ring": Ring(beads.kA),
+        "soft ring": Ring(
+            beads.kA,
+            kP=(beads.kL / rings.number).tolist(),
+            skin=(rings.effective_radius - rings.radius).tolist(),
+        ),
+    }
 
 
 def strain_beads(
@@ -121,7 +133,7 @@ def packing_rows(
     rows: list[dict[str, Any]] = [common | disk]
     smooth = replace(start, radii=rings.rings.effective_radius)
     comparisons = []
-    for name, model in laws(beads).items():
+    for name, model in laws(beads, rings.rings).items():
         comparison = compare(rings, model, MPI.COMM_SELF)
         comparisons.append(comparison)
         own, seconds = strain_law(smooth, model, strain)

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from ..bead_state import BeadState
 from ..beads import Beads
-from ..comparison import parallel_outlines
 from ..jamming import jam
 from ..packing import Packing, bidisperse
 from ..shape_error import radial_distance
@@ -70,9 +69,9 @@ def pareto_rows(
         return float(np.mean(np.abs(found - dents) / start.radius[:, None]))
 
     rows = [row("disk", 0.0 * deficit, off(0.0 * dents), strain_disks(start, strain))]
-    for name, model in laws(Beads()).items():
+    for name, model in laws(beads, fine.rings).items():
         state, seconds = strain_law(start, model, strain)
-        outlines = parallel_outlines(state, start.radius)
+        outlines = state.parallels(points=2 * len(_DIRECTIONS))
         found = np.array(
             [
                 radius - radial_distance(outline, _DIRECTIONS)
