@@ -17,6 +17,7 @@ from .beads import Beads
 from .engine import change_box, gather, lattice, local_array, run, silent_lammps
 from .errors import ParameterError, StalledWarning
 from .packing import Packing, positive
+from .progress import progress
 from .walls import Walls
 
 _SETUP = """
@@ -221,14 +222,17 @@ class BeadReference:
         positive("tolerance", tolerance)
         residual = self._evaluate()
         best, patience = residual, _PATIENCE
-        while residual > tolerance and patience > 0:
-            # the scale falls while the packing relaxes
-            force = 0.9 * max(tolerance * self._force_scale, self._rounding)
-            run(self.lmp, f"minimize 0 {force!r} {_ITERATIONS} {2 * _ITERATIONS}")
-            residual = self._evaluate()
-            patience -= _ITERATIONS
-            if residual < 0.5 * best:
-                best, patience = residual, _PATIENCE
+        with progress("relaxing rings", unit="step") as bar:
+            while residual > tolerance and patience > 0:
+                # the scale falls while the packing relaxes
+                force = 0.9 * max(tolerance * self._force_scale, self._rounding)
+                run(self.lmp, f"minimize 0 {force!r} {_ITERATIONS} {2 * _ITERATIONS}")
+                residual = self._evaluate()
+                patience -= _ITERATIONS
+                if residual < 0.5 * best:
+                    best, patience = residual, _PATIENCE
+                bar.set_postfix(residual=f"{residual:.2g}", tolerance=f"{tolerance:.2g}")
+                bar.update(_ITERATIONS)
         stalled = residual > tolerance
         if stalled and self.comm.rank == 0:
             warnings.warn(

@@ -1,7 +1,8 @@
-"""Progress bars on long work: silent off a terminal and off rank 0."""
+"""Progress bars on long work: silent off a terminal, off rank 0 and in farmed processes."""
 
 from __future__ import annotations
 
+from multiprocessing import parent_process
 from typing import Any
 
 from mpi4py import MPI
@@ -10,5 +11,5 @@ from tqdm import tqdm
 
 def progress(description: str, unit: str, total: int | None = None) -> tqdm[Any]:
     """A progress bar on stderr; tqdm itself keeps it off anything that is not a terminal."""
-    hidden = MPI.COMM_WORLD.rank > 0 or None
+    hidden = MPI.COMM_WORLD.rank > 0 or parent_process() is not None or None
     return tqdm(desc=description, unit=unit, total=total, leave=False, disable=hidden)
