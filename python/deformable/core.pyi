@@ -56,6 +56,14 @@ def soft_ring(
     kP: float,
     skin: float = 0.0,
 ) -> SoftShape: ...
+def contact_stiffness(
+    radius: float,
+    angle: ArrayLike,
+    indentation: ArrayLike,
+    kA: float,
+    kP: float,
+    skin: float = 0.0,
+) -> _Vector: ...
 def sector(radius: float, angle: ArrayLike, indentation: ArrayLike) -> Shape: ...
 def area_sector(radius: float, angle: ArrayLike, indentation: ArrayLike) -> Shape: ...
 def outline(

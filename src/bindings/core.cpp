@@ -4,6 +4,7 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
+#include "balance.h"
 #include "contact.h"
 #include "outline.h"
 #include "ring.h"
@@ -24,6 +25,7 @@ namespace {
 
 using Vector = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
 using Points = nb::ndarray<nb::numpy, double, nb::shape<-1, 2>>;
+using Matrix = nb::ndarray<nb::numpy, double, nb::ndim<2>>;
 using Arcs = nb::ndarray<nb::numpy, double, nb::shape<-1, 5>>;
 
 template <class Array> Array to_numpy(const double *begin, std::initializer_list<std::size_t> shape)
@@ -162,10 +164,9 @@ struct SoftResult {
   Energy energy;
 };
 
-SoftResult soft_ring(double radius, nb::handle angle, nb::handle indentation, double kA, double kP,
-                     double skin)
+SoftResult soft_ring(const Call &call, double kA, double kP, double skin)
 {
-  Call call = checked(radius, angle, indentation);
+  const double radius = call.radius;
   if (!(kA > 0.0)) refuse("kA is " + std::to_string(kA) + ": it must be positive, or inf");
   if (!(kP > 0.0)) refuse("kP is " + std::to_string(kP) + ": it must be positive, or inf");
   if (std::isinf(kA) && std::isinf(kP))
@@ -186,6 +187,38 @@ SoftResult soft_ring(double radius, nb::handle angle, nb::handle indentation, do
     refuse("indentation: these contacts leave no room for a ring of this area");
   }
   return result;
+}
+
+SoftResult soft_ring_result(double radius, nb::handle angle, nb::handle indentation, double kA,
+                            double kP, double skin)
+{
+  return soft_ring(checked(radius, angle, indentation), kA, kP, skin);
+}
+
+Matrix stiffness_of(double radius, nb::handle angle, nb::handle indentation, double kA, double kP,
+                    double skin)
+{
+  const Call call = checked(radius, angle, indentation);
+  const SoftResult result = soft_ring(call, kA, kP, skin);
+  const Shape &shape = result.shape;
+  std::vector<int> carrying;
+  for (std::size_t c = 0; c < result.contacts; ++c)
+    if (shape.contact[c].length > 0.0) carrying.push_back(static_cast<int>(c));
+
+  const std::size_t z = result.contacts, n = carrying.size();
+  std::vector<double> inverse(n * n), rate, block(n * n), full(z * z, 0.0);
+  RingProgramme programme;
+  green_inverse(call.view(), static_cast<int>(n), carrying.data(), programme, inverse.data());
+  contact_stiffness({result.radius,
+                     shape.perimeter_excess / (2.0 * PI),
+                     {kA, kP},
+                     result.energy.derivative,
+                     call.view(),
+                     shape.contact.data()},
+                    static_cast<int>(n), carrying.data(), inverse.data(), rate, block.data());
+  for (std::size_t m = 0; m < n; ++m)
+    for (std::size_t k = 0; k < n; ++k) full[carrying[m] * z + carrying[k]] = block[m * n + k];
+  return to_numpy<Matrix>(full.data(), {z, z});
 }
 
 template <Result (*LAW)(Call &)>
@@ -426,7 +459,7 @@ Lines outside the circle (negative indentation) matter where the outline bulges 
 
 Parameters and errors as for `sector`, but contacts may coincide. Derivatives are those of the area
 deficit. Source: docs/theory.md, "Ring".)");
-  m.def("soft_ring", &soft_ring, "radius"_a, "angle"_a, "indentation"_a, "kA"_a, "kP"_a,
+  m.def("soft_ring", &soft_ring_result, "radius"_a, "angle"_a, "indentation"_a, "kA"_a, "kP"_a,
         "skin"_a = 0.0,
         R"(Contacts that slip, of a ring that resists a change of area and one of perimeter.
 
@@ -457,6 +490,14 @@ ValueError
     an area that the contacts leave no room for (kA = inf).
 
 Source: docs/theory.md, "Rings that breathe".)");
+  m.def("contact_stiffness", &stiffness_of, "radius"_a, "angle"_a, "indentation"_a, "kA"_a, "kP"_a,
+        "skin"_a = 0.0,
+        R"(How the forces of `soft_ring` answer to the indentations.
+
+Returns the symmetric matrix dF_c/da_c' (z, z) of F_c = dU/da_c [energy/length^2], zero in rows and columns
+of contacts that do not carry. Parameters and errors as for `soft_ring`.
+
+Source: docs/theory.md, "Balanced contacts".)");
   m.def("outline", &outline_points, "law"_a, "radius"_a, "angle"_a, "indentation"_a,
         "points"_a = 180,
         R"(The outline that a law ('ring', 'sector' or 'area_sector') gives a particle.

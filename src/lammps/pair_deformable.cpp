@@ -19,14 +19,17 @@ static const char *const RESULT_NAMES[] = {"area",     "perimeter",  "contacts",
 
 /* ---------------------------------------------------------------------- */
 
-PairDeformable::PairDeformable(LAMMPS *lmp) : Pair(lmp), beyond(0), bulge_over_reach(0.0)
+PairDeformable::PairDeformable(LAMMPS *lmp, int outputs)
+    : Pair(lmp),
+      beyond(0),
+      bulge_over_reach(0.0)
 {
   single_enable = 0;
   restartinfo = 0;
   one_coeff = 1;
   manybody_flag = 1;
   centroidstressflag = CENTROID_NOTAVAIL;
-  nextra = 2;
+  nextra = outputs;
   pvector = new double[nextra]();
 }
 
@@ -162,10 +165,10 @@ void PairDeformable::end_call()
 }
 
 /* ----------------------------------------------------------------------
-   pairs within the cutoff of a block of particles
+   pairs of a block of particles
 ------------------------------------------------------------------------- */
 
-void PairDeformable::find_pairs(int begin, int end)
+template <bool WITHIN_CUTOFF> void PairDeformable::find_pairs(int begin, int end)
 {
   const double *const *const x = atom->x;
   const int *const type = atom->type;
@@ -183,11 +186,14 @@ void PairDeformable::find_pairs(int begin, int end)
     for (int jj = 0; jj < count; ++jj) {
       const int j = neighbors[jj] & NEIGHMASK;
       const double dx = x[j][0] - xi, dy = x[j][1] - yi;
-      if (dx * dx + dy * dy > cutsq_i[type[j]]) continue;
+      if (WITHIN_CUTOFF && dx * dx + dy * dy > cutsq_i[type[j]]) continue;
       pairs.add(i, j, dx, dy, ri, radius[type[j]]);
     }
   }
 }
+
+template void PairDeformable::find_pairs<true>(int, int);
+template void PairDeformable::find_pairs<false>(int, int);
 
 /* ---------------------------------------------------------------------- */
 

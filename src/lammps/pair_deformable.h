@@ -25,7 +25,7 @@ namespace LAMMPS_NS {
 
 class PairDeformable : public Pair {
  public:
-  PairDeformable(class LAMMPS *);
+  PairDeformable(class LAMMPS *, int outputs = 2);
   ~PairDeformable() override;
 
   void coeff(int, char **) override;
@@ -49,6 +49,9 @@ class PairDeformable : public Pair {
   // One force call: begin_call, for_each_particle the law and apply or store_circle, end_call.
   void begin_call(int eflag, int vflag);
   template <bool WALLS, class Law> void for_each_particle(Law &&law);
+  // Instead of it, all contacts of all particles at once: of all pairs of the neighbour list, in the order
+  // of that list, then of the walls. They stay until the next call.
+  template <bool WALLS> void gather();
   template <bool WALLS>
   void apply(int i, const deformable::Contacts &, const deformable::Energy &energy);
   void end_call();
@@ -61,8 +64,9 @@ class PairDeformable : public Pair {
   double bulge_over_reach;    // the largest of this rank, at the last new neighbour list
 
  private:
+  static constexpr int BLOCK = 64;
   ContactPairs pairs;    // those of the block of particles at hand
-  void find_pairs(int begin, int end);
+  template <bool WITHIN_CUTOFF> void find_pairs(int begin, int end);
   void enter_pairs();
   void enter_walls(int i);
 
@@ -81,10 +85,9 @@ class PairDeformable : public Pair {
 // that earlier blocks have left here what they share with these.
 template <bool WALLS, class Law> void PairDeformable::for_each_particle(Law &&law)
 {
-  constexpr int BLOCK = 64;
   for (int begin = 0; begin < list->inum; begin += BLOCK) {
     const int end = std::min(begin + BLOCK, list->inum);
-    find_pairs(begin, end);
+    find_pairs<true>(begin, end);
     meet(pairs);
     enter_pairs();
     for (int ii = begin; ii < end; ++ii) {
@@ -94,6 +97,17 @@ template <bool WALLS, class Law> void PairDeformable::for_each_particle(Law &&la
       table.release(i);
     }
   }
+}
+
+template <bool WALLS> void PairDeformable::gather()
+{
+  for (int begin = 0; begin < list->inum; begin += BLOCK) {
+    find_pairs<false>(begin, std::min(begin + BLOCK, list->inum));
+    meet(pairs);
+    enter_pairs();
+  }
+  if constexpr (WALLS)
+    for (int ii = 0; ii < list->inum; ++ii) enter_walls(list->ilist[ii]);
 }
 
 // Energy and forces of one particle's shape: each contact pushes the particle and its partner apart by

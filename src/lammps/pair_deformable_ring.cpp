@@ -3,11 +3,13 @@
 #include "contact.h"
 #include "support.h"
 
+#include "comm.h"
 #include "error.h"
 #include "neighbor.h"
 
 #include <algorithm>
-#include <cstring>
+#include <cmath>
+#include <string>
 
 using namespace LAMMPS_NS;
 using namespace deformable;
@@ -17,15 +19,53 @@ using namespace deformable;
 void PairDeformableRing::settings(int narg, char **arg)
 {
   reach = 0.1;
-  for (int iarg = 0; iarg < narg; iarg += 2) {
-    if (std::strcmp(arg[iarg], "reach") != 0)
-      error->all(FLERR, iarg, "Unknown pair_style deformable/ring keyword '{}': it knows 'reach'",
-                 arg[iarg]);
-    if (iarg + 1 == narg) utils::missing_cmd_args(FLERR, "pair_style deformable/ring reach", error);
-    reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
-    if (!(reach > 0.0))
-      error->all(FLERR, iarg + 1, "pair_style deformable/ring reach {} must be positive",
-                 arg[iarg + 1]);
+  balance.reset();
+  int balance_words = 0;
+  double tolerance = 1e-8;
+  int limit = 100;
+  for (int iarg = 0; iarg < narg;) {
+    const std::string keyword = arg[iarg];
+    const int values = keyword == "balance" ? 2 : 1;
+    if (keyword != "contact" && keyword != "balance" && keyword != "reach")
+      error->all(FLERR, iarg,
+                 "Unknown pair_style deformable/ring keyword '{}': it knows 'contact', 'balance' "
+                 "and 'reach'",
+                 keyword);
+    if (iarg + values >= narg)
+      utils::missing_cmd_args(FLERR, "pair_style deformable/ring " + keyword, error);
+    if (keyword == "contact") {
+      const std::string where = arg[iarg + 1];
+      if (where != "radical" && where != "balanced")
+        error->all(FLERR, iarg + 1,
+                   "pair_style deformable/ring contact '{}' is neither 'radical' nor 'balanced'",
+                   where);
+      balance.reset(where == "balanced" ? new ContactBalance(lmp) : nullptr);
+    } else if (keyword == "balance") {
+      balance_words = iarg + 1;
+      tolerance = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
+      limit = utils::inumeric(FLERR, arg[iarg + 2], false, lmp);
+      if (!(tolerance > 0.0 && tolerance < 1.0))
+        error->all(FLERR, iarg + 1,
+                   "pair_style deformable/ring balance: the tolerance {} must lie between 0 and 1",
+                   arg[iarg + 1]);
+      if (limit < 1)
+        error->all(FLERR, iarg + 2,
+                   "pair_style deformable/ring balance: {} iterations are too few, give 1 or more",
+                   arg[iarg + 2]);
+    } else {
+      reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
+      if (!(reach > 0.0))
+        error->all(FLERR, iarg + 1, "pair_style deformable/ring reach {} must be positive",
+                   arg[iarg + 1]);
+    }
+    iarg += 1 + values;
+  }
+  if (balance) {
+    balance->tolerance = tolerance;
+    balance->limit = limit;
+  } else if (balance_words > 0) {
+    error->all(FLERR, balance_words - 1,
+               "pair_style deformable/ring balance is for 'contact balanced' only");
   }
 }
 
@@ -73,41 +113,136 @@ void PairDeformableRing::compute(int eflag, int vflag)
 
 template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate(int eflag, int vflag)
 {
-  const bool new_list = neighbor->ago == 0;
   begin_call(eflag, vflag);
-  for_each_particle<WALLS>([&](int i, const Contacts &contacts) {
-    const int type = atom->type[i];
-    char *const carries =
-        carried.of(i, contacts.size, [](char *first, char *last) { std::fill(first, last, 0); });
-    Energy energy;
-    if (SOFT && !species[type].stiffness.conserves_perimeter()) {
-      energy = soften(i, contacts, carries);
-    } else {
-      ring_shape(ring_radius[type], contacts, carries, programme, shape);
-      energy = harmonic(species[type].stiffness.kA, shape.area_deficit);
-    }
-    if (energy.derivative == 0.0) return store_circle(i);
-
-    apply<WALLS>(i, contacts, energy);
-    store_shape(i, contacts, energy.derivative);
-    if (new_list) check_reach(i, contacts);
-  });
+  if (balance)
+    evaluate_balanced<WALLS, SOFT>();
+  else
+    for_each_particle<WALLS>([&](int i, const Contacts &contacts) {
+      finish<WALLS>(i, contacts, deform<SOFT>(i, contacts));
+    });
   end_call();
 }
 
 /* ---------------------------------------------------------------------- */
 
-Energy PairDeformableRing::soften(int i, const Contacts &contacts, char *carries)
+template <bool SOFT> Energy PairDeformableRing::deform(int i, const Contacts &contacts)
 {
   const int type = atom->type[i];
-  Energy energy;
-  if (!soft_ring_shape(ring_radius[type], species[type].stiffness, contacts, carries, programme,
-                       shape, energy))
-    error->one(FLERR,
-               "Atom {} has no shape that keeps its area: its {} contacts leave no room. Compress "
-               "less, or give species {} a finite kA",
-               atom->tag[i], contacts.size, species[type].name);
-  return energy;
+  char *const carries =
+      carried.of(i, contacts.size, [](char *first, char *last) { std::fill(first, last, 0); });
+  if (SOFT && !species[type].stiffness.conserves_perimeter()) {
+    Energy energy;
+    soft_ring_shape(ring_radius[type], species[type].stiffness, contacts, carries, programme, shape,
+                    energy);
+    return energy;
+  }
+  ring_shape(ring_radius[type], contacts, carries, programme, shape);
+  return harmonic(species[type].stiffness.kA, shape.area_deficit);
+}
+
+/* ---------------------------------------------------------------------- */
+
+template <bool WALLS>
+void PairDeformableRing::finish(int i, const Contacts &contacts, const Energy &energy)
+{
+  if (energy.derivative == 0.0) return store_circle(i);
+  if (!std::isfinite(energy.derivative)) no_shape(i, contacts.size);
+  apply<WALLS>(i, contacts, energy);
+  store_shape(i, contacts, energy.derivative);
+  if (neighbor->ago == 0) check_reach(i, contacts);
+}
+
+/* ----------------------------------------------------------------------
+   Contact lines where both sides press alike. No force depends on how the
+   lines follow the particles, because the energy is stationary in that.
+------------------------------------------------------------------------- */
+
+template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate_balanced()
+{
+  gather<WALLS>();
+  radical.resize(table.contact.size());
+  responses.resize(table.contact.size());
+  deformed.resize(atom->nlocal);
+  for (std::size_t c = 0; c < radical.size(); ++c) radical[c] = table.contact[c].indentation;
+
+  const bool settled = balance->settle(
+      table, neighbor->ago == 0, [this] { return sweep<SOFT>(); },
+      [this](int i) { return pressed(i); });
+  if (!settled && !unbalanced) {
+    unbalanced = true;
+    if (comm->me == 0)
+      error->warning(FLERR,
+                     "Contacts are not balanced: after {} iterations forces of both sides differ "
+                     "by up to {:.2g} of the largest. Allow more iterations, or more tolerance "
+                     "than {:.2g} (pair_style deformable/ring balance)",
+                     balance->sweeps, balance->residual, balance->tolerance);
+  }
+
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
+    const Contacts contacts = table.of(i);
+    const Deformed &d = deformed[i];
+    shape.reset(contacts.size, 0.0);
+    shape.area_deficit = d.area_deficit;
+    shape.perimeter_excess = d.perimeter_excess;
+    shape.arc_radius = d.arc_radius;
+    if (contacts.size > 0)
+      std::copy_n(&responses[table.first(i)], contacts.size, shape.contact.begin());
+    finish<WALLS>(i, contacts, d.energy);
+  }
+  if (comm->me != 0) return;
+  pvector[2] = balance->sweeps;
+  pvector[3] = balance->residual;
+}
+
+/* ---------------------------------------------------------------------- */
+
+template <bool SOFT> ContactBalance::Load PairDeformableRing::sweep()
+{
+  ContactBalance::Load load = {0.0, 0.0};
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
+    const Contacts contacts = table.of(i);
+    const std::size_t first = contacts.size > 0 ? table.first(i) : 0;
+    const int sides = balance->sides_of(i);
+    for (int c = 0; c < sides; ++c)
+      table.contact[first + c].indentation = radical[first + c] + balance->shift(i, c);
+
+    const Energy energy = deform<SOFT>(i, contacts);
+    deformed[i] = {shape.area_deficit, shape.perimeter_excess, shape.arc_radius, energy};
+    std::copy_n(shape.contact.begin(), contacts.size, responses.begin() + first);
+    load.energy += energy.value;
+    for (int c = 0; c < contacts.size; ++c) {
+      const double force = energy.derivative * shape.contact[c].length;
+      load.largest = std::max(load.largest, force);
+      if (c < sides) balance->press(i, c, force);
+    }
+  }
+  return load;
+}
+
+/* ---------------------------------------------------------------------- */
+
+PressedRing PairDeformableRing::pressed(int i) const
+{
+  const int type = atom->type[i];
+  const Deformed &d = deformed[i];
+  return {ring_radius[type],
+          d.perimeter_excess / (2.0 * PI),
+          species[type].stiffness,
+          d.energy.derivative,
+          table.of(i),
+          &responses[table.first(i)]};
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableRing::no_shape(int i, int contacts)
+{
+  error->one(FLERR,
+             "Atom {} has no shape that keeps its area: its {} contacts leave no room. Compress "
+             "less, or give species {} a finite kA",
+             atom->tag[i], contacts, species[atom->type[i]].name);
 }
 
 /* ----------------------------------------------------------------------

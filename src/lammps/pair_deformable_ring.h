@@ -1,16 +1,20 @@
-// Contacts that slip: pair_style deformable/ring [reach f]
+// Contacts that slip: pair_style deformable/ring [contact radical|balanced] [balance tol maxiter] [reach f]
 
 #ifndef LMP_PAIR_DEFORMABLE_RING_H
 #define LMP_PAIR_DEFORMABLE_RING_H
 
 #include "pair_deformable.h"
+
+#include "contact_balance.h"
 #include "soft_ring.h"
+
+#include <memory>
 
 namespace LAMMPS_NS {
 
 class PairDeformableRing : public PairDeformable {
  public:
-  PairDeformableRing(class LAMMPS *lmp) : PairDeformable(lmp) {}
+  PairDeformableRing(class LAMMPS *lmp) : PairDeformable(lmp, 4) {}
   void settings(int, char **) override;
   void init_style() override;
   void compute(int, int) override;
@@ -23,8 +27,26 @@ class PairDeformableRing : public PairDeformable {
   bool soft = false;    // is there a species whose perimeter is not conserved?
 
   template <bool WALLS, bool SOFT> void evaluate(int eflag, int vflag);
-  deformable::Energy soften(int i, const deformable::Contacts &, char *carries);
+  template <bool SOFT> deformable::Energy deform(int i, const deformable::Contacts &);
+  template <bool WALLS>
+  void finish(int i, const deformable::Contacts &, const deformable::Energy &);
   void check_reach(int i, const deformable::Contacts &);
+  [[noreturn]] void no_shape(int i, int contacts);
+
+  // Of balanced contacts, all particles at once: what the law has made of them, the responses by place in
+  // the table.
+  struct Deformed {
+    double area_deficit, perimeter_excess, arc_radius;
+    deformable::Energy energy;
+  };
+  std::unique_ptr<ContactBalance> balance;    // null: contacts stay on the radical axis
+  bool unbalanced = false;                    // so it has been said
+  std::vector<Deformed> deformed;
+  std::vector<deformable::Response> responses;
+  std::vector<double> radical;    // indentations, by place in the table
+  template <bool WALLS, bool SOFT> void evaluate_balanced();
+  template <bool SOFT> ContactBalance::Load sweep();
+  deformable::PressedRing pressed(int i) const;
 };
 
 }    // namespace LAMMPS_NS

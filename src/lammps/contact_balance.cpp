@@ -1,0 +1,358 @@
+#include "contact_balance.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+using namespace LAMMPS_NS;
+
+void SideValues::reset(int rows, int stride)
+{
+  value.assign(static_cast<std::size_t>(rows) * stride, 0.0);
+  row.resize(rows);
+  for (int r = 0; r < rows; ++r) row[r] = value.data() + static_cast<std::size_t>(r) * stride;
+}
+
+// From each rank's particles to their ghosts.
+void ContactBalance::exchange(SideValues &values)
+{
+  comm->forward_comm_array(stride, values.row.data());
+}
+
+/* ---------------------------------------------------------------------- */
+
+bool ContactBalance::settle(const ContactTable &table, bool new_list, const Sweep &sweep,
+                            const Rings &rings)
+{
+  if (new_list) face(table);
+  start();
+
+  sweeps = 0;
+  Point at = look(sweep);
+  if (!std::isfinite(at.energy)) {    // a shape that there is not, perhaps on radical axes
+    std::fill(shifts.value.begin(), shifts.value.end(), 0.0);
+    at = look(sweep);
+  }
+  bool free_to_part = true;
+  while (!at.settled(tolerance) && sweeps < limit && std::isfinite(at.energy)) {
+    stiffen(rings);
+    if (free_to_part && part(rings)) at.energy = std::numeric_limits<double>::infinity();
+    free_to_part = false;
+    // a step takes what is left to its square, but no further than the tolerance asks for
+    constexpr double LOOSE = 0.03, MARGIN = 0.01;
+    const double left_over = at.worst / at.largest;
+    find_step(std::max(MARGIN * tolerance / left_over, std::min(left_over, LOOSE)));
+    at = descend(at, sweep);
+  }
+  residual = at.worst > 0.0 ? at.worst / at.largest : 0.0;
+  return at.settled(tolerance);
+}
+
+/* ----------------------------------------------------------------------
+   the other side of each: two particles of a small box meet more than once,
+   in directions that differ
+------------------------------------------------------------------------- */
+
+void ContactBalance::face(const ContactTable &table)
+{
+  const std::vector<Known> known = recall();
+
+  const int nlocal = atom->nlocal, rows = nlocal + atom->nghost;
+  count.assign(nlocal, 0);
+  int longest = 1;
+  for (int i = 0; i < nlocal; ++i) {
+    const deformable::Contacts contacts = table.of(i);
+    while (count[i] < contacts.size && table.partner[table.first(i) + count[i]].atom >= 0)
+      ++count[i];
+    longest = std::max(longest, count[i]);
+  }
+  MPI_Allreduce(&longest, &stride, 1, MPI_INT, MPI_MAX, world);
+
+  SideValues &weight = answers;
+  for (SideValues *values :
+       {&shifts, &before, &earlier, &forces, &steps, &answers, &partners, &angles})
+    values->reset(rows, stride);
+  tags.assign(atom->tag, atom->tag + nlocal);
+  for (int i = 0; i < nlocal; ++i)
+    for (int c = 0; c < count[i]; ++c) {
+      const int k = side(i, c);
+      const tagint partner = atom->tag[table.partner[table.first(i) + c].atom];
+      partners[k] = static_cast<double>(partner);
+      angles[k] = table.of(i)[c].angle;
+      double nearest = 0.0;
+      const auto [first, last] =
+          std::equal_range(known.begin(), known.end(), Known{tags[i], partner, 0.0, 0.0, 0.0, 0.0});
+      for (auto candidate = first; candidate != last; ++candidate) {
+        const double alike = std::cos(candidate->angle - angles[k]);
+        if (alike <= nearest) continue;
+        nearest = alike;
+        weight[k] = 1.0;
+        shifts[k] = candidate->shift;
+        before[k] = candidate->before;
+        earlier[k] = candidate->earlier;
+      }
+    }
+  for (SideValues *values : {&partners, &angles, &weight, &shifts, &before, &earlier})
+    exchange(*values);
+
+  mirror.resize(static_cast<std::size_t>(nlocal) * stride);
+  for (int i = 0; i < nlocal; ++i)
+    for (int c = 0; c < count[i]; ++c) {
+      const int k = side(i, c), j = table.partner[table.first(i) + c].atom;
+      mirror[k] = k;
+      double nearest = 0.0;
+      for (int m = side(j, 0); m < side(j, stride); ++m) {
+        const double alike = -std::cos(angles[m] - angles[k]);
+        if (partners[m] != static_cast<double>(tags[i]) || alike <= nearest) continue;
+        nearest = alike;
+        mirror[k] = m;
+      }
+    }
+
+  for (std::vector<double> *v : {&gradient, &left, &search, &turned, &per_diagonal})
+    v->assign(mirror.size(), 0.0);
+  // what either of both sides recalls
+  for (SideValues *values : {&shifts, &before, &earlier}) {
+    std::vector<double> &common = turned;
+    for (int i = 0; i < nlocal; ++i)
+      for (int k = side(i, 0); k < side(i, count[i]); ++k) {
+        const double sum = weight[k] + weight[mirror[k]];
+        common[k] = sum > 0.0 ? ((*values)[k] - (*values)[mirror[k]]) / sum : 0.0;
+      }
+    std::copy(common.begin(), common.end(), values->value.begin());
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+std::vector<ContactBalance::Known> ContactBalance::recall()
+{
+  std::vector<Known> known;
+  for (int i = 0; i < static_cast<int>(count.size()); ++i)
+    for (int k = side(i, 0); k < side(i, count[i]); ++k)
+      if (shifts[k] != 0.0)
+        known.push_back({tags[i], static_cast<tagint>(partners[k]), angles[k], shifts[k], before[k],
+                         earlier[k]});
+  std::sort(known.begin(), known.end());
+  return known;
+}
+
+/* ----------------------------------------------------------------------
+   along a trajectory shifts of pairs that carry go on as they did
+------------------------------------------------------------------------- */
+
+void ContactBalance::start()
+{
+  run_up = update->ntimestep == last_step + 1 ? std::min(run_up + 1, 3) : 0;
+  last_step = update->ntimestep;
+
+  for (int i = 0; i < atom->nlocal; ++i)
+    for (int k = side(i, 0); k < side(i, count[i]); ++k) {
+      const double now = shifts[k], change = now - before[k],
+                   change_before = before[k] - earlier[k];
+      earlier[k] = before[k];
+      before[k] = now;
+      if (forces[k] == 0.0 && forces[mirror[k]] == 0.0) continue;
+      if (run_up >= 2) shifts[k] += change;
+      if (run_up >= 3) shifts[k] += change - change_before;
+    }
+  moving.clear();
+  carrying.clear();
+  inverses.clear();
+  blocks.assign(atom->nlocal, Block{0, -1, 0, 0});
+}
+
+/* ----------------------------------------------------------------------
+   A line that presses on one of two outlines with a gap between them goes to
+   the middle of the gap, where it is not in their way for a while. Newton's
+   method would leave it at the very edge, after many steps where the force
+   has no finite slope there. Returns whether there was such a line.
+------------------------------------------------------------------------- */
+
+bool ContactBalance::part(const Rings &rings)
+{
+  const auto for_pairs_of_one = [this](auto &&act) {
+    for (int i = 0; i < atom->nlocal; ++i)
+      for (int c = 0; c < count[i]; ++c) {
+        const int k = side(i, c);
+        if ((forces[k] > 0.0) != (forces[mirror[k]] > 0.0)) act(i, c, k);
+      }
+  };
+  SideValues &room = answers;    // before the outline; negative where it is pressed
+  for_pairs_of_one([&](int i, int c, int k) {
+    const deformable::PressedRing ring = rings(i);
+    if (forces[k] > 0.0) {
+      const Block &block = blocks[i];
+      const int *const carry = &carrying[block.begin];
+      const int m = std::find(carry, carry + block.size, c) - carry;
+      room[k] = -ring.response[c].length / inverses[block.matrix + m * (block.size + 1)];
+    } else {
+      room[k] = deformable::room_before(ring, c);
+    }
+  });
+  exchange(room);
+  int here = 0, anywhere;
+  for_pairs_of_one([&](int, int, int k) {
+    if (room[k] + room[mirror[k]] <= 0.0) return;
+    shifts[k] += 0.5 * (room[k] - room[mirror[k]]);
+    gradient[k] = per_diagonal[k] = 0.0;
+    here = 1;
+  });
+  std::fill(room.value.begin(), room.value.end(), 0.0);
+  MPI_Allreduce(&here, &anywhere, 1, MPI_INT, MPI_MAX, world);
+  return anywhere == 1;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double ContactBalance::total(double part) const
+{
+  double all;
+  MPI_Allreduce(&part, &all, 1, MPI_DOUBLE, MPI_SUM, world);
+  return all;
+}
+
+// of the energy along the step; each pair has two sides
+double ContactBalance::slope()
+{
+  double sum = 0.0;
+  for (int k : moving) sum += 0.5 * gradient[k] * steps[k];
+  return total(sum);
+}
+
+/* ---------------------------------------------------------------------- */
+
+ContactBalance::Point ContactBalance::look(const Sweep &sweep)
+{
+  ++sweeps;
+  const Load load = sweep();
+  exchange(forces);
+  double local[2] = {load.largest, 0.0}, largest[2];
+  for (int i = 0; i < atom->nlocal; ++i)
+    for (int k = side(i, 0); k < side(i, count[i]); ++k) {
+      gradient[k] = forces[k] - forces[mirror[k]];
+      local[1] = std::max(local[1], std::fabs(gradient[k]));
+    }
+  MPI_Allreduce(local, largest, 2, MPI_DOUBLE, MPI_MAX, world);
+  return {total(load.energy), slope(), largest[0], largest[1]};
+}
+
+/* ----------------------------------------------------------------------
+   The energy is convex along the step too, but contacts begin and cease to
+   carry on the way: back to where its slope would vanish if it were linear
+------------------------------------------------------------------------- */
+
+ContactBalance::Point ContactBalance::descend(const Point &from, const Sweep &sweep)
+{
+  constexpr double ROUNDING = 1e-12, LEVEL = 0.5;
+  const double downhill = slope();
+  for (double taken = 0.0, wanted = 1.0;;) {
+    for (int k : moving) shifts[k] += (wanted - taken) * steps[k];
+    const Point at = look(sweep);
+    const bool falls = at.energy <= from.energy * (1.0 + ROUNDING);
+    if (at.slope <= 0.0 || (falls && at.slope <= -LEVEL * downhill) || sweeps >= limit) return at;
+    if (std::isinf(from.energy) && std::isfinite(at.energy)) return at;    // lines have jumped
+    taken = wanted;
+    wanted *=
+        std::isfinite(at.slope) ? std::clamp(downhill / (downhill - at.slope), 0.1, 0.9) : 0.25;
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void ContactBalance::stiffen(const Rings &rings)
+{
+  const int nlocal = atom->nlocal;
+  std::fill_n(answers.value.begin(), mirror.size(), 0.0);
+  for (int i = 0; i < nlocal; ++i) {
+    if (count[i] == 0) continue;
+    const deformable::PressedRing ring = rings(i);
+    Block &block = blocks[i];
+    const int begin = static_cast<int>(carrying.size());
+    int sides = 0;
+    for (int c = 0; c < ring.contacts.size; ++c)
+      if (ring.response[c].length > 0.0) {
+        carrying.push_back(c);
+        sides += c < count[i];
+      }
+    const int *const now = carrying.data() + begin, size = carrying.size() - begin;
+    if (size == block.size && std::equal(now, now + size, carrying.data() + block.begin)) {
+      carrying.resize(begin);
+    } else {
+      block = {begin, size, sides, inverses.size()};
+      inverses.resize(block.matrix + static_cast<std::size_t>(size) * size);
+      deformable::green_inverse(ring.contacts, size, now, programme, &inverses[block.matrix]);
+      matrices.resize(inverses.size());
+    }
+    const int *const carry = &carrying[block.begin];
+    double *const matrix = &matrices[block.matrix];
+    deformable::contact_stiffness(ring, size, carry, &inverses[block.matrix], rate, matrix);
+    for (int m = 0; m < sides; ++m) answers[side(i, carry[m])] = matrix[m * size + m];
+  }
+  exchange(answers);
+  moving.clear();
+  for (int i = 0; i < nlocal; ++i)
+    for (int k = side(i, 0); k < side(i, count[i]); ++k) {
+      const double diagonal = answers[k] + answers[mirror[k]];
+      if (!(diagonal > 0.0) || mirror[k] == k) continue;
+      per_diagonal[k] = 1.0 / diagonal;
+      moving.push_back(k);
+    }
+}
+
+/* ----------------------------------------------------------------------
+   H x = -g by conjugate gradients, H the sum of all K seen by pairs; `steps`
+   becomes x, `answers` brings K of either side
+------------------------------------------------------------------------- */
+
+void ContactBalance::find_step(double accuracy)
+{
+  constexpr int LONGEST = 500;
+  std::fill(search.begin(), search.end(), 0.0);    // rows of K meet sides that do not move
+  double sum = 0.0;
+  for (int k : moving) {
+    steps[k] = 0.0;
+    left[k] = -gradient[k];
+    search[k] = per_diagonal[k] * left[k];
+    sum += left[k] * search[k];
+  }
+  double product = total(sum);
+  const double enough = accuracy * accuracy * product;
+  for (int iteration = 0; iteration < LONGEST && product > enough; ++iteration) {
+    for (int i = 0; i < static_cast<int>(blocks.size()); ++i) {
+      const Block &block = blocks[i];
+      const int *const carry = carrying.data() + block.begin;
+      const double *row = matrices.data() + block.matrix;
+      const double *const along = &search[side(i, 0)];
+      double *const answer = &answers[side(i, 0)];
+      for (int m = 0; m < block.sides; ++m, row += block.size) {
+        double sum_of_row = 0.0;
+        for (int n = 0; n < block.sides; ++n) sum_of_row += row[n] * along[carry[n]];
+        answer[carry[m]] = sum_of_row;
+      }
+    }
+    exchange(answers);
+    sum = 0.0;
+    for (int k : moving) {
+      turned[k] = answers[k] - answers[mirror[k]];
+      sum += search[k] * turned[k];
+    }
+    const double curvature = total(sum);
+    const bool flat = !(curvature > 0.0);
+    const double along = flat ? 1.0 : product / curvature;
+    sum = 0.0;
+    for (int k : moving) {
+      steps[k] += along * search[k];
+      left[k] -= along * turned[k];
+      sum += left[k] * left[k] * per_diagonal[k];
+    }
+    if (flat) break;
+    const double next = total(sum), turn = next / product;
+    for (int k : moving) search[k] = per_diagonal[k] * left[k] + turn * search[k];
+    product = next;
+  }
+}
