@@ -2,6 +2,7 @@
 // and arithmetic. Input: `radius z`, then z lines `angle indentation`, and so on. Ends with an error where
 // an answer is not finite.
 
+#include "balance.h"
 #include "contact.h"
 #include "outline.h"
 #include "ring.h"
@@ -88,8 +89,28 @@ struct Kernels {
       if (shape.arc_radius < 0.0) return;
       if (guess == 0) cold = energy.value;
       require(std::fabs(energy.value - cold) <= 1e-10 * cold, "soft ring with a guess", memory);
+      stiffen(radius, stiffness, energy.derivative, memory);
       for (std::size_t c = 0; c < memory.size(); ++c) carries[c] = (c + guess) % 2;
     }
+  }
+
+  void stiffen(double radius, const Stiffness &stiffness, double pressure,
+               const std::vector<Contact> &memory)
+  {
+    const Contacts contacts = {static_cast<int>(memory.size()), memory.data()};
+    std::vector<int> carrying;
+    for (int c = 0; c < contacts.size; ++c)
+      if (shape.contact[c].length > 0.0) carrying.push_back(c);
+    const int n = static_cast<int>(carrying.size());
+    std::vector<double> inverse(n * n), rate, matrix(n * n);
+    green_inverse(contacts, n, carrying.data(), programme, inverse.data());
+    const PressedRing ring = {radius,    shape.perimeter_excess / (2.0 * PI),
+                              stiffness, pressure,
+                              contacts,  shape.contact.data()};
+    contact_stiffness(ring, n, carrying.data(), inverse.data(), rate, matrix.data());
+    for (const double k : matrix) require(std::isfinite(k), "contact stiffness", memory);
+    for (int c = 0; c < contacts.size; ++c)
+      require(std::isfinite(room_before(ring, c)), "room before a ring", memory);
   }
 
   void sectors(double radius, const std::vector<Contact> &memory)
