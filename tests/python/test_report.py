@@ -1,14 +1,16 @@
-"""The report in its smallest form: every list with its keys, every picture that the page shows."""
+"""The report in its smallest form, and what its numbers mean."""
 
 import json
 import re
 
+import numpy as np
 import pytest
-from deformable import Beads, report
+from deformable import Beads, Ring, Simulation, bidisperse, compare, jam, report
+from deformable.report import packings, pareto
 
 SMALLEST = report.Plan(
     ablation={"number": 64, "steps": 2, "repeats": 1},
-    pareto={"number": 8, "seed": 1, "strain": 0.03, "bead_numbers": [20, 25]},
+    pareto={"number": 8, "seeds": (1,), "strain": 0.03, "bead_numbers": [20, 22, 25]},
     large=(8, 1, 0.03, Beads(number=16)),
     packings=[(8, 2, 0.03, Beads(number=16))],
     shapes={"indentations": (0.02,), "number": 24, "kL": 100.0},
@@ -24,6 +26,7 @@ KEYS = {
     "pareto": "method error seconds",
     "ablation": "law option on",
 }
+LAWS = ["sector", "ring", "soft ring"]
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +34,9 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(report, "QUICK", SMALLEST)
-        report.write_report(folder, quick=True)
+        said = []
+        report.write_report(folder, quick=True, say=said.append)
+    assert len(said) == 8
     return folder
 
 
@@ -41,17 +46,13 @@ def test_json(folder):
         assert rows[name]
         for row in rows[name]:
             assert set(keys.split()) <= set(row)
-    assert {row["model"] for row in rows["packing"]} == {"disk", "sector", "ring", "soft ring"}
-    assert [row["method"] for row in rows["pareto"]] == [
-        *("disk", "sector", "ring", "soft ring"),
-        *("beads", "beads"),
-    ]
+    assert {row["model"] for row in rows["packing"]} == {"disk", *LAWS}
+    assert [row["method"] for row in rows["pareto"]] == ["disk", *LAWS, *["beads"] * 3]
+    assert {row["law"] for row in rows["ablation"]} == {"disk", *LAWS}
     assert {row["walls"] for row in rows["single"]} == {"stick", "slip"}
     assert {row["sides"] for row in rows["single"]} == {3, 4, 5, 6}
     assert rows["machine"]["cores"] >= 1
     assert "lammps" in rows["versions"]
-    disk = next(row for row in rows["pareto"] if row["method"] == "disk")
-    assert disk["error"] == 1.0  # S = 0
     for row in (*rows["pareto"], *rows["packing"]):
         assert row["seconds"] > 0.0
 
@@ -64,8 +65,86 @@ def test_page(folder):
     assert "nan" not in re.sub(r"<[^>]+>", " ", page).split()
 
 
+def test_an_interrupted_report_goes_on(tmp_path, monkeypatch):
+    """Parts that are there are taken, but not those of another plan."""
+    monkeypatch.setattr(report, "QUICK", SMALLEST)
+    measured = []
+
+    def stand_in(name):
+        def measure(plan):
+            measured.append(name)
+            if name == "limits":
+                raise KeyboardInterrupt
+            return name
+
+        return measure
+
+    for name in report._MEASURE:
+        monkeypatch.setitem(report._MEASURE, name, stand_in(name))
+    for resume in (False, True):
+        with pytest.raises(KeyboardInterrupt):
+            report.write_report(tmp_path, quick=True, resume=resume)
+    assert measured == [*report._MEASURE, "limits"]
+    measured.clear()
+    with pytest.raises(KeyboardInterrupt):
+        report.write_report(tmp_path, quick=False, resume=True)
+    assert measured == [*report._MEASURE]
+
+
 def test_no_matplotlib(tmp_path, monkeypatch):
     monkeypatch.setattr(report.importlib.util, "find_spec", lambda name: None)
     with pytest.raises(report.ParameterError, match=r"pip install lammps-deformable\[plot\]"):
         report.write_report(tmp_path / "none")
     assert not (tmp_path / "none").exists()
+
+
+def test_matching_rings_have_the_same_effective_radii():
+    packing = bidisperse(4, seed=1)
+    for number in (25, 100):
+        beads = Beads(number=number)
+        rings = beads.rings(pareto.matching(packing, beads).radii)
+        # ten steps leave the rounding of sums of a few terms
+        np.testing.assert_allclose(rings.effective_radius, packing.radii, rtol=1e-14)
+
+
+def test_extrapolation():
+    limit, error = np.array([1.0, 2.0]), np.array([3.0, -5.0])
+    found = pareto.extrapolated(10, limit + error / 10**2, 14, limit + error / 14**2)
+    np.testing.assert_allclose(found, limit, rtol=1e-14)
+
+
+def test_rows_of_a_packing():
+    """They say what comparison, relaxation and definition say."""
+    beads, strain = Beads(number=20), 0.03
+    rows, comparisons = packings.packing_rows(8, 1, strain, beads)
+    by_model = {row["model"]: row for row in rows}
+    assert list(comparisons) == LAWS
+    rings = comparisons["ring"].beads
+    exact = rings.area_deficit
+    again = compare(rings, Ring(beads.kA))
+    row = by_model["ring"]
+    assert row["I"] == pytest.approx(again.shape_error.mean(), rel=1e-12)
+    assert row["S_rms"] == pytest.approx(
+        np.sqrt(np.mean((again.state.area_deficit - exact) ** 2) / np.mean(exact**2)), rel=1e-12
+    )
+    assert row["energy_ratio"] == pytest.approx(again.state.energy / rings.energy, rel=1e-12)
+    start = jam(bidisperse(8, seed=1))
+    start = type(start)(start.positions, start.species, rings.rings.effective_radius, start.box)
+    with Simulation(start, Ring(beads.kA)) as sim:
+        sim.deform(sim.box * (1 - strain))
+        own = sim.relax()
+    # relaxed twice to a residual of 1e-6
+    assert row["own_energy_ratio"] == pytest.approx(own.energy / rings.energy, rel=1e-5)
+    assert not row["unjammed"]
+    kP, skin = beads.kL / rings.rings.number, rings.rings.effective_radius - rings.rings.radius
+    assert comparisons["soft ring"].state.model == Ring(beads.kA, kP=kP, skin=skin)
+    # a circle of the radius at rest
+    inner = rings.rings.radius[rings.packing.species]
+    off = [
+        np.mean(np.abs(np.hypot(*(ring - centre).T) - r)) / radius
+        for ring, centre, r, radius in zip(
+            rings.outlines, rings.packing.positions, inner, rings.packing.radius, strict=True
+        )
+    ]
+    # the circle is a polygon of 1440 corners, within R (2 pi/1440)^2/8 = 2e-6 R
+    assert by_model["disk"]["I"] == pytest.approx(np.mean(off), abs=3e-6)

@@ -1,12 +1,17 @@
 """The report: error against run time, and the paper's results, measured anew on this machine.
 
-Whatever is timed runs alone and counts processor time; the rest is farmed over the cores.
+The cost of options, the error against run time and the large packing are timed alone; the rest is
+farmed over the cores. All times are processor times.
 """
 
 from __future__ import annotations
 
 import importlib.util
 import json
+import pickle
+import shutil
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -43,7 +48,7 @@ FULL = Plan(
     ablation={},
     pareto={
         "number": 16,
-        "seed": 1,
+        "seeds": (1, 3, 4),
         "strain": 0.02,
         "bead_numbers": [25, 35, 50, 70, 100, 140, 200],
     },
@@ -61,7 +66,7 @@ FULL = Plan(
 
 QUICK = Plan(
     ablation={"repeats": 3},
-    pareto={"number": 16, "seed": 1, "strain": 0.02, "bead_numbers": [25, 35, 50]},
+    pareto={"number": 16, "seeds": (1,), "strain": 0.02, "bead_numbers": [25, 35, 50]},
     large=(48, 1, 0.01, Beads()),
     packings=[(16, seed, 0.01, Beads()) for seed in (1, 2, 3)],
     shapes={"indentations": (0.01, 0.02, 0.03), "number": 94},
@@ -75,23 +80,44 @@ QUICK = Plan(
 class Results:
     """All that a report measures: rows for its tables, and what its pictures need."""
 
+    ablation: list[dict[str, Any]]
+    pareto: list[dict[str, Any]]
+    large: tuple[list[dict[str, Any]], dict[str, Comparison]]
+    packings: list[dict[str, Any]]
     shapes: list[Squeezed]
     stiffness: list[Squeezed]
     number: list[Squeezed]
     limits: list[paper.Limit]
-    large: list[dict[str, Any]]
-    comparisons: list[Comparison]
-    packing: list[dict[str, Any]]
-    pareto: list[dict[str, Any]]
-    ablation: list[dict[str, Any]]
 
 
-def write_report(folder: str | Path, quick: bool = False) -> dict[str, Any]:
+# The parts in the order in which they are measured.
+_MEASURE: dict[str, Callable[[Plan], Any]] = {
+    "ablation": lambda plan: ablation_rows(**plan.ablation),
+    "pareto": lambda plan: pareto_rows(**plan.pareto),
+    "large": lambda plan: packing_rows(*plan.large),
+    "packings": lambda plan: _packings(plan),
+    "shapes": lambda plan: paper.shapes(**plan.shapes),
+    "stiffness": lambda plan: paper.stiffness_sweep(**plan.stiffness),
+    "number": lambda plan: paper.number_sweep(**plan.number),
+    "limits": lambda plan: [paper.limit(*arguments) for arguments in plan.limits],
+}
+
+
+def write_report(
+    folder: str | Path,
+    quick: bool = False,
+    resume: bool = False,
+    say: Callable[[str], None] = lambda line: None,
+) -> dict[str, Any]:
     """Measure everything and write index.html, its pictures and report.json.
 
+    Each part is kept in `parts` of the folder until all of them are there.
+
     Args:
-        folder: made if missing; a report there is replaced.
-        quick: smaller and coarser, in a few minutes on two cores; the full one takes hours.
+        folder: made if missing; a report there is replaced at the end.
+        quick: smaller and coarser, in minutes.
+        resume: take the parts that an interrupted report has left in the folder.
+        say: is told of each part.
 
     Returns:
         What report.json holds: lists of rows `single`, `packing`, `pareto`, `ablation`,
@@ -103,13 +129,14 @@ def write_report(folder: str | Path, quick: bool = False) -> dict[str, Any]:
     if not importlib.util.find_spec("matplotlib"):
         raise ParameterError("a report needs pictures: pip install lammps-deformable[plot]")
     folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)  # or fail before the work
-    results = _measure(QUICK if quick else FULL)
+    parts = folder / "parts"
+    parts.mkdir(parents=True, exist_ok=True)  # or fail before the work
+    results = _measure(QUICK if quick else FULL, parts, resume, say)
     rows: dict[str, Any] = {
         "single": [
             _single_row(result) for result in (*results.shapes, *results.stiffness, *results.number)
         ],
-        "packing": [*results.packing, *results.large],
+        "packing": [*results.packings, *results.large[0]],
         "pareto": results.pareto,
         "ablation": results.ablation,
         "limit": [_limit_row(limit) for limit in results.limits],
@@ -119,17 +146,44 @@ def write_report(folder: str | Path, quick: bool = False) -> dict[str, Any]:
     }
     from .sections import sections  # with matplotlib, which nothing else here needs
 
-    figures, parts = sections(results)
+    figures, texts = sections(results)
     for name, figure in figures.items():
         figure.savefig(folder / name, dpi=150)
     lead = (
         "deformable report" + (" --quick" if quick else "") + f": {rows['machine']['processor']}, "
         f"{rows['machine']['cores']} cores, LAMMPS {rows['versions']['lammps']}. Seconds are those "
-        "of processor time on one core."
+        "of processor time."
     )
-    (folder / "index.html").write_text(page("Deformable particles against bead rings", lead, parts))
-    (folder / "report.json").write_text(json.dumps(rows, indent=1) + "\n")
+    (folder / "index.html").write_text(page("Deformable particles against bead rings", lead, texts))
+    (folder / "report.json").write_text(json.dumps(rows, indent=1, allow_nan=False) + "\n")
+    shutil.rmtree(parts)
     return rows
+
+
+def _measure(plan: Plan, folder: Path, resume: bool, say: Callable[[str], None]) -> Results:
+    """Every part of the plan, from the folder if it has it and the plan is the same."""
+    found = {}
+    with progress("report", unit="part", total=len(_MEASURE)) as bar:
+        for name, measure in _MEASURE.items():
+            file, asked = folder / f"{name}.pickle", repr(getattr(plan, name))
+            if resume and file.exists():
+                kept, result = pickle.loads(file.read_bytes())
+                if kept == asked:
+                    found[name] = result
+                    say(f"{name}: taken from {file}")
+                    bar.update()
+                    continue
+            began = time.perf_counter()
+            found[name] = measure(plan)
+            file.write_bytes(pickle.dumps((asked, found[name])))
+            say(f"{name}: {time.perf_counter() - began:.0f} s")
+            bar.update()
+    return Results(**found)
+
+
+def _packings(plan: Plan) -> list[dict[str, Any]]:
+    farmed = farm(packing_rows, plan.packings, description="packings")
+    return [row for rows, _ in farmed for row in rows]
 
 
 def _single_row(result: Squeezed) -> dict[str, Any]:
@@ -150,26 +204,3 @@ def _limit_row(limit: paper.Limit) -> dict[str, Any]:
         "error_kP": limit.stiffness_error.tolist(),
         "rate_kP": limit.stiffness_rate,
     }
-
-
-def _measure(plan: Plan) -> Results:
-    with progress("report", unit="part", total=4) as bar:
-        ablation = ablation_rows(**plan.ablation)
-        bar.update()
-        pareto = pareto_rows(**plan.pareto)
-        bar.update()
-        large, comparisons = packing_rows(*plan.large)
-        bar.update()
-        packings = farm(packing_rows, plan.packings, description="packings")
-        bar.update()
-    return Results(
-        shapes=paper.shapes(**plan.shapes),
-        stiffness=paper.stiffness_sweep(**plan.stiffness),
-        number=paper.number_sweep(**plan.number),
-        limits=[paper.limit(*arguments) for arguments in plan.limits],
-        large=large,
-        comparisons=comparisons,
-        packing=[row for rows, _ in packings for row in rows],
-        pareto=pareto,
-        ablation=ablation,
-    )

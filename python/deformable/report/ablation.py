@@ -12,7 +12,7 @@ from mpi4py import MPI
 
 from ..engine import run
 from ..jamming import jam, open_disks
-from ..models import Ring, Sector
+from ..models import Model, Ring, Sector
 from ..packing import Packing, bidisperse
 from ..simulation import Simulation
 
@@ -65,10 +65,11 @@ def ablation_rows(number: int = 1000, steps: int = 100, repeats: int = 15) -> li
         }
     ]
     disks.close()
-    for model in (Sector(), Ring()):
+    models: dict[str, Model] = {"sector": Sector(), "ring": Ring(), "soft ring": Ring(kP=6.0)}
+    for law, model in models.items():
         with Simulation(packing, model, MPI.COMM_SELF) as sim:
             run(sim.lmp, f"{room}\n{_RUN}")
-            rows.append({"law": model.law, "option": "none"})
+            rows.append({"law": law, "option": "none"})
             plain = []
             for option, (on, off) in OPTIONS.items():
                 with_it, without = [], []
@@ -81,7 +82,7 @@ def ablation_rows(number: int = 1000, steps: int = 100, repeats: int = 15) -> li
                 extra = _median([a - b for a, b in zip(with_it, without, strict=True)])
                 rows.append(
                     {
-                        "law": model.law,
+                        "law": law,
                         "option": option,
                         "on": _median(with_it),
                         "off": _median(without),

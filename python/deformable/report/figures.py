@@ -8,72 +8,93 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-_MARKERS = {"disk": "o", "sector": "s", "ring": "D", "soft ring": "^"}
+# Colour and marker of each method.
+_STYLES = {
+    "disk": ("tab:gray", "o"),
+    "sector": ("black", "s"),
+    "ring": ("tab:blue", "D"),
+    "soft ring": ("tab:green", "^"),
+}
+
+# A relaxation that ends above this residual has not converged.
+CONVERGED = 1e-6
 
 
 def pareto(rows: Sequence[dict[str, Any]]) -> Figure:
-    """Errors of areas and of outlines against seconds, one point a method, beads joined."""
-    figure = Figure(figsize=(10.0, 4.6), layout="constrained")
+    """Errors of areas and of outlines against seconds, one point a method, beads joined.
+
+    Hollow: laws that did not converge, and the rings that the reference is made of.
+    """
+    figure = Figure(figsize=(10.0, 4.8), layout="constrained")
     panels = figure.subplots(1, 2, sharex=True)
     labels = {
         "error": "error of the area deficits (rms, relative)",
         "shape_error": "error of the outline, over R",
     }
     beads = [row for row in rows if row["method"] == "beads"]
+    free = [row for row in beads if not row["reference"]]
     for ax, (key, label) in zip(panels, labels.items(), strict=True):
         ax.loglog(
-            [row["seconds"] for row in beads],
-            [row[key] for row in beads],
+            [row["seconds"] for row in free],
+            [row[key] for row in free],
             "o-",
-            color="0.4",
-            label="bead rings",
+            color="tab:red",
+            label="rings of beads",
         )
         for row in beads:
+            if row["reference"]:
+                ax.loglog(row["seconds"], row[key], "o", color="tab:red", fillstyle="none")
             ax.annotate(
                 f"{row['beads']}",
                 (row["seconds"], row[key]),
                 textcoords="offset points",
-                xytext=(6, 6),
-                color="0.4",
-                fontsize=9,
+                xytext=(0, 8),
+                ha="center",
+                color="tab:red",
+                fontsize=8,
             )
         for row in rows:
-            if row["method"] != "beads":
-                ax.loglog(
-                    row["seconds"],
-                    row[key],
-                    _MARKERS[row["method"]],
-                    markersize=9,
-                    label=row["method"],
-                )
-        ax.set(xlabel="processor time of a converged strain step [s]", ylabel=label)
+            if row["method"] == "beads":
+                continue
+            color, marker = _STYLES[row["method"]]
+            converged = row.get("residual", 0.0) <= CONVERGED
+            ax.loglog(
+                row["seconds"],
+                row[key],
+                marker,
+                color=color,
+                fillstyle="full" if converged else "none",
+                markersize=9,
+                linestyle="none",
+                label=row["method"] + ("" if converged else ", not converged"),
+            )
+        ax.set(xlabel="processor time of a strain step [s]", ylabel=label)
+        ax.margins(0.1)
         ax.grid(which="major", alpha=0.3)
-    panels[0].legend()
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=5)
     return figure
 
 
 def packings(rows: Sequence[dict[str, Any]]) -> Figure:
-    """Shape and area errors of each law in every packing."""
-    figure = Figure(figsize=(10.0, 4.2), layout="constrained")
+    """Shape and area errors of each law, a point for each packing."""
+    figure = Figure(figsize=(10.0, 4.4), layout="constrained")
     panels = figure.subplots(1, 2)
-    models = list(dict.fromkeys(row["model"] for row in rows))
     cases = list(dict.fromkeys(_case(row) for row in rows))
-    width = 0.8 / len(models)
     for ax, key, label in zip(
         panels,
         ("I", "S_rms"),
         ("shape error I", "error of the area deficits (rms, relative)"),
         strict=True,
     ):
-        for k, model in enumerate(models):
-            values = {_case(row): row[key] for row in rows if row["model"] == model}
-            x = np.arange(len(cases)) + width * (k - 0.5 * (len(models) - 1))
-            ax.bar(x, [values.get(case, np.nan) for case in cases], width, label=model)
-        ax.set_xticks(np.arange(len(cases)), cases, fontsize=8)
-        ax.set(ylabel=label)
-        ax.set_yscale("log")
-        ax.grid(axis="y", alpha=0.3)
-    panels[0].legend()
+        for k, (model, (color, marker)) in enumerate(_STYLES.items()):
+            chosen = [row for row in rows if row["model"] == model]
+            x = [cases.index(_case(row)) + 0.12 * (k - 1.5) for row in chosen]
+            y = [row[key] for row in chosen]
+            ax.plot(x, y, marker, color=color, linestyle="none", markersize=6, label=model)
+        ax.set_xticks(range(len(cases)), cases, fontsize=8)
+        ax.set(ylabel=label, yscale="log")
+        ax.grid(axis="y", which="both", alpha=0.3)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=4)
     return figure
 
 
@@ -97,4 +118,4 @@ def ablation(rows: Sequence[dict[str, Any]]) -> Figure:
 
 
 def _case(row: dict[str, Any]) -> str:
-    return f"N={row['n']}, {row['beads']} beads\n{100 * row['strain']:g} %, seed {row['seed']}"
+    return f"N = {row['n']}\n{row['beads']} beads\n{100 * row['strain']:g} %"

@@ -1,4 +1,4 @@
-"""Error against run time: every method on one packing, against bead rings without end.
+"""Error against run time: every method on the same packings, against bead rings without end.
 
 Rings of different numbers of beads N_v stand for the same smooth particles: their radii are such
 that the effective ones agree, and kL = N_v kP. What they tend to for many beads is the reference;
@@ -7,6 +7,7 @@ it is extrapolated from the two finest in 1/N_v^2, the order of a polygon's erro
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -25,13 +26,13 @@ _DIRECTIONS = 2.0 * np.pi * np.arange(720) / 720
 
 
 def pareto_rows(
-    number: int, seed: int, strain: float, bead_numbers: list[int], kP: float = 6.0
+    number: int, seeds: Sequence[int], strain: float, bead_numbers: Sequence[int], kP: float = 6.0
 ) -> list[dict[str, Any]]:
     """Error and processor time of one strain step from jamming, on one core, of every method.
 
     Args:
         number: of particles.
-        seed: of the random start.
+        seeds: of the random starts; errors and times are means over the packings.
         strain: linear strain.
         bead_numbers: N_v of the small particles, rising, at least two.
         kP: stiffness of the perimeter of a small ring [energy/length^2].
@@ -39,18 +40,35 @@ def pareto_rows(
     Returns:
         A row for each method: `error`, the root mean square error of the area deficits over their
         root mean square; `shape_error`, the mean over particles and directions of the error of
-        the outline over the radius, each about its own centre; `seconds`; `beads`, of a small
-        particle, or none.
+        the outline over the radius, each about its own centre; `seconds`; `residual`, the largest
+        of the laws' relaxations; for beads N_v as `beads`, and `reference` for the two from which
+        the reference is made: their errors are what the extrapolation takes them to be.
     """
+    found = [_one_packing(number, seed, strain, bead_numbers, kP) for seed in seeds]
+    common = {"n": number, "seeds": list(seeds), "strain": strain}
+    rows = []
+    for same in zip(*found, strict=True):
+        means = {
+            key: float(np.mean([row[key] for row in same]))
+            for key in ("error", "shape_error", "seconds")
+        }
+        if "residual" in same[0]:
+            means["residual"] = max(row["residual"] for row in same)
+        rows.append(same[0] | means | common)
+    return rows
+
+
+def _one_packing(
+    number: int, seed: int, strain: float, bead_numbers: Sequence[int], kP: float
+) -> list[dict[str, Any]]:
     start = jam(bidisperse(number, seed=seed))
     runs = []
     for count in bead_numbers:
         beads = Beads(number=count, kL=kP * count)
         runs.append((count, *strain_beads(matching(start, beads), beads, strain)))
     (n1, coarse, _), (n2, fine, _) = runs[-2:]
-    weight = n1**2 / (n2**2 - n1**2)  # of what the error of the finest is taken to be
-    deficit = fine.area_deficit + weight * (fine.area_deficit - coarse.area_deficit)
-    dents = _dents(fine) + weight * (_dents(fine) - _dents(coarse))
+    deficit = extrapolated(n1, coarse.area_deficit, n2, fine.area_deficit)
+    dents = extrapolated(n1, _dents(coarse), n2, _dents(fine))
 
     def row(
         method: str, area_deficit: NDArray[np.float64], shape_error: float, seconds: float
@@ -60,9 +78,6 @@ def pareto_rows(
             "error": float(np.linalg.norm(area_deficit - deficit) / np.linalg.norm(deficit)),
             "shape_error": shape_error,
             "seconds": seconds,
-            "n": number,
-            "seed": seed,
-            "strain": strain,
         }
 
     def off(found: NDArray[np.float64]) -> float:
@@ -78,11 +93,23 @@ def pareto_rows(
                 for radius, outline in zip(start.radius, outlines, strict=True)
             ]
         )
-        rows.append(row(name, state.area_deficit, off(found), seconds))
+        rows.append(
+            row(name, state.area_deficit, off(found), seconds) | {"residual": state.residual}
+        )
     for count, rings, seconds in runs:
         error = _error_of_beads(rings, dents)
-        rows.append(row("beads", rings.area_deficit, error, seconds) | {"beads": count})
+        rows.append(
+            row("beads", rings.area_deficit, error, seconds)
+            | {"beads": count, "reference": count in (n1, n2)}
+        )
     return rows
+
+
+def extrapolated(
+    n1: int, coarse: NDArray[np.float64], n2: int, fine: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """The limit of values whose error falls as 1/N^2, from those at N = n1 and n2."""
+    return fine + n1**2 / (n2**2 - n1**2) * (fine - coarse)
 
 
 def matching(packing: Packing, beads: Beads) -> Packing:

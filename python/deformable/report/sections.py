@@ -18,8 +18,8 @@ def sections(results: Results) -> tuple[dict[str, Figure], list[Section]]:
     """Pictures by file name, and the parts of the page that show them."""
     pictures = {
         "pareto.png": figures.pareto(results.pareto),
-        "packing.png": paper_figures.packing(results.comparisons),
-        "packings.png": figures.packings([*results.packing, *results.large]),
+        "packing.png": paper_figures.packing(results.large[1]),
+        "packings.png": figures.packings([*results.packings, *results.large[0]]),
         "shapes_stick.png": paper_figures.shapes(results.shapes, stick=True),
         "shapes_slip.png": paper_figures.shapes(results.shapes, stick=False),
         "deviation.png": paper_figures.deviation(results.stiffness),
@@ -33,21 +33,22 @@ def sections(results: Results) -> tuple[dict[str, Figure], list[Section]]:
             "Error against run time",
             (
                 _pareto_text(results.pareto),
-                "The reference is what rings tend to for many beads, extrapolated in 1/N_v^2 from "
-                "the two finest. Rings of every N_v stand for the same smooth particles (their "
-                "effective radii and kP agree), start from the same jammed disks, and relax on "
-                "their own, as every law does. Rough rings catch in each other, so the points of "
-                "the beads scatter: this is the reference's own error. A disk keeps its area, "
-                "which is an error of 1.",
+                "Rings of every N_v stand for the same smooth particles (their effective radii and "
+                "kP agree), start from the same jammed disks, and relax on their own, as every law "
+                "does. The reference is what they tend to for many beads, extrapolated in 1/N_v^2 "
+                "from the two finest; the errors of these two (hollow) are what the extrapolation "
+                "takes them to be. Rough rings catch in each other, so that the errors of the "
+                "others hardly fall with N_v beyond some point: this is how well the reference "
+                "itself is known. A disk keeps its area, which is an error of 1.",
             ),
             {"pareto.png": "Errors against processor time; numbers: beads on a small ring."},
             results.pareto,
         ),
         Section(
             "The speed-up",
-            (_speed_up_text(results.large),),
-            {"packing.png": "Beads (red) and the outlines of both laws for the beads' centres."},
-            [_columns(row, _SPEED) for row in results.large],
+            (_speed_up_text(results.large[0]),),
+            {"packing.png": "Beads and the outlines of the laws for the beads' centres."},
+            [_columns(row, _SPEED) for row in results.large[0]],
         ),
         Section(
             "Packings",
@@ -56,13 +57,16 @@ def sections(results: Results) -> tuple[dict[str, Figure], list[Section]]:
                 "outlines from the beads over the radius. S_rms: rms error of the area deficits "
                 "over their rms. The ratios are those of a law's energy and pressure over the "
                 "beads'; own: of the packing that the law relaxes to itself from the same start, "
-                "which may rearrange on its way. Both laws put contact lines on the radical axis "
-                "and keep perimeters, which is where most of their error in packings comes from. "
-                "A particle with a single contact counts as a soft disk in the sector law, with an "
-                "energy that has nothing to do with its area: it may dominate the sum.",
+                "which may rearrange on its way, or lose its rigidity (unjammed: no ratios). The "
+                "soft ring has the beads' stiffness of the perimeter, the other laws keep "
+                "perimeters; all of them put contact lines on the radical axis. A particle with a "
+                "single contact counts as a soft disk in the sector law, with an energy that has "
+                "nothing to do with its area: it may dominate the sum. Sector does not converge "
+                "(residual: of its own relaxation). Packings are farmed over the cores, which "
+                "their times may show.",
             ),
-            {"packings.png": "Errors of each law in every packing."},
-            [_columns(row, _PACKING) for row in results.packing],
+            {"packings.png": "Errors of each law, a point for each packing."},
+            [_columns(row, _PACKING) for row in results.packings],
         ),
         Section(
             "One particle in a polygon",
@@ -96,8 +100,7 @@ def sections(results: Results) -> tuple[dict[str, Figure], list[Section]]:
             "Pay for what a scene uses",
             (
                 "Processor time of a particle and a step, and what each option adds when it is "
-                "asked for at every step. What is not asked for costs nothing: it is chosen at "
-                "setup.",
+                "asked for at every step. The first row of each law is the bare scene.",
             ),
             {"ablation.png": "Cost of a particle and a step."},
             results.ablation,
@@ -106,10 +109,11 @@ def sections(results: Results) -> tuple[dict[str, Figure], list[Section]]:
     return pictures, parts
 
 
-_SPEED = ("n", "strain", "beads", "model", "I", "S_rms", "seconds_beads", "seconds", "speed_up")
+_SPEED = ("n", "strain", "beads", "model", "I", "S_rms", "seconds_beads", "seconds", "residual")
 _PACKING = (
     *("n", "strain", "beads", "seed", "model", "I", "S_rms", "energy_ratio", "pressure_ratio"),
-    *("own_energy_ratio", "own_pressure_ratio", "seconds_beads", "seconds"),
+    *("own_energy_ratio", "own_pressure_ratio", "unjammed", "residual"),
+    *("seconds_beads", "seconds"),
 )
 
 
@@ -118,18 +122,21 @@ def _columns(row: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _pareto_text(rows: list[dict[str, Any]]) -> str:
-    finest = rows[-1]
+    first = rows[0]
     laws = [row for row in rows if row["method"] not in ("beads", "disk")]
+    free = [row for row in rows if row["method"] == "beads" and not row["reference"]]
     return (
-        f"{finest['n']} particles, {100 * finest['strain']:g} % strain in one step. "
+        f"{first['n']} particles, {100 * first['strain']:g} % strain in one step, means over "
+        f"{len(first['seeds'])} packings. "
         + " ".join(
             f"{row['method'].capitalize()}: areas to {row['error']:.2g}, outlines to "
-            f"{row['shape_error']:.2g}, {row['seconds']:.2g} s."
+            f"{row['shape_error']:.2g}, {row['seconds']:.2g} s" + _unless_converged(row) + "."
             for row in laws
         )
-        + (
-            f" Rings of {finest['beads']} beads: {finest['error']:.2g}, "
-            f"{finest['shape_error']:.2g}, {finest['seconds']:.3g} s."
+        + "".join(
+            f" {row['beads']} beads: {row['error']:.2g}, {row['shape_error']:.2g}, "
+            f"{row['seconds']:.3g} s."
+            for row in free
         )
     )
 
@@ -137,14 +144,19 @@ def _pareto_text(rows: list[dict[str, Any]]) -> str:
 def _speed_up_text(rows: list[dict[str, Any]]) -> str:
     first = rows[0]
     laws = ", ".join(
-        f"{row['model']} {row['seconds']:.2g} s ({row['speed_up']:.0f} times faster)"
+        f"{row['model']} {row['seconds']:.2g} s"
+        + (_unless_converged(row) or f" ({first['seconds_beads'] / row['seconds']:.0f} times less)")
         for row in rows
     )
     return (
         f"{first['n']} particles, {first['beads']} beads on the small ones, "
         f"{100 * first['strain']:g} % strain in one step from jamming: beads "
         f"{first['seconds_beads']:.3g} s, {laws}. Beads relax until no force exceeds 1e-3 of what "
-        "a bead in a contact bears, the laws until 1e-6 of the mean contact force. The sector law "
-        "stalls before, because its energy jumps where contacts appear; its time is that of giving "
-        "up."
+        "a bead in a contact bears, the laws until 1e-6 of the mean contact force. The energy of "
+        "the sector law jumps where contacts appear: it may stop before."
     )
+
+
+def _unless_converged(row: dict[str, Any]) -> str:
+    converged = row.get("residual") is None or row["residual"] <= figures.CONVERGED
+    return "" if converged else f" (not converged, residual {row['residual']:.2g})"
