@@ -41,6 +41,7 @@ STYLES = (
     ("fix", "deformable/wall"),
     ("fix", "deformable/stick"),
     ("fix", "deformable/polygon"),
+    ("compute", "deformable/contact"),
 )
 
 

@@ -1,5 +1,7 @@
 #include "pair_deformable.h"
 
+#include "compute_deformable_contact.h"
+
 #include "trigonometry.h"
 
 #include "comm.h"
@@ -108,6 +110,8 @@ void PairDeformable::init_style()
   // a fix pair that is gone leaves nobody to keep results for; extract_peratom hears of new ones
   wanted = !modify->get_fix_by_style("^pair$").empty();
 
+  watched = !modify->get_compute_by_style(ComputeDeformableContact::STYLE).empty();
+
   walls.clear();
   for (Fix *fix : modify->get_fix_by_style(FixDeformableWall::STYLE))
     walls.push_back(static_cast<FixDeformableWall *>(fix));
@@ -127,6 +131,7 @@ void PairDeformable::begin_call(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
   beyond = 0;
+  seen.clear();
   if (neighbor->ago == 0) bulge_over_reach = 0.0;
   table.clear(atom->nlocal);
   for (FixDeformableWall *wall : walls) wall->begin_call(this);
@@ -264,6 +269,20 @@ void PairDeformable::behind_centre(int i, int j)
       "or take smaller steps",
       atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(dx, dy), radius[atom->type[i]],
       radius[atom->type[j]]);
+}
+
+/* ----------------------------------------------------------------------
+   contacts without length and force only bound the outline from afar
+------------------------------------------------------------------------- */
+
+void PairDeformable::see(int i, int partner, const deformable::Contact &contact, double length,
+                         double force, double distance)
+{
+  if (!watched || (length == 0.0 && force == 0.0)) return;
+  const double height = radius[atom->type[i]] - contact.indentation;
+  const double *x = atom->x[i];
+  seen.push_back({i, partner < 0 ? 0 : atom->tag[partner], contact.indentation, length, force,
+                  x[0] + height * contact.nx, x[1] + height * contact.ny, contact.angle, distance});
 }
 
 /* ----------------------------------------------------------------------

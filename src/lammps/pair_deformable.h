@@ -23,8 +23,21 @@
 
 namespace LAMMPS_NS {
 
+// A contact as the particle on one side of it sees it.
+struct SeenContact {
+  int atom;
+  tagint partner;    // or 0, a wall
+  double indentation, length, force;
+  double x, y;        // where the line is nearest to the particle
+  double angle;       // of the direction to it
+  double distance;    // of the partner's centre, or of the wall
+};
+
 class PairDeformable : public Pair {
  public:
+  // Contacts of this rank's particles at the last call, while a compute deformable/contact is defined.
+  std::vector<SeenContact> seen;
+
   PairDeformable(class LAMMPS *, int outputs = 2);
   ~PairDeformable() override;
 
@@ -56,6 +69,10 @@ class PairDeformable : public Pair {
   void apply(int i, const deformable::Contacts &, const deformable::Energy &energy);
   void end_call();
 
+  // Keeps a contact for compute deformable/contact, if there is one.
+  void see(int i, int partner, const deformable::Contact &, double length, double force,
+           double distance);
+
   // Per-atom results of a deformed particle, and of one that is still a circle.
   void store_shape(int i, const deformable::Contacts &, double pressure);
   void store_circle(int i);
@@ -74,6 +91,7 @@ class PairDeformable : public Pair {
   std::array<double *, NRESULTS> results{};    // per atom; null until somebody asks for them
   int maxresults = 0;
   bool wanted = false;
+  bool watched = false;    // by compute deformable/contact
   bool warned = false;
 
   void allocate();
@@ -145,6 +163,12 @@ void PairDeformable::apply(int i, const deformable::Contacts &contacts,
   }
   f[i][0] += fx;
   f[i][1] += fy;
+  if (watched)
+    for (int c = 0; c < contacts.size; ++c) {
+      const double height = radius[atom->type[i]] - contacts[c].indentation;
+      see(i, partners[c].atom, contacts[c], responses[c].length, slope * responses[c].d_indentation,
+          partners[c].atom < 0 ? height : 1.0 / partners[c].per_lever);
+    }
   if (eflag_global) eng_vdwl += energy.value;
   if (eflag_atom) eatom[i] += energy.value;
   if (shape.arc_radius < 0.0) ++beyond;

@@ -75,8 +75,8 @@ template <bool WALLS> void PairDeformableSector::evaluate(int eflag, int vflag)
     if (contacts.size == 1) {
       const Partner &partner = table.partner[table.first(i)];
       const double height = radius[atom->type[i]] - contacts[0].indentation;
-      singles.push_back({i, partner.atom, contacts[0].nx, contacts[0].ny,
-                         partner.atom < 0 ? height : 1.0 / partner.per_lever});
+      singles.push_back(
+          {i, partner.atom, contacts[0], partner.atom < 0 ? height : 1.0 / partner.per_lever});
     }
     store_circle(i);
   });
@@ -134,6 +134,7 @@ template <bool WALLS> void PairDeformableSector::repel(const SingleContact &sing
 {
   const int i = single.atom, j = single.partner;
   const double ri = radius[atom->type[i]], distance = single.distance;
+  const double nx = single.contact.nx, ny = single.contact.ny;
   const auto strength = [this](int atom_index) {
     const Stiffness &s = species[atom->type[atom_index]].stiffness;
     return std::isinf(s.kA) ? s.kP : s.kA;
@@ -142,8 +143,8 @@ template <bool WALLS> void PairDeformableSector::repel(const SingleContact &sing
   if (WALLS && j < 0) {
     const Energy energy = harmonic(strength(i), 1.0 - distance / ri);
     const double force = energy.derivative / ri;
-    walls[-1 - j]->press(i, -force * single.nx, -force * single.ny, -distance * single.nx,
-                         -distance * single.ny);
+    walls[-1 - j]->press(i, -force * nx, -force * ny, -distance * nx, -distance * ny);
+    see(i, j, single.contact, 0.0, force, distance);
     if (eflag_global) eng_vdwl += energy.value;
     if (eflag_atom) eatom[i] += energy.value;
     return;
@@ -153,7 +154,8 @@ template <bool WALLS> void PairDeformableSector::repel(const SingleContact &sing
   const double share = ncontacts[j] == 1.0 ? 0.5 : 1.0;
   const Energy energy = harmonic(0.5 * share * (strength(i) + strength(j)), 1.0 - distance / sum);
   const double force_per_distance = energy.derivative / (sum * distance);
-  const double dx = -distance * single.nx, dy = -distance * single.ny;    // from the partner to i
+  const double dx = -distance * nx, dy = -distance * ny;    // from the partner to i
+  see(i, j, single.contact, 0.0, force_per_distance * distance / share, distance);
   double *const *const f = atom->f;
   f[i][0] += force_per_distance * dx;
   f[i][1] += force_per_distance * dy;

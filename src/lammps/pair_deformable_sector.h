@@ -27,7 +27,8 @@ class PairDeformableSector : public PairDeformable {
   // depends on how many contacts the partner has, which its own rank knows.
   struct SingleContact {
     int atom, partner;    // the latter -1 - w for wall w
-    double nx, ny, distance;
+    deformable::Contact contact;
+    double distance;
   };
   std::vector<SingleContact> singles;
   double *ncontacts = nullptr;    // per atom, ghosts included

@@ -2,6 +2,7 @@
 
 #include "plugin_abi.h"
 
+#include "compute_deformable_contact.h"
 #include "fix_deformable_polygon.h"
 #include "fix_deformable_stick.h"
 #include "fix_deformable_wall.h"
@@ -39,7 +40,7 @@ template <class Style> void *pair_creator(void *lmp)
   return new Style(static_cast<LAMMPS *>(lmp));
 }
 
-template <class Style> void *fix_creator(void *lmp, int narg, char **arg)
+template <class Style> void *creator_of(void *lmp, int narg, char **arg)
 {
   return new Style(static_cast<LAMMPS *>(lmp), narg, arg);
 }
@@ -71,16 +72,22 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.style = "fix";
   plugin.name = "deformable/wall";
   plugin.info = "flat walls for deformable particles, fix style deformable/wall";
-  plugin.creator.v2 = &fix_creator<FixDeformableWall>;
+  plugin.creator.v2 = &creator_of<FixDeformableWall>;
   register_style(&plugin, lmp);
 
   plugin.name = "deformable/polygon";
   plugin.info = "area term of bead rings, fix style deformable/polygon";
-  plugin.creator.v2 = &fix_creator<FixDeformablePolygon>;
+  plugin.creator.v2 = &creator_of<FixDeformablePolygon>;
   register_style(&plugin, lmp);
 
   plugin.name = "deformable/stick";
   plugin.info = "no-slip walls for beads, fix style deformable/stick";
-  plugin.creator.v2 = &fix_creator<FixDeformableStick>;
+  plugin.creator.v2 = &creator_of<FixDeformableStick>;
+  register_style(&plugin, lmp);
+
+  plugin.style = "compute";
+  plugin.name = "deformable/contact";
+  plugin.info = "contacts of deformable particles, compute style deformable/contact";
+  plugin.creator.v2 = &creator_of<ComputeDeformableContact>;
   register_style(&plugin, lmp);
 }

@@ -15,6 +15,7 @@ STYLES = (
     "fix style plugin deformable/wall",
     "deformable/polygon",
     "deformable/stick",
+    "compute style plugin deformable/contact",
 )
 
 

@@ -1,0 +1,64 @@
+#include "compute_deformable_contact.h"
+
+#include "pair_deformable.h"
+
+#include "error.h"
+#include "force.h"
+#include "update.h"
+
+using namespace LAMMPS_NS;
+
+/* ---------------------------------------------------------------------- */
+
+ComputeDeformableContact::ComputeDeformableContact(LAMMPS *lmp, int narg, char **arg)
+    : Compute(lmp, narg, arg)
+{
+  if (narg > 3)
+    error->all(FLERR, 3, "Unknown compute deformable/contact argument '{}': it takes none", arg[3]);
+  local_flag = 1;
+  size_local_rows = 0;
+  size_local_cols = 9;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void ComputeDeformableContact::init()
+{
+  pairs.clear();
+  if (Pair *pair = force->pair_match("^deformable/", 0)) {
+    pairs.push_back(static_cast<PairDeformable *>(pair));
+  } else {
+    for (int n = 1; Pair *part = force->pair_match("^deformable/", 0, n); ++n)
+      pairs.push_back(static_cast<PairDeformable *>(part));
+  }
+  if (pairs.empty())
+    error->all(FLERR, "Compute {} deformable/contact needs a deformable pair style, not {}", id,
+               force->pair_style ? force->pair_style : "none");
+}
+
+/* ---------------------------------------------------------------------- */
+
+void ComputeDeformableContact::compute_local()
+{
+  invoked_local = update->ntimestep;
+  values.clear();
+  for (const PairDeformable *pair : pairs)
+    for (const SeenContact &seen : pair->seen) {
+      if (!(atom->mask[seen.atom] & groupbit)) continue;
+      values.insert(values.end(), {static_cast<double>(atom->tag[seen.atom]),
+                                   static_cast<double>(seen.partner), seen.indentation, seen.length,
+                                   seen.force, seen.x, seen.y, seen.angle, seen.distance});
+    }
+  size_local_rows = static_cast<int>(values.size()) / size_local_cols;
+  rows.resize(size_local_rows + 1);
+  for (int r = 0; r < size_local_rows; ++r) rows[r] = &values[r * size_local_cols];
+  array_local = rows.data();
+}
+
+/* ---------------------------------------------------------------------- */
+
+double ComputeDeformableContact::memory_usage()
+{
+  return static_cast<double>(values.capacity() * sizeof(double) +
+                             rows.capacity() * sizeof(double *));
+}

