@@ -226,16 +226,22 @@ def _summary(folder: Path) -> dict[str, Any]:
         raise FileError(f"the saved run in '{folder}' cannot be read: {error}") from None
 
 
+def _setting(value: Any) -> Any:
+    """A word, a number, or numbers, as `_strict` has written them."""
+    if isinstance(value, list):
+        return [_setting(each) for each in value]
+    try:
+        return float(value)
+    except ValueError:
+        return value
+
+
 def _read(folder: Path) -> tuple[Packing, Ring | Sector]:
     summary = _summary(folder)
     try:
         settings = dict(summary["model"])
         law = _MODELS[settings.pop("name")]
-        given: dict[str, Any] = {
-            name: [float(each) for each in value] if isinstance(value, list) else float(value)
-            for name, value in settings.items()
-        }
-        model = law(**given)
+        model = law(**{name: _setting(value) for name, value in settings.items()})
         if not (folder / DATA).exists():
             raise FileError(f"no saved run in '{folder}': {folder / DATA} is missing")
         return read_data(folder / DATA, summary["radii"]), model

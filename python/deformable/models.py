@@ -25,6 +25,8 @@ class Ring:
 
     Args:
         kA: area stiffness [energy/length^4].
+        contact: where contact lines are: `radical`, on the radical axis of the undeformed circles,
+            or `balanced`, where both sides press with the same force.
         reach: how far beyond touching neighbours count, relative to R_i + R_j, because outlines
             bulge between their contacts. More than enough costs little (3 % at 0.3), too little
             stops the run with an error that suggests a value; particles of very unequal size need
@@ -44,9 +46,12 @@ class Ring:
     reach: float = 0.3
     kP: float | Sequence[float] = math.inf
     skin: float | Sequence[float] = 0.0
+    contact: str = "radical"
 
     def __post_init__(self) -> None:
         positive("reach", self.reach)
+        if self.contact not in ("radical", "balanced"):
+            raise ParameterError(f"contact must be radical or balanced, not {self.contact}")
         for name in ("kA", "kP", "skin"):
             given = getattr(self, name)
             plain = float(given) if np.ndim(given) == 0 else tuple(float(value) for value in given)
@@ -76,17 +81,12 @@ class Ring:
     @property
     def arguments(self) -> str:
         """Arguments of the pair style."""
-        return f"reach {self.reach!r}"
+        return f"contact {self.contact} reach {self.reach!r}"
 
     @property
     def law(self) -> str:
         """Name of the contact law."""
         return "ring"
-
-    @property
-    def range(self) -> float:
-        """Largest distance of neighbours that may touch, in units of R_i + R_j."""
-        return 1.0 + self.reach
 
     def lone_stiffness(self, radius: float) -> float:
         """Stiffness of the only contact of a particle, while it is weak: none [energy/length^2]."""
@@ -100,14 +100,6 @@ class Ring:
         """Text of the parameter file for species of these radii [length], named s1, s2, ..."""
         columns = (self._each(values, len(radii)) for values in (self.kA, self.kP, self.skin))
         return _parameter_file(radii, *columns)
-
-    def contact_length(
-        self, species: int, radius: float, angle: ArrayLike, indentation: ArrayLike
-    ) -> NDArray[np.float64]:
-        """Length of each contact of a particle, arguments as for `outline`, shape (z,) [length]."""
-        return core.ring(
-            radius, angle, self._felt(species, radius, angle, indentation)[1]
-        ).contact_length
 
     def outline(
         self,
@@ -198,11 +190,6 @@ class Sector:
         """Name of the kernel in `deformable.core`."""
         return "area_sector" if math.isinf(self.kA) else "sector"
 
-    @property
-    def range(self) -> float:
-        """Largest distance of neighbours that may touch, in units of R_i + R_j."""
-        return 1.0
-
     def lone_stiffness(self, radius: float) -> float:
         """Stiffness of the only contact of a particle, a soft disk then [energy/length^2].
 
@@ -218,13 +205,6 @@ class Sector:
         """Text of the parameter file for species of these radii [length], named s1, s2, ..."""
         number = len(radii)
         return _parameter_file(radii, [self.kA] * number, [self.kP] * number, [0.0] * number)
-
-    def contact_length(
-        self, species: int, radius: float, angle: ArrayLike, indentation: ArrayLike
-    ) -> NDArray[np.float64]:
-        """As for `Ring`."""
-        kernel = core.sector if self.law == "sector" else core.area_sector
-        return kernel(radius, angle, indentation).contact_length
 
     def outline(
         self,

@@ -80,8 +80,10 @@ def resolve_secondary(state: State, iterations: int = 3) -> SecondaryOutlines:
         )
     if iterations < 0:
         raise ParameterError(f"iterations must not be negative, not {iterations}")
-    near, radius = state.neighbours, state.packing.radius
-    contacts = np.split(np.column_stack([near.angle, near.indentation]), near.first[1:-1])
+    radius = state.packing.radius
+    contacts = [
+        np.column_stack([seen["angle"], seen["indentation"]]) for seen in state.contacts_seen
+    ]
     arcs = [core.sector_arcs(r, *pressed.T) for r, pressed in zip(radius, contacts, strict=True)]
     outlines = list(state.outlines)
     residual, overlaps = np.zeros(iterations + 1), np.zeros(iterations + 1, dtype=np.int64)

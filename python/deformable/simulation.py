@@ -11,10 +11,10 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from .engine import change_box, gather, lattice, open_lammps, run
+from .contact_table import contact_table
+from .engine import change_box, gather, lattice, local_array, open_lammps, run
 from .errors import BeyondModelWarning, StalledWarning, UnjammedWarning
 from .models import Model
-from .neighbours import gather_neighbours
 from .packing import Packing, positive
 from .state import State
 
@@ -170,9 +170,14 @@ class Simulation:
     def _evaluate(self) -> float:
         """Bring forces and per-atom results up to date; returns the residual."""
         results = " ".join(f"{name} 0" for name in _RESULTS)
-        run(self.lmp, f"fix results all pair 1 {self.model.style} {results}\nrun 0 post no")
+        run(
+            self.lmp,
+            f"fix results all pair 1 {self.model.style} {results}\n"
+            "compute seen all deformable/contact\nrun 0 post no",
+        )
         self._results = gather(self.lmp, "f_results", len(_RESULTS))
-        run(self.lmp, "unfix results")
+        self._seen = local_array(self.lmp, "seen", 9)
+        run(self.lmp, "unfix results\nuncompute seen")
 
         area, perimeter, contacts, pressure, _, length = self._results.T
         rings = self._radii - self.model.skins(len(self._radii))
@@ -204,9 +209,7 @@ class Simulation:
             residual=residual,
             stalled=stalled,
             beyond=round(self.lmp.numpy.extract_compute("model", 0, 1)[0]),
-            neighbours=gather_neighbours(
-                self.lmp, self.comm, self.model.style, self.model.range, packing.radius, packing.box
-            ),
+            contact_table=contact_table(self._seen, packing, self.comm),
             root=self.comm.rank == 0,
         )
 

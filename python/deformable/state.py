@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .contact_table import ContactTable
 from .models import Model
-from .neighbours import Neighbours
 from .packing import Packing
 
 if TYPE_CHECKING:
@@ -38,7 +38,9 @@ class State:
         residual: largest force on a particle over the mean contact force; 0 without contacts.
         stalled: the relaxation stopped before its tolerance.
         beyond: number of particles that the model does not describe (negative radius of curvature).
-        neighbours: candidates for contact, in range of the law.
+        contact_table: contacts with a length or a force, as either side sees them, sorted by
+            (i, j, image): structured array with the fields i, j (-1 for a wall), image (2,), angle,
+            distance, indentation, length, force, position (2,), see `contact_table.COLUMNS`.
         root: this process writes the files (rank 0 of the run).
     """
 
@@ -54,7 +56,7 @@ class State:
     residual: float
     stalled: bool
     beyond: int
-    neighbours: Neighbours
+    contact_table: ContactTable
     root: bool
 
     def __post_init__(self) -> None:
@@ -84,30 +86,16 @@ class State:
         return self.model.skins(len(self.packing.radii))[self.packing.species]
 
     @cached_property
-    def bearing(self) -> NDArray[np.bool_]:
-        """Which `neighbours` bear force: contacts with a length on either side, shape (M,)."""
-        # The pair style knows, but fix pair has results of particles only, none of contacts.
-        length = np.zeros(len(self.neighbours.i))
-        for n, (kind, radius) in enumerate(
-            zip(self.packing.species, self.packing.radius, strict=True)
-        ):
-            part = slice(*self.neighbours.first[n : n + 2])
-            length[part] = self.model.contact_length(
-                kind, radius, self.neighbours.angle[part], self.neighbours.indentation[part]
-            )
-        return (length != 0.0) | (length[self.neighbours.reverse] != 0.0)
-
-    @cached_property
     def _backbone(self) -> NDArray[np.int64]:
         """Bearing contacts of each particle once rattlers are taken out one after another, (N,)."""
-        i, j, count = self.neighbours.i, self.neighbours.j, len(self.packing)
-        bonds = self.bearing
+        i, j, count = self.contact_table["i"], self.contact_table["j"], len(self.packing)
+        bonds = np.ones(len(i), dtype=bool)
         while True:
             z = np.bincount(i[bonds], minlength=count)
-            held = z >= 3
+            held = np.append(z >= 3, True)  # walls, j = -1, are
             kept = bonds & held[i] & held[j]
             if (kept == bonds).all():
-                return np.where(held, z, 0)
+                return np.where(held[:-1], z, 0)
             bonds = kept
 
     @property
@@ -138,21 +126,19 @@ class State:
             inset: distance from each outline, shape (N,) [length]; none gives the outlines.
             points: how finely a whole turn is divided.
         """
-        near = self.neighbours
         inset = np.zeros(len(self.packing)) if inset is None else inset
         return [
-            self.model.outline(
-                kind,
-                radius,
-                near.angle[near.first[n] : near.first[n + 1]],
-                near.indentation[near.first[n] : near.first[n + 1]],
-                inset[n],
-                points,
-            )
-            for n, (kind, radius) in enumerate(
-                zip(self.packing.species, self.packing.radius, strict=True)
+            self.model.outline(kind, radius, seen["angle"], seen["indentation"], within, points)
+            for kind, radius, within, seen in zip(
+                self.packing.species, self.packing.radius, inset, self.contacts_seen, strict=True
             )
         ]
+
+    @cached_property
+    def contacts_seen(self) -> list[ContactTable]:
+        """The rows of `contact_table` of each particle."""
+        first = np.searchsorted(self.contact_table["i"], np.arange(1, len(self.packing)))
+        return np.split(self.contact_table, first)
 
     def plot(self, ax: Axes | None = None, color_by: str = "particle_pressure") -> Axes:
         """Draw the outlines, coloured by a value of each particle; returns the axes.

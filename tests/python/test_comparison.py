@@ -83,6 +83,21 @@ def test_laws_on_the_independent_packing(
         assert both[0, 1] == pytest.approx(correlation, abs=1e-3)
 
 
+def test_balanced_law_on_the_independent_packing(independent: deformable.BeadState) -> None:
+    """With the rings' own stiffness and skin: areas to 1 %, energy to 1 %, outlines to 2e-4."""
+    rings = independent.rings
+    kP, skin = 300.0 / rings.number, rings.effective_radius - rings.radius
+    seen = deformable.compare(independent, deformable.Ring(kP=kP, skin=skin, contact="balanced"))
+    assert seen.shape_error.mean() < 2e-4
+    assert seen.area_deficit_error < 0.01
+    assert seen.energy_ratio == pytest.approx(1.0, abs=0.01)
+    # both sides of every contact press alike, to 1e-8 of the largest force
+    table = seen.state.contact_table
+    force = {(r["i"], r["j"], *r["image"].tolist()): r["force"] for r in table}
+    off = [abs(f - force[j, i, -a, -b]) for (i, j, a, b), f in force.items()]
+    assert max(off) < 1e-8 * table["force"].max()
+
+
 def test_circles_on_the_independent_packing(independent: deformable.BeadState) -> None:
     packing = independent.packing
     errors = []

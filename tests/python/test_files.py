@@ -46,7 +46,8 @@ def test_summary_says_how_it_was_made(state: deformable.State, tmp_path: Path) -
     text = (tmp_path / "summary.json").read_text()
     summary = json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
     assert summary["state"]["phi"] == state.phi
-    assert summary["model"] == {"name": "Ring", "kA": 2.0, "reach": 0.3, "kP": "inf", "skin": 0.0}
+    settings = {"kA": 2.0, "reach": 0.3, "kP": "inf", "skin": 0.0, "contact": "radical"}
+    assert summary["model"] == {"name": "Ring"} | settings
     assert summary["parameters"] == {"seed": 3, "kP": "inf"}
     assert {"deformable", "lammps", "numpy", "python", "mpi"} <= summary["versions"].keys()
 

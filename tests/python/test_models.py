@@ -38,7 +38,6 @@ def test_outline_of_a_ring_that_breathes() -> None:
     assert area == pytest.approx(shape.area, rel=2e-6)
     foot = ring.outline(0, 1.0, angle, a) @ np.array([1.0, 0.0])
     assert foot.max() == pytest.approx(0.97, abs=1e-12)
-    assert ring.contact_length(0, 1.0, angle, a) == pytest.approx(shape.contact_length, rel=1e-12)
 
 
 def test_sector_conserves_perimeter_or_area() -> None:

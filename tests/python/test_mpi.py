@@ -17,7 +17,7 @@ sim = deformable.Simulation(jammed, deformable.Ring())
 steps = deformable.compress(sim, strain=0.02, steps=2, tolerance=1e-9)
 for state in deformable.record(steps, "run"):
     pass
-contacts = list(zip(state.neighbours.i.tolist(), state.neighbours.j.tolist()))
+contacts = state.contact_table[["i", "j"]].tolist()
 seen = [state.phi, state.pressure, state.energy, state.coordination, contacts]
 assert MPI.COMM_WORLD.allgather(seen) == [seen] * MPI.COMM_WORLD.size
 assert state.root == (MPI.COMM_WORLD.rank == 0)

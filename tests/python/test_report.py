@@ -26,7 +26,7 @@ KEYS = {
     "pareto": "method error seconds",
     "ablation": "law option on",
 }
-LAWS = ["sector", "ring", "soft ring"]
+LAWS = ["sector", "ring", "soft ring", "balanced"]
 
 
 @pytest.fixture(scope="module")
@@ -138,6 +138,8 @@ def test_rows_of_a_packing():
     assert not row["unjammed"]
     kP, skin = beads.kL / rings.rings.number, rings.rings.effective_radius - rings.rings.radius
     assert comparisons["soft ring"].state.model == Ring(beads.kA, kP=kP, skin=skin)
+    balanced = Ring(beads.kA, kP=kP, skin=skin, contact="balanced")
+    assert comparisons["balanced"].state.model == balanced
     # a circle of the radius at rest
     inner = rings.rings.radius[rings.packing.species]
     off = [

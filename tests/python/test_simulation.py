@@ -22,11 +22,9 @@ def _strict() -> Iterator[None]:
 
 def shapes(state: deformable.State) -> list[core.Shape]:
     """What the kernel makes of each particle."""
-    near = state.neighbours
-    parts = [slice(*near.first[n : n + 2]) for n in range(len(state.packing))]
     return [
-        core.ring(radius, near.angle[part], near.indentation[part])
-        for radius, part in zip(state.packing.radius, parts, strict=True)
+        core.ring(radius, seen["angle"], seen["indentation"])
+        for radius, seen in zip(state.packing.radius, state.contacts_seen, strict=True)
     ]
 
 
@@ -114,7 +112,7 @@ def brute_force_contacts(state: deformable.State) -> dict[tuple[int, int, int, i
                 for b in range(-3, 4):
                     apart = packing.positions[j] - packing.positions[i] + (a, b) @ packing.box
                     distance = float(np.hypot(*apart))
-                    reach = state.model.range * (packing.radius[i] + packing.radius[j])
+                    reach = (1.0 + 0.3) * (packing.radius[i] + packing.radius[j])
                     if (i, 0, 0) != (j, a, b) and distance <= reach:
                         keys.append((i, j, a, b))
                         angle.append(np.arctan2(apart[1], apart[0]))
@@ -150,9 +148,21 @@ def test_contacts_and_rattlers_against_brute_force(asked: dict[str, float]) -> N
     with deformable.Simulation(jammed.at(jammed.phi * 1.01), deformable.Ring()) as sim:
         state = sim.relax()
     contacts = brute_force_contacts(state)
-    near = state.neighbours
-    seen = zip(near.i, near.j, *near.image.T, state.bearing, strict=True)
-    assert {(int(i), int(j), int(a), int(b)): bool(c) for i, j, a, b, c in seen} == contacts
+    table = state.contact_table
+    seen = zip(table["i"], table["j"], *table["image"].T, strict=True)
+    assert {tuple(map(int, key)) for key in seen} == {key for key, c in contacts.items() if c}
+    # both sides of every contact stand on one line
+    height = state.packing.radius[table["i"]] - table["indentation"]
+    out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
+    foot = state.packing.positions[table["i"]] + height[:, None] * out
+    np.testing.assert_allclose(foot, table["position"], rtol=0, atol=1e-13)
+    sides = {}
+    for row in table:
+        here = (int(row["i"]), int(row["j"]), *row["image"].tolist())
+        sides[here] = row["position"]
+    for (i, j, a, b), place in sides.items():
+        other = sides[j, i, -a, -b] + np.array([a, b]) @ state.packing.box
+        np.testing.assert_allclose(place, other, rtol=0, atol=1e-13)
     rattlers = brute_force_rattlers(contacts, len(jammed))
     assert set(np.flatnonzero(state.rattlers).tolist()) == rattlers
     held = [i not in rattlers and j not in rattlers for (i, j, _, _), c in contacts.items() if c]

@@ -65,7 +65,12 @@ def ablation_rows(number: int = 1000, steps: int = 100, repeats: int = 15) -> li
         }
     ]
     disks.close()
-    models: dict[str, Model] = {"sector": Sector(), "ring": Ring(), "soft ring": Ring(kP=6.0)}
+    models: dict[str, Model] = {
+        "sector": Sector(),
+        "ring": Ring(),
+        "soft ring": Ring(kP=6.0),
+        "balanced": Ring(kP=6.0, contact="balanced"),
+    }
     for law, model in models.items():
         with Simulation(packing, model, MPI.COMM_SELF) as sim:
             run(sim.lmp, f"{room}\n{_RUN}")

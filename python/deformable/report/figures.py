@@ -14,6 +14,7 @@ _STYLES = {
     "sector": ("black", "s"),
     "ring": ("tab:blue", "D"),
     "soft ring": ("tab:green", "^"),
+    "balanced": ("tab:orange", "*"),
 }
 
 # A relaxation that ends above this residual has not converged.
@@ -71,7 +72,7 @@ def pareto(rows: Sequence[dict[str, Any]]) -> Figure:
         ax.set(xlabel="processor time of a strain step [s]", ylabel=label)
         ax.margins(0.1)
         ax.grid(which="major", alpha=0.3)
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=5)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=6)
     return figure
 
 
@@ -88,13 +89,13 @@ def packings(rows: Sequence[dict[str, Any]]) -> Figure:
     ):
         for k, (model, (color, marker)) in enumerate(_STYLES.items()):
             chosen = [row for row in rows if row["model"] == model]
-            x = [cases.index(_case(row)) + 0.12 * (k - 1.5) for row in chosen]
+            x = [cases.index(_case(row)) + 0.12 * (k - 2) for row in chosen]
             y = [row[key] for row in chosen]
             ax.plot(x, y, marker, color=color, linestyle="none", markersize=6, label=model)
         ax.set_xticks(range(len(cases)), cases, fontsize=8)
         ax.set(ylabel=label, yscale="log")
         ax.grid(axis="y", which="both", alpha=0.3)
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=4)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=5)
     return figure
 
 

@@ -35,16 +35,16 @@ def laws(beads: Beads, rings: Rings) -> dict[str, Model]:
     """The contact laws that stand in for rings of such beads, by name.
 
     `ring` keeps perimeters as the paper does; `soft ring` has the rings' own stiffness kP =
-    kL/N_v, and their beads as a rigid skin.
+    kL/N_v, and their beads as a rigid skin; `balanced` also has the contact lines where both
+    sides press with the same force.
     """
+    kP = (beads.kL / rings.number).tolist()
+    skin = (rings.effective_radius - rings.radius).tolist()
     return {
         "sector": Sector(beads.kA),
         "ring": Ring(beads.kA),
-        "soft ring": Ring(
-            beads.kA,
-            kP=(beads.kL / rings.number).tolist(),
-            skin=(rings.effective_radius - rings.radius).tolist(),
-        ),
+        "soft ring": Ring(beads.kA, kP=kP, skin=skin),
+        "balanced": Ring(beads.kA, kP=kP, skin=skin, contact="balanced"),
     }
 
 
