@@ -242,23 +242,41 @@ ContactBalance::Point ContactBalance::look(const Sweep &sweep)
 }
 
 /* ----------------------------------------------------------------------
-   The energy is convex along the step too, but contacts begin and cease to
-   carry on the way: back to where its slope would vanish if it were linear
+   The energy is convex along the step too, but its slope has kinks where
+   contacts begin or cease to carry. A step that goes too far ends where the
+   slope is level enough, on the far side of the kink in its way: of two
+   points there the slope tells where it has left the ground.
 ------------------------------------------------------------------------- */
 
 ContactBalance::Point ContactBalance::descend(const Point &from, const Sweep &sweep)
 {
   constexpr double ROUNDING = 1e-12, LEVEL = 0.5;
-  const double downhill = slope();
+  struct {
+    double at, slope;
+  } low = {0.0, slope()}, high = {1.0, 0.0}, beyond = high;
+  const double level = -LEVEL * low.slope;
   for (double taken = 0.0, wanted = 1.0;;) {
     for (int k : moving) shifts[k] += (wanted - taken) * steps[k];
+    taken = wanted;
     const Point at = look(sweep);
     const bool falls = at.energy <= from.energy * (1.0 + ROUNDING);
-    if (at.slope <= 0.0 || (falls && at.slope <= -LEVEL * downhill) || sweeps >= limit) return at;
+    const bool further = taken == 1.0 && at.slope <= 0.0;
+    if (further || (falls && std::fabs(at.slope) <= level) || sweeps >= limit) return at;
     if (std::isinf(from.energy) && std::isfinite(at.energy)) return at;    // lines have jumped
-    taken = wanted;
-    wanted *=
-        std::isfinite(at.slope) ? std::clamp(downhill / (downhill - at.slope), 0.1, 0.9) : 0.25;
+
+    if (at.slope <= 0.0) {
+      low = {taken, at.slope};
+    } else {
+      beyond = high;
+      high = {taken, at.slope};
+    }
+    const double width = high.at - low.at;
+    const double zero =
+        beyond.slope > high.slope
+            ? high.at - high.slope * (beyond.at - high.at) / (beyond.slope - high.slope)
+            : low.at + low.slope / (low.slope - high.slope) * width;
+    wanted = std::isfinite(zero) ? std::clamp(zero, low.at + 0.1 * width, low.at + 0.9 * width)
+                                 : low.at + 0.25 * width;
   }
 }
 

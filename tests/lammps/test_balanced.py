@@ -307,6 +307,41 @@ def test_only_walls():
     assert of_compute_pair(scene).tolist() == [1, 0]
 
 
+EXTREMES = {
+    "kP/kA": lambda rng: (1.0, 10 ** rng.uniform(-6, 12), 0.0),
+    "kA": lambda rng: (10 ** rng.uniform(-2, 2), np.inf, 0.0),
+    "both": lambda rng: (10 ** rng.uniform(-3, 3), 10 ** rng.uniform(-3, 3), 0.05 * rng.random()),
+}
+
+
+def scattered(draw, seed, folder, scale=1.0):
+    """A packing in which every particle has a stiffness of its own."""
+    case, rng = PACKINGS[1], np.random.default_rng(seed)
+    names = [f"s{n}" for n in range(case["N"])]
+    lines = []
+    for name, kind in zip(names, case["type"], strict=True):
+        kA, kP, skin = (float(value) for value in draw(rng))
+        lines.append(f"{name} {(0.5, 0.7)[kind - 1]} {kA * scale!r} {kP * scale!r} {skin!r}\n")
+    (folder / "species").write_text("# UNITS: lj\n" + "".join(lines))
+    coeff = f"pair_coeff * * {folder / 'species'} {' '.join(names)}"
+    box = (0, case["L"], 0, case["L"])
+    return Scene(case["x"], names, box, DEFAULT + " reach 0.5", coeff=coeff)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("draw", EXTREMES.values(), ids=EXTREMES)
+def test_stiff_beside_soft(draw, seed, tmp_path):
+    """Neighbours that differ by orders of magnitude, and all of them scaled: nothing but a unit."""
+    scene = scattered(draw, seed, tmp_path)
+    state = scene.evaluate()
+    sweeps, residual = of_compute_pair(scene)
+    assert residual <= 1e-8
+    assert sweeps <= 40
+    for power in (-27, 27):
+        scaled = scattered(draw, seed, tmp_path, 2.0**power).evaluate()
+        assert scaled.energy == pytest.approx(2.0**power * state.energy, rel=1e-13)
+
+
 # ---- bead rings ----
 
 
