@@ -17,9 +17,10 @@ void SideValues::reset(int rows, int stride)
   for (int r = 0; r < rows; ++r) row[r] = value.data() + static_cast<std::size_t>(r) * stride;
 }
 
-// From each rank's particles to their ghosts.
+// From each rank's particles to their ghosts. On a single rank mirrors leave these out.
 void ContactBalance::exchange(SideValues &values)
 {
+  if (comm->nprocs == 1 && !facing) return;
   comm->forward_comm_array(stride, values.row.data());
 }
 
@@ -96,8 +97,12 @@ void ContactBalance::face(const ContactTable &table)
         earlier[k] = candidate->earlier;
       }
     }
-  for (SideValues *values : {&partners, &angles, &weight, &shifts, &before, &earlier})
+  SideValues &owner = forces;
+  for (int i = 0; i < nlocal; ++i) owner[side(i, 0)] = i;
+  facing = true;
+  for (SideValues *values : {&owner, &partners, &angles, &weight, &shifts, &before, &earlier})
     exchange(*values);
+  facing = false;
 
   mirror.resize(static_cast<std::size_t>(nlocal) * stride);
   for (int i = 0; i < nlocal; ++i)
@@ -109,12 +114,13 @@ void ContactBalance::face(const ContactTable &table)
         const double alike = -std::cos(angles[m] - angles[k]);
         if (partners[m] != static_cast<double>(tags[i]) || alike <= nearest) continue;
         nearest = alike;
-        mirror[k] = m;
+        mirror[k] = comm->nprocs == 1 ? m + side(static_cast<int>(owner[side(j, 0)]) - j, 0) : m;
       }
     }
 
   for (std::vector<double> *v : {&gradient, &left, &search, &turned, &per_diagonal})
     v->assign(mirror.size(), 0.0);
+  std::fill(owner.value.begin(), owner.value.end(), 0.0);
   // what either of both sides recalls
   for (SideValues *values : {&shifts, &before, &earlier}) {
     std::vector<double> &common = turned;
@@ -216,11 +222,11 @@ double ContactBalance::total(double part) const
   return all;
 }
 
-// of the energy along the step; each pair has two sides
+// of the energy along the step
 double ContactBalance::slope()
 {
   double sum = 0.0;
-  for (int k : moving) sum += 0.5 * gradient[k] * steps[k];
+  for (const Pair &pair : moving) sum += pair.share * gradient[pair.side] * steps[pair.side];
   return total(sum);
 }
 
@@ -256,7 +262,11 @@ ContactBalance::Point ContactBalance::descend(const Point &from, const Sweep &sw
   } low = {0.0, slope()}, high = {1.0, 0.0}, beyond = high;
   const double level = -LEVEL * low.slope;
   for (double taken = 0.0, wanted = 1.0;;) {
-    for (int k : moving) shifts[k] += (wanted - taken) * steps[k];
+    for (const Pair &pair : moving) {
+      const double moved = (wanted - taken) * steps[pair.side];
+      shifts[pair.side] += moved;
+      if (pair.share == 1.0) shifts[pair.mirror] -= moved;
+    }
     taken = wanted;
     const Point at = look(sweep);
     const bool falls = at.energy <= from.energy * (1.0 + ROUNDING);
@@ -315,10 +325,11 @@ void ContactBalance::stiffen(const Rings &rings)
   moving.clear();
   for (int i = 0; i < nlocal; ++i)
     for (int k = side(i, 0); k < side(i, count[i]); ++k) {
-      const double diagonal = answers[k] + answers[mirror[k]];
-      if (!(diagonal > 0.0) || mirror[k] == k) continue;
+      const int m = mirror[k], owned = static_cast<int>(mirror.size());
+      const double diagonal = answers[k] + answers[m];
+      if (!(diagonal > 0.0) || m == k) continue;
       per_diagonal[k] = 1.0 / diagonal;
-      moving.push_back(k);
+      if (k < m) moving.push_back({k, m, m < owned ? 1.0 : 0.5});
     }
 }
 
@@ -331,12 +342,17 @@ void ContactBalance::find_step(double accuracy)
 {
   constexpr int LONGEST = 500;
   std::fill(search.begin(), search.end(), 0.0);    // rows of K meet sides that do not move
+  const auto turn_to = [this](const Pair &pair, double direction) {
+    search[pair.side] = direction;
+    if (pair.share == 1.0) search[pair.mirror] = -direction;
+  };
   double sum = 0.0;
-  for (int k : moving) {
+  for (const Pair &pair : moving) {
+    const int k = pair.side;
     steps[k] = 0.0;
     left[k] = -gradient[k];
-    search[k] = per_diagonal[k] * left[k];
-    sum += left[k] * search[k];
+    turn_to(pair, per_diagonal[k] * left[k]);
+    sum += pair.share * left[k] * search[k];
   }
   double product = total(sum);
   const double enough = accuracy * accuracy * product;
@@ -348,29 +364,32 @@ void ContactBalance::find_step(double accuracy)
       const double *const along = &search[side(i, 0)];
       double *const answer = &answers[side(i, 0)];
       for (int m = 0; m < block.sides; ++m, row += block.size) {
-        double sum_of_row = 0.0;
-        for (int n = 0; n < block.sides; ++n) sum_of_row += row[n] * along[carry[n]];
-        answer[carry[m]] = sum_of_row;
+        double of_row = 0.0;
+        for (int n = 0; n < block.sides; ++n) of_row += row[n] * along[carry[n]];
+        answer[carry[m]] = of_row;
       }
     }
     exchange(answers);
     sum = 0.0;
-    for (int k : moving) {
-      turned[k] = answers[k] - answers[mirror[k]];
-      sum += search[k] * turned[k];
+    for (const Pair &pair : moving) {
+      const int k = pair.side;
+      turned[k] = answers[k] - answers[pair.mirror];
+      sum += pair.share * search[k] * turned[k];
     }
     const double curvature = total(sum);
     const bool flat = !(curvature > 0.0);
     const double along = flat ? 1.0 : product / curvature;
     sum = 0.0;
-    for (int k : moving) {
+    for (const Pair &pair : moving) {
+      const int k = pair.side;
       steps[k] += along * search[k];
       left[k] -= along * turned[k];
-      sum += left[k] * left[k] * per_diagonal[k];
+      sum += pair.share * left[k] * left[k] * per_diagonal[k];
     }
     if (flat) break;
     const double next = total(sum), turn = next / product;
-    for (int k : moving) search[k] = per_diagonal[k] * left[k] + turn * search[k];
+    for (const Pair &pair : moving)
+      turn_to(pair, per_diagonal[pair.side] * left[pair.side] + turn * search[pair.side]);
     product = next;
   }
 }

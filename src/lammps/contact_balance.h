@@ -61,7 +61,16 @@ class ContactBalance : protected Pointers {
   int stride = 0;             // of rows, the same on all ranks
   std::vector<int> count;     // sides of each particle of this rank
   std::vector<int> mirror;    // of each side the other one; itself where that is out of reach
-  std::vector<int> moving;    // sides of this rank whose pair carries
+  bool facing = false;        // mirrors are being sought
+
+  // A pair that carries, seen from this side: once where both sides are of this rank, from each side where
+  // they are not.
+  struct Pair {
+    int side, mirror;
+    double share;    // of the pair in sums over all ranks
+  };
+  std::vector<Pair> moving;
+
   SideValues shifts, before, earlier;    // s, and what it was one and two calls ago
   SideValues forces, steps, answers;
   std::vector<double> gradient, left, search, turned, per_diagonal;
