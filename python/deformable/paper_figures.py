@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +25,7 @@ _LAWS: dict[str, dict[str, Any]] = {
     "sector": {"color": "black", "linestyle": "-"},
     "ring": {"color": "tab:blue", "linestyle": "--"},
 }
+_SOFT_RING: dict[str, Any] = {"color": "tab:green", "linestyle": ":"}
 _I = r"shape error $I$"
 _A = r"indentation $a/R_0$"
 
@@ -200,9 +201,13 @@ def _plain_ticks(ax: Axes, values: Iterable[float]) -> None:
     ax.xaxis.set_minor_formatter(NullFormatter())
 
 
-def packing(comparisons: Sequence[Comparison]) -> Figure:
-    """The outlines of the laws over the beads: the whole box, and a few particles of it."""
-    beads = comparisons[0].beads
+def packing(comparisons: Mapping[str, Comparison]) -> Figure:
+    """The outlines of models over the beads: the whole box, and a few particles of it.
+
+    Args:
+        comparisons: of one packing with models, by name: sector, ring, soft ring.
+    """
+    beads = next(iter(comparisons.values())).beads
     box = beads.packing.box
     figure, axes = _new(4.8, 1, 2)
     middle = 0.5 * box.sum(axis=0)
@@ -227,21 +232,16 @@ def packing(comparisons: Sequence[Comparison]) -> Figure:
         spine.set_edgecolor("tab:green")
     whole.set_axis_off()
     means = ", ".join(
-        f"{each.state.model.law} $I$ = {_short(float(each.shape_error.mean()))}"
-        for each in comparisons
+        f"{name} {_short(float(each.shape_error.mean()))}" for name, each in comparisons.items()
     )
-    numbers = " and ".join(map(str, beads.rings.number))
-    figure.suptitle(
-        f"{len(beads.packing)} rings of {numbers} beads: mean {means}",
-        fontsize=11,
-    )
-    figure.legend(*zoom.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    figure.suptitle(f"{len(beads.packing)} rings, mean $I$: {means}", fontsize=11)
+    figure.legend(*zoom.get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
 
 
-def _packing(ax: Axes, comparisons: Sequence[Comparison], fine: bool) -> None:
+def _packing(ax: Axes, comparisons: Mapping[str, Comparison], fine: bool) -> None:
     """Beads and outlines, with all periodic images that reach into the box."""
-    beads = comparisons[0].beads
+    beads = next(iter(comparisons.values())).beads
     points = _images(beads.outlines, beads.packing.box)
     dots = np.vstack(points)
     if fine:
@@ -258,16 +258,16 @@ def _packing(ax: Axes, comparisons: Sequence[Comparison], fine: bool) -> None:
         )
         ax.add_collection(discs)
     ax.plot(*dots.T, **_BEADS, markersize=4.0 if fine else 0.6, label="beads", zorder=3)
-    for each in comparisons:
+    styles = _LAWS | {"soft ring": _SOFT_RING}
+    for name, each in comparisons.items():
         outlines = [
             outline + centre
             for outline, centre in zip(
                 ring_outlines(beads, each.state), beads.packing.positions, strict=True
             )
         ]
-        law = each.state.model.law
         closed = [np.vstack([line, line[:1]]) for line in _images(outlines, beads.packing.box)]
-        lines = LineCollection(closed, linewidths=1.0 if fine else 0.4, label=law, **_LAWS[law])
+        lines = LineCollection(closed, linewidths=1.0 if fine else 0.4, label=name, **styles[name])
         lines.set_zorder(4)
         ax.add_collection(lines)
 

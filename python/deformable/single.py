@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -16,9 +17,17 @@ from .bead_reference import BeadReference
 from .bead_state import BeadState
 from .beads import Beads
 from .errors import ParameterError
-from .packing import Packing
+from .packing import Packing, positive
 from .shape_error import deviation
 from .walls import Walls
+
+# Steps of the walls, in R0. A step brings beads to a wall that sticks further out than where the
+# contact ends after the relaxation, and there they stay: I converges with the step, not before this
+# one for 188 beads and kL = 1e4 (docs/paper.md).
+STEP = 0.00125
+
+# Calls of a law of which the median is timed.
+_CALLS = 21
 
 # Directions of the sides of the asymmetric polygons. The paper draws but does not list them.
 IRREGULAR = {
@@ -43,12 +52,12 @@ class Squeezed:
         walls: around the particle.
         indentation: a, of a particle that stays at the origin [length].
         beads: the relaxed ring.
-        seconds: of the relaxation.
+        seconds: of processor time, of all relaxations since the result before.
         centre: of the particle for the laws, shape (2,) [length].
         outlines: of each law for the beads, about the centre, by name, arrays (m, 2) [length].
         area_deficit: S of each law, by name [length^2].
         deviation: |v| - g(theta) of each bead from each law, by name, shape (N_v,) [length].
-        law_seconds: of both laws together.
+        law_seconds: of processor time, of one call of each law, by name.
     """
 
     walls: Walls
@@ -59,7 +68,7 @@ class Squeezed:
     outlines: dict[str, NDArray[np.float64]]
     area_deficit: dict[str, float]
     deviation: dict[str, NDArray[np.float64]]
-    law_seconds: float
+    law_seconds: dict[str, float]
 
     @property
     def angle(self) -> NDArray[np.float64]:
@@ -78,28 +87,35 @@ def squeeze(
     beads: Beads,
     stick: bool,
     tolerance: float = 1e-3,
+    step: float = STEP,
 ) -> list[Squeezed]:
-    """Squeeze a ring of beads whose circle has the radius R0 = 1 in steps, as the paper does.
+    """Squeeze a ring of beads whose circle has the radius R0 = 1, as the paper does.
 
     Args:
         angle: directions of the walls, shape (n,) [rad].
-        indentations: a/R0 of each step; every step starts from the one before.
+        indentations: a/R0 of the results, rising.
         beads: the ring, N_v its number of beads.
         stick: walls that beads stick to, else walls along which they slip.
         tolerance: of each relaxation, see `BeadReference.relax`.
+        step: by which walls that stick move at most between two relaxations, in R0. Walls that slip
+            remember nothing; they move by up to half the radius of a bead.
 
     Returns:
-        One result a step.
+        One result for each indentation.
 
     Raises:
-        ParameterError: the walls would move past beads, or meet the centre.
+        ParameterError: indentations do not rise, or the walls would meet the centre; a step or a
+            tolerance that is not positive.
     """
+    positive("step", step)
+    largest = 0.5 * beads.radius  # lest walls pass beads
+    step = min(step, largest) if stick else largest
     indentations = list(indentations)
     for before, a in pairwise([0.0, *indentations]):
-        if not (a - before < beads.radius and a < 1.0):  # also where one is no number
+        if not before < a < 1.0:  # also where one is no number
             raise ParameterError(
-                f"walls cannot move in from a/R0 = {before:g} to {a:g} in one step: it must be "
-                f"less than the bead radius {beads.radius:g}, and a/R0 less than 1"
+                f"walls cannot go from a/R0 = {before:g} to {a:g}: indentations must rise, and "
+                "stay below 1"
             )
     outer = 1.0 + beads.radius  # walls stop the beads' rims, and R0 is where their centres are
     packing = Packing(
@@ -108,18 +124,19 @@ def squeeze(
     results: list[Squeezed] = []
     walls = Walls(angle, np.full(len(angle), outer), stick)
     with BeadReference(packing, beads, walls, MPI.COMM_SELF) as ring:
-        for a in indentations:
-            walls = replace(walls, height=np.full(len(angle), outer - a))
-            began = time.perf_counter()
-            ring.confine(walls)
-            state = ring.relax(tolerance)
-            results.append(_measure(walls, a, state, time.perf_counter() - began))
+        for before, a in pairwise([0.0, *indentations]):
+            began = time.process_time()
+            count = max(math.ceil((a - before) / step - 1e-9), 1)  # often whole but for rounding
+            for part in np.linspace(before, a, count + 1)[1:]:
+                walls = replace(walls, height=np.full(len(angle), outer - part))
+                ring.confine(walls)
+                state = ring.relax(tolerance)
+            results.append(_measure(walls, a, state, time.process_time() - began))
     return results
 
 
 def _measure(walls: Walls, a: float, beads: BeadState, seconds: float) -> Squeezed:
     centre = np.zeros(2) if walls.stick else beads.packing.positions[0]
-    began = time.perf_counter()
     pressed = 1.0 + beads.beads.radius - walls.seen_from(centre)
     touching = pressed >= 0.0  # the sector law has contacts only there, the ring law finds them
     contacts = {
@@ -127,7 +144,6 @@ def _measure(walls: Walls, a: float, beads: BeadState, seconds: float) -> Squeez
         "ring": (walls.angle, pressed),
     }
     shapes = {law: getattr(core, law)(1.0, *contacts[law]) for law in contacts}
-    law_seconds = time.perf_counter() - began
     outlines = {law: core.outline(law, 1.0, *contacts[law], 2880) for law in contacts}
     return Squeezed(
         walls=walls,
@@ -140,5 +156,17 @@ def _measure(walls: Walls, a: float, beads: BeadState, seconds: float) -> Squeez
         deviation={
             law: deviation(beads.outlines[0] - centre, outline) for law, outline in outlines.items()
         },
-        law_seconds=law_seconds,
+        law_seconds={law: _call_seconds(getattr(core, law), *contacts[law]) for law in contacts},
     )
+
+
+def _call_seconds(
+    law: Callable[..., object], angle: NDArray[np.float64], pressed: NDArray[np.float64]
+) -> float:
+    """Processor time of one call: the median of several, of which the first fill the caches."""
+    seconds = []
+    for _ in range(_CALLS):
+        began = time.process_time()
+        law(1.0, angle, pressed)
+        seconds.append(time.process_time() - began)
+    return float(np.median(seconds))
