@@ -11,6 +11,11 @@ from numpy.typing import NDArray
 from .errors import ParameterError
 from .packing import positive
 
+# Least spacing of beads over their radius p. LAMMPS lists at most 2000 neighbours of a bead, from
+# within 2.5 p of it. What a ring has there is convex and thus no longer than 5 pi p, 262 beads; and
+# particles have radii above 2 p, so that no more than 7 of them reach there.
+_LEAST_SPACING = 0.06
+
 
 @dataclass(frozen=True)
 class Beads:
@@ -45,8 +50,12 @@ class Beads:
     def __post_init__(self) -> None:
         for name in ("radius", "kL", "kA", "kr"):
             object.__setattr__(self, name, positive(name, getattr(self, name)))
-        counts = np.atleast_1d(np.asarray(self.number))
+        try:
+            counts = np.atleast_1d(np.asarray(self.number))
+        except ValueError:  # rows of unequal length
+            counts = np.empty(0)
         whole = counts.ndim == 1 and counts.dtype.kind in "iuf" and np.isfinite(counts).all()
+        whole = whole and counts.size > 0
         if not (whole and (counts == np.rint(counts)).all() and (counts >= 3).all()):
             raise ParameterError(
                 f"a ring needs a whole number of beads, at least 3, not {self.number}"
@@ -56,8 +65,8 @@ class Beads:
         """The undeformed rings of species of these radii [length].
 
         Raises:
-            ParameterError: beads too large for a particle, or so few that others slip through
-                between them.
+            ParameterError: beads too large for a particle, so few that others slip through between
+                them, or so many that LAMMPS cannot list their neighbours.
         """
         ring = radii - self.radius
         if not (ring > self.radius).all():
@@ -65,29 +74,44 @@ class Beads:
                 f"beads of radius {self.radius:g} are too large for a particle of radius "
                 f"{radii.min():g}: take less than half of that"
             )
-        if np.ndim(self.number) == 0:
-            number = np.rint(np.asarray(self.number) * ring / ring.min()).astype(np.int64)
-        else:
-            number = np.array(self.number, dtype=np.int64)
-            if len(number) != len(radii):
-                raise ParameterError(
-                    f"number must be one, or one a species ({len(radii)}), not {self.number}"
-                )
-        spacing = 2.0 * ring * np.sin(np.pi / number)
-        widest = int(spacing.argmax())
-        if spacing[widest] >= 4.0 * self.radius:
-            enough = int(np.pi / np.arcsin(2.0 * self.radius / ring[widest])) + 1
+        one = np.ndim(self.number) == 0
+        if not one and len(np.asarray(self.number)) != len(radii):
             raise ParameterError(
-                f"{number[widest]} beads of radius {self.radius:g} are too few for a particle of "
-                f"radius {radii[widest]:g}, others slip through between them: take {enough} or more"
+                f"number must be one, or one a species ({len(radii)}), not {self.number}"
+            )
+        share = ring / ring.min() if one else np.ones_like(ring)
+        number = np.rint(np.asarray(self.number, dtype=np.float64) * share)
+        spacing = 2.0 * ring * np.sin(np.pi / number)
+        widest, closest = int(spacing.argmax()), int(spacing.argmin())
+        if spacing[widest] >= 4.0 * self.radius:
+            enough = np.floor(_beads_at(4.0 * self.radius, ring)) + 1.0
+            # of the smallest species, so that n share rounds to enough for each
+            least = (np.floor((enough - 0.5) / share) + 1.0).max() if one else enough[widest]
+            raise ParameterError(
+                f"{number[widest]:g} beads of radius {self.radius:g} are too few for a particle of "
+                f"radius {radii[widest]:g}, others slip through between them: take "
+                f"{'number = ' if one else ''}{least:g} or more"
+            )
+        if spacing[closest] < _LEAST_SPACING * self.radius:
+            room = np.floor(_beads_at(_LEAST_SPACING * self.radius, ring))
+            most = (np.ceil((room + 0.5) / share) - 1.0).min() if one else room[closest]
+            raise ParameterError(
+                f"{number[closest]:g} beads of radius {self.radius:g} are too many for a particle "
+                f"of radius {radii[closest]:g}, LAMMPS cannot list so many neighbours: take "
+                f"{'number = ' if one else ''}{most:g} or fewer"
             )
         return Rings(
-            number=number,
+            number=number.astype(np.int64),
             radius=ring,
             spacing=spacing,
             area=0.5 * number * ring**2 * np.sin(2.0 * np.pi / number),
             effective_radius=ring + 0.5 * np.sqrt(4.0 * self.radius**2 - 0.25 * spacing**2),
         )
+
+
+def _beads_at(spacing: float, ring: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How many beads on circles of these radii have this spacing, pi/arcsin(spacing/2r)."""
+    return np.asarray(np.pi / np.arcsin(np.minimum(0.5 * spacing / ring, 1.0)))
 
 
 @dataclass(frozen=True, eq=False)

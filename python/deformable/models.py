@@ -49,13 +49,11 @@ class Ring:
     contact: str = "radical"
 
     def __post_init__(self) -> None:
-        positive("reach", self.reach)
+        object.__setattr__(self, "reach", positive("reach", self.reach))
         if self.contact not in ("radical", "balanced"):
             raise ParameterError(f"contact must be radical or balanced, not {self.contact}")
         for name in ("kA", "kP", "skin"):
-            given = getattr(self, name)
-            plain = float(given) if np.ndim(given) == 0 else tuple(float(value) for value in given)
-            object.__setattr__(self, name, plain)
+            object.__setattr__(self, name, _plain(name, getattr(self, name)))
         kA, kP, skin = (np.atleast_1d(value) for value in (self.kA, self.kP, self.skin))
         for name, values in (("kA", kA), ("kP", kP)):
             if not (values > 0.0).all():
@@ -97,9 +95,19 @@ class Ring:
         return np.array(self._each(self.skin, species))
 
     def parameters(self, radii: Sequence[float]) -> str:
-        """Text of the parameter file for species of these radii [length], named s1, s2, ..."""
-        columns = (self._each(values, len(radii)) for values in (self.kA, self.kP, self.skin))
-        return _parameter_file(radii, *columns)
+        """Text of the parameter file for species of these radii [length], named s1, s2, ...
+
+        Raises:
+            ParameterError: there are other numbers of species, or a skin is as thick as a particle.
+        """
+        kA, kP, skin = (self._each(values, len(radii)) for values in (self.kA, self.kP, self.skin))
+        for thickness, radius in zip(skin, radii, strict=True):
+            if thickness >= radius:
+                raise ParameterError(
+                    f"a skin of {thickness:g} is too thick for a particle of radius {radius:g}: it "
+                    "must be thinner than that"
+                )
+        return _parameter_file(radii, kA, kP, skin)
 
     def outline(
         self,
@@ -167,6 +175,11 @@ class Sector:
     kP: float = math.inf
 
     def __post_init__(self) -> None:
+        for name in ("kA", "kP"):
+            plain = _plain(name, getattr(self, name))
+            if isinstance(plain, tuple):
+                raise ParameterError(f"{name} of Sector must be one number, not {list(plain)}")
+            object.__setattr__(self, name, plain)
         if math.isnan(self.kA):
             object.__setattr__(self, "kA", 1.0 if math.isinf(self.kP) else math.inf)
         if not (self.kA > 0.0 and self.kP > 0.0 and math.isinf(self.kA) != math.isinf(self.kP)):
@@ -220,6 +233,17 @@ class Sector:
 
 
 Model = Ring | Sector
+
+
+def _plain(name: str, given: object) -> float | tuple[float, ...]:
+    """A number as a float, one number a species as a tuple."""
+    try:
+        values = np.asarray(given)
+    except ValueError:  # rows of unequal length
+        values = np.asarray(None)
+    if values.dtype.kind not in "iuf" or values.ndim > 1 or values.size == 0:
+        raise ParameterError(f"{name} must be a number, or one number a species, not {given}")
+    return float(values) if values.ndim == 0 else tuple(float(value) for value in values)
 
 
 def _parameter_file(

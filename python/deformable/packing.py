@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -94,9 +95,13 @@ def lattice_vectors(box: ArrayLike) -> NDArray[np.float64]:
 
 def positive(name: str, value: float) -> float:
     """The value, if it is a finite number above zero."""
-    if not (np.isfinite(value) and value > 0.0):
+    try:
+        number = math.nan if isinstance(value, str) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if not 0.0 < number < math.inf:
         raise ParameterError(f"{name} must be a positive number, not {value}")
-    return float(value)
+    return number
 
 
 def bidisperse(

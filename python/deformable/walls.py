@@ -29,10 +29,14 @@ class Walls:
     stick: bool = False
 
     def __post_init__(self) -> None:
-        angle = np.array(self.angle, dtype=np.float64)
-        height = np.array(self.height, dtype=np.float64)
-        turns = np.diff(angle, append=angle[:1] + 2.0 * np.pi)
-        if angle.ndim != 1 or len(angle) < 3 or not ((turns > 0.0) & (turns < np.pi)).all():
+        try:
+            angle = np.array(self.angle, dtype=np.float64)
+            height = np.array(self.height, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise ParameterError(
+                f"angles and heights of walls must be numbers, not {self.angle} and {self.height}"
+            ) from None
+        if angle.ndim != 1 or len(angle) < 3 or not _turns_once(angle):
             raise ParameterError(
                 "angles of walls must rise through one turn, by less than half a turn from one to "
                 f"the next, not {angle.tolist()}"
@@ -53,3 +57,9 @@ class Walls:
     def seen_from(self, centre: ArrayLike) -> NDArray[np.float64]:
         """Distance of each side from a point, negative beyond it, shape (n,) [length]."""
         return self.height - self.normal @ np.asarray(centre)
+
+
+def _turns_once(angle: NDArray[np.float64]) -> bool:
+    """Whether directions rise through one turn, by less than half a turn each."""
+    turns = np.diff(angle, append=angle[:1] + 2.0 * np.pi)
+    return bool(((turns > 0.0) & (turns < np.pi)).all())

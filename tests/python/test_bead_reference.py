@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import deformable
 import numpy as np
@@ -405,11 +406,15 @@ def test_walls_are_around_one_particle(
         ([0.0, 1.0, 2.0], [1.0, 1.0, 1.0], "less than half a turn"),
         ([0.0, 4.0, 2.0], [1.0, 1.0, 1.0], "must rise through one turn"),
         ([0.0, np.nan, 4.0], [1.0, 1.0, 1.0], "must rise"),
+        (None, None, "must rise"),
+        ([], [], "must rise"),
+        ([0.0, 2.0, 4.0], "high", "must be numbers, not .* and high"),
+        ([0.0, [2.0, 4.0]], [1.0, 1.0, 1.0], "must be numbers"),
         ([0.0, 2.0, 4.0], [1.0, 1.0], "3 positive numbers"),
         ([0.0, 2.0, 4.0], [1.0, 0.0, 1.0], "3 positive numbers"),
     ],
 )
-def test_walls_are_a_polygon(angle: list[float], height: list[float], message: str) -> None:
+def test_walls_are_a_polygon(angle: Any, height: Any, message: str) -> None:
     with pytest.raises(deformable.ParameterError, match=message):
         deformable.Walls(angle, height)
 

@@ -1,5 +1,7 @@
 """Numbers of beads, rest values and effective radii of rings, and the settings they refuse."""
 
+from typing import Any
+
 import deformable
 import numpy as np
 import pytest
@@ -37,7 +39,8 @@ def test_one_number_is_of_the_smallest(number: int) -> None:
 
 
 @pytest.mark.parametrize(
-    "number", [2, 0, -5, 50.5, float("nan"), float("inf"), "many", [50, 2], [[50, 60]], None]
+    "number",
+    [2, 0, -5, 50.5, float("nan"), float("inf"), "many", [50, 2], [[50, 60]], [50, [1]], [], None],
 )
 def test_numbers_of_beads_are_whole_and_three_or_more(number: object) -> None:
     with pytest.raises(deformable.ParameterError, match="whole number of beads, at least 3, not"):
@@ -45,8 +48,10 @@ def test_numbers_of_beads_are_whole_and_three_or_more(number: object) -> None:
 
 
 @pytest.mark.parametrize("name", ["radius", "kL", "kA", "kr"])
-@pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf")])
-def test_settings_are_positive(name: str, value: float) -> None:
+@pytest.mark.parametrize(
+    "value", [0.0, -1.0, float("nan"), float("inf"), "a", "1", None, [1.0, 2.0], 10**400]
+)
+def test_settings_are_positive(name: str, value: Any) -> None:
     with pytest.raises(deformable.ParameterError, match=f"{name} must be a positive number"):
         deformable.Beads(**{name: value})
 
@@ -57,7 +62,7 @@ def test_settings_may_be_numpy_numbers() -> None:
         assert rings.state().residual == 0.0
 
 
-@pytest.mark.parametrize("number", [[], [50], [50, 60, 70]])
+@pytest.mark.parametrize("number", [[50], [50, 60, 70]])
 def test_one_number_a_species(number: list[int]) -> None:
     with pytest.raises(deformable.ParameterError, match=r"one a species \(2\), not \["):
         deformable.Beads(number=number).rings(RADII)
@@ -77,3 +82,31 @@ def test_no_bead_slips_through_between_others() -> None:
     enough = deformable.Beads(number=[40, 21], radius=0.05).rings(RADII)
     assert enough.spacing[1] < 4.0 * 0.05 < 2.0 * 0.65 * np.sin(np.pi / 20)
     assert np.isfinite(enough.effective_radius).all()
+
+
+@pytest.mark.parametrize("radii", [RADII, np.array([0.5, 0.55, 0.9]), np.array([0.3])])
+@pytest.mark.parametrize(("number", "way_out", "step"), [(3, "more", -1), (1e300, "fewer", 1)])
+def test_the_number_that_is_asked_for_suffices(
+    radii: np.ndarray, number: float, way_out: str, step: int
+) -> None:
+    """One number is that of the smallest species, though a larger one may be what it fails for."""
+    message = rf"take number = \d+ or {way_out}$"
+    with pytest.raises(deformable.ParameterError, match=message) as error:
+        deformable.Beads(number).rings(radii)
+    limit = int(str(error.value).split()[-3])
+    deformable.Beads(limit).rings(radii)
+    with pytest.raises(deformable.ParameterError, match=message):
+        deformable.Beads(limit + step).rings(radii)
+
+
+def test_lammps_lists_the_neighbours_of_the_closest_beads() -> None:
+    with pytest.raises(
+        deformable.ParameterError, match=r"5000 .* radius 0\.7, .* take 1361 or fewer"
+    ):
+        deformable.Beads(number=[50, 5000]).rings(RADII)
+    jammed = deformable.jam(deformable.bidisperse(8, seed=1))
+    beads = deformable.Beads(number=244, radius=0.15)
+    with deformable.BeadReference(jammed, beads) as rings:
+        assert rings.rings.spacing == pytest.approx(0.06 * 0.15, rel=1e-2)
+        rings.deform(rings.box * 0.97)
+        assert rings.state().energy > 0.0

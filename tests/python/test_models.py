@@ -56,11 +56,32 @@ def test_sector_conserves_perimeter_or_area() -> None:
         (deformable.Ring, {"kP": 0.0}),
         (deformable.Ring, {"skin": -0.5}),
         (deformable.Ring, {"kA": [1.0, -2.0]}),
+        (deformable.Ring, {"kA": "a"}),
+        (deformable.Ring, {"kA": None}),
+        (deformable.Ring, {"kA": []}),
+        (deformable.Ring, {"kP": [[1, 2], [3, 4]]}),
+        (deformable.Ring, {"skin": [0, [1]]}),
+        (deformable.Ring, {"reach": "far"}),
         (deformable.Sector, {"kA": -1.0}),
         (deformable.Sector, {"kA": 1.0, "kP": 1.0}),
         (deformable.Sector, {"kA": float("inf")}),
+        (deformable.Sector, {"kA": "a"}),
+        (deformable.Sector, {"kP": [1.0, 2.0]}),
     ],
 )
 def test_bad_stiffness_is_named(law: Any, wrong: dict[str, Any]) -> None:
     with pytest.raises(deformable.ParameterError, match=re.escape(str(next(iter(wrong.values()))))):
         law(**wrong)
+
+
+def test_a_skin_is_thinner_than_its_particle() -> None:
+    skins = deformable.Ring(skin=[0.1, 0.7])
+    assert skins.parameters([0.5, 0.71]).endswith("0.71 1.0 inf 0.7\n")
+    with pytest.raises(deformable.ParameterError, match=r"skin of 0\.7 .* of radius 0\.7: it must"):
+        skins.parameters([0.5, 0.7])
+
+
+def test_settings_may_be_numpy_numbers() -> None:
+    ring = deformable.Ring(kA=np.array(2.0), reach=np.float64(0.4), kP=np.array([1, 2]))
+    assert ring.arguments == "reach 0.4"
+    assert ring == deformable.Ring(kA=2.0, reach=0.4, kP=(1.0, 2.0))
