@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,6 +10,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from .bead_state import BeadState
+from .errors import ParameterError
 from .models import Model
 from .shape_error import shape_error
 from .simulation import Simulation
@@ -34,19 +36,25 @@ class Comparison:
 
     @property
     def area_deficit_error(self) -> float:
-        """Root mean square of S - S_beads over the root mean square of S_beads."""
+        """Root mean square of S - S_beads over that of S_beads; inf where there is none."""
         exact = self.beads.area_deficit
-        return float(np.linalg.norm(self.state.area_deficit - exact) / np.linalg.norm(exact))
+        wrong = self.state.area_deficit - exact
+        return _over(float(np.linalg.norm(wrong)), float(np.linalg.norm(exact)))
 
     @property
     def energy_ratio(self) -> float:
-        """Energy of the law over that of the beads."""
-        return self.state.energy / self.beads.energy
+        """Energy of the law over that of the beads; inf where they bear none."""
+        return _over(self.state.energy, self.beads.energy)
 
     @property
     def pressure_ratio(self) -> float:
-        """Pressure of the law over that of the beads."""
-        return self.state.pressure / self.beads.pressure
+        """Pressure of the law over that of the beads; inf where they bear none."""
+        return _over(self.state.pressure, self.beads.pressure)
+
+
+def _over(ours: float, exact: float) -> float:
+    """A ratio, inf where it has no denominator."""
+    return ours / exact if exact else math.inf
 
 
 def predict(beads: BeadState, model: Model, comm: MPI.Comm | None = None) -> State:
@@ -72,16 +80,26 @@ def ring_outlines(beads: BeadState, state: State) -> list[NDArray[np.float64]]:
 
 
 def shape_errors(beads: BeadState, state: State) -> NDArray[np.float64]:
-    """I of each particle, shape (N,): the outlines of a state against the beads."""
-    return np.array(
-        [
-            shape_error(ring - centre, outline, radius)
-            for ring, centre, outline, radius in zip(
-                beads.outlines,
-                beads.packing.positions,
-                ring_outlines(beads, state),
-                beads.packing.radius,
-                strict=True,
-            )
-        ]
-    )
+    """I of each particle, shape (N,): the outlines of a state against the beads.
+
+    Raises:
+        ParameterError: an outline folds, as of particles beyond the model.
+    """
+    errors = np.zeros(len(beads.packing))
+    for n, (ring, centre, outline, radius) in enumerate(
+        zip(
+            beads.outlines,
+            beads.packing.positions,
+            ring_outlines(beads, state),
+            beads.packing.radius,
+            strict=True,
+        )
+    ):
+        try:
+            errors[n] = shape_error(ring - centre, outline, radius)
+        except ParameterError:
+            raise ParameterError(
+                f"the outline of particle {n} folds in the {state.model.law} law, which no longer "
+                "describes it: compress less"
+            ) from None
+    return errors

@@ -1,6 +1,7 @@
 """Contact laws against bead rings: a packing from an independent code, and small ones of ours."""
 
 import json
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -159,6 +160,29 @@ def test_beads_on_the_outlines_have_no_error(
     assert shape_errors(beyond, state) == pytest.approx(
         0.001 * np.array(distance) / small.packing.radius
     )
+
+
+def test_an_outline_that_folds_is_named(small: deformable.BeadState) -> None:
+    packing = small.packing
+    pressed = replace(small, packing=packing.at(packing.phi / 0.9**2))
+    for model in (deformable.Ring(), deformable.Sector()):
+        with pytest.raises(deformable.ParameterError, match="compress less") as error:
+            deformable.compare(pressed, model)
+        state = deformable.predict(pressed, model)
+        folds = [n for n, line in enumerate(ring_outlines(pressed, state)) if turns_back(line)]
+        assert f"particle {folds[0]} folds in the {model.law} law" in str(error.value)
+
+
+def turns_back(outline: np.ndarray) -> bool:
+    """Whether a walk along an outline goes clockwise anywhere, as seen from its centre."""
+    x, y = outline.T
+    return bool((x * np.roll(y, -1) - np.roll(x, -1) * y < -1e-12).any())
+
+
+def test_no_load_no_ratio(small: deformable.BeadState) -> None:
+    idle = replace(small, energy=0.0, stress=np.zeros((2, 2)))
+    seen = deformable.compare(idle, deformable.Ring())
+    assert (seen.energy_ratio, seen.pressure_ratio) == (math.inf, math.inf)
 
 
 def test_outlines_have_the_areas_of_the_law(small: deformable.BeadState) -> None:
