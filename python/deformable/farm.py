@@ -33,7 +33,7 @@ def farm(
     Args:
         function: at the top level of a module; it and its results must pickle.
         arguments: of each call.
-        workers: processes; as many as there are cores if not given.
+        workers: processes; as many as cores may be used if not given.
         description: of the progress bar.
 
     Returns:
@@ -41,10 +41,10 @@ def farm(
 
     Raises:
         ParameterError: fewer than one worker.
-        RuntimeError: a process died.
+        BrokenProcessPool: a process died.
         Exception: the first one that a call raises; calls not yet begun are given up.
     """
-    workers = min((os.cpu_count() or 1) if workers is None else workers, len(arguments) or 1)
+    workers = min(len(os.sched_getaffinity(0)) if workers is None else workers, len(arguments) or 1)
     if workers < 1:
         raise ParameterError(f"workers must be at least 1, not {workers}")
     with progress(description, unit="run", total=len(arguments)) as bar:
@@ -62,9 +62,10 @@ def farm(
                     future.result()
                     bar.update()
             except BrokenProcessPool:
-                raise RuntimeError(
-                    f"a process of {function.__name__} died: a script that farms needs the guard "
-                    '`if __name__ == "__main__":`, and workers=1 runs without processes'
+                raise BrokenProcessPool(
+                    f"a process of {function.__name__} died, killed or for want of memory; or a "
+                    'script that farms lacks the guard `if __name__ == "__main__":`; workers=1 '
+                    "runs without processes"
                 ) from None
             finally:
                 pool.shutdown(cancel_futures=True)

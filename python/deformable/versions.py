@@ -31,7 +31,7 @@ def machine() -> dict[str, str | int]:
     """What the times of a result were measured on."""
     return {
         "processor": _processor(),
-        "cores": os.cpu_count() or 1,
+        "cores": len(os.sched_getaffinity(0)),
         "system": platform.system(),
     }
 

@@ -2,11 +2,15 @@
 
 import csv
 import json
+import math
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from deformable import cli
+from deformable.report import packings
 
 COMMAND = str(Path(sys.executable).parent / "deformable")
 
@@ -55,7 +59,8 @@ def test_sector_warns_on_one_line(tmp_path: Path) -> None:
     [
         (["--number", "0"], "error: number must be at least 1, not 0"),
         (["--strain", "2"], "error: strain must lie between -1 and 1, not 2.0"),
-        (["--kP", "1"], "error: the ring law keeps the perimeter: kP must be inf, not 1.0"),
+        (["--kP", "0"], "error: kP must be positive, not [0.0]"),
+        (["--kA", "inf"], "error: a ring must change its area or its perimeter"),
         (["--law", "sector", "--kP", "1"], "error: Sector needs one positive stiffness"),
         (["--resume", "--out", "nowhere"], "error: no saved run in 'nowhere'"),
         (["--resume", "--seed", "2"], "law in 'compress': leave out --seed"),
@@ -74,18 +79,104 @@ def test_errors_are_one_line(arguments: list[str], message: str, tmp_path: Path)
         assert result.stderr.count("\n") == 1
 
 
-def test_error_on_one_rank_ends_all(tmp_path: Path) -> None:
-    """Only rank 0 makes the folder: the other one must not wait for it for ever."""
+@pytest.mark.parametrize("law", ["ring", "sector"])
+def test_soft_perimeters(law: str, tmp_path: Path) -> None:
+    options = ("--number", "12", "--law", law, "--kA", "inf", "--kP", "2", "--steps", "1")
+    result = run("compress", *options, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    model = json.loads((tmp_path / "compress" / "summary.json").read_text())["model"]
+    assert (float(model["kA"]), model["kP"]) == (math.inf, 2.0)
+
+
+def table(output: str) -> dict[str, list[str]]:
+    """The rows of `compare` by name, cut at the columns of its head."""
+    lines = output.splitlines()
+    head = next(n for n, line in enumerate(lines) if line.startswith("model "))
+    rows = [line for line in lines[head + 1 :] if not line.startswith("no law")]
+    ends = [match.end() for match in re.finditer(r"\S+", lines[head])]
+    name = ends[0] + 4  # wider than its title
+    return {line[:name].strip(): line[name:].split(maxsplit=4) for line in rows}
+
+
+def test_compare_has_a_row_a_law(tmp_path: Path) -> None:
+    options = ("--number", "8", "--beads", "20", "--strain", "0.03")
+    result = run("compare", *options, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    rows = table(result.stdout)
+    assert list(rows) == ["beads", "disk", "sector", "ring", "soft ring"]
+    assert rows["disk"][2] == "-"
+    for name in ("sector", "ring", "soft ring"):
+        assert 0.0 < float(rows[name][0]) < 0.02
+        assert float(rows[name][2]) > 0.0
+    assert float(rows["ring"][4]) > 1.0
+    assert "interlock" not in result.stdout
+
+
+def test_compare_says_that_rings_interlock(tmp_path: Path) -> None:
+    options = ("--number", "8", "--beads", "20", "--strain", "1e-7")
+    result = run("compare", *options, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert "the rings interlock, strain more or take more beads" in result.stdout.splitlines()[-1]
+
+
+def test_compare_marks_what_failed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    common = {"I": 0.01, "S_rms": 0.5, "seconds_beads": 4.0, "seconds": 2.0}
+    rows = [
+        common | {"model": "disk", "energy_ratio": None, "residual": None},
+        common | {"model": "sector", "energy_ratio": 0.5, "residual": 2e-6},
+        common | {"model": "ring", "energy_ratio": math.inf, "residual": 1e-6},
+    ]
+    monkeypatch.setattr(packings, "packing_rows", lambda *arguments: (rows, []))
+    cli.compare()
+    shown = table(capsys.readouterr().out)
+    assert shown["disk"][2:] == ["-", "2", "2"]
+    assert shown["sector"][2:] == ["0.5", "2", "did not converge"]
+    assert shown["ring"][2:] == ["-", "2", "2"]
+
+
+@pytest.mark.parametrize("strain", ["0", "-0.01", "1", "nan"])
+def test_compare_compresses(strain: str, tmp_path: Path) -> None:
+    result = run("compare", "--strain", strain, cwd=tmp_path)
+    assert result.returncode == 2
+    assert result.stderr == (f"error: strain must lie between 0 and 1, not {float(strain)}\n")
+
+
+@pytest.mark.parametrize("command", ["compare", "report"])
+def test_ranks_are_refused(command: str, tmp_path: Path) -> None:
+    result = launch(command, cwd=tmp_path)
+    assert result.returncode != 0
+    (line,) = [line for line in result.stderr.splitlines() if line.startswith("error")]
+    assert line.startswith(f"error: {command} ")
+    assert line.endswith(": start it without mpiexec")
+    assert "Traceback" not in result.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_report_says_what_it_does(tmp_path: Path) -> None:
+    result = run("report", "--help", cwd=tmp_path)
+    assert result.returncode == 0
+    for word in ("--quick", "--out", "index.html", "report.json"):
+        assert word in result.stdout
+
+
+def launch(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """The command on two ranks."""
     mpiexec = str(Path(sys.executable).parent / "mpiexec")
-    options = ("--number", "8", "--out", "/dev/null/run")
-    result = subprocess.run(
-        [mpiexec, "-n", "2", COMMAND, "compress", *options],
-        cwd=tmp_path,
+    return subprocess.run(
+        [mpiexec, "-n", "2", COMMAND, *arguments],
+        cwd=cwd,
         capture_output=True,
         text=True,
         timeout=60,
         check=False,
     )
+
+
+def test_error_on_one_rank_ends_all(tmp_path: Path) -> None:
+    """Only rank 0 makes the folder: the other one must not wait for it for ever."""
+    result = launch("compress", "--number", "8", "--out", "/dev/null/run", cwd=tmp_path)
     assert result.returncode != 0
     assert "error: [Errno 20] Not a directory: '/dev/null/run'" in result.stderr
     assert "Traceback" not in result.stderr

@@ -4,13 +4,15 @@ import math
 import os
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import pytest
-from deformable import ParameterError, squeeze
+from deformable import ParameterError, cli, squeeze
 from deformable.farm import farm
 from deformable.paper import ring_in_walls
 from deformable.single import regular
+from deformable.versions import machine
 
 LAUNCHED = """
 import os
@@ -50,6 +52,23 @@ def test_one_worker_is_this_process() -> None:
 def test_errors_come_through(workers: int) -> None:
     with pytest.raises(ValueError, match="math domain error"):
         farm(math.sqrt, [(1.0,), (-1.0,), (4.0,)], workers)
+
+
+def test_no_more_processes_than_cores_that_may_be_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda pid: {3})
+    assert farm(os.getpid, [()] * 2) == [os.getpid()] * 2
+    assert machine()["cores"] == 1
+
+
+def test_a_process_that_dies_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(cli, "app", lambda: farm(os._exit, [(1,)] * 2, workers=2))
+    monkeypatch.setattr(warnings, "showwarning", warnings.showwarning)  # main replaces it
+    with warnings.catch_warnings(), pytest.raises(SystemExit):
+        cli.main()
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert last.startswith("error: a process of _exit died, killed or for want of memory")
 
 
 def test_no_workers() -> None:
