@@ -25,7 +25,10 @@ _LAWS: dict[str, dict[str, Any]] = {
     "sector": {"color": "black", "linestyle": "-"},
     "ring": {"color": "tab:blue", "linestyle": "--"},
 }
-_SOFT_RING: dict[str, Any] = {"color": "tab:green", "linestyle": ":"}
+_SOFTER = {
+    "soft ring": {"color": "tab:green", "linestyle": ":"},
+    "balanced": {"color": "tab:orange", "linestyle": "-."},
+}
 _I = r"shape error $I$"
 _A = r"indentation $a/R_0$"
 
@@ -55,7 +58,7 @@ def shapes(results: Sequence[Squeezed], stick: bool) -> Figure:
     figure, axes = _new(5.9, 2, 3)
     for ax, result in zip(axes.flat, chosen, strict=True):
         _shape(ax, result)
-    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=5)
     figure.suptitle(
         f"{chosen[0].beads.rings.number[0]} beads, "
         rf"$k_L = {_decade(chosen[0].beads.beads.kL)}$, $a/R_0 = {largest:g}$, "
@@ -205,7 +208,7 @@ def packing(comparisons: Mapping[str, Comparison]) -> Figure:
     """The outlines of models over the beads: the whole box, and a few particles of it.
 
     Args:
-        comparisons: of one packing with models, by name: sector, ring, soft ring.
+        comparisons: of one packing with models, by name: sector, ring, soft ring, balanced.
     """
     beads = next(iter(comparisons.values())).beads
     box = beads.packing.box
@@ -234,8 +237,8 @@ def packing(comparisons: Mapping[str, Comparison]) -> Figure:
     means = ", ".join(
         f"{name} {_short(float(each.shape_error.mean()))}" for name, each in comparisons.items()
     )
-    figure.suptitle(f"{len(beads.packing)} rings, mean $I$: {means}", fontsize=11)
-    figure.legend(*zoom.get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    figure.suptitle(f"{len(beads.packing)} rings, mean $I$: {means}", fontsize=9)
+    figure.legend(*zoom.get_legend_handles_labels(), loc="outside lower center", ncols=5)
     return figure
 
 
@@ -258,7 +261,7 @@ def _packing(ax: Axes, comparisons: Mapping[str, Comparison], fine: bool) -> Non
         )
         ax.add_collection(discs)
     ax.plot(*dots.T, **_BEADS, markersize=4.0 if fine else 0.6, label="beads", zorder=3)
-    styles = _LAWS | {"soft ring": _SOFT_RING}
+    styles = _LAWS | _SOFTER
     for name, each in comparisons.items():
         outlines = [
             outline + centre

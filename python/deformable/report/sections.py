@@ -58,7 +58,7 @@ def sections(results: Results) -> tuple[dict[str, Figure], list[Section]]:
                 "over their rms. The ratios are those of a law's energy and pressure over the "
                 "beads'; own: of the packing that the law relaxes to itself from the same start, "
                 "which may rearrange on its way, or lose its rigidity (unjammed: no ratios). The "
-                "soft ring has the beads' stiffness of the perimeter, sector and ring keep perimeters; "
+                "soft ring has the beads' stiffness of the perimeter, sector and ring keep it; "
                 "all three put contact lines on the radical axis. Balanced is the soft ring with "
                 "contact lines where both sides press with the same force. A particle with a "
                 "single contact counts as a soft disk in the sector law, with an energy that has "
