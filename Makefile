@@ -40,7 +40,7 @@ lint: $(VENV)/installed-dev
 	@$(BIN)/mypy --no-error-summary
 
 clean:
-	@rm -rf $(VENV) build demo .pytest_cache .ruff_cache .mypy_cache
+	@rm -rf $(VENV) build demo report .pytest_cache .ruff_cache .mypy_cache
 
 $(VENV)/bin/python:
 	@command -v $(PYTHON) >/dev/null || \
