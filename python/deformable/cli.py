@@ -50,12 +50,19 @@ STYLES = (
 # What describes a packing and its law; the rest describes what is done to it.
 PACKING_OPTIONS = (
     *("number", "radii", "fraction", "aspect", "tilt", "seed"),
-    *("law", "ka", "kp", "reach"),
+    *("law", "ka", "kp", "contact", "reach"),
 )
 
 
 # Residual above which a relaxation of a law fell short: the default of `Simulation.relax`.
 TOLERANCE = 1e-6
+
+
+class Lines(str, Enum):
+    """Where contact lines are."""
+
+    RADICAL = "radical"
+    BALANCED = "balanced"
 
 
 class Law(str, Enum):
@@ -100,6 +107,9 @@ def compress(
         float,
         typer.Option("--kP", help="Perimeter stiffness, or inf to keep the perimeter."),
     ] = math.inf,
+    contact: Annotated[
+        Lines, typer.Option(help="Contact lines geometric or where both sides press alike (ring).")
+    ] = Lines.RADICAL,
     reach: Annotated[float, typer.Option(help="Range of neighbours beyond touching (ring).")] = 0.3,
     strain: Annotated[float, typer.Option(help="Linear strain in all.")] = 0.01,
     steps: Annotated[int, typer.Option(help="Number of steps.")] = 10,
@@ -132,7 +142,11 @@ def compress(
             out.mkdir(parents=True, exist_ok=True)  # or fail before the work
         values = context.params
         parameters |= {name: values[name] for name in PACKING_OPTIONS}
-        model: Model = Ring(ka, reach, kp) if law is Law.RING else Sector(ka, kp)
+        if law is Law.SECTOR and contact is Lines.BALANCED:
+            raise ParameterError("contacts of the sector law are radical, not balanced")
+        model: Model = (
+            Ring(ka, reach, kp, contact=contact.value) if law is Law.RING else Sector(ka, kp)
+        )
         packing = jam(bidisperse(number, radii, fraction, aspect=aspect, tilt=tilt, seed=seed))
         _say(f"jammed at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
         sim = Simulation(packing, model)

@@ -46,6 +46,17 @@ def test_compress_writes_everything_and_resumes(tmp_path: Path) -> None:
     assert parameters["before"]["seed"] == 3
 
 
+def test_balanced_contacts(tmp_path: Path) -> None:
+    options = ("--number", "12", "--contact", "balanced", "--kP", "5", "--steps", "1")
+    result = run("compress", *options, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    model = json.loads((tmp_path / "compress" / "summary.json").read_text())["model"]
+    assert (model["contact"], model["kP"]) == ("balanced", 5.0)
+    result = run("compress", "--law", "sector", *options[:4], cwd=tmp_path)
+    assert result.returncode == 2
+    assert result.stderr == "error: contacts of the sector law are radical, not balanced\n"
+
+
 def test_sector_warns_on_one_line(tmp_path: Path) -> None:
     options = ("--number", "16", "--law", "sector", "--strain", "0.02", "--steps", "1")
     result = run("compress", *options, cwd=tmp_path)
