@@ -84,7 +84,7 @@ def test_no_bead_slips_through_between_others() -> None:
     assert np.isfinite(enough.effective_radius).all()
 
 
-@pytest.mark.parametrize("radii", [RADII, np.array([0.5, 0.55, 0.9]), np.array([0.3])])
+@pytest.mark.parametrize("radii", [RADII, np.array([0.5, 0.55, 0.9]), np.array([0.15, 0.26])])
 @pytest.mark.parametrize(("number", "way_out", "step"), [(3, "more", -1), (1e300, "fewer", 1)])
 def test_the_number_that_is_asked_for_suffices(
     radii: np.ndarray, number: float, way_out: str, step: int

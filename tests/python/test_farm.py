@@ -90,5 +90,6 @@ def test_a_script_without_guard_is_told(tmp_path: Path) -> None:
         [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=60
     )
     assert run.returncode != 0
-    assert "a process of sqrt died" in run.stderr.splitlines()[-1]
-    assert "workers=1" in run.stderr.splitlines()[-1]
+    # multiprocessing may have a word on semaphores of the processes that were ended after it
+    (line,) = [line for line in run.stderr.splitlines() if "a process of sqrt died" in line]
+    assert "workers=1" in line
