@@ -10,26 +10,16 @@
 
 using namespace LAMMPS_NS;
 
-void SideValues::reset(int rows, int stride)
-{
-  value.assign(static_cast<std::size_t>(rows) * stride, 0.0);
-  row.resize(rows);
-  for (int r = 0; r < rows; ++r) row[r] = value.data() + static_cast<std::size_t>(r) * stride;
-}
-
-// From each rank's particles to their ghosts. On a single rank mirrors leave these out.
-void ContactBalance::exchange(SideValues &values)
-{
-  if (comm->nprocs == 1 && !facing) return;
-  comm->forward_comm_array(stride, values.row.data());
-}
-
-/* ---------------------------------------------------------------------- */
-
 bool ContactBalance::settle(const ContactTable &table, bool new_list, const Sweep &sweep,
                             const Rings &rings)
 {
-  if (new_list) face(table);
+  if (new_list) {
+    face(table);
+    for (SideValues *values : {&forces, &steps, &answers})
+      values->reset(atom->nlocal + atom->nghost, stride);
+    for (std::vector<double> *v : {&gradient, &left, &search, &turned, &per_diagonal})
+      v->assign(mirror.size(), 0.0);
+  }
   start();
 
   sweeps = 0;
@@ -49,106 +39,13 @@ bool ContactBalance::settle(const ContactTable &table, bool new_list, const Swee
     find_step(std::max(MARGIN * tolerance / left_over, std::min(left_over, LOOSE)));
     at = descend(at, sweep);
   }
+  rest();
   residual = at.worst > 0.0 ? at.worst / at.largest : 0.0;
   return at.settled(tolerance);
 }
 
 /* ----------------------------------------------------------------------
-   the other side of each: two particles of a small box meet more than once,
-   in directions that differ
-------------------------------------------------------------------------- */
-
-void ContactBalance::face(const ContactTable &table)
-{
-  const std::vector<Known> known = recall();
-
-  const int nlocal = atom->nlocal, rows = nlocal + atom->nghost;
-  count.assign(nlocal, 0);
-  int longest = 1;
-  for (int i = 0; i < nlocal; ++i) {
-    const deformable::Contacts contacts = table.of(i);
-    while (count[i] < contacts.size && table.partner[table.first(i) + count[i]].atom >= 0)
-      ++count[i];
-    longest = std::max(longest, count[i]);
-  }
-  MPI_Allreduce(&longest, &stride, 1, MPI_INT, MPI_MAX, world);
-
-  SideValues &weight = answers;
-  for (SideValues *values :
-       {&shifts, &before, &earlier, &forces, &steps, &answers, &partners, &angles})
-    values->reset(rows, stride);
-  tags.assign(atom->tag, atom->tag + nlocal);
-  for (int i = 0; i < nlocal; ++i)
-    for (int c = 0; c < count[i]; ++c) {
-      const int k = side(i, c);
-      const tagint partner = atom->tag[table.partner[table.first(i) + c].atom];
-      partners[k] = static_cast<double>(partner);
-      angles[k] = table.of(i)[c].angle;
-      double nearest = 0.0;
-      const auto [first, last] =
-          std::equal_range(known.begin(), known.end(), Known{tags[i], partner, 0.0, 0.0, 0.0, 0.0});
-      for (auto candidate = first; candidate != last; ++candidate) {
-        const double alike = std::cos(candidate->angle - angles[k]);
-        if (alike <= nearest) continue;
-        nearest = alike;
-        weight[k] = 1.0;
-        shifts[k] = candidate->shift;
-        before[k] = candidate->before;
-        earlier[k] = candidate->earlier;
-      }
-    }
-  SideValues &owner = forces;
-  for (int i = 0; i < nlocal; ++i) owner[side(i, 0)] = i;
-  facing = true;
-  for (SideValues *values : {&owner, &partners, &angles, &weight, &shifts, &before, &earlier})
-    exchange(*values);
-  facing = false;
-
-  mirror.resize(static_cast<std::size_t>(nlocal) * stride);
-  for (int i = 0; i < nlocal; ++i)
-    for (int c = 0; c < count[i]; ++c) {
-      const int k = side(i, c), j = table.partner[table.first(i) + c].atom;
-      mirror[k] = k;
-      double nearest = 0.0;
-      for (int m = side(j, 0); m < side(j, stride); ++m) {
-        const double alike = -std::cos(angles[m] - angles[k]);
-        if (partners[m] != static_cast<double>(tags[i]) || alike <= nearest) continue;
-        nearest = alike;
-        mirror[k] = comm->nprocs == 1 ? m + side(static_cast<int>(owner[side(j, 0)]) - j, 0) : m;
-      }
-    }
-
-  for (std::vector<double> *v : {&gradient, &left, &search, &turned, &per_diagonal})
-    v->assign(mirror.size(), 0.0);
-  std::fill(owner.value.begin(), owner.value.end(), 0.0);
-  // what either of both sides recalls
-  for (SideValues *values : {&shifts, &before, &earlier}) {
-    std::vector<double> &common = turned;
-    for (int i = 0; i < nlocal; ++i)
-      for (int k = side(i, 0); k < side(i, count[i]); ++k) {
-        const double sum = weight[k] + weight[mirror[k]];
-        common[k] = sum > 0.0 ? ((*values)[k] - (*values)[mirror[k]]) / sum : 0.0;
-      }
-    std::copy(common.begin(), common.end(), values->value.begin());
-  }
-}
-
-/* ---------------------------------------------------------------------- */
-
-std::vector<ContactBalance::Known> ContactBalance::recall()
-{
-  std::vector<Known> known;
-  for (int i = 0; i < static_cast<int>(count.size()); ++i)
-    for (int k = side(i, 0); k < side(i, count[i]); ++k)
-      if (shifts[k] != 0.0)
-        known.push_back({tags[i], static_cast<tagint>(partners[k]), angles[k], shifts[k], before[k],
-                         earlier[k]});
-  std::sort(known.begin(), known.end());
-  return known;
-}
-
-/* ----------------------------------------------------------------------
-   along a trajectory shifts of pairs that carry go on as they did
+   along a trajectory shifts go on as they did
 ------------------------------------------------------------------------- */
 
 void ContactBalance::start()
@@ -162,7 +59,6 @@ void ContactBalance::start()
                    change_before = before[k] - earlier[k];
       earlier[k] = before[k];
       before[k] = now;
-      if (forces[k] == 0.0 && forces[mirror[k]] == 0.0) continue;
       if (run_up >= 2) shifts[k] += change;
       if (run_up >= 3) shifts[k] += change - change_before;
     }
@@ -170,6 +66,14 @@ void ContactBalance::start()
   carrying.clear();
   inverses.clear();
   blocks.assign(atom->nlocal, Block{0, -1, 0, 0});
+}
+
+// Lines that bear no force were put where they are, which is no motion to go on with.
+void ContactBalance::rest()
+{
+  for (int i = 0; i < atom->nlocal; ++i)
+    for (int k = side(i, 0); k < side(i, count[i]); ++k)
+      if (forces[k] == 0.0 && forces[mirror[k]] == 0.0) before[k] = earlier[k] = shifts[k];
 }
 
 /* ----------------------------------------------------------------------

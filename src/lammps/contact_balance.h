@@ -1,18 +1,16 @@
 // Contact lines where both sides press with the same force: contact balanced.
 //
-// Each pair shares its overlap by a number s of its own, a_ij = radical + s, a_ji = radical - s. The energy of all
-// particles is convex in all s, and smallest where F_ij = F_ji. Newton's method finds that, conjugate gradients
-// solve its linear systems. A pair has two sides, one in the row of each particle; a number of the pair has
-// opposite signs there. Both are computed from the same numbers, so that ranks that share a pair agree to the
-// last bit.
+// Each pair shares its overlap by a number s of its own, a_ij = radical + s, a_ji = radical - s. The energy of
+// all particles is convex in all s, and smallest where F_ij = F_ji. Newton's method finds that, conjugate
+// gradients solve its linear systems. A pair has two sides, one in the row of each particle; a number of the pair
+// has opposite signs there. Both are computed from the same numbers, so that ranks that share a pair agree to
+// the last bit.
 
 #ifndef LMP_CONTACT_BALANCE_H
 #define LMP_CONTACT_BALANCE_H
 
-#include "pointers.h"
-
 #include "balance.h"
-#include "contact_table.h"
+#include "contact_sides.h"
 
 #include <cstddef>
 #include <functional>
@@ -20,18 +18,9 @@
 
 namespace LAMMPS_NS {
 
-// A number of each side, in rows of one length, one for each particle, ghosts included.
-struct SideValues {
-  std::vector<double> value;
-  std::vector<double *> row;
-
-  void reset(int rows, int stride);
-  double &operator[](std::size_t side) { return value[side]; }
-};
-
-class ContactBalance : protected Pointers {
+class ContactBalance : ContactSides {
  public:
-  explicit ContactBalance(class LAMMPS *lmp) : Pointers(lmp) {}
+  explicit ContactBalance(class LAMMPS *lmp) : ContactSides(lmp) {}
 
   double tolerance = 1e-8;    // of |F_ij - F_ji|, in units of the largest force
   int limit = 100;            // sweeps of a call
@@ -39,8 +28,8 @@ class ContactBalance : protected Pointers {
   int sweeps = 0;           // of the last call
   double residual = 0.0;    // what it has left of |F_ij - F_ji|, in units of the largest force
 
-  // Shapes all particles of this rank by their contacts, with the shifts as they are now, and says by `press` what
-  // their sides feel. Returns their energy and the largest force on them, walls included.
+  // Shapes all particles of this rank by their contacts, with the shifts as they are now, and says by `press`
+  // what their sides feel. Returns their energy and the largest force on them, walls included.
   struct Load {
     double energy, largest;
   };
@@ -58,11 +47,6 @@ class ContactBalance : protected Pointers {
   void press(int i, int c, double force) { forces[side(i, c)] = force; }
 
  private:
-  int stride = 0;             // of rows, the same on all ranks
-  std::vector<int> count;     // sides of each particle of this rank
-  std::vector<int> mirror;    // of each side the other one; itself where that is out of reach
-  bool facing = false;        // mirrors are being sought
-
   // A pair that carries, seen from this side: once where both sides are of this rank, from each side where
   // they are not.
   struct Pair {
@@ -71,32 +55,15 @@ class ContactBalance : protected Pointers {
   };
   std::vector<Pair> moving;
 
-  SideValues shifts, before, earlier;    // s, and what it was one and two calls ago
   SideValues forces, steps, answers;
   std::vector<double> gradient, left, search, turned, per_diagonal;
   deformable::RingProgramme programme;
-
-  int side(int i, int c) const { return i * stride + c; }
-  void exchange(SideValues &);
-
-  // Who meets whom, and what is recalled of pairs whose list is gone.
-  struct Known {
-    tagint tag, partner;
-    double angle, shift, before, earlier;
-    bool operator<(const Known &other) const
-    {
-      return tag != other.tag ? tag < other.tag : partner < other.partner;
-    }
-  };
-  std::vector<tagint> tags;       // of particles of this rank
-  SideValues partners, angles;    // of sides: tag of the other particle, direction
-  std::vector<Known> recall();
-  void face(const ContactTable &);
 
   // Shifts to begin with.
   bigint last_step = -2;
   int run_up = 0;    // calls before this one of successive steps, up to 3
   void start();
+  void rest();
   bool part(const Rings &);
 
   // Stiffness of particles that carry, at the contacts that do, walls last. G^-1 belongs to these contacts.

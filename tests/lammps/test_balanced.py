@@ -416,6 +416,21 @@ def test_ranks(tmp_path):
             assert (np.abs(found[steps][1] - atoms) <= scale).all()
 
 
+@pytest.mark.parametrize("lists", ["every 10 check yes", "every 1 delay 0 check no"])
+def test_shares_go_on(lists):
+    """Few iterations along a trajectory, with a new neighbour list in every step as well."""
+    scene = mixture(PACKINGS[0], DEFAULT, commands=f"neigh_modify {lists}")[0]
+    scene.run("velocity all create 1e-8 4711 loop all\nfix nve all nve\ntimestep 0.001\nrun 4")
+    cold = mixture(PACKINGS[0], DEFAULT)[0]
+    cold.energy()
+    assert of_compute_pair(cold)[0] >= 5
+    sweeps = []
+    for _ in range(10):
+        scene.run("run 1 pre no post no")
+        sweeps.append(scene.vector("pair", 4)[2])
+    assert max(sweeps) <= 2
+
+
 def energy_error(style, dt, time=40.0):
     """Standard deviation of the total energy along a trajectory, and the mean kinetic energy."""
     scene = mixture(PACKINGS[0], style)[0]
