@@ -192,14 +192,15 @@ def compare(
     _say(f"{'beads':9} {'-':>9} {'-':>9} {1:12d} {took:9.3g} {1:9d}")
     for row in rows:
         ratio, residual = row["energy_ratio"], row["residual"]
-        shown = "-" if ratio is None or math.isinf(ratio) else f"{ratio:.3g}"
+        shown = "-" if ratio is None else f"{ratio:.3g}"
+        error = "-" if row["S_rms"] is None else f"{row['S_rms']:.2g}"
         stalled = residual is not None and residual > TOLERANCE
         faster = "did not converge" if stalled else f"{took / row['seconds']:9.0f}"
         _say(
-            f"{row['model']:9} {row['I']:9.2e} {row['S_rms']:9.2g} {shown:>12} "
+            f"{row['model']:9} {row['I']:9.2e} {error:>9} {shown:>12} "
             f"{row['seconds']:9.2g} {faster}"
         )
-    if not any(0.0 < (row["energy_ratio"] or 0.0) < math.inf for row in rows):
+    if not any(row["energy_ratio"] for row in rows):
         _say("no law has particles that touch: the rings interlock, strain more or take more beads")
 
 

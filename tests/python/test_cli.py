@@ -114,9 +114,9 @@ def test_compare_has_a_row_a_law(tmp_path: Path) -> None:
     result = run("compare", *options, cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     rows = table(result.stdout)
-    assert list(rows) == ["beads", "disk", "sector", "ring", "soft ring"]
+    assert list(rows) == ["beads", "disk", "sector", "ring", "soft ring", "balanced"]
     assert rows["disk"][2] == "-"
-    for name in ("sector", "ring", "soft ring"):
+    for name in ("sector", "ring", "soft ring", "balanced"):
         assert 0.0 < float(rows[name][0]) < 0.02
         assert float(rows[name][2]) > 0.0
     assert float(rows["ring"][4]) > 1.0
@@ -137,7 +137,7 @@ def test_compare_marks_what_failed(
     rows = [
         common | {"model": "disk", "energy_ratio": None, "residual": None},
         common | {"model": "sector", "energy_ratio": 0.5, "residual": 2e-6},
-        common | {"model": "ring", "energy_ratio": math.inf, "residual": 1e-6},
+        common | {"model": "ring", "energy_ratio": None, "residual": 1e-6},
     ]
     monkeypatch.setattr(packings, "packing_rows", lambda *arguments: (rows, []))
     cli.compare()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import statistics
 import time
 import warnings
@@ -130,15 +131,15 @@ def packing_rows(
     for name, model in laws(beads, rings.rings).items():
         comparison = comparisons[name] = compare(rings, model, MPI.COMM_SELF)
         own, seconds = strain_law(smooth, model, strain)
-        unjammed = own.pressure < _UNJAMMED * rings.pressure
+        unjammed = own.pressure <= _UNJAMMED * rings.pressure
         rows.append(
             common
             | {
                 "model": name,
                 "I": float(comparison.shape_error.mean()),
-                "S_rms": comparison.area_deficit_error,
-                "energy_ratio": comparison.energy_ratio,
-                "pressure_ratio": comparison.pressure_ratio,
+                "S_rms": _finite(comparison.area_deficit_error),
+                "energy_ratio": _finite(comparison.energy_ratio),
+                "pressure_ratio": _finite(comparison.pressure_ratio),
                 "own_energy_ratio": None if unjammed else own.energy / rings.energy,
                 "own_pressure_ratio": None if unjammed else own.pressure / rings.pressure,
                 "unjammed": unjammed,
@@ -147,6 +148,11 @@ def packing_rows(
             }
         )
     return rows, comparisons
+
+
+def _finite(ratio: float) -> float | None:
+    """None over rings that bear nothing: JSON has no infinity."""
+    return ratio if math.isfinite(ratio) else None
 
 
 def _error_of_disks(beads: BeadState) -> float:
