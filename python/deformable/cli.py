@@ -84,6 +84,7 @@ def main() -> None:
             time.sleep(1.0)  # rank 0 speaks for all if it failed as well, and ends them
         print(f"error: {error}", file=sys.stderr, flush=True)
         if world.size > 1:
+            time.sleep(0.5)  # mpiexec may lose a line that it has not passed on yet
             world.Abort(2)  # the others may be waiting for this rank
         sys.exit(2)
 
