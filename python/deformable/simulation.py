@@ -5,14 +5,13 @@ from __future__ import annotations
 import tempfile
 import warnings
 from pathlib import Path
-from types import TracebackType
 
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
 from .contact_table import contact_table
-from .engine import change_box, gather, lattice, local_array, open_lammps, run
+from .engine import Engine, change_box, gather, local_array, open_lammps, run
 from .errors import BeyondModelWarning, StalledWarning, UnjammedWarning
 from .models import Model
 from .packing import Packing, positive
@@ -52,7 +51,7 @@ _LOOSE = 1e-14
 _PATIENCE = 20_000
 
 
-class Simulation:
+class Simulation(Engine):
     """Deformable particles in LAMMPS.
 
     Every rank of an MPI run makes the same calls and sees the same values.
@@ -92,26 +91,6 @@ class Simulation:
         lone = model.lone_stiffness(smallest)
         self._lone_pressure, self._lone_force = lone / _STIFFNESS_PER_PRESSURE, lone * smallest
         run(self.lmp, _SETUP.format(skin=0.1 * smallest, dmax=0.005 * smallest, style=model.style))
-
-    def close(self) -> None:
-        """Free the LAMMPS instance."""
-        self.lmp.close()
-
-    def __enter__(self) -> Simulation:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
-
-    @property
-    def box(self) -> NDArray[np.float64]:
-        """Lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length]."""
-        return lattice(self.lmp)
 
     def deform(self, box: NDArray[np.float64]) -> None:
         """Give the box other lattice vectors, and let the centres follow affinely.
