@@ -459,7 +459,13 @@ def test_descent():
     force = (shape["pressure"] * shape["contact_length"]).sum() / shape["contacts"].sum()
     scene.run("min_style fire\nmin_modify dmax 0.002\ntimestep 0.5")
     scene.run(f"minimize 0 {1e-7 * force} 20000 20000")
+    sweeps, residual = of_compute_pair(scene)
+    # contacts have come to balance as the particles have come to rest
+    assert sweeps <= 3
+    assert residual <= 1e-7
+    energy = scene.lmp.get_thermo("pe")
     state = scene.evaluate()
+    assert energy == pytest.approx(state.energy, rel=1e-11)
     shape = state.shape
     force = (shape["pressure"] * shape["contact_length"]).sum() / shape["contacts"].sum()
     assert np.hypot(*state.force.T).max() <= 1e-6 * force

@@ -1,0 +1,183 @@
+"""What balanced contacts cost, and how well energy is conserved with them.
+
+    python benchmarks/balanced.py [--out benchmarks/results/balanced.json]
+
+`steps`: processor time of a time step over that on radical axes, in slow motion and in one where
+contacts open and close all the time, for the neighbours that LAMMPS lists by default, with the
+iterations of a force call. `relaxation`: the same of whole compressions, from jamming to 2 % in
+steps of 0.25 %, each relaxed to 1e-6 of the mean contact force. `energy`: the standard deviation of
+the total energy in a run at constant energy, against the time step and against the tolerance of the
+balance, and how it grows in 16 times the time, where a drift would grow 16 times.
+
+Both kinds of contacts take turns in one process, so that the ratios hold on a machine that others
+use too.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import statistics
+import time
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import deformable
+import numpy as np
+from deformable.versions import machine
+
+HERE = Path(__file__).parent
+SKIN = 0.3
+MOTIONS = {"slow": (1e-8, 0.1), "fast": (1e-5, 0.1), "fast, long steps": (1e-5, 0.4)}
+CONTACTS = ("radical", "balanced")
+STIFFNESSES = (float("inf"), 0.1)
+SEEDS = (1, 2, 3, 4)
+TIMESTEPS = (0.4, 0.2, 0.1, 0.05, 0.025, 0.0125)
+TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10)
+LONGER = 16
+
+
+@dataclass(frozen=True)
+class Law(deformable.Ring):
+    """The ring law with another tolerance of the balance."""
+
+    tolerance: float = 1e-8
+    reach: float = 0.3
+
+    @property
+    def arguments(self) -> str:
+        balanced = self.contact == "balanced"
+        return super().arguments + (f" balance {self.tolerance!r} 100" if balanced else "")
+
+
+def step(packing: deformable.Packing, law: Law, temperature: float, dt: float) -> tuple[float, ...]:
+    """Seconds of a time step of a running simulation, and the iterations of its force calls."""
+    warm, count, piece = round(60.0 / dt), 400, 10
+    with deformable.Simulation(packing, law) as sim:
+        sim.relax(1e-3)
+        sim.lmp.commands_string(
+            f"neighbor {SKIN} bin\nvelocity all create {temperature!r} 4711 loop all\n"
+            f"fix nve all nve\ntimestep {dt!r}\nrun {warm} post no"
+        )
+        iterations = []
+        began = time.process_time()
+        for n in range(count // piece):
+            sim.lmp.command(f"run {piece} {'pre no ' if n else ''}post no")
+            iterations.append(sim.lmp.numpy.extract_compute("model", 0, 1)[2])
+        return (time.process_time() - began) / count, statistics.fmean(iterations)
+
+
+def steps(repeats: int) -> list[dict[str, Any]]:
+    packing = deformable.jam(deformable.bidisperse(256, seed=1)).at(0.9)
+    rows = []
+    for kP in STIFFNESSES:
+        for motion, (temperature, dt) in MOTIONS.items():
+            runs = [
+                [step(packing, Law(kP=kP, contact=c), temperature, dt) for c in CONTACTS]
+                for _ in range(repeats)
+            ]
+            rows.append(
+                {
+                    "N": len(packing),
+                    "kP": str(kP),
+                    "motion": motion,
+                    "ratio": statistics.median(b[0] / a[0] for a, b in runs),
+                    "iterations": runs[0][1][1],
+                }
+            )
+            print("step", rows[-1], flush=True)
+    return rows
+
+
+def relaxation(seed: int, kP: float) -> dict[str, Any]:
+    """Time and force calls of a compression, balanced over radical."""
+    jammed = deformable.jam(deformable.bidisperse(64, seed=seed))
+    sims = [deformable.Simulation(jammed, deformable.Ring(kP=kP, contact=c)) for c in CONTACTS]
+    seconds, calls, stalled = np.zeros(2), np.zeros(2), 0
+    for strain in np.arange(1, 9) * 0.0025:
+        for n, sim in enumerate(sims):
+            before = sim.lmp.extract_global("ntimestep")
+            sim.deform(jammed.box * (1.0 - strain))
+            began = time.process_time()
+            stalled += sim.relax(1e-6).stalled
+            seconds[n] += time.process_time() - began
+            calls[n] += sim.lmp.extract_global("ntimestep") - before
+    for sim in sims:
+        sim.close()
+    row = {
+        "N": 64,
+        "seed": seed,
+        "kP": str(kP),
+        "ratio": float(seconds[1] / seconds[0]),
+        "ratio_calls": float(calls[1] / calls[0]),
+        "stalled": stalled,
+    }
+    print("relaxation", row, flush=True)
+    return row
+
+
+def energy_error(
+    packing: deformable.Packing, tolerance: float, dt: float, duration: float = 400.0
+) -> float:
+    """Standard deviation of the total energy over its kinetic part."""
+    samples = 200
+    with deformable.Simulation(packing, Law(contact="balanced", tolerance=tolerance)) as sim:
+        sim.lmp.commands_string(
+            f"timestep {dt!r}\nvelocity all create 1e-5 4711 loop all\nfix nve all nve\n"
+            "thermo_style custom step ke etotal\nthermo_modify norm no\nrun 0 post no"
+        )
+        rows = []
+        for _ in range(samples):
+            sim.lmp.command(f"run {round(duration / dt / samples)} post no")
+            rows.append([sim.lmp.get_thermo(name) for name in ("ke", "etotal")])
+    kinetic, total = np.array(rows).T
+    return float(total.std() / kinetic.mean())
+
+
+def energy() -> dict[str, Any]:
+    packing = deformable.jam(deformable.bidisperse(64, seed=1)).at(0.88)
+    errors = [energy_error(packing, 1e-8, dt) for dt in TIMESTEPS]
+    order = float(np.polyfit(np.log(TIMESTEPS), np.log(errors), 1)[0])
+    print("energy", order, errors, flush=True)
+    by_tolerance = [energy_error(packing, tolerance, TIMESTEPS[2]) for tolerance in TOLERANCES]
+    longer = [
+        energy_error(packing, tolerance, TIMESTEPS[2], LONGER * 400.0) for tolerance in TOLERANCES
+    ]
+    growth = (np.array(longer) / by_tolerance).tolist()
+    print("energy", by_tolerance, growth, flush=True)
+    return {
+        "phi": 0.88,
+        "N": 64,
+        "dt": TIMESTEPS,
+        "error_of_dt": errors,
+        "order": order,
+        "tolerance": TOLERANCES,
+        "error_of_tolerance": by_tolerance,
+        "growth": growth,
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=Path, default=HERE / "results" / "balanced.json")
+    parser.add_argument("--repeats", type=int, default=5)
+    options = parser.parse_args()
+    warnings.simplefilter("ignore", UserWarning)  # what they say is in the rows
+    result = {
+        "command": "python benchmarks/balanced.py",
+        "machine": machine()["processor"],
+        "energy": energy(),
+        "steps": steps(options.repeats),
+        "relaxation": [relaxation(seed, kP) for seed in SEEDS for kP in STIFFNESSES],
+    }
+    ratios = [row["ratio"] for row in result["relaxation"]]
+    median, mean = statistics.median(ratios), statistics.fmean(ratios)
+    print(f"relaxation: median {median:.2f}, mean {mean:.2f}")
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    options.out.write_text(json.dumps(result, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
