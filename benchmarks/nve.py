@@ -28,7 +28,7 @@ LONGER = 16
 
 def energies(packing: deformable.Packing, dt: float, time: float, temperature: float) -> np.ndarray:
     """Potential and total energy at SAMPLES + 1 times, shape (2, SAMPLES + 1)."""
-    with deformable.Simulation(packing, deformable.Ring(kA=1.0, reach=0.2)) as sim:
+    with deformable.Simulation(packing, deformable.Ring(contact="radical", reach=0.2)) as sim:
         lmp = sim.lmp
         lmp.commands_string(
             f"timestep {dt!r}\nvelocity all create {temperature!r} 4711 loop all\nfix nve all nve\n"

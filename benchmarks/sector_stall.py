@@ -18,7 +18,7 @@ import deformable
 import numpy as np
 
 HERE = Path(__file__).parent
-MODELS = {"sector": deformable.Sector(kA=1.0), "ring": deformable.Ring(kA=1.0)}
+MODELS = {"sector": deformable.Sector(kA=1.0), "ring": deformable.Ring(contact="radical")}
 
 
 TIME, TIMESTEP, TEMPERATURE, SAMPLES = 400.0, 0.025, 1e-6, 40

@@ -110,7 +110,7 @@ def compress(
     ] = math.inf,
     contact: Annotated[
         Lines, typer.Option(help="Contact lines geometric or where both sides press alike (ring).")
-    ] = Lines.RADICAL,
+    ] = Lines.BALANCED,
     reach: Annotated[float, typer.Option(help="Range of neighbours beyond touching (ring).")] = 0.3,
     strain: Annotated[float, typer.Option(help="Linear strain in all.")] = 0.01,
     steps: Annotated[int, typer.Option(help="Number of steps.")] = 10,
@@ -143,8 +143,10 @@ def compress(
             out.mkdir(parents=True, exist_ok=True)  # or fail before the work
         values = context.params
         parameters |= {name: values[name] for name in PACKING_OPTIONS}
-        if law is Law.SECTOR and contact is Lines.BALANCED:
-            raise ParameterError("contacts of the sector law are radical, not balanced")
+        if law is Law.SECTOR:
+            if contact is Lines.BALANCED and _is_given(context, "contact"):
+                raise ParameterError("contacts of the sector law are radical, not balanced")
+            parameters["contact"] = Lines.RADICAL
         model: Model = (
             Ring(ka, reach, kp, contact=contact.value) if law is Law.RING else Sector(ka, kp)
         )

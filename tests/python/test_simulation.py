@@ -145,7 +145,8 @@ def brute_force_rattlers(contacts: dict[tuple[int, int, int, int], bool], number
 )
 def test_contacts_and_rattlers_against_brute_force(asked: dict[str, float]) -> None:
     jammed = deformable.jam(deformable.bidisperse(**asked))  # type: ignore[arg-type]
-    with deformable.Simulation(jammed.at(jammed.phi * 1.01), deformable.Ring()) as sim:
+    model = deformable.Ring(contact="radical")
+    with deformable.Simulation(jammed.at(jammed.phi * 1.01), model) as sim:
         state = sim.relax()
     contacts = brute_force_contacts(state)
     table = state.contact_table

@@ -67,8 +67,8 @@ def ablation_rows(number: int = 1000, steps: int = 100, repeats: int = 15) -> li
     disks.close()
     models: dict[str, Model] = {
         "sector": Sector(),
-        "ring": Ring(),
-        "soft ring": Ring(kP=6.0),
+        "ring": Ring(contact="radical"),
+        "soft ring": Ring(kP=6.0, contact="radical"),
         "balanced": Ring(kP=6.0, contact="balanced"),
     }
     for law, model in models.items():
@@ -101,7 +101,7 @@ def ablation_rows(number: int = 1000, steps: int = 100, repeats: int = 15) -> li
 def _free_packing(number: int) -> tuple[Packing, str]:
     """A relaxed packing in a box too large for it, and a region whose sides just touch it."""
     start = jam(bidisperse(number, seed=1), pressure=1e-4)
-    with Simulation(start.at(0.90), Ring(), MPI.COMM_SELF) as sim:
+    with Simulation(start.at(0.90), Ring(contact="radical"), MPI.COMM_SELF) as sim:
         relaxed = sim.relax(1e-2).packing
     margin = 3.0 * float(start.radii.max())
     place = relaxed.positions @ np.linalg.inv(relaxed.box) % 1.0 @ relaxed.box

@@ -43,8 +43,8 @@ def laws(beads: Beads, rings: Rings) -> dict[str, Model]:
     skin = (rings.effective_radius - rings.radius).tolist()
     return {
         "sector": Sector(beads.kA),
-        "ring": Ring(beads.kA),
-        "soft ring": Ring(beads.kA, kP=kP, skin=skin),
+        "ring": Ring(beads.kA, contact="radical"),
+        "soft ring": Ring(beads.kA, kP=kP, skin=skin, contact="radical"),
         "balanced": Ring(beads.kA, kP=kP, skin=skin, contact="balanced"),
     }
 
