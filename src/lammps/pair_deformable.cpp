@@ -78,7 +78,6 @@ void PairDeformable::coeff(int narg, char **arg)
   const std::vector<Species> known = read_species(lmp, arg[2]);
   species.assign(atom->ntypes + 1, Species{});
   radius.assign(atom->ntypes + 1, 0.0);
-  ring_radius.assign(atom->ntypes + 1, 0.0);
   for (int type = 1; type <= atom->ntypes; ++type) {
     if (map[type] < 0) continue;
     const char *name = arg[2 + type];
@@ -92,7 +91,6 @@ void PairDeformable::coeff(int narg, char **arg)
     }
     check_species(species[type]);
     radius[type] = species[type].radius;
-    ring_radius[type] = species[type].radius - species[type].skin;
   }
 }
 
@@ -104,6 +102,11 @@ void PairDeformable::init_style()
     error->all(FLERR, "Pair style deformable is two-dimensional: use 'dimension 2'");
   if (force->newton_pair == 0)
     error->all(FLERR, "Pair style deformable needs 'newton on': its forces act on ghost atoms");
+  if (radius_by_atom && !atom->radius_flag)
+    error->all(FLERR,
+               "Pair style deformable with 'radius atom' needs atoms that have radii: use "
+               "'atom_style sphere', not {}",
+               atom->get_style());
   // each pair of this rank's particles once, those with a ghost on either rank
   neighbor->add_request(this, NeighConst::REQ_NEWTON_OFF);
 
@@ -133,6 +136,8 @@ void PairDeformable::begin_call(int eflag, int vflag)
   beyond = 0;
   seen.clear();
   if (neighbor->ago == 0) bulge_over_reach = 0.0;
+  atom_radius = radius_by_atom ? atom->radius : nullptr;
+  if (radius_by_atom) check_radii();
   table.clear(atom->nlocal);
   for (FixDeformableWall *wall : walls) wall->begin_call(this);
 
@@ -177,6 +182,9 @@ template <bool WITHIN_CUTOFF> void PairDeformable::find_pairs(int begin, int end
 {
   const double *const *const x = atom->x;
   const int *const type = atom->type;
+  const double *const by_type = radius.data(), *const by_atom = atom_radius;
+  const auto size = [=](int i) { return by_atom ? by_atom[i] : by_type[type[i]]; };
+  const double stretch = 1.0 + reach;
   std::size_t most = 0;
   for (int ii = begin; ii < end; ++ii) most += list->numneigh[list->ilist[ii]];
   pairs.reserve(most);
@@ -184,15 +192,15 @@ template <bool WITHIN_CUTOFF> void PairDeformable::find_pairs(int begin, int end
 
   for (int ii = begin; ii < end; ++ii) {
     const int i = list->ilist[ii];
-    const double xi = x[i][0], yi = x[i][1], ri = radius[type[i]];
-    const double *const cutsq_i = cutsq[type[i]];
+    const double xi = x[i][0], yi = x[i][1], ri = size(i);
     const int *const neighbors = list->firstneigh[i];
     const int count = list->numneigh[i];
     for (int jj = 0; jj < count; ++jj) {
       const int j = neighbors[jj] & NEIGHMASK;
-      const double dx = x[j][0] - xi, dy = x[j][1] - yi;
-      if (WITHIN_CUTOFF && dx * dx + dy * dy > cutsq_i[type[j]]) continue;
-      pairs.add(i, j, dx, dy, ri, radius[type[j]]);
+      const double dx = x[j][0] - xi, dy = x[j][1] - yi, rj = size(j);
+      const double cutoff = stretch * (ri + rj);
+      if (WITHIN_CUTOFF && dx * dx + dy * dy > cutoff * cutoff) continue;
+      pairs.add(i, j, dx, dy, ri, rj);
     }
   }
 }
@@ -248,7 +256,7 @@ void PairDeformable::enter_pairs()
 
 void PairDeformable::enter_walls(int i)
 {
-  const double ri = radius[atom->type[i]];
+  const double ri = radius_of(i);
   for (std::size_t w = 0; w < walls.size(); ++w)
     walls[w]->visit(i, (1.0 + reach) * ri,
                     [&](double nx, double ny, double height, double per_lever) {
@@ -267,8 +275,7 @@ void PairDeformable::behind_centre(int i, int j)
       "The contact line of atoms {} and {} does not lie in front of the centre of atom {}: their "
       "distance is {:.6g}, their radii are {:.6g} and {:.6g}. Start from a less compressed state "
       "or take smaller steps",
-      atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(dx, dy), radius[atom->type[i]],
-      radius[atom->type[j]]);
+      atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(dx, dy), radius_of(i), radius_of(j));
 }
 
 /* ----------------------------------------------------------------------
@@ -279,7 +286,7 @@ void PairDeformable::see(int i, int partner, const deformable::Contact &contact,
                          double force, double distance)
 {
   if (!watched || (length == 0.0 && force == 0.0)) return;
-  const double height = radius[atom->type[i]] - contact.indentation;
+  const double height = radius_of(i) - contact.indentation;
   const double *x = atom->x[i];
   seen.push_back({i, partner < 0 ? 0 : atom->tag[partner], contact.indentation, length, force,
                   x[0] + height * contact.nx, x[1] + height * contact.ny, contact.angle, distance});
@@ -303,7 +310,7 @@ void *PairDeformable::extract_peratom(const char *name, int &ncol)
 void PairDeformable::store_shape(int i, const deformable::Contacts &contacts, double pressure)
 {
   if (!wanted) return;
-  const double r = ring_radius[atom->type[i]];
+  const double r = ring_radius_of(i);
   int touching = 0;
   double length = 0.0;
   for (int c = 0; c < contacts.size; ++c) {
@@ -321,7 +328,7 @@ void PairDeformable::store_shape(int i, const deformable::Contacts &contacts, do
 void PairDeformable::store_circle(int i)
 {
   if (!wanted) return;
-  const double r = ring_radius[atom->type[i]];
+  const double r = ring_radius_of(i);
   results[AREA][i] = deformable::PI * r * r;
   results[PERIMETER][i] = 2.0 * deformable::PI * r;
   results[CONTACTS][i] = results[PRESSURE][i] = results[CONTACT_LENGTH][i] = 0.0;

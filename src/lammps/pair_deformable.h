@@ -52,9 +52,14 @@ class PairDeformable : public Pair {
 
   double reach = 0.0;              // contacts are sought up to (1 + reach) (R_i + R_j)
   std::vector<Species> species;    // by atom type; nameless where the type belongs to another style
-  std::vector<double> radius;      // by atom type
-  std::vector<double> ring_radius;    // likewise, the skin left out
   std::vector<FixDeformableWall *> walls;
+
+  // Undeformed radii: of the species, or, with `radius atom`, of each atom by itself.
+  void set_radius(int iarg, char **arg);    // to what this word of pair_style says
+  bool radius_by_atom = false;
+  double radius_of(int i) const { return atom_radius ? atom_radius[i] : radius[atom->type[i]]; }
+  double ring_radius_of(int i) const { return radius_of(i) - species[atom->type[i]].skin; }
+  double smallest_radius() const;    // of all particles of all ranks
 
   ContactTable table;
   deformable::Shape shape;    // of the particle at hand
@@ -81,6 +86,10 @@ class PairDeformable : public Pair {
   double bulge_over_reach;    // the largest of this rank, at the last new neighbour list
 
  private:
+  std::vector<double> radius;             // by atom type; the largest, where radii are by atom
+  const double *atom_radius = nullptr;    // of this call, ghosts included; null: radii by type
+  void check_radii();
+
   static constexpr int BLOCK = 64;
   ContactPairs pairs;    // those of the block of particles at hand
   template <bool WITHIN_CUTOFF> void find_pairs(int begin, int end);
@@ -148,7 +157,7 @@ void PairDeformable::apply(int i, const deformable::Contacts &contacts,
     const double across = slope * response.d_angle * partner.per_lever;
     const double px = along * nx - across * ny, py = along * ny + across * nx;    // on particle i
     if (WALLS && partner.atom < 0) {
-      const double height = radius[atom->type[i]] - contacts[c].indentation;
+      const double height = radius_of(i) - contacts[c].indentation;
       walls[-1 - partner.atom]->press(i, px, py, -height * nx, -height * ny);
       continue;
     }
@@ -165,7 +174,7 @@ void PairDeformable::apply(int i, const deformable::Contacts &contacts,
   f[i][1] += fy;
   if (watched)
     for (int c = 0; c < contacts.size; ++c) {
-      const double height = radius[atom->type[i]] - contacts[c].indentation;
+      const double height = radius_of(i) - contacts[c].indentation;
       see(i, partners[c].atom, contacts[c], responses[c].length, slope * responses[c].d_indentation,
           partners[c].atom < 0 ? height : 1.0 / partners[c].per_lever);
     }

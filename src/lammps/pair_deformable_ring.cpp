@@ -19,6 +19,7 @@ using namespace deformable;
 void PairDeformableRing::settings(int narg, char **arg)
 {
   reach = 0.1;
+  radius_by_atom = false;
   balance.reset();
   int balance_words = 0;
   double tolerance = 1e-8;
@@ -26,10 +27,10 @@ void PairDeformableRing::settings(int narg, char **arg)
   for (int iarg = 0; iarg < narg;) {
     const std::string keyword = arg[iarg];
     const int values = keyword == "balance" ? 2 : 1;
-    if (keyword != "contact" && keyword != "balance" && keyword != "reach")
+    if (keyword != "contact" && keyword != "balance" && keyword != "reach" && keyword != "radius")
       error->all(FLERR, iarg,
-                 "Unknown pair_style deformable/ring keyword '{}': it knows 'contact', 'balance' "
-                 "and 'reach'",
+                 "Unknown pair_style deformable/ring keyword '{}': it knows 'contact', 'balance', "
+                 "'reach' and 'radius'",
                  keyword);
     if (iarg + values >= narg)
       utils::missing_cmd_args(FLERR, "pair_style deformable/ring " + keyword, error);
@@ -52,6 +53,8 @@ void PairDeformableRing::settings(int narg, char **arg)
         error->all(FLERR, iarg + 2,
                    "pair_style deformable/ring balance: {} iterations are too few, give 1 or more",
                    arg[iarg + 2]);
+    } else if (keyword == "radius") {
+      set_radius(iarg + 1, arg);
     } else {
       reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
       if (!(reach > 0.0))
@@ -69,11 +72,7 @@ void PairDeformableRing::settings(int narg, char **arg)
   }
 }
 
-/* ----------------------------------------------------------------------
-   an outline that bulges by less than depth meets no line that is not a
-   candidate: those of the types present lie at least as far out as at the
-   cutoff
-------------------------------------------------------------------------- */
+/* ---------------------------------------------------------------------- */
 
 void PairDeformableRing::init_style()
 {
@@ -84,22 +83,6 @@ void PairDeformableRing::init_style()
 
   soft = false;
   for (const Species &s : species) soft |= s.radius > 0.0 && !s.stiffness.conserves_perimeter();
-
-  std::vector<int> here(radius.size(), 0), present(radius.size(), 0);
-  for (int i = 0; i < atom->nlocal; ++i) here[atom->type[i]] = 1;
-  MPI_Allreduce(here.data(), present.data(), static_cast<int>(here.size()), MPI_INT, MPI_MAX,
-                world);
-
-  depth.assign(radius.size(), 0.0);
-  for (std::size_t i = 1; i < radius.size(); ++i) {
-    depth[i] = reach * radius[i];    // walls
-    for (std::size_t j = 1; j < radius.size(); ++j) {
-      if (!present[j] || radius[j] == 0.0) continue;
-      const double cutoff = (1.0 + reach) * (radius[i] + radius[j]);
-      depth[i] = std::min(depth[i],
-                          -contact_line(cutoff, 1.0 / cutoff, radius[i], radius[j]).indentation_i);
-    }
-  }
 }
 
 /* ---------------------------------------------------------------------- */
@@ -117,6 +100,7 @@ void PairDeformableRing::compute(int eflag, int vflag)
 template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate(int eflag, int vflag)
 {
   begin_call(eflag, vflag);
+  if (neighbor->ago == 0) smallest = smallest_radius();
   if (balance)
     evaluate_balanced<WALLS, SOFT>();
   else
@@ -135,11 +119,11 @@ template <bool SOFT> Energy PairDeformableRing::deform(int i, const Contacts &co
       carried.of(i, contacts.size, [](char *first, char *last) { std::fill(first, last, 0); });
   if (SOFT && !species[type].stiffness.conserves_perimeter()) {
     Energy energy;
-    soft_ring_shape(ring_radius[type], species[type].stiffness, contacts, carries, programme, shape,
+    soft_ring_shape(ring_radius_of(i), species[type].stiffness, contacts, carries, programme, shape,
                     energy);
     return energy;
   }
-  ring_shape(ring_radius[type], contacts, carries, programme, shape);
+  ring_shape(ring_radius_of(i), contacts, carries, programme, shape);
   return harmonic(species[type].stiffness.kA, shape.area_deficit);
 }
 
@@ -230,7 +214,7 @@ PressedRing PairDeformableRing::pressed(int i) const
 {
   const int type = atom->type[i];
   const Deformed &d = deformed[i];
-  return {ring_radius[type],
+  return {ring_radius_of(i),
           d.perimeter_excess / (2.0 * PI),
           species[type].stiffness,
           d.energy.derivative,
@@ -249,19 +233,23 @@ void PairDeformableRing::no_shape(int i, int contacts)
 }
 
 /* ----------------------------------------------------------------------
-   the outline reaches out of the undeformed circle where it bulges and
-   because the whole ring has moved out
+   The outline reaches out of the undeformed circle where it bulges and
+   because the whole ring has moved out. Within depth it meets no line that is
+   not a candidate: walls, and lines with the smallest particles, which come
+   nearest, lie at least as far out.
 ------------------------------------------------------------------------- */
 
 void PairDeformableRing::check_reach(int i, const Contacts &contacts)
 {
-  const int type = atom->type[i];
+  const double r = radius_of(i), cutoff = (1.0 + reach) * (r + smallest);
+  const double depth =
+      std::min(reach * r, -contact_line(cutoff, 1.0 / cutoff, r, smallest).indentation_i);
   const double breath = shape.perimeter_excess / (2.0 * PI);
-  const double ratio = (breath + ring_bulge(ring_radius[type], contacts, shape)) / depth[type];
+  const double ratio = (breath + ring_bulge(ring_radius_of(i), contacts, shape)) / depth;
   if (ratio > 1.0)
     error->one(FLERR,
                "The outline of atom {} bulges by {:.4g}, {:.3g} times as far as 'reach {}' looks "
                "for neighbors: use a reach of {:.2g} or more",
-               atom->tag[i], ratio * depth[type], ratio, reach, 1.2 * ratio * reach);
+               atom->tag[i], ratio * depth, ratio, reach, 1.2 * ratio * reach);
   if (ratio > bulge_over_reach) bulge_over_reach = ratio;
 }

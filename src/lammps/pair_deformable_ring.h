@@ -1,4 +1,5 @@
-// Contacts that slip: pair_style deformable/ring [contact radical|balanced] [balance tol maxiter] [reach f]
+// Contacts that slip: pair_style deformable/ring [contact radical|balanced] [balance tol maxiter]
+// [reach f] [radius type|atom]
 
 #ifndef LMP_PAIR_DEFORMABLE_RING_H
 #define LMP_PAIR_DEFORMABLE_RING_H
@@ -21,8 +22,8 @@ class PairDeformableRing : public PairDeformable {
 
  private:
   deformable::RingProgramme programme;
-  Recall<char> carried;         // which contacts carried
-  std::vector<double> depth;    // by atom type: how far out of the circle candidates are complete
+  Recall<char> carried;     // which contacts carried
+  double smallest = 0.0;    // radius of all particles, as of the last new neighbour list
 
   bool soft = false;    // is there a species whose perimeter is not conserved?
 

@@ -25,9 +25,15 @@ PairDeformableSector::~PairDeformableSector()
 
 void PairDeformableSector::settings(int narg, char **arg)
 {
-  if (narg > 0)
-    error->all(FLERR, Error::ARGZERO, "pair_style deformable/sector takes no arguments, got '{}'",
-               arg[0]);
+  radius_by_atom = false;
+  for (int iarg = 0; iarg < narg; iarg += 2) {
+    if (std::string(arg[iarg]) != "radius")
+      error->all(FLERR, iarg,
+                 "Unknown pair_style deformable/sector keyword '{}': it knows 'radius'", arg[iarg]);
+    if (iarg + 1 >= narg)
+      utils::missing_cmd_args(FLERR, "pair_style deformable/sector radius", error);
+    set_radius(iarg + 1, arg);
+  }
 }
 
 /* ---------------------------------------------------------------------- */
@@ -74,7 +80,7 @@ template <bool WALLS> void PairDeformableSector::evaluate(int eflag, int vflag)
     if (contacts.size >= 2) return apply<WALLS>(i, contacts, deform(i, contacts));
     if (contacts.size == 1) {
       const Partner &partner = table.partner[table.first(i)];
-      const double height = radius[atom->type[i]] - contacts[0].indentation;
+      const double height = radius_of(i) - contacts[0].indentation;
       singles.push_back(
           {i, partner.atom, contacts[0], partner.atom < 0 ? height : 1.0 / partner.per_lever});
     }
@@ -98,8 +104,8 @@ Energy PairDeformableSector::deform(int i, const Contacts &contacts)
   const Stiffness &stiffness = species[type].stiffness;
   const bool conserves_perimeter = std::isinf(stiffness.kP);
   if (conserves_perimeter)
-    sector_shape(radius[type], contacts, by_angle, shape);
-  else if (!area_sector_shape(radius[type], contacts, by_angle, shape))
+    sector_shape(radius_of(i), contacts, by_angle, shape);
+  else if (!area_sector_shape(radius_of(i), contacts, by_angle, shape))
     error->one(FLERR,
                "Atom {} has no shape that keeps the area of each of its sectors: its {} contacts "
                "leave no room. Compress less, or conserve the perimeter (kP = inf)",
@@ -133,7 +139,7 @@ Energy PairDeformableSector::deform(int i, const Contacts &contacts)
 template <bool WALLS> void PairDeformableSector::repel(const SingleContact &single)
 {
   const int i = single.atom, j = single.partner;
-  const double ri = radius[atom->type[i]], distance = single.distance;
+  const double ri = radius_of(i), distance = single.distance;
   const double nx = single.contact.nx, ny = single.contact.ny;
   const auto strength = [this](int atom_index) {
     const Stiffness &s = species[atom->type[atom_index]].stiffness;
@@ -150,7 +156,7 @@ template <bool WALLS> void PairDeformableSector::repel(const SingleContact &sing
     return;
   }
 
-  const double sum = ri + radius[atom->type[j]];
+  const double sum = ri + radius_of(j);
   const double share = ncontacts[j] == 1.0 ? 0.5 : 1.0;
   const Energy energy = harmonic(0.5 * share * (strength(i) + strength(j)), 1.0 - distance / sum);
   const double force_per_distance = energy.derivative / (sum * distance);

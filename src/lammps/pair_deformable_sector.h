@@ -1,4 +1,4 @@
-// Contacts that stick: pair_style deformable/sector
+// Contacts that stick: pair_style deformable/sector [radius type|atom]
 
 #ifndef LMP_PAIR_DEFORMABLE_SECTOR_H
 #define LMP_PAIR_DEFORMABLE_SECTOR_H

