@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from .models import Sector as Sector
     from .packing import Packing as Packing
     from .packing import bidisperse as bidisperse
+    from .packing import polydisperse as polydisperse
     from .secondary import resolve_secondary as resolve_secondary
     from .simulation import Simulation as Simulation
     from .single import squeeze as squeeze
@@ -64,6 +65,7 @@ _HOMES = {
     "compress": "compression",
     "jam": "jamming",
     "load": "files",
+    "polydisperse": "packing",
     "predict": "comparison",
     "record": "files",
     "resolve_secondary": "secondary",

@@ -1,10 +1,11 @@
-"""Packings: where undeformed disks of a few species sit in a periodic box."""
+"""Packings: where undeformed disks of any sizes sit in a periodic box."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,19 +22,24 @@ class Packing:
         species: species of each particle, counted from 0, shape (N,).
         radii: undeformed radius of each species, shape (number of species,) [length].
         box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
+        sizes: undeformed radius of each particle where its species does not tell it, shape (N,)
+            [length]; `radii` are then the largest that particles of a species may have.
 
     Raises:
         ParameterError: shapes disagree, a number is not finite, a radius or box length is not
-            positive, or a species has no radius.
+            positive, a species has no radius, or a particle is larger than its species allows.
     """
 
     positions: NDArray[np.float64]
     species: NDArray[np.int64]
     radii: NDArray[np.float64]
     box: NDArray[np.float64]
+    sizes: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
-        for name in ("positions", "species", "radii"):
+        for name in ("positions", "species", "radii", "sizes"):
+            if getattr(self, name) is None:
+                continue
             array: NDArray[np.generic] = np.array(getattr(self, name), dtype=np.float64)
             if not np.isfinite(array).all():
                 raise ParameterError(f"{name} must be finite numbers")
@@ -57,6 +63,20 @@ class Packing:
                 f"species must lie in 0..{len(self.radii) - 1}, one radius each, "
                 f"not {self.species.min()}..{self.species.max()}"
             )
+        if self.sizes is not None:
+            self._check_sizes(self.sizes)
+
+    def _check_sizes(self, sizes: NDArray[np.float64]) -> None:
+        if sizes.shape != self.species.shape:
+            raise ParameterError(f"sizes must have shape {self.species.shape}, not {sizes.shape}")
+        most = self.radii[self.species]
+        wrong = np.flatnonzero(~((sizes > 0.0) & (sizes <= most)))
+        if len(wrong) > 0:
+            n = int(wrong[0])
+            raise ParameterError(
+                f"sizes must be positive and at most the radius of the species, {most[n]:g} for "
+                f"particle {n}, not {sizes[n]:g}"
+            )
 
     def __len__(self) -> int:
         return len(self.species)
@@ -64,7 +84,7 @@ class Packing:
     @property
     def radius(self) -> NDArray[np.float64]:
         """Undeformed radius of each particle, shape (N,) [length]."""
-        return self.radii[self.species]
+        return self.radii[self.species] if self.sizes is None else self.sizes
 
     @property
     def phi(self) -> float:
@@ -133,8 +153,6 @@ def bidisperse(
     Raises:
         ParameterError: a value is out of range.
     """
-    if number < 1:
-        raise ParameterError(f"number must be at least 1, not {number}")
     if ratio is not None and radii is not None:
         raise ParameterError(f"give radii or a ratio, not both: {list(radii)} and {ratio}")
     if radii is None:
@@ -143,16 +161,97 @@ def bidisperse(
         raise ParameterError(f"radii must be two numbers, not {list(radii)}")
     if not 0.0 <= fraction <= 1.0:
         raise ParameterError(f"fraction must lie between 0 and 1, not {fraction}")
-    if not np.isfinite(tilt):
-        raise ParameterError(f"tilt must be a finite number, not {tilt}")
-    if seed < 0:
-        raise ParameterError(f"seed must not be negative, not {seed}")
+    places = _random_places(number, _generator(seed))
     small, large = (positive("radii", radius) for radius in radii)
     species = (np.arange(number) >= number - round(fraction * number)).astype(np.int64)
-    radius = np.where(species == 1, large, small)
+    box = _box(np.where(species == 1, large, small), phi, aspect, tilt)
+    return Packing(places @ box, species, np.array([small, large]), box)
+
+
+class Distribution(Protocol):
+    """What scipy.stats calls a frozen distribution."""
+
+    def rvs(self, *, size: int, random_state: np.random.Generator) -> Any: ...
+
+
+def polydisperse(
+    number: int,
+    radii: ArrayLike | Distribution | Callable[[np.random.Generator], ArrayLike],
+    phi: float = 0.3,
+    aspect: float = 1.0,
+    tilt: float = 0.0,
+    seed: int = 1,
+) -> Packing:
+    """Disks of any sizes at random places, overlaps allowed: the start of a jamming run.
+
+        polydisperse(64, scipy.stats.lognorm(0.1, scale=0.5))
+        polydisperse(64, lambda rng: rng.uniform(0.4, 0.6, 64))
+
+    Args:
+        number: number of particles N.
+        radii: of all particles, shape (N,) [length]; or a distribution to draw them from, one of
+            scipy.stats or a function of a generator that returns all of them.
+        phi: packing fraction, sum pi R^2 / box area.
+        aspect: height over width of the box, ly / lx.
+        tilt: shear of the box, xy / ly; 0 is a rectangle.
+        seed: seed of numpy's default generator, for places first and radii after them.
+
+    Returns:
+        The packing, of one species; particles are in the order of their radii as given or drawn.
+
+    Raises:
+        ParameterError: a value is out of range, e.g. a radius that was drawn is not positive.
+    """
+    rng = _generator(seed)
+    places = _random_places(number, rng)
+    drawn: Any = radii
+    if hasattr(radii, "rvs"):
+        drawn = radii.rvs(size=number, random_state=rng)
+    elif callable(radii):
+        drawn = radii(rng)
+    sizes = _numbers("radii", drawn)
+    if sizes.shape != (number,):
+        raise ParameterError(
+            f"radii must be {number} numbers, shape ({number},), not {sizes.shape}"
+        )
+    wrong = sizes[~(np.isfinite(sizes) & (sizes > 0.0))]
+    if len(wrong) > 0:
+        raise ParameterError(
+            f"radii must be positive, but {len(wrong)} of {number} are not, such as {wrong[0]:g}: "
+            "give them, or draw them from, a distribution above zero"
+        )
+    box = _box(sizes, phi, aspect, tilt)
+    species = np.zeros(number, dtype=np.int64)
+    return Packing(places @ box, species, np.array([sizes.max()]), box, sizes)
+
+
+def _numbers(name: str, values: Any) -> NDArray[np.float64]:
+    try:
+        return np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ParameterError(f"{name} must be numbers, not {values}") from None
+
+
+def _generator(seed: int) -> np.random.Generator:
+    if seed < 0:
+        raise ParameterError(f"seed must not be negative, not {seed}")
+    return np.random.default_rng(seed)
+
+
+def _random_places(number: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Places in a unit square, shape (N, 2)."""
+    if number < 1:
+        raise ParameterError(f"number must be at least 1, not {number}")
+    return rng.random((number, 2))
+
+
+def _box(
+    radius: NDArray[np.float64], phi: float, aspect: float, tilt: float
+) -> NDArray[np.float64]:
+    """Lattice vectors of the box that disks of these radii fill to phi, shape (2, 2) [length]."""
+    if not np.isfinite(tilt):
+        raise ParameterError(f"tilt must be a finite number, not {tilt}")
     area = np.pi * np.sum(radius**2) / positive("phi", phi)
     lx = np.sqrt(area / positive("aspect", aspect))
     ly = aspect * lx
-    box = np.array([[lx, 0.0], [tilt * ly, ly]])
-    places = np.random.default_rng(seed).random((number, 2))
-    return Packing(places @ box, species, np.array([small, large]), box)
+    return np.array([[lx, 0.0], [tilt * ly, ly]])

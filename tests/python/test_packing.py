@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy import stats
 
 BUILDER = st.fixed_dictionaries(
     {
@@ -118,3 +119,89 @@ def test_radii_far_from_one_need_another_unit() -> None:
     assert small.phi == pytest.approx(large.phi, rel=0.05)
     with pytest.raises(deformable.ParameterError, match=r"radius of 700 is too large.*unit"):
         deformable.jam(deformable.bidisperse(8, radii=(500.0, 700.0)))
+
+
+# ---- radii of their own ----
+
+
+def test_polydisperse_takes_radii_as_they_are() -> None:
+    """Of two sizes, it is the packing of `bidisperse`."""
+    two = deformable.bidisperse(20, aspect=0.7, tilt=0.2, seed=3)
+    many = deformable.polydisperse(20, two.radius, aspect=0.7, tilt=0.2, seed=3)
+    assert np.array_equal(many.positions, two.positions)
+    assert np.array_equal(many.box, two.box)
+    assert np.array_equal(many.radius, two.radius)
+    assert many.radii.tolist() == [0.7]
+    assert many.phi == two.phi
+
+
+def test_polydisperse_draws_from_distributions() -> None:
+    frozen = stats.lognorm(0.2, scale=0.5)
+    packing = deformable.polydisperse(4000, frozen, phi=0.6, seed=2)
+    assert packing.phi == pytest.approx(0.6)
+    # median and width of log R are known to 0.2/sqrt(N) and 0.2/sqrt(2 N), 0.003 and 0.002
+    assert np.log(packing.radius).mean() == pytest.approx(np.log(0.5), abs=0.015)
+    assert np.log(packing.radius).std() == pytest.approx(0.2, abs=0.01)
+    again = deformable.polydisperse(4000, frozen, phi=0.6, seed=2)
+    assert np.array_equal(again.radius, packing.radius)
+    assert not np.array_equal(deformable.polydisperse(4000, frozen).radius, packing.radius)
+
+    uniform = deformable.polydisperse(50, lambda rng: rng.uniform(0.4, 0.6, 50))
+    assert ((uniform.radius > 0.4) & (uniform.radius < 0.6)).all()
+    assert len(np.unique(uniform.radius)) == 50
+
+
+def test_at_keeps_the_sizes() -> None:
+    packing = deformable.polydisperse(3, [0.4, 0.5, 0.6])
+    assert packing.at(0.5).phi == pytest.approx(0.5)
+    assert packing.at(0.5).radius.tolist() == [0.4, 0.5, 0.6]
+
+
+@pytest.mark.parametrize(
+    ("radii", "message"),
+    [
+        ([0.5, 0.5], r"radii must be 3 numbers, shape \(3,\), not \(2,\)"),
+        (0.5, r"radii must be 3 numbers, shape \(3,\), not \(\)"),
+        ([0.5, 0.0, -1.0], "radii must be positive, but 2 of 3 are not, such as 0: "),
+        ([0.5, float("nan"), 0.5], "1 of 3 are not, such as nan"),
+        ([0.5, float("inf"), 0.5], "1 of 3 are not, such as inf"),
+        (["a", "b", "c"], "radii must be numbers, not"),
+        (stats.norm(-5.0, 0.1), "radii must be positive, but 3 of 3 are not"),
+        (lambda rng: rng.uniform(0.4, 0.6, 4), "radii must be 3 numbers"),
+        (lambda rng: None, "radii must be 3 numbers|radii must be numbers"),
+    ],
+)
+def test_polydisperse_names_the_bad_value(radii: Any, message: str) -> None:
+    with pytest.raises(deformable.ParameterError, match=message):
+        deformable.polydisperse(3, radii)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"number": 0}, "number must be at least 1, not 0"),
+        ({"phi": -1.0}, "phi must be a positive number, not -1"),
+        ({"aspect": 0.0}, "aspect must be a positive number, not 0"),
+        ({"tilt": float("nan")}, "tilt must be a finite number, not nan"),
+        ({"seed": -1}, "seed must not be negative, not -1"),
+    ],
+)
+def test_polydisperse_checks_the_rest(wrong: dict[str, Any], message: str) -> None:
+    with pytest.raises(deformable.ParameterError, match=message):
+        deformable.polydisperse(**({"number": 2, "radii": [0.5, 0.6]} | wrong))
+
+
+@pytest.mark.parametrize(
+    ("sizes", "message"),
+    [
+        ([0.5, 0.5, 0.5], r"sizes must have shape \(2,\), not \(3,\)"),
+        ([0.5, 0.0], "at most the radius of the species, 0.7 for particle 1, not 0"),
+        ([0.6, 0.6], "at most the radius of the species, 0.5 for particle 0, not 0.6"),
+        ([0.5, float("nan")], "sizes must be finite"),
+    ],
+)
+def test_packing_refuses_wrong_sizes(sizes: list[float], message: str) -> None:
+    packing = deformable.bidisperse(2)
+    assert dataclasses.replace(packing, sizes=[0.5, 0.6]).radius.tolist() == [0.5, 0.6]
+    with pytest.raises(deformable.ParameterError, match=message):
+        dataclasses.replace(packing, sizes=sizes)
