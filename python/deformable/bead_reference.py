@@ -72,7 +72,8 @@ class BeadReference(Engine):
 
     Raises:
         ParameterError: beads too large or too few, rings that overlap at the start or reach their
-            own periodic image, or walls that are not around a single particle.
+            own periodic image, walls that are not around a single particle, or a packing whose
+            particles have sizes of their own.
         LammpsError: LAMMPS refuses the rings.
     """
 
@@ -86,6 +87,11 @@ class BeadReference(Engine):
         self.beads = beads = Beads() if beads is None else beads
         self.comm = MPI.COMM_WORLD if comm is None else comm
         packing = self.comm.bcast(packing)
+        if packing.sizes is not None:
+            raise ParameterError(
+                "rings of beads have the sizes of their species: give each size one of its own, "
+                "not `sizes`"
+            )
         self.rings = rings = beads.rings(packing.radii)
         self._species, self._radii = packing.species, packing.radii
         self._first = np.concatenate([[0], np.cumsum(rings.number[packing.species])])

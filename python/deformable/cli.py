@@ -24,7 +24,7 @@ from .errors import FileError, LammpsError, ParameterError
 from .files import load, numbers, record
 from .jamming import jam
 from .models import Model, Ring, Sector
-from .packing import bidisperse
+from .packing import Packing, bidisperse, polydisperse, positive
 from .plugin import directory
 from .simulation import Simulation
 from .versions import mpi_of_lammps, mpi_of_python, versions
@@ -49,7 +49,7 @@ STYLES = (
 
 # What describes a packing and its law; the rest describes what is done to it.
 PACKING_OPTIONS = (
-    *("number", "radii", "fraction", "aspect", "tilt", "seed"),
+    *("number", "radii", "fraction", "polydispersity", "aspect", "tilt", "seed"),
     *("law", "ka", "kp", "contact", "reach"),
 )
 
@@ -97,6 +97,14 @@ def compress(
         tuple[float, float], typer.Option(help="Radii of small and large particles.")
     ] = (0.5, 0.7),
     fraction: Annotated[float, typer.Option(help="Number fraction of large particles.")] = 0.5,
+    polydispersity: Annotated[
+        float | None,
+        typer.Option(
+            help="Instead of two sizes, log-normal radii of mean 0.5 with this standard deviation "
+            "over the mean.",
+            show_default=False,
+        ),
+    ] = None,
     aspect: Annotated[float, typer.Option(help="Height over width of the box.")] = 1.0,
     tilt: Annotated[float, typer.Option(help="Shear of the box, xy / ly.")] = 0.0,
     seed: Annotated[int, typer.Option(help="Seed of the random start.")] = 1,
@@ -122,7 +130,7 @@ def compress(
         bool, typer.Option("--resume", help="Compress the packing in the output folder further.")
     ] = False,
 ) -> None:
-    """Jam a random bidisperse packing and compress it quasistatically.
+    """Jam a random packing and compress it quasistatically.
 
     Writes packing.data, summary.json, series.csv, trajectory.lammpstrj and, with matplotlib,
     packing.png into the output folder as the run goes.
@@ -150,7 +158,13 @@ def compress(
         model: Model = (
             Ring(ka, reach, kp, contact=contact.value) if law is Law.RING else Sector(ka, kp)
         )
-        packing = jam(bidisperse(number, radii, fraction, aspect=aspect, tilt=tilt, seed=seed))
+        if polydispersity is None:
+            start = bidisperse(number, radii, fraction, aspect=aspect, tilt=tilt, seed=seed)
+        elif _is_given(context, "radii") or _is_given(context, "fraction"):
+            raise ParameterError("give a polydispersity, or radii and fraction of two sizes")
+        else:
+            start = _log_normal(number, polydispersity, aspect, tilt, seed)
+        packing = jam(start)
         _say(f"jammed at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
         sim = Simulation(packing, model)
 
@@ -249,6 +263,21 @@ def info() -> None:
     lmp.close()
     if not (complete and match):
         sys.exit(1)
+
+
+def _log_normal(
+    number: int, polydispersity: float, aspect: float, tilt: float, seed: int
+) -> Packing:
+    """Radii of mean 0.5 and this relative standard deviation."""
+    width = positive("polydispersity", polydispersity)
+    variance = math.log1p(width * width)
+    return polydisperse(
+        number,
+        lambda rng: 0.5 * rng.lognormal(-0.5 * variance, math.sqrt(variance), number),
+        aspect=aspect,
+        tilt=tilt,
+        seed=seed,
+    )
 
 
 def _is_given(context: typer.Context, name: str) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from ctypes import c_double
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, TypeVar
@@ -32,8 +33,10 @@ box tilt large
 _BOX = """
 region box prism 0 {lx!r} 0 {ly!r} -0.5 0.5 {xy!r} 0 0 units box
 create_box {species} box
-mass * 1
 """
+
+# Heads the atoms of a data file that have radii of their own.
+SPHERES = "Atoms # sphere"
 
 # LAMMPS finds neighbours with the help of bins, which it refuses to make much wider than the box.
 LARGEST_RADIUS = 100.0
@@ -73,7 +76,10 @@ class Engine:
 
 
 def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
-    """A silent LAMMPS with the particles of a packing: IDs from 1 in order, type = species + 1."""
+    """A silent LAMMPS with the particles of a packing: IDs from 1 in order, type = species + 1.
+
+    Particles that have sizes of their own have the style sphere and these radii.
+    """
     largest = float(packing.radii.max())
     if largest > LARGEST_RADIUS:
         raise ParameterError(
@@ -81,12 +87,19 @@ def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
             "in which radii are near 1"
         )
     lmp = silent_lammps(comm)
+    if packing.sizes is not None:
+        run(lmp, "atom_style sphere")
     (lx, _), (xy, ly) = packing.box.tolist()
     run(lmp, _BOX.format(lx=lx, ly=ly, xy=xy, species=len(packing.radii)))
     n = len(packing)
     x = np.zeros((n, 3))
     x[:, :2] = packing.positions
     lmp.create_atoms(n, range(1, n + 1), (packing.species + 1).tolist(), x.ravel().tolist())
+    if packing.sizes is None:
+        run(lmp, "mass * 1")
+    else:
+        run(lmp, "set group all mass 1")
+        lmp.scatter("radius", 1, 1, (c_double * n)(*packing.sizes))
     return lmp
 
 
@@ -94,11 +107,18 @@ def read_data(path: Path, radii: Sequence[float]) -> Packing:
     """The packing in a LAMMPS data file, given the radius of each type."""
     lmp = silent_lammps(MPI.COMM_SELF)
     try:
-        run(lmp, f'read_data "{path}"')
+        style = "sphere" if SPHERES in path.read_text() else "atomic"
+        run(lmp, f'atom_style {style}\nread_data "{path}"')
         species = np.array(lmp.gather("type", 0, 1)) - 1
-        return Packing(gather(lmp, "x", 3)[:, :2], species, np.array(radii), lattice(lmp))
+        sizes = radii_of_atoms(lmp)
+        return Packing(gather(lmp, "x", 3)[:, :2], species, np.array(radii), lattice(lmp), sizes)
     finally:
         lmp.close()
+
+
+def radii_of_atoms(lmp: lammps) -> NDArray[np.float64] | None:
+    """Radius of each particle in the order of their IDs, shape (N,) [length]; None: by species."""
+    return gather(lmp, "radius", 1) if lmp.extract_setting("radius_flag") else None
 
 
 def lattice(lmp: lammps) -> NDArray[np.float64]:

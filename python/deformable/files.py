@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from .engine import read_data
+from .engine import SPHERES, read_data
 from .errors import FileError, LammpsError
 from .models import Ring, Sector
 from .packing import Packing
@@ -150,8 +150,9 @@ def _replace(path: Path, text: str) -> None:
 
 def _data_file(packing: Packing) -> str:
     (lx, _), (xy, ly) = packing.box.tolist()
+    style = "atomic" if packing.sizes is None else "sphere"
     lines = [
-        "LAMMPS data file by lammps-deformable, units lj, atom_style atomic, two-dimensional",
+        f"LAMMPS data file by lammps-deformable, units lj, atom_style {style}, two-dimensional",
         "",
         f"{len(packing)} atoms",
         f"{len(packing.radii)} atom types",
@@ -160,15 +161,21 @@ def _data_file(packing: Packing) -> str:
         "-0.5 0.5 zlo zhi",
         f"{xy!r} 0 0 xy xz yz",
         "",
-        "Masses",
-        "",
-        *(f"{n} 1" for n in range(1, len(packing.radii) + 1)),
-        "",
-        "Atoms # atomic",
-        "",
     ]
-    rows = zip(packing.species.tolist(), packing.positions.tolist(), strict=True)
-    lines += [f"{n} {kind + 1} {x!r} {y!r} 0" for n, (kind, (x, y)) in enumerate(rows, start=1)]
+    if packing.sizes is None:
+        masses = (f"{n} 1" for n in range(1, len(packing.radii) + 1))
+        lines += ["Masses", "", *masses, "", "Atoms # atomic", ""]
+        columns = [""] * len(packing)
+    else:
+        lines += [SPHERES, ""]
+        density = 0.75 / (np.pi * packing.sizes**3)  # of a sphere of mass 1
+        columns = [
+            f" {2.0 * r!r} {rho!r}"
+            for r, rho in zip(packing.sizes.tolist(), density.tolist(), strict=True)
+        ]
+    rows = zip(packing.species.tolist(), columns, packing.positions.tolist(), strict=True)
+    for n, (kind, column, (x, y)) in enumerate(rows, start=1):
+        lines.append(f"{n} {kind + 1}{column} {x!r} {y!r} 0")
     return "\n".join(lines) + "\n"
 
 

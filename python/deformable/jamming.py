@@ -31,6 +31,14 @@ min_modify dmax {dmax!r} norm max
 timestep 0.05
 """
 
+# The same disks of any sizes: grains without friction and damping. LAMMPS knows their forces, which
+# is all that FIRE needs, and no energy.
+_GRAINS = """
+comm_modify vel yes
+pair_style gran/hooke 1.0 NULL 0.0 NULL 0.0 0
+pair_coeff * *
+"""
+
 # Large packings relax slowly near the onset: so many rounds of so many iterations.
 _ROUNDS, _ITERATIONS = 20, 100_000
 
@@ -88,9 +96,12 @@ def open_disks(packing: Packing) -> lammps:
     """A LAMMPS with soft disks, U = overlap^2/2 of each pair, ready for FIRE."""
     smallest = float(packing.radius.min())
     lmp = open_lammps(packing, MPI.COMM_SELF)
-    run(lmp, "pair_style harmonic/cut")
-    for (i, a), (j, b) in combinations_with_replacement(enumerate(packing.radii, start=1), 2):
-        run(lmp, f"pair_coeff {i} {j} 0.5 {float(a + b)!r}")  # LAMMPS' energy has no 1/2
+    if packing.sizes is None:
+        run(lmp, "pair_style harmonic/cut")
+        for (i, a), (j, b) in combinations_with_replacement(enumerate(packing.radii, start=1), 2):
+            run(lmp, f"pair_coeff {i} {j} 0.5 {float(a + b)!r}")  # LAMMPS' energy has no 1/2
+    else:
+        run(lmp, _GRAINS)
     run(lmp, _RELAX.format(skin=0.3 * smallest, dmax=0.01 * smallest))
     return lmp
 

@@ -11,7 +11,15 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from .contact_table import contact_table
-from .engine import Engine, change_box, gather, local_array, open_lammps, run
+from .engine import (
+    Engine,
+    change_box,
+    gather,
+    local_array,
+    open_lammps,
+    radii_of_atoms,
+    run,
+)
 from .errors import BeyondModelWarning, StalledWarning, UnjammedWarning
 from .models import Model
 from .packing import Packing, positive
@@ -80,7 +88,8 @@ class Simulation(Engine):
         self._rigid_phi = np.inf
         parameters = model.parameters(self._radii.tolist())
         self.lmp = open_lammps(packing, self.comm)
-        run(self.lmp, f"pair_style {model.style} {model.arguments}")
+        whose = "type" if packing.sizes is None else "atom"
+        run(self.lmp, f"pair_style {model.style} {model.arguments} radius {whose}")
         with tempfile.TemporaryDirectory() as folder:
             file = self.comm.bcast(str(Path(folder, "species.txt")))
             if self.comm.rank == 0:
@@ -159,8 +168,10 @@ class Simulation(Engine):
         run(self.lmp, "unfix results\nuncompute seen")
 
         area, perimeter, contacts, pressure, _, length = self._results.T
-        rings = self._radii - self.model.skins(len(self._radii))
-        radius = rings[np.array(self.lmp.gather("type", 0, 1)) - 1]
+        species = np.array(self.lmp.gather("type", 0, 1)) - 1
+        self._sizes = radii_of_atoms(self.lmp)
+        radius = self._radii[species] if self._sizes is None else self._sizes
+        radius = radius - self.model.skins(len(self._radii))[species]
         strain = 1.0 - area / (np.pi * radius**2) + perimeter / (2.0 * np.pi * radius) - 1.0
         largest = np.linalg.norm(gather(self.lmp, "f", 3), axis=1).max()
         self._largest_pressure = float(pressure.max())
@@ -174,7 +185,8 @@ class Simulation(Engine):
         """Gather the state of the last evaluation."""
         area, perimeter, contacts, pressure, arc_radius, _ = np.ascontiguousarray(self._results.T)
         xx, yy, _, xy, *_ = self.lmp.numpy.extract_compute("virial", 0, 1)
-        packing = Packing(gather(self.lmp, "x", 3)[:, :2], self._species, self._radii, self.box)
+        positions = gather(self.lmp, "x", 3)[:, :2]
+        packing = Packing(positions, self._species, self._radii, self.box, self._sizes)
         return State(
             packing=packing,
             model=self.model,

@@ -54,12 +54,16 @@ def python(script: str, cwd: Path, ranks: int) -> str:
     return result.stdout
 
 
-def test_two_ranks_give_the_serial_answer(tmp_path: Path) -> None:
-    answers = []
+STARTS = ["bidisperse(32, seed=3)", "polydisperse(32, lambda rng: rng.uniform(0.4, 0.6, 32))"]
+
+
+@pytest.mark.parametrize("start", STARTS)
+def test_two_ranks_give_the_serial_answer(start: str, tmp_path: Path) -> None:
+    script, answers = SCRIPT.replace(STARTS[0], start), []
     for ranks in (1, 2):
         folder = tmp_path / str(ranks)
         folder.mkdir()
-        answers.append(json.loads(python(SCRIPT, cwd=folder, ranks=ranks)))
+        answers.append(json.loads(python(script, cwd=folder, ranks=ranks)))
         assert (folder / "run" / "trajectory.lammpstrj").read_text().count("ITEM: TIMESTEP") == 2
     (*serial, serial_contacts), (*shared, shared_contacts) = answers
     assert shared == pytest.approx(serial, rel=1e-6)
