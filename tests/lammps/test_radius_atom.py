@@ -85,6 +85,20 @@ def test_one_type_for_all(style):
     assert_alike(found, expected, 1e-10 if style == BALANCED else 1e-12, style)
 
 
+def test_small_atoms_narrow_the_reach():
+    """A tiny particle far away, by type, by atom, and none."""
+    x = np.array([[0.0, 0.0], [1.36, 0.0], [0.5, 2.0]])
+    bulges = [
+        Scene(x, species, BOX, f"deformable/ring{words}", radii=radii).evaluate().bulge
+        for words, species, radii in (
+            ("", ["large", "large", "tiny"], None),
+            (" radius atom", ["any"] * 3, [0.7, 0.7, 0.12]),
+            (" radius atom", ["any"] * 3, [0.7, 0.7, 0.7]),
+        )
+    ]
+    assert bulges[0] == bulges[1] > bulges[2] > 0
+
+
 # ---- forces ----
 
 
@@ -109,11 +123,18 @@ def test_walls(style):
         BOX,
         f"deformable/{style} radius atom",
         boundary="f f p",
-        commands=box_walls(-0.965, 0.97, -0.96, 0.967),
+        commands=box_walls(-0.965, 0.97, -0.96, 0.967) + CONTACTS,
         radii=radii,
     )
     state = scene.evaluate()
     assert (state.shape["contacts"] > 2).all()
+    seen = contacts(scene)
+    wall = seen["partner"] == 0
+    assert wall.sum() == 8
+    i, turn = seen["atom"][wall].astype(int) - 1, np.rint(seen["angle"][wall] / (np.pi / 2))
+    side = turn.astype(int) % 4  # right, up, left, down
+    height = np.array([0.97, 0.967, 0.965, 0.96])[side] - np.abs(x[i, side % 2])
+    np.testing.assert_allclose(seen["indentation"][wall], radii[i] - height, rtol=0, atol=1e-15)
     np.testing.assert_allclose(scene.force_on_wall("walls"), -state.force.sum(0), rtol=1e-11)
     assert_forces(scene, x)
 

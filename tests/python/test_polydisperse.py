@@ -105,6 +105,10 @@ def test_relaxed_state_is_that_of_the_kernel(state: deformable.State) -> None:
     table, contacts = state.contact_table, brute_force_contacts(state)
     seen = zip(table["i"], table["j"], *table["image"].T, strict=True)
     assert {tuple(map(int, key)) for key in seen} == {key for key, c in contacts.items() if c}
+    height = state.packing.radius[table["i"]] - table["indentation"]
+    out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
+    foot = state.packing.positions[table["i"]] + height[:, None] * out
+    np.testing.assert_allclose(foot, table["position"], rtol=0, atol=1e-13)
 
 
 def test_outlines_have_the_areas(state: deformable.State) -> None:
