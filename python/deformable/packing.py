@@ -70,7 +70,8 @@ class Packing:
         if sizes.shape != self.species.shape:
             raise ParameterError(f"sizes must have shape {self.species.shape}, not {sizes.shape}")
         most = self.radii[self.species]
-        wrong = np.flatnonzero(~((sizes > 0.0) & (sizes <= most)))
+        # data files of LAMMPS keep 16 digits
+        wrong = np.flatnonzero(~((sizes > 0.0) & (sizes <= most * (1.0 + 1e-12))))
         if len(wrong) > 0:
             n = int(wrong[0])
             raise ParameterError(

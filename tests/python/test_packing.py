@@ -203,5 +203,6 @@ def test_polydisperse_checks_the_rest(wrong: dict[str, Any], message: str) -> No
 def test_packing_refuses_wrong_sizes(sizes: list[float], message: str) -> None:
     packing = deformable.bidisperse(2)
     assert dataclasses.replace(packing, sizes=[0.5, 0.6]).radius.tolist() == [0.5, 0.6]
+    dataclasses.replace(packing, sizes=[0.5, np.nextafter(0.7, 1.0)])  # 0.7 as LAMMPS writes it
     with pytest.raises(deformable.ParameterError, match=message):
         dataclasses.replace(packing, sizes=sizes)
