@@ -29,7 +29,7 @@ def jammed(start: deformable.Packing) -> deformable.Packing:
 
 @pytest.fixture(scope="module")
 def state(jammed: deformable.Packing) -> deformable.State:
-    with deformable.Simulation(jammed, deformable.Ring(kA=2.0)) as sim:
+    with deformable.Simulation(jammed, deformable.Ring(kA=2.0, contact="radical")) as sim:
         (last,) = deformable.compress(sim, strain=0.01, steps=1)
     return last
 
@@ -121,7 +121,7 @@ def test_outlines_have_the_areas(state: deformable.State) -> None:
 def test_particles_may_grow_up_to_their_species(state: deformable.State) -> None:
     """Other commands of LAMMPS change radii; states tell them."""
     room = replace(state.packing, radii=2.0 * state.packing.radii)
-    with deformable.Simulation(room, deformable.Ring(kA=2.0)) as sim:
+    with deformable.Simulation(room, state.model) as sim:
         assert sim.state().energy == pytest.approx(state.energy, rel=1e-9)
         sim.lmp.command("set atom 3 diameter 0.4")
         assert sim.state().packing.radius[2] == 0.2
