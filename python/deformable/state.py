@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .contact_table import ContactTable
+from .contact_table import ContactTable, backbone
 from .models import Model
 from .packing import Packing
 
@@ -88,15 +88,7 @@ class State:
     @cached_property
     def _backbone(self) -> NDArray[np.int64]:
         """Bearing contacts of each particle once rattlers are taken out one after another, (N,)."""
-        i, j, count = self.contact_table["i"], self.contact_table["j"], len(self.packing)
-        bonds = np.ones(len(i), dtype=bool)
-        while True:
-            z = np.bincount(i[bonds], minlength=count)
-            held = np.append(z >= 3, True)  # walls, j = -1, are
-            kept = bonds & held[i] & held[j]
-            if (kept == bonds).all():
-                return np.where(held[:-1], z, 0)
-            bonds = kept
+        return backbone(self.contact_table["i"], self.contact_table["j"], len(self.packing))
 
     @property
     def rattlers(self) -> NDArray[np.bool_]:
