@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib import pyplot as plt
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import Polygon
+from numpy.typing import NDArray
 
 from .errors import ParameterError
 
@@ -23,7 +24,12 @@ _LABELS = {
 }
 
 
-def draw(state: State, ax: Axes | None, color_by: str) -> Axes:
+# Points of an outline this near to a contact line, over R, lie on it: rounding is less, and an arc
+# has left the line within 1e-4 R.
+_ON_LINE = 1e-9
+
+
+def draw(state: State, ax: Axes | None, color_by: str, contacts: bool) -> Axes:
     """See `State.plot`."""
     values = np.asarray(getattr(state, color_by, None))
     if values.shape != (len(state.packing),) or values.dtype.kind not in "bif":
@@ -38,9 +44,10 @@ def draw(state: State, ax: Axes | None, color_by: str) -> Axes:
     frame = Polygon(corners, closed=True, fill=False, edgecolor="0.25", linewidth=1.0, zorder=3)
     ax.add_patch(frame)
 
-    outlines, colors = [], []
+    outlines, colors, flats = [], [], []
     to_fraction = np.linalg.inv(box)
-    for outline, value in zip(state.outlines, values, strict=True):
+    pressed = _flats(state) if contacts else [[]] * len(values)
+    for outline, value, pressed_here in zip(state.outlines, values, pressed, strict=True):
         fraction = outline @ to_fraction
         low = np.floor(fraction.min(axis=0)).astype(int)
         high = np.floor(fraction.max(axis=0)).astype(int)
@@ -48,12 +55,17 @@ def draw(state: State, ax: Axes | None, color_by: str) -> Axes:
             for b in range(low[1], high[1] + 1):
                 outlines.append(outline - np.array([a, b]) @ box)
                 colors.append(value)
+                flats += [flat - np.array([a, b]) @ box for flat in pressed_here]
     particles = PolyCollection(
         outlines, array=np.array(colors), cmap="YlGnBu", edgecolors="0.2", linewidths=0.6
     )
     particles.set_clim(min(0.0, values.min()), values.max() or 1.0)
     ax.add_collection(particles)
     particles.set_clip_path(frame)
+    if contacts:
+        lines = LineCollection(flats, colors="tab:red", linewidths=1.8, capstyle="butt")
+        ax.add_collection(lines)
+        lines.set_clip_path(frame)
 
     ax.figure.colorbar(particles, ax=ax, label=_LABELS.get(color_by, color_by), shrink=0.85)
     ax.set_title(f"$\\phi$ = {state.phi:.4f},  $p$ = {state.pressure:.3g}", fontsize=11)
@@ -65,3 +77,23 @@ def draw(state: State, ax: Axes | None, color_by: str) -> Axes:
     )
     ax.set_axis_off()
     return ax
+
+
+def _flats(state: State) -> list[list[NDArray[np.float64]]]:
+    """The straight parts of each outline, where its contacts are, arrays of two ends (2, 2)."""
+    flats = []
+    for outline, radius, seen in zip(
+        state.outlines, state.packing.radius, state.contacts_seen, strict=True
+    ):
+        seen = seen[seen["length"] > 0.0]
+        out = np.column_stack([np.cos(seen["angle"]), np.sin(seen["angle"])])
+        beyond = np.sum(seen["position"] * out, axis=1) - outline @ out.T
+        along = outline @ (out[:, ::-1] * [-1.0, 1.0]).T
+        on = [np.flatnonzero(column <= _ON_LINE * radius) for column in beyond.T]
+        flats.append(
+            [
+                outline[points[[column[points].argmin(), column[points].argmax()]]]
+                for points, column in zip(on, along.T, strict=True)
+            ]
+        )
+    return flats

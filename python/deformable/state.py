@@ -132,12 +132,18 @@ class State:
         first = np.searchsorted(self.contact_table["i"], np.arange(1, len(self.packing)))
         return np.split(self.contact_table, first)
 
-    def plot(self, ax: Axes | None = None, color_by: str = "particle_pressure") -> Axes:
+    def plot(
+        self,
+        ax: Axes | None = None,
+        color_by: str = "particle_pressure",
+        contacts: bool = False,
+    ) -> Axes:
         """Draw the outlines, coloured by a value of each particle; returns the axes.
 
         Args:
             ax: axes to draw into; a new figure without.
             color_by: name of an attribute with one number a particle, e.g. `area_deficit`.
+            contacts: draw the contacts, the straight parts of either outline, on top.
 
         Raises:
             ParameterError: `color_by` is no such attribute.
@@ -145,7 +151,7 @@ class State:
         """
         from .plots import draw
 
-        return draw(self, ax, color_by)
+        return draw(self, ax, color_by, contacts)
 
     def save(self, folder: str | Path, parameters: Mapping[str, Any] | None = None) -> None:
         """Write `packing.data` (LAMMPS) and `summary.json`, from which `deformable.load` continues.

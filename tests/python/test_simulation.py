@@ -310,3 +310,36 @@ def test_plot_draws_every_particle(state: deformable.State) -> None:
     with pytest.raises(deformable.ParameterError, match="'beauty'"):
         state.plot(color_by="beauty")
     matplotlib.pyplot.close("all")
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        deformable.Ring(),
+        deformable.Ring(kP=2.0, skin=0.05, contact="balanced"),
+        deformable.Sector(),
+    ],
+    ids=["ring", "balanced", "sector"],
+)
+def test_plot_draws_every_contact(
+    jammed: deformable.Packing, model: deformable.Ring | deformable.Sector
+) -> None:
+    """Each side as long as its contact, and at every image that reaches into the box."""
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("agg")
+    with deformable.Simulation(jammed, model) as sim:
+        sim.deform(0.98 * sim.box)
+        state = sim.state()
+    lines = state.plot(contacts=True).collections[1]
+    ends = np.array(lines.get_segments())
+    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    expected = state.contact_table["length"]
+    expected = expected[expected > 0.0]
+    assert len(expected) > len(jammed)
+    # differences of coordinates, rounded in them
+    rounding = 16.0 * np.finfo(float).eps * np.abs(ends).max()
+    nearest = np.abs(length[:, None] - expected).min(axis=0)
+    assert nearest.max() < rounding
+    assert np.abs(length[:, None] - expected).min(axis=1).max() < rounding
+    assert len(state.plot().collections) == 1
+    matplotlib.pyplot.close("all")
