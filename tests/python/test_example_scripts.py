@@ -13,8 +13,8 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 BIN = Path(sys.executable).parent
 
 
-def output(*command: str, cwd: Path) -> np.ndarray:
-    """Numbers that a script prints, one row a line of the same form as the last."""
+def text(*command: str, cwd: Path) -> str:
+    """What a command of this environment prints."""
     result = subprocess.run(
         [str(BIN / command[0]), *command[1:]],
         cwd=cwd,
@@ -24,11 +24,17 @@ def output(*command: str, cwd: Path) -> np.ndarray:
         check=False,
     )
     assert result.returncode == 0, result.stderr
-    return numbers(result.stdout)
+    return result.stdout
 
 
-def numbers(text: str) -> np.ndarray:
-    rows = [re.findall(r" (\d\S*)", line) for line in text.splitlines() if line.startswith("phi")]
+def output(*command: str, cwd: Path) -> np.ndarray:
+    """Numbers that a script prints, one row a line of the same form as the last."""
+    return numbers(text(*command, cwd=cwd))
+
+
+def numbers(printed: str) -> np.ndarray:
+    lines = [line for line in printed.splitlines() if line.startswith("phi")]
+    rows = [re.findall(r" (\d\S*)", line) for line in lines]
     return np.array(rows, dtype=float)
 
 
@@ -51,3 +57,31 @@ def test_compress_mpi_gives_the_same_on_two_ranks(tmp_path: Path) -> None:
     command = ("mpiexec", "-n", "2", str(BIN / "python"), "-m", "mpi4py", "compress_mpi.py")
     assert len(serial) == 2
     assert output(*command, cwd=tmp_path) == pytest.approx(serial, rel=1e-4)
+
+
+def test_soft_and_stiff_share_their_contacts(tmp_path: Path) -> None:
+    """By force: lines move into the soft; and LAMMPS alone finds the same packings."""
+    pytest.importorskip("matplotlib")
+    folder = shutil.copytree(EXAMPLES / "soft_and_stiff", tmp_path / "example")
+    (folder / "packing.png").unlink()
+    printed = text("python", "soft_and_stiff.py", cwd=folder)
+    _, pressure, _ = numbers(printed).T
+    summary = printed[printed.rindex("phi") :].partition("\n")[2]
+    count, uneven, share, radical, longer, p_soft, lost_soft, p_stiff, lost_stiff = map(
+        float, re.findall(r"\d[\d.]*(?:e[-+]\d+)?", summary)
+    )
+    assert count > 30
+    assert uneven < 1e-7  # the balance is found to 1e-8 of the largest force anywhere
+    assert share > radical + 0.05
+    # p L is the same on both sides
+    assert longer > 1.5
+    assert p_stiff > p_soft
+    assert lost_stiff < lost_soft
+    assert (folder / "packing.png").stat().st_size > 10_000
+
+    log = text("lmp", "-in", "in.soft_and_stiff", cwd=folder)
+    pattern = r"^strain .* pressure = (\S+), .* soft (\S+), of stiff (\S+)$"
+    found, soft, stiff = np.array(re.findall(pattern, log, re.MULTILINE), dtype=float).T
+    # pressures of a minimum are known less well than forces are small
+    assert found == pytest.approx(pressure, rel=1e-3)
+    assert (soft > 1.5 * stiff).all()

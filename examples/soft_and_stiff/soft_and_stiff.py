@@ -1,0 +1,56 @@
+"""Soft and stiff particles share their contacts by force: compress a mixture and draw it."""
+
+from dataclasses import replace
+
+import deformable
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.collections import LineCollection
+
+# Each size comes twice: half of the particles, chosen at random, are ten times as stiff.
+jammed = deformable.jam(deformable.bidisperse(32, radii=(0.5, 0.7), seed=3))
+stiff = np.random.default_rng(1).permutation(len(jammed)) < len(jammed) // 2
+mixture = replace(jammed, species=jammed.species + 2 * stiff, radii=[0.5, 0.7, 0.5, 0.7])
+law = deformable.Ring(kA=[1.0, 1.0, 10.0, 10.0], kP=[1.0, 1.0, 10.0, 10.0], contact="balanced")
+
+sim = deformable.Simulation(mixture, law)
+sim.state().save("start")  # where in.soft_and_stiff begins
+for state in deformable.compress(sim, strain=0.05, steps=10):
+    print(f"phi {state.phi:.5f}  pressure {state.pressure:.4e}  z {state.coordination:.3f}")
+
+# Contacts of soft with stiff particles, as both see them: sorted alike, one row a contact.
+table = state.contact_table
+i, j = table["i"], table["j"]
+soft = table[~stiff[i] & stiff[j]]
+other = table[stiff[i] & ~stiff[j]]
+soft = soft[np.lexsort((*soft["image"].T, soft["j"], soft["i"]))]
+other = other[np.lexsort((*-other["image"].T, other["i"], other["j"]))]
+
+radius = state.packing.radius
+overlap = np.sum(soft["indentation"] + other["indentation"])
+radical = deformable.core.contact_line(soft["distance"], radius[soft["i"]], radius[soft["j"]])
+uneven = np.abs(soft["force"] - other["force"]).max() / soft["force"].max()
+print(f"{len(soft)} contacts of soft and stiff, forces of their two sides the same to {uneven:.0e}")
+print(f"soft share of the overlaps {soft['indentation'].sum() / overlap:.3f}", end=", ")
+print(f"on the radical axes {radical.sum() / overlap:.3f}")
+print(f"contacts longer on the soft side {soft['length'].sum() / other['length'].sum():.3f} times")
+for name, chosen in (("soft", ~stiff), ("stiff", stiff)):
+    lost = (state.area_deficit / (np.pi * radius**2))[chosen].mean()
+    inside = state.particle_pressure[chosen].mean()
+    print(f"{name:5} particles: pressure {inside:.4f}, area lost {lost:.4f}")
+
+# The packing; and around its most uneven contact, with radical axes (dashed) for comparison.
+figure, (whole, zoom) = plt.subplots(1, 2, figsize=(8.6, 4.2), layout="constrained")
+for ax in (whole, zoom):
+    state.plot(ax, contacts=True)
+zoom.collections[0].colorbar.remove()
+out = np.column_stack([np.cos(soft["angle"]), np.sin(soft["angle"])])
+foot = soft["position"] + (soft["indentation"] - radical)[:, None] * out
+half = 0.5 * soft["length"][:, None] * out[:, ::-1] * [-1.0, 1.0]
+zoom.add_collection(
+    LineCollection(np.stack([foot - half, foot + half], axis=1), colors="k", linestyles="--")
+)
+within = (np.abs(foot / np.diag(state.packing.box) - 0.5) < 0.4).all(axis=1)
+x, y = foot[np.argmax((soft["indentation"] - radical) * within)]
+zoom.set(xlim=(x - 0.5, x + 0.5), ylim=(y - 0.5, y + 0.5), title="")
+figure.savefig("packing.png", dpi=90)
