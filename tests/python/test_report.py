@@ -13,6 +13,8 @@ SMALLEST = report.Plan(
     pareto={"number": 8, "seeds": (1,), "strain": 0.03, "bead_numbers": [20, 22, 25]},
     large=(8, 1, 0.03, Beads(number=16)),
     packings=[(8, 2, 0.03, Beads(number=16))],
+    compression=[(8, 1, Beads(number=25), 0.06, 1)],
+    catching=[(8, 1, 0.06, (25, 30))],
     shapes={"indentations": (0.02,), "number": 24, "kL": 100.0},
     stiffness={"indentations": (0.01, 0.02), "number": 24, "kL": (1.0, 100.0)},
     number={"indentations": (0.02,), "numbers": (16, 24), "kP": (1.0,)},
@@ -23,6 +25,9 @@ KEYS = {
     "single": "sides walls beads kL a_over_R I_sector I_ring S_dp S_sector S_ring seconds_dp "
     "seconds_model",
     "packing": "n strain beads seed model I S_rms energy_ratio pressure_ratio seconds",
+    "compression": "n seed beads strain model energy_ratio pressure_ratio centres_rms S_rms "
+    "same_branch seconds",
+    "catching": "n seed beads strain start tolerance net_force energy_ratio centres_rms",
     "pareto": "method error seconds",
     "ablation": "law option on",
 }
@@ -36,7 +41,7 @@ def folder(tmp_path_factory):
         patch.setattr(report, "QUICK", SMALLEST)
         said = []
         report.write_report(folder, quick=True, say=said.append)
-    assert len(said) == 8
+    assert len(said) == 10
     return folder
 
 
@@ -61,7 +66,7 @@ def test_page(folder):
     page = (folder / "index.html").read_text()
     pictures = re.findall(r'<img src="([^"]+)"', page)
     assert sorted(pictures) == sorted(path.name for path in folder.glob("*.png"))
-    assert page.count("<h2>") == 6
+    assert page.count("<h2>") == 8
     assert "nan" not in re.sub(r"<[^>]+>", " ", page).split()
 
 

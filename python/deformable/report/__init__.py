@@ -25,6 +25,7 @@ from ..progress import progress
 from ..single import Squeezed
 from ..versions import machine, versions
 from .ablation import ablation_rows
+from .compressions import catching_rows, compression_rows
 from .packings import packing_rows
 from .page import page
 from .pareto import pareto_rows
@@ -38,6 +39,8 @@ class Plan:
     pareto: dict[str, Any]
     large: tuple[int, int, float, Beads]
     packings: list[tuple[int, int, float, Beads]]
+    compression: list[tuple[int, int, Beads, float, int]]
+    catching: list[tuple[int, int, float, tuple[int, ...]]]
     shapes: dict[str, Any]
     stiffness: dict[str, Any]
     number: dict[str, Any]
@@ -58,6 +61,8 @@ FULL = Plan(
         for number, strain in ((150, 0.01), (150, 0.02), (50, 0.01), (50, 0.02))
         for seed in (1, 2, 3)
     ],
+    compression=[(16, seed, Beads(number=100), 0.035, 7) for seed in (1, 2, 3)],
+    catching=[(16, seed, 0.015, (25, 35, 50, 70, 100)) for seed in (1, 2, 3)],
     shapes={},
     stiffness={},
     number={},
@@ -69,6 +74,8 @@ QUICK = Plan(
     pareto={"number": 16, "seeds": (1,), "strain": 0.02, "bead_numbers": [25, 35, 50]},
     large=(48, 1, 0.01, Beads()),
     packings=[(16, seed, 0.01, Beads()) for seed in (1, 2, 3)],
+    compression=[(16, 3, Beads(), 0.03, 2)],
+    catching=[(16, 3, 0.015, (25, 35, 50))],
     shapes={"indentations": (0.01, 0.02, 0.03), "number": 94},
     stiffness={"indentations": (0.01, 0.02, 0.03), "number": 94, "kL": (1.0, 1e2, 1e4)},
     number={"indentations": (0.02,), "numbers": (24, 48, 96), "kP": (1.0, 10.0)},
@@ -84,6 +91,8 @@ class Results:
     pareto: list[dict[str, Any]]
     large: tuple[list[dict[str, Any]], dict[str, Comparison]]
     packings: list[dict[str, Any]]
+    compression: list[dict[str, Any]]
+    catching: list[dict[str, Any]]
     shapes: list[Squeezed]
     stiffness: list[Squeezed]
     number: list[Squeezed]
@@ -96,6 +105,8 @@ _MEASURE: dict[str, Callable[[Plan], Any]] = {
     "pareto": lambda plan: pareto_rows(**plan.pareto),
     "large": lambda plan: packing_rows(*plan.large),
     "packings": lambda plan: _packings(plan),
+    "compression": lambda plan: _joined(compression_rows, plan.compression, "compressions"),
+    "catching": lambda plan: _joined(catching_rows, plan.catching, "catching"),
     "shapes": lambda plan: paper.shapes(**plan.shapes),
     "stiffness": lambda plan: paper.stiffness_sweep(**plan.stiffness),
     "number": lambda plan: paper.number_sweep(**plan.number),
@@ -120,8 +131,8 @@ def write_report(
         say: is told of each part.
 
     Returns:
-        What report.json holds: lists of rows `single`, `packing`, `pareto`, `ablation`,
-        `limit`, and `machine`, `versions`, `quick`.
+        What report.json holds: lists of rows `single`, `packing`, `compression`, `catching`,
+        `pareto`, `ablation`, `limit`, and `machine`, `versions`, `quick`.
 
     Raises:
         ParameterError: matplotlib is missing.
@@ -137,6 +148,8 @@ def write_report(
             _single_row(result) for result in (*results.shapes, *results.stiffness, *results.number)
         ],
         "packing": [*results.packings, *results.large[0]],
+        "compression": results.compression,
+        "catching": results.catching,
         "pareto": results.pareto,
         "ablation": results.ablation,
         "limit": [_limit_row(limit) for limit in results.limits],
@@ -184,6 +197,12 @@ def _measure(plan: Plan, folder: Path, resume: bool, say: Callable[[str], None])
 def _packings(plan: Plan) -> list[dict[str, Any]]:
     farmed = farm(packing_rows, plan.packings, description="packings")
     return [row for rows, _ in farmed for row in rows]
+
+
+def _joined(
+    rows: Callable[..., list[dict[str, Any]]], plan: list[tuple[Any, ...]], description: str
+) -> list[dict[str, Any]]:
+    return [row for these in farm(rows, plan, description=description) for row in these]
 
 
 def _single_row(result: Squeezed) -> dict[str, Any]:

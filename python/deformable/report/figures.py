@@ -99,6 +99,70 @@ def packings(rows: Sequence[dict[str, Any]]) -> Figure:
     return figure
 
 
+def compressions(rows: Sequence[dict[str, Any]]) -> Figure:
+    """Energy, pressure and centres of each law along whole compressions, a line a packing.
+
+    Hollow: on another branch than the beads.
+    """
+    figure = Figure(figsize=(11.0, 4.2), layout="constrained")
+    panels = figure.subplots(1, 3, sharex=True)
+    labels = {
+        "energy_ratio": "energy over the beads'",
+        "pressure_ratio": "pressure over the beads'",
+        "centres_rms": "distance of the centres (rms) over R",
+    }
+    for ax, (key, label) in zip(panels, labels.items(), strict=True):
+        for model, seed in dict.fromkeys((row["model"], row["seed"]) for row in rows):
+            path = [row for row in rows if (row["model"], row["seed"]) == (model, seed)]
+            color, marker = _STYLES[model]
+            x = np.array([100.0 * row["strain"] for row in path])
+            y = np.array([np.nan if row[key] is None else row[key] for row in path])
+            same = np.array([row["same_branch"] for row in path])
+            name = model if seed == rows[0]["seed"] else None
+            ax.plot(x, y, marker, color=color, linestyle="-", linewidth=0.8, label=name)
+            ax.plot(x[~same], y[~same], marker, color="white", markersize=3, linestyle="none")
+        ax.set(xlabel="strain beyond jamming [%]", ylabel=label)
+        ax.set_ylim(bottom=0.0)
+        ax.grid(alpha=0.3)
+    for ax in panels[:2]:
+        ax.axhline(1.0, color="tab:red", linewidth=1.0)
+    panels[2].plot(x, 2.0 * x / 100.0, ":", color="0.3", label="mean overlap")
+    panels[2].legend(handles=panels[2].lines[-1:])
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+    return figure
+
+
+def catching(rows: Sequence[dict[str, Any]]) -> Figure:
+    """The balanced law's energy over that of rings: by number of beads, and as they relax.
+
+    Hollow: rings on another branch than the law.
+    """
+    figure = Figure(figsize=(10.0, 4.2), layout="constrained")
+    by_number, by_force = figure.subplots(1, 2, sharey=True)
+    styles = {"strained": ("tab:red", "s", 0.97), "placed": ("tab:blue", "o", 1.03)}
+    last = min(row["tolerance"] for row in rows)
+    for row in (row for row in rows if row["energy_ratio"] is not None):
+        color, marker, beside = styles[row["start"]]
+        fill = "full" if row["same_branch"] else "none"
+        style = {"color": color, "marker": marker, "fillstyle": fill, "linestyle": "none"}
+        if row["tolerance"] == last:
+            by_number.semilogx(beside * row["beads"], row["energy_ratio"], **style)
+        by_force.semilogx(row["net_force"], row["energy_ratio"], markersize=4, **style)
+    numbers = sorted({row["beads"] for row in rows})
+    by_number.set_xticks(numbers, [f"{number}" for number in numbers])
+    by_number.minorticks_off()
+    by_number.set(xlabel="beads on a small ring", ylabel="energy of the balanced law over beads'")
+    by_force.set(xlabel="largest force on a ring over the mean contact force")
+    by_force.invert_xaxis()
+    for ax in (by_number, by_force):
+        ax.axhline(1.0, color="0.3", linewidth=1.0)
+        ax.grid(alpha=0.3)
+    for start, (color, marker, _) in styles.items():
+        by_number.plot([], [], marker, color=color, label=start)
+    by_number.legend(loc="lower right")
+    return figure
+
+
 def ablation(rows: Sequence[dict[str, Any]]) -> Figure:
     """Cost of a particle and a step, and what each option adds."""
     figure = Figure(figsize=(8.0, 4.2), layout="constrained")

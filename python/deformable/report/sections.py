@@ -20,6 +20,8 @@ def sections(results: Results) -> tuple[dict[str, Figure], list[Section]]:
         "pareto.png": figures.pareto(results.pareto),
         "packing.png": paper_figures.packing(results.large[1]),
         "packings.png": figures.packings([*results.packings, *results.large[0]]),
+        "compressions.png": figures.compressions(results.compression),
+        "catching.png": figures.catching(results.catching),
         "shapes_stick.png": paper_figures.shapes(results.shapes, stick=True),
         "shapes_slip.png": paper_figures.shapes(results.shapes, stick=False),
         "deviation.png": paper_figures.deviation(results.stiffness),
@@ -69,6 +71,7 @@ def sections(results: Results) -> tuple[dict[str, Figure], list[Section]]:
             {"packings.png": "Errors of each law, a point for each packing."},
             [_columns(row, _PACKING) for row in results.packings],
         ),
+        *_compressions(results),
         Section(
             "One particle in a polygon",
             (
@@ -110,11 +113,105 @@ def sections(results: Results) -> tuple[dict[str, Figure], list[Section]]:
     return pictures, parts
 
 
+def _compressions(results: Results) -> list[Section]:
+    return [
+        Section(
+            "Whole compressions",
+            (
+                "Beads and laws start from the same jammed disks and are compressed side by side, "
+                "each relaxed on its own after each step. The ratios are a law's own energy and "
+                "pressure over the beads'; energy_ratio_at_centres is that of the law at the "
+                "beads' centres. centres_rms: rms distance of the centres over the mean radius, "
+                "of particles that are rattlers in neither, a common drift taken out. Law and "
+                "beads count as on the same branch while that is no more than twice the strain, "
+                "the mean overlap of two particles: who is moved by more loses contacts or finds "
+                "others. S_rms: rms difference of the area deficits over the beads' rms. "
+                "net_force: the largest force on a ring as a whole over the mean contact force, "
+                "which for the laws is below 1e-6.",
+                _compression_text(results.compression),
+            ),
+            {
+                "compressions.png": "Laws over beads along compressions, a line a packing; hollow: "
+                "on different branches."
+            },
+            [_columns(row, _COMPRESSION) for row in results.compression],
+        ),
+        Section(
+            "Where rings of beads come to rest",
+            (
+                "Rings of more and more beads that stand for the same smooth particles, relaxed "
+                "at one strain: strained from jamming, and placed along the outlines of the "
+                "balanced law where that has come to rest. The ratio is the law's energy over "
+                "theirs.",
+                _catching_text(results.catching),
+                "A bead in a contact bears little, and the forces on the many beads of a ring add "
+                "up: relaxed to 1e-2 of what a bead bears, a ring as a whole still is pushed by a "
+                "good part of a contact force, and the energy is far too high (right). Relaxed "
+                "further, rings that begin at the law's packing stay there, the nearer the more "
+                "beads they have (left). Strained ones come to rest before they get there, at "
+                "other centres and mostly at a higher energy: rough rings catch in each other. "
+                "From there smooth particles slide on: slide_rms is the rms distance over R "
+                "between where the law relaxes to from the rings' centres and where it is by "
+                "itself.",
+            ),
+            {
+                "catching.png": "Left: relaxed to 1e-3, by number of beads. Right: while they "
+                "relax. Hollow: rings on another branch than the law."
+            },
+            [_columns(row, _CATCHING) for row in results.catching],
+        ),
+    ]
+
+
+def _compression_text(rows: list[dict[str, Any]]) -> str:
+    together = [row for row in rows if row["same_branch"]]
+    return f"{rows[0]['n']} particles of {rows[0]['beads']} beads (the small ones). " + " ".join(
+        f"{model.capitalize()}: on the same branch in {len(these)} of "
+        f"{sum(row['model'] == model for row in rows)} steps"
+        + (f", there energies of {_range(these)} of the beads'." if these else ".")
+        for model in dict.fromkeys(row["model"] for row in rows)
+        for these in [[row for row in together if row["model"] == model]]
+    )
+
+
+def _catching_text(rows: list[dict[str, Any]]) -> str:
+    last = min(row["tolerance"] for row in rows)
+    return " ".join(
+        f"{number} beads: {_range(these['strained'])} strained, {_range(these['placed'])} placed."
+        for number in dict.fromkeys(row["beads"] for row in rows)
+        for these in [
+            {
+                start: [
+                    row
+                    for row in rows
+                    if (row["beads"], row["start"], row["tolerance"]) == (number, start, last)
+                ]
+                for start in ("strained", "placed")
+            }
+        ]
+    )
+
+
+def _range(rows: list[dict[str, Any]]) -> str:
+    ratios = [row["energy_ratio"] for row in rows if row["energy_ratio"] is not None]
+    low, high = f"{min(ratios):.2f}", f"{max(ratios):.2f}"
+    return low if low == high else f"{low} to {high}"
+
+
 _SPEED = ("n", "strain", "beads", "model", "I", "S_rms", "seconds_beads", "seconds", "residual")
 _PACKING = (
     *("n", "strain", "beads", "seed", "model", "I", "S_rms", "energy_ratio", "pressure_ratio"),
     *("own_energy_ratio", "own_pressure_ratio", "unjammed", "residual"),
     *("seconds_beads", "seconds"),
+)
+_COMPRESSION = (
+    *("n", "seed", "beads", "strain", "model", "energy_ratio", "pressure_ratio"),
+    *("energy_ratio_at_centres", "centres_rms", "S_rms", "same_branch", "net_force"),
+    *("seconds_beads", "seconds"),
+)
+_CATCHING = (
+    *("seed", "beads", "start", "tolerance", "net_force", "energy_ratio"),
+    *("energy_ratio_at_centres", "centres_rms", "same_branch", "slide_rms", "seconds_beads"),
 )
 
 
