@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from deformable import Beads
+from deformable.report.compressions import catching_rows
 from deformable.report.packings import packing_rows
 
 REPORT = json.loads((Path(__file__).parents[1] / "docs" / "report" / "report.json").read_text())
@@ -62,6 +63,42 @@ def test_balanced_contacts_are_right():
         assert row["I"] < 3e-4
         assert row["S_rms"] < 0.02
         assert abs(row["energy_ratio"] - 1.0) < 0.02
+
+
+def test_balanced_contacts_are_right_along_compressions():
+    """At the beads' centres to 3 % in energy, once strained beyond the roughness of the beads."""
+    for row in rows("compression", model="balanced"):
+        if row["strain"] > 0.009:
+            assert abs(row["energy_ratio_at_centres"] - 1.0) < 0.035
+
+
+def test_rings_at_rest_where_the_law_is():
+    """Placed there they stay, the nearer the more beads; the law slides there, or comes loose."""
+    for row in rows("catching", tolerance=1e-3, start="placed"):
+        assert row["same_branch"]
+        if row["beads"] == 100:
+            assert abs(row["energy_ratio"] - 1.0) < 0.03
+            assert row["centres_rms"] < 0.015
+    for row in rows("catching"):
+        assert row["slide_rms"] is None or row["slide_rms"] < 1e-3
+
+
+def test_strained_rings_catch():
+    """In at least one packing far from there, whatever their number of beads."""
+    for number in (25, 35, 50, 70, 100):
+        found = rows("catching", tolerance=1e-3, start="strained", beads=number)
+        assert min(row["energy_ratio"] for row in found) < 0.8
+        assert max(row["centres_rms"] for row in found) > 0.1
+
+
+@pytest.mark.slow
+def test_placed_rings_are_those_of_the_report():
+    """Relaxations are chaotic; energies of placed rings are known to a few per cent."""
+    for row in catching_rows(16, 3, 0.015, (50,)):
+        names = ("seed", "beads", "start", "tolerance")
+        (kept,) = rows("catching", **{name: row[name] for name in names})
+        if row["start"] == "placed" and row["tolerance"] == 1e-3:
+            assert np.isclose(row["energy_ratio"], kept["energy_ratio"], atol=0.03)
 
 
 @pytest.mark.slow

@@ -96,6 +96,7 @@ def test_rattlers_do_not_count(pair):
     assert before == compressions.centres_rms(moved(exact, step), own)
     none = replace(contacts, **{name: value[:0] for name, value in vars(contacts).items()})
     assert compressions.centres_rms(replace(exact, contacts=none), own) is None
+    assert compressions.centres_rms(exact, replace(own, stress=1e-7 * own.stress)) is None
 
 
 def test_smooth_particles_slide_back(pair):

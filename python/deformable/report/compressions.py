@@ -29,7 +29,7 @@ from ..models import Model
 from ..packing import Packing, bidisperse
 from ..simulation import Simulation
 from ..state import State
-from .packings import _finite, laws
+from .packings import _UNJAMMED, _finite, laws
 from .pareto import matching
 
 S = TypeVar("S")
@@ -169,21 +169,25 @@ def _against(exact: BeadState, own: State, strain: float) -> dict[str, Any]:
 
 
 def centres_rms(exact: BeadState, own: State) -> float | None:
-    """Root mean square distance of the centres over the mean radius; None of a loose packing.
+    """Root mean square distance of the centres over the mean radius; None if the law's are loose.
 
     Only particles count that are rattlers in neither. A drift of all of them is taken out.
     """
+    if own.pressure <= _UNJAMMED * exact.pressure:
+        return None
     i, j = exact.contacts.i, exact.contacts.j
     z = backbone(np.concatenate([i, j]), np.concatenate([j, i]), len(own.packing))
     return _rms(exact.packing, own.packing, (z > 0) & ~own.rattlers)
 
 
 def slide_rms(exact: BeadState, own: State) -> float | None:
-    """The same of the state to which the law relaxes from the rings' centres: where they slide."""
+    """The same for where the law's particles slide to from the rings' centres; None if loose."""
     there = replace(exact.packing, radii=own.packing.radii)
     with Simulation(there, own.model, MPI.COMM_SELF) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         smooth = sim.relax()
+    if smooth.pressure <= _UNJAMMED * own.pressure:
+        return None
     return _rms(smooth.packing, own.packing, ~smooth.rattlers & ~own.rattlers)
 
 

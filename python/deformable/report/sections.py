@@ -125,7 +125,9 @@ def _compressions(results: Results) -> list[Section]:
                 "of particles that are rattlers in neither, a common drift taken out. Law and "
                 "beads count as on the same branch while that is no more than twice the strain, "
                 "the mean overlap of two particles: who is moved by more loses contacts or finds "
-                "others. S_rms: rms difference of the area deficits over the beads' rms. "
+                "others. Where a law's packing comes loose, and caught rings do not, the ratios "
+                "are next to 0 and the centres have no distance. S_rms: rms difference of the "
+                "area deficits over the beads' rms. "
                 "net_force: the largest force on a ring as a whole over the mean contact force, "
                 "which for the laws is below 1e-6.",
                 _compression_text(results.compression),
@@ -150,9 +152,10 @@ def _compressions(results: Results) -> list[Section]:
                 "further, rings that begin at the law's packing stay there, the nearer the more "
                 "beads they have (left). Strained ones come to rest before they get there, at "
                 "other centres and mostly at a higher energy: rough rings catch in each other. "
-                "From there smooth particles slide on: slide_rms is the rms distance over R "
-                "between where the law relaxes to from the rings' centres and where it is by "
-                "itself.",
+                "How many beads they have matters little for that. From there smooth particles "
+                "slide on: slide_rms is the rms distance over R between where the law relaxes to "
+                "from the rings' centres and where it is by itself, none if it comes loose on the "
+                "way.",
             ),
             {
                 "catching.png": "Left: relaxed to 1e-3, by number of beads. Right: while they "
