@@ -28,7 +28,7 @@ bond_style harmonic
 neighbor {skin!r} bin
 comm_modify cutoff {ghosts!r}
 neigh_modify delay 0 every 1 check yes
-fix area all deformable/polygon {kA!r}
+{areas}
 compute virial all pressure NULL virial
 compute pairs all property/local patom1 patom2
 compute overlaps all pair/local dx dy fx fy
@@ -39,7 +39,7 @@ min_modify dmax {dmax!r} norm max tmax 2.0
 timestep {timestep!r}
 """
 
-# FIRE's largest time step times the fastest frequency, of a spring whose beads touch others too.
+# FIRE's largest time step times the fastest frequency.
 # Measured (benchmarks/bead_minimisers.py): best up to 1.4, no convergence from 1.5 or 1.6 on.
 _LARGEST_STEP = 1.35
 
@@ -111,9 +111,18 @@ class BeadReference(Engine):
                 run(self.lmp, "boundary f f p")
             run(self.lmp, f'atom_style bond\nread_data "{file}"')
         bonds = "\n".join(
-            f"bond_coeff {n} {0.5 * beads.kL!r} {float(spacing)!r}"  # LAMMPS has no 1/2
-            for n, spacing in enumerate(rings.spacing, start=1)
+            f"bond_coeff {n} {float(0.5 * kL)!r} {float(spacing)!r}"  # LAMMPS has no 1/2
+            for n, (kL, spacing) in enumerate(zip(rings.kL, rings.spacing, strict=True), start=1)
         )
+        # one fix for each stiffness, with the rings that have it
+        areas = ""
+        self._areas: list[tuple[str, NDArray[np.int64]]] = []
+        for n, kA in enumerate(np.unique(rings.kA[packing.species]).tolist()):
+            alike = np.flatnonzero(rings.kA[packing.species] == kA)
+            types = " ".join(str(kind + 1) for kind in np.unique(packing.species[alike]))
+            areas += f"group alike{n} type {types}\n"
+            areas += f"fix area{n} alike{n} deformable/polygon {kA!r}\n"
+            self._areas.append((f"area{n}", alike))
         skin = 0.5 * beads.radius
         run(
             self.lmp,
@@ -124,9 +133,9 @@ class BeadReference(Engine):
                 skin=skin,
                 # springs reach for a far image of a bead if the near one is no ghost
                 ghosts=max(2.0 * beads.radius + skin, 2.0 * float(rings.spacing.max())),
-                kA=beads.kA,
+                areas=areas,
                 dmax=0.1 * beads.radius,
-                timestep=0.5 * _LARGEST_STEP / float(np.sqrt(4.0 * (beads.kL + beads.kr))),
+                timestep=0.5 * _LARGEST_STEP / rings.fastest_frequency(beads.kr),
             ),
         )
         if walls is not None:
@@ -235,19 +244,20 @@ class BeadReference(Engine):
     def _evaluate(self) -> float:
         """Bring forces, areas and perimeters up to date; returns the residual."""
         run(self.lmp, "run 0 post no")
-        count = len(self._species)
-        measured = [
-            [self.lmp.extract_fix("area", 0, 2, m, column) for column in range(2)]
-            for m in range(count)
-        ]
-        self._area, self._perimeter = np.array(measured).T
+        self._area, self._perimeter = np.empty((2, len(self._species)))
+        for fix, alike in self._areas:
+            measured = [
+                [self.lmp.extract_fix(fix, 0, 2, row, column) for column in range(2)]
+                for row in range(len(alike))
+            ]
+            self._area[alike], self._perimeter[alike] = np.array(measured).T
         largest = float(np.linalg.norm(gather(self.lmp, "f", 3), axis=1).max())
-        pressed = np.maximum(self.rings.area[self._species] - self._area, 0.0)
-        self._force_scale = self.beads.kA * float(
-            np.mean(pressed * self.rings.spacing[self._species])
-        )
+        deficit = np.maximum(self.rings.area[self._species] - self._area, 0.0)
+        borne = self.rings.kA * self.rings.spacing
+        self._force_scale = float(np.mean(borne[self._species] * deficit))
         coordinate = float(np.abs(self.box).sum(axis=0).max())
-        self._rounding = _ROUNDINGS * self.beads.kL * coordinate * float(np.finfo(float).eps)
+        stiffest = float(self.rings.kL.max())
+        self._rounding = _ROUNDINGS * stiffest * coordinate * float(np.finfo(float).eps)
         if largest <= self._rounding:
             return 0.0
         return largest / max(self._force_scale, self._rounding)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import ParameterError
+from .models import each, one_or_each
 from .packing import positive
 
 # Least spacing of beads over their radius p. LAMMPS lists at most 2000 neighbours of a bead, from
@@ -25,6 +26,7 @@ class Beads:
 
     over all springs, all rings, and all overlapping beads of different rings. At rest a particle
     of radius R is a regular polygon of circumradius R - p, so that its beads reach out to R.
+    Stiffnesses of springs and areas are numbers, or sequences of a number a species.
 
     Args:
         number: beads on a ring of the smallest species; larger ones get more, N_v ~ R - p. Or a
@@ -35,7 +37,7 @@ class Beads:
         kr: stiffness of the contact of two beads [energy/length^2].
 
     Raises:
-        ParameterError: a value is not positive, or a ring has fewer than 3 beads.
+        ParameterError: a value is not positive and finite, or a ring has fewer than 3 beads.
 
     Source: Boromand et al., Phys. Rev. Lett. 121, 248003 (2018); R. Maharana, "Efficient
     Simulation of Deformable Particles", whose rest area lacks a factor cos(pi/N_v).
@@ -43,13 +45,18 @@ class Beads:
 
     number: int | Sequence[int] = 50
     radius: float = 0.05
-    kL: float = 300.0
-    kA: float = 1.0
+    kL: float | Sequence[float] = 300.0
+    kA: float | Sequence[float] = 1.0
     kr: float = 30.0
 
     def __post_init__(self) -> None:
-        for name in ("radius", "kL", "kA", "kr"):
+        for name in ("radius", "kr"):
             object.__setattr__(self, name, positive(name, getattr(self, name)))
+        for name in ("kL", "kA"):
+            object.__setattr__(self, name, one_or_each(name, getattr(self, name)))
+            values = np.atleast_1d(getattr(self, name))
+            if not ((values > 0.0) & np.isfinite(values)).all():
+                raise ParameterError(f"{name} must be positive and finite, not {values.tolist()}")
         try:
             counts = np.atleast_1d(np.asarray(self.number))
         except ValueError:  # rows of unequal length
@@ -66,7 +73,8 @@ class Beads:
 
         Raises:
             ParameterError: beads too large for a particle, so few that others slip through between
-                them, or so many that LAMMPS cannot list their neighbours.
+                them, or so many that LAMMPS cannot list their neighbours; numbers or stiffnesses
+                for another number of species.
         """
         ring = radii - self.radius
         if not (ring > self.radius).all():
@@ -106,6 +114,8 @@ class Beads:
             spacing=spacing,
             area=0.5 * number * ring**2 * np.sin(2.0 * np.pi / number),
             effective_radius=ring + 0.5 * np.sqrt(4.0 * self.radius**2 - 0.25 * spacing**2),
+            kL=np.array(each(self.kL, len(radii))),
+            kA=np.array(each(self.kA, len(radii))),
         )
 
 
@@ -126,6 +136,8 @@ class Rings:
         effective_radius: of the smooth particle that a ring is to other rings,
             R - p + sqrt(4p^2 - L0^2/4)/2 [length]: facing rows of beads interlock. A smooth wall
             meets the radius R.
+        kL: stiffness of the springs [energy/length^2].
+        kA: stiffness of the area [energy/length^4].
     """
 
     number: NDArray[np.int64]
@@ -133,3 +145,25 @@ class Rings:
     spacing: NDArray[np.float64]
     area: NDArray[np.float64]
     effective_radius: NDArray[np.float64]
+    kL: NDArray[np.float64]
+    kA: NDArray[np.float64]
+
+    @property
+    def kP(self) -> NDArray[np.float64]:
+        """Stiffness of the perimeter, kL/N_v: what a uniform stretch meets [energy/length^2]."""
+        return self.kL / self.number
+
+    @property
+    def skin(self) -> NDArray[np.float64]:
+        """Thickness of what the beads add to the ring, `effective_radius - radius` [length]."""
+        return self.effective_radius - self.radius
+
+    def fastest_frequency(self, kr: float) -> float:
+        """Above the frequencies of beads of mass 1 with contacts of stiffness kr.
+
+            omega^2 = 4 kL + 4 kr + kA N_v L0^2
+
+        A row of springs, one of contacts, and the area, whose derivative by a bead is L0 at most.
+        """
+        area = self.kA * self.number * self.spacing**2
+        return float(np.sqrt((4.0 * (self.kL + kr) + area).max()))

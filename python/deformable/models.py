@@ -55,7 +55,7 @@ class Ring:
         if self.contact not in ("radical", "balanced"):
             raise ParameterError(f"contact must be radical or balanced, not {self.contact}")
         for name in ("kA", "kP", "skin"):
-            object.__setattr__(self, name, _plain(name, getattr(self, name)))
+            object.__setattr__(self, name, one_or_each(name, getattr(self, name)))
         kA, kP, skin = (np.atleast_1d(value) for value in (self.kA, self.kP, self.skin))
         for name, values in (("kA", kA), ("kP", kP)):
             if not (values > 0.0).all():
@@ -94,7 +94,7 @@ class Ring:
 
     def skins(self, species: int) -> NDArray[np.float64]:
         """Skin of each species, shape (species,) [length]."""
-        return np.array(self._each(self.skin, species))
+        return np.array(each(self.skin, species))
 
     def parameters(self, radii: Sequence[float]) -> str:
         """Text of the parameter file for species of these radii [length], named s1, s2, ...
@@ -102,7 +102,7 @@ class Ring:
         Raises:
             ParameterError: there are other numbers of species, or a skin is as thick as a particle.
         """
-        kA, kP, skin = (self._each(values, len(radii)) for values in (self.kA, self.kP, self.skin))
+        kA, kP, skin = (each(values, len(radii)) for values in (self.kA, self.kP, self.skin))
         for thickness, radius in zip(skin, radii, strict=True):
             if thickness >= radius:
                 raise ParameterError(
@@ -138,23 +138,11 @@ class Ring:
     ) -> tuple[float, NDArray[np.float64]]:
         """How much the ring widens, and the indentations that its contacts then feel."""
         a = np.asarray(indentation, dtype=np.float64)
-        kA, kP, skin = (self._at(values, species) for values in (self.kA, self.kP, self.skin))
+        kA, kP, skin = (_at(values, species) for values in (self.kA, self.kP, self.skin))
         if math.isinf(kP):
             return 0.0, a
         breath = core.soft_ring(radius, angle, a, kA, kP, skin).delta
         return breath, a + breath
-
-    def _at(self, values: float | Sequence[float], species: int) -> float:
-        return values if isinstance(values, float) else float(np.asarray(values)[species])
-
-    def _each(self, values: float | Sequence[float], species: int) -> list[float]:
-        """A number for each species."""
-        if np.ndim(values) == 1 and len(np.asarray(values)) != species:
-            raise ParameterError(
-                f"there are {species} species, so {np.asarray(values).tolist()} must have as many "
-                "numbers"
-            )
-        return [self._at(values, n) for n in range(species)]
 
 
 @dataclass(frozen=True)
@@ -178,7 +166,7 @@ class Sector:
 
     def __post_init__(self) -> None:
         for name in ("kA", "kP"):
-            plain = _plain(name, getattr(self, name))
+            plain = one_or_each(name, getattr(self, name))
             if isinstance(plain, tuple):
                 raise ParameterError(f"{name} of Sector must be one number, not {list(plain)}")
             object.__setattr__(self, name, plain)
@@ -237,7 +225,7 @@ class Sector:
 Model = Ring | Sector
 
 
-def _plain(name: str, given: object) -> float | tuple[float, ...]:
+def one_or_each(name: str, given: object) -> float | tuple[float, ...]:
     """A number as a float, one number a species as a tuple."""
     try:
         values = np.asarray(given)
@@ -246,6 +234,20 @@ def _plain(name: str, given: object) -> float | tuple[float, ...]:
     if values.dtype.kind not in "iuf" or values.ndim > 1 or values.size == 0:
         raise ParameterError(f"{name} must be a number, or one number a species, not {given}")
     return float(values) if values.ndim == 0 else tuple(float(value) for value in values)
+
+
+def each(values: float | Sequence[float], species: int) -> list[float]:
+    """A number for each species, of what `one_or_each` returns."""
+    if np.ndim(values) == 1 and len(np.asarray(values)) != species:
+        raise ParameterError(
+            f"there are {species} species, so {np.asarray(values).tolist()} must have as many "
+            "numbers"
+        )
+    return [_at(values, n) for n in range(species)]
+
+
+def _at(values: float | Sequence[float], species: int) -> float:
+    return values if isinstance(values, float) else float(np.asarray(values)[species])
 
 
 def _parameter_file(

@@ -47,13 +47,53 @@ def test_numbers_of_beads_are_whole_and_three_or_more(number: object) -> None:
         deformable.Beads(number=number)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("name", ["radius", "kL", "kA", "kr"])
+@pytest.mark.parametrize("name", ["radius", "kr"])
 @pytest.mark.parametrize(
     "value", [0.0, -1.0, float("nan"), float("inf"), "a", "1", None, [1.0, 2.0], 10**400]
 )
 def test_settings_are_positive(name: str, value: Any) -> None:
     with pytest.raises(deformable.ParameterError, match=f"{name} must be a positive number"):
         deformable.Beads(**{name: value})
+
+
+@pytest.mark.parametrize("name", ["kL", "kA"])
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        (0.0, r"be positive and finite, not \[0\.0\]"),
+        (-1.0, r"be positive and finite, not \[-1\.0\]"),
+        (float("nan"), r"be positive and finite, not \[nan\]"),
+        ([1.0, float("inf")], r"be positive and finite, not \[1\.0, inf\]"),
+        ((1.0, 0.0), r"be positive and finite, not \[1\.0, 0\.0\]"),
+        ("1", "be a number, or one number a species, not 1"),
+        (None, "be a number, or one number a species, not None"),
+        ([], r"be a number, or one number a species, not \[\]"),
+        ([1.0, [2.0]], r"be a number, or one number a species, not \[1\.0, \[2\.0\]\]"),
+        (10**400, "be a number, or one number a species, not 1000"),
+    ],
+)
+def test_stiffnesses_are_positive(name: str, value: Any, message: str) -> None:
+    with pytest.raises(deformable.ParameterError, match=f"{name} must {message}"):
+        deformable.Beads(**{name: value})
+
+
+@pytest.mark.parametrize("kind", [list, tuple, np.array])
+def test_stiffnesses_of_each_species(kind: Any) -> None:
+    beads = deformable.Beads(number=[50, 80], kL=kind([1, 2]), kA=3)
+    assert beads == deformable.Beads(number=[50, 80], kL=(1.0, 2.0), kA=3.0)
+    rings = beads.rings(RADII)
+    assert rings.kL.tolist() == [1.0, 2.0]
+    assert rings.kA.tolist() == [3.0, 3.0]
+    assert rings.kP.tolist() == [1.0 / 50, 2.0 / 80]
+    assert (rings.radius + rings.skin).tolist() == rings.effective_radius.tolist()
+
+
+@pytest.mark.parametrize("name", ["kL", "kA"])
+@pytest.mark.parametrize("values", [[1.0], [1.0, 2.0, 3.0]])
+def test_one_stiffness_a_species(name: str, values: Any) -> None:
+    message = r"there are 2 species, so \[1\.0.*\] must have as many numbers"
+    with pytest.raises(deformable.ParameterError, match=message):
+        deformable.Beads(**{name: values}).rings(RADII)
 
 
 def test_settings_may_be_numpy_numbers() -> None:
