@@ -75,6 +75,23 @@ def stiffness_sweep(
     return _steps(runs, workers, "stiffness")
 
 
+def any_stiffness(
+    kL: Sequence[float] = (1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6),
+    indentations: Sequence[float] = (0.01, 0.02, 0.03, 0.04, 0.05),
+    number: int = 314,
+    workers: int | None = None,
+) -> list[Squeezed]:
+    """A ring in a hexagon along whose walls it slips, for springs from soft to stiff.
+
+    The ring law has an answer to each, and walls must not add their own: however soft the springs,
+    they press with kr = 1e3, and yield by p L0/kr < 2e-6 R0.
+    """
+    runs = [
+        (regular(6), indentations, replace(ring_in_walls(number, k), kr=1e3), False) for k in kL
+    ]
+    return _steps(runs, workers, "any stiffness")
+
+
 def number_sweep(
     numbers: Sequence[int] = (24, 48, 96, 192, 288, 384),
     kP: Sequence[float] = (1.0, 10.0, 100.0),
@@ -109,13 +126,15 @@ def single_row(result: Squeezed) -> dict[str, str | int | float]:
         "sides": len(angle),
         "walls": "stick" if result.walls.stick else "slip",
         "beads": int(result.beads.rings.number[0]),
-        "kL": float(result.beads.beads.kL),
+        "kL": result.kL,
         "a_over_R": float(result.indentation),
         "I_sector": result.shape_error("sector"),
         "I_ring": result.shape_error("ring"),
+        "I_soft_ring": result.shape_error("soft ring"),
         "S_dp": float(result.beads.area_deficit[0]),
         "S_sector": float(result.area_deficit["sector"]),
         "S_ring": float(result.area_deficit["ring"]),
+        "S_soft_ring": float(result.area_deficit["soft ring"]),
         "seconds_dp": float(result.seconds),
         "seconds_model": float(result.law_seconds["ring"]),
     }

@@ -61,7 +61,7 @@ def shapes(results: Sequence[Squeezed], stick: bool) -> Figure:
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=5)
     figure.suptitle(
         f"{chosen[0].beads.rings.number[0]} beads, "
-        rf"$k_L = {_decade(chosen[0].beads.beads.kL)}$, $a/R_0 = {largest:g}$, "
+        rf"$k_L = {_decade(chosen[0].kL)}$, $a/R_0 = {largest:g}$, "
         f"walls {'stick' if stick else 'slip'}"
     )
     return figure
@@ -99,7 +99,7 @@ def deviation(results: Sequence[Squeezed], indentation: float = 0.02) -> Figure:
     for result, shade in zip(chosen, _shades(len(chosen)), strict=True):
         turn = np.degrees(result.angle) % 360.0
         order = np.argsort(turn)
-        label = rf"$k_L = {_decade(result.beads.beads.kL)}$"
+        label = rf"$k_L = {_decade(result.kL)}$"
         for ax, unit in zip(axes[:, 0], (1e-3, 1e-5), strict=True):
             difference = result.deviation["sector"][order] / unit
             ax.plot(turn[order], difference, color=shade, linewidth=1.1, label=label)
@@ -122,9 +122,9 @@ def error_by_indentation(results: Sequence[Squeezed]) -> Figure:
     """I against a for each stiffness, and against the stiffness for several a."""
     figure, axes = _new(4.8, 1, 2)
     left, right = axes[0]
-    stiffnesses = sorted({r.beads.beads.kL for r in results})
+    stiffnesses = sorted({r.kL for r in results})
     for kL, shade in zip(stiffnesses, _shades(len(stiffnesses)), strict=True):
-        line = [r for r in results if r.beads.beads.kL == kL]
+        line = [r for r in results if r.kL == kL]
         label = rf"$k_L = {_decade(kL)}$"
         _errors(left, [r.indentation for r in line], line, color=shade, label=label)
     left.set(xlabel=_A, ylabel=_I, yscale="log")
@@ -132,7 +132,7 @@ def error_by_indentation(results: Sequence[Squeezed]) -> Figure:
     for a, shade in zip(depths, _shades(len(depths)), strict=True):
         line = [r for r in results if r.indentation == a]
         label = rf"$a/R_0 = {a:g}$"
-        _errors(right, [r.beads.beads.kL for r in line], line, color=shade, label=label)
+        _errors(right, [r.kL for r in line], line, color=shade, label=label)
     right.set(xlabel=r"stiffness of the springs $k_L/k_A R_0^2$", ylabel=_I)
     right.set(xscale="log", yscale="log")
     spacing = float(results[0].beads.rings.spacing[0])
@@ -169,7 +169,7 @@ def error_by_number(results: Sequence[Squeezed]) -> Figure:
 
 
 def _kP(result: Squeezed) -> float:
-    return round(float(result.beads.beads.kL / result.beads.rings.number[0]), 9)
+    return round(float(result.beads.rings.kP[0]), 9)
 
 
 def limits(found: Sequence[paper.Limit]) -> Figure:

@@ -1,4 +1,4 @@
-"""One ring of beads between walls, against both contact laws: the paper's first test."""
+"""One ring of beads between walls, against the contact laws: the paper's first test."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +18,7 @@ from .bead_reference import BeadReference
 from .bead_state import BeadState
 from .beads import Beads
 from .errors import ParameterError
+from .models import Ring
 from .packing import Packing, positive
 from .shape_error import deviation
 from .walls import Walls
@@ -28,6 +30,9 @@ STEP = 0.00125
 
 # Calls of a law of which the median is timed.
 _CALLS = 21
+
+# Corners of an outline.
+_POINTS = 2880
 
 # Directions of the sides of the asymmetric polygons. The paper draws but does not list them.
 IRREGULAR = {
@@ -44,6 +49,9 @@ def regular(sides: int) -> NDArray[np.float64]:
 @dataclass(frozen=True, eq=False)
 class Squeezed:
     """A ring squeezed by walls to R - a from the origin, and what the laws make of it.
+
+    `sector` and `ring` keep the perimeter; `soft ring` has the springs' stiffness of the perimeter,
+    kP = kL/N_v, and the beads as a rigid skin.
 
     The laws are given the centre that their regime has: with walls that stick the origin, where
     the particle began; with walls that slip the mean of the beads.
@@ -76,8 +84,13 @@ class Squeezed:
         x, y = (self.beads.outlines[0] - self.centre).T
         return np.asarray(np.arctan2(y, x))
 
+    @property
+    def kL(self) -> float:
+        """Stiffness of the springs [energy/length^2]."""
+        return float(self.beads.rings.kL[0])
+
     def shape_error(self, law: str) -> float:
-        """I = 1/(R N_v) sum | |v| - g(theta) | of a law, `sector` or `ring`."""
+        """I = 1/(R N_v) sum | |v| - g(theta) | of a law: `sector`, `ring` or `soft ring`."""
         return float(np.mean(np.abs(self.deviation[law])) / self.beads.rings.radius[0])
 
 
@@ -139,12 +152,20 @@ def _measure(walls: Walls, a: float, beads: BeadState, seconds: float) -> Squeez
     centre = np.zeros(2) if walls.stick else beads.packing.positions[0]
     pressed = 1.0 + beads.beads.radius - walls.seen_from(centre)
     touching = pressed >= 0.0  # the sector law has contacts only there, the ring law finds them
-    contacts = {
-        "sector": (walls.angle[touching], pressed[touching]),
-        "ring": (walls.angle, pressed),
+    stuck, slipping = (walls.angle[touching], pressed[touching]), (walls.angle, pressed)
+    rings, skin = beads.rings, beads.beads.radius
+    kA, kP, outer = float(rings.kA[0]), float(rings.kP[0]), 1.0 + skin
+    soft = Ring(kA, kP=kP, skin=skin)
+    calls: dict[str, Callable[[], core.Shape | core.SoftShape]] = {
+        "sector": partial(core.sector, 1.0, *stuck),
+        "ring": partial(core.ring, 1.0, *slipping),
+        "soft ring": partial(core.soft_ring, outer, *slipping, kA, kP, skin),
     }
-    shapes = {law: getattr(core, law)(1.0, *contacts[law]) for law in contacts}
-    outlines = {law: core.outline(law, 1.0, *contacts[law], 2880) for law in contacts}
+    outlines = {
+        "sector": core.outline("sector", 1.0, *stuck, _POINTS),
+        "ring": core.outline("ring", 1.0, *slipping, _POINTS),
+        "soft ring": soft.outline(0, outer, *slipping, inset=skin, points=_POINTS),
+    }
     return Squeezed(
         walls=walls,
         indentation=a,
@@ -152,21 +173,19 @@ def _measure(walls: Walls, a: float, beads: BeadState, seconds: float) -> Squeez
         seconds=seconds,
         centre=centre,
         outlines=outlines,
-        area_deficit={law: shape.area_deficit for law, shape in shapes.items()},
+        area_deficit={law: call().area_deficit for law, call in calls.items()},
         deviation={
             law: deviation(beads.outlines[0] - centre, outline) for law, outline in outlines.items()
         },
-        law_seconds={law: _call_seconds(getattr(core, law), *contacts[law]) for law in contacts},
+        law_seconds={law: _call_seconds(call) for law, call in calls.items()},
     )
 
 
-def _call_seconds(
-    law: Callable[..., object], angle: NDArray[np.float64], pressed: NDArray[np.float64]
-) -> float:
+def _call_seconds(law: Callable[[], object]) -> float:
     """Processor time of one call: the median of several, of which the first fill the caches."""
     seconds = []
     for _ in range(_CALLS):
         began = time.process_time()
-        law(1.0, angle, pressed)
+        law()
         seconds.append(time.process_time() - began)
     return float(np.median(seconds))
