@@ -1,11 +1,12 @@
 """The report in its smallest form, and what its numbers mean."""
 
 import json
+import math
 import re
 
 import numpy as np
 import pytest
-from deformable import Beads, Ring, Simulation, bidisperse, compare, jam, report
+from deformable import Beads, Ring, Sector, Simulation, bidisperse, compare, jam, report
 from deformable.report import packings, pareto
 
 SMALLEST = report.Plan(
@@ -15,19 +16,23 @@ SMALLEST = report.Plan(
     packings=[(8, 2, 0.03, Beads(number=16))],
     compression=[(8, 1, Beads(number=25), 0.06, 1)],
     catching=[(8, 1, 0.06, (25, 30))],
+    mixtures=[(8, 1, 0.03, 16, (1.0, 10.0), (0.1, math.inf))],
     shapes={"indentations": (0.02,), "number": 24, "kL": 100.0},
     stiffness={"indentations": (0.01, 0.02), "number": 24, "kL": (1.0, 100.0)},
+    any_stiffness={"indentations": (0.01, 0.02), "number": 24, "kL": (1.0,)},
     number={"indentations": (0.02,), "numbers": (16, 24), "kP": (1.0,)},
     limits=[(6, 0.05, (16, 24), (5.0, 10.0))],
 )
 
 KEYS = {
-    "single": "sides walls beads kL a_over_R I_sector I_ring S_dp S_sector S_ring seconds_dp "
-    "seconds_model",
+    "single": "sides walls beads kL a_over_R I_sector I_ring I_soft_ring S_dp S_sector S_ring "
+    "S_soft_ring seconds_dp seconds_model",
     "packing": "n strain beads seed model I S_rms energy_ratio pressure_ratio seconds",
     "compression": "n seed beads strain model energy_ratio pressure_ratio centres_rms S_rms "
     "same_branch seconds",
     "catching": "n seed beads strain start tolerance net_force energy_ratio centres_rms",
+    "stiffness_packing": "n strain beads kA kP seed model kP_law I S_rms energy_ratio "
+    "pressure_ratio own_energy_ratio own_pressure_ratio seconds",
     "pareto": "method error seconds",
     "ablation": "law option on",
 }
@@ -67,6 +72,7 @@ def test_page(folder):
     pictures = re.findall(r'<img src="([^"]+)"', page)
     assert sorted(pictures) == sorted(path.name for path in folder.glob("*.png"))
     assert page.count("<h2>") == 8
+    assert "<td>1, 10</td><td>0.1, 49</td><td>1</td><td>balanced, inf</td><td>0.1, inf</td>" in page
     assert "nan" not in re.sub(r"<[^>]+>", " ", page).split()
 
 
@@ -155,3 +161,42 @@ def test_rows_of_a_packing():
     ]
     # the circle is a polygon of 1440 corners, within R (2 pi/1440)^2/8 = 2e-6 R
     assert by_model["disk"]["I"] == pytest.approx(np.mean(off), abs=3e-6)
+
+
+MIXED = Beads(number=[20, 30], kL=[4.0, 1500.0], kA=[1.0, 10.0])
+
+
+def test_laws_have_the_stiffness_of_each_species():
+    rings = MIXED.rings(np.array([0.5, 0.7]))
+    laws = packings.laws(MIXED, rings, rigid=[False, True])
+    kA, skin = (1.0, 10.0), (rings.effective_radius - rings.radius).tolist()
+    assert list(laws) == ["ring", "soft ring", "balanced", "balanced, inf"]  # sector has one kA
+    assert laws["ring"] == Ring(kA)
+    assert laws["soft ring"] == Ring(kA, kP=[0.2, 50.0], skin=skin)
+    assert laws["balanced"] == Ring(kA, kP=[0.2, 50.0], skin=skin, contact="balanced")
+    assert laws["balanced, inf"] == Ring(kA, kP=[0.2, math.inf], skin=skin, contact="balanced")
+    alike = Beads(number=[20, 30], kL=[4.0, 1500.0], kA=[2.0, 2.0])
+    assert packings.laws(alike, rings=alike.rings(np.array([0.5, 0.7])))["sector"] == Sector(2.0)
+
+
+@pytest.mark.parametrize(
+    ("kA", "kP"), [((1.0, 10.0), (0.1, math.inf)), ((10.0, 1.0), (math.inf, 0.1))]
+)
+def test_rows_of_a_mixture(kA, kP):
+    rows = {row["model"]: row for row in packings.mixed_rows(8, 1, 0.03, 30, kA, kP)}
+    assert list(rows) == ["disk", "ring", "soft ring", "balanced", "balanced, inf"]
+    for row in rows.values():
+        assert row["kA"] == list(kA)
+        for beads, wanted, stiffness, radius in zip(row["kP"], kP, kA, (0.5, 0.7), strict=True):
+            stands = 10.0 * stiffness * radius**2 if math.isinf(wanted) else wanted
+            assert beads == pytest.approx(stands, rel=1e-12)
+        assert row["residual_beads"] <= 3e-3
+    assert rows["disk"]["kP_law"] is None
+    assert rows["ring"]["kP_law"] == ["inf", "inf"]
+    of_beads = rows["balanced"]["kP"]
+    assert rows["balanced"]["kP_law"] == of_beads
+    assert rows["balanced, inf"]["kP_law"] == [
+        "inf" if math.isinf(wanted) else beads for wanted, beads in zip(kP, of_beads, strict=True)
+    ]
+    # rough rings of 30 beads: the law is as much nearer as the values it was given
+    assert rows["balanced"]["S_rms"] < 0.25 * rows["ring"]["S_rms"]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import math
 import pickle
 import shutil
 import time
@@ -26,7 +27,7 @@ from ..single import Squeezed
 from ..versions import machine, versions
 from .ablation import ablation_rows
 from .compressions import catching_rows, compression_rows
-from .packings import packing_rows
+from .packings import mixed_rows, packing_rows
 from .page import page
 from .pareto import pareto_rows
 
@@ -41,11 +42,21 @@ class Plan:
     packings: list[tuple[int, int, float, Beads]]
     compression: list[tuple[int, int, Beads, float, int]]
     catching: list[tuple[int, int, float, tuple[int, ...]]]
+    mixtures: list[tuple[Any, ...]]
     shapes: dict[str, Any]
     stiffness: dict[str, Any]
+    any_stiffness: dict[str, Any]
     number: dict[str, Any]
     limits: list[tuple[Any, ...]]
 
+
+# kA and kP of the small and of the large particles.
+_MIXTURES = (
+    ((1.0, 10.0), (0.1, math.inf)),
+    ((10.0, 1.0), (math.inf, 0.1)),
+    ((1.0, 10.0), (math.inf, math.inf)),
+    ((1.0, 1.0), (0.1, math.inf)),
+)
 
 FULL = Plan(
     ablation={},
@@ -63,8 +74,14 @@ FULL = Plan(
     ],
     compression=[(16, seed, Beads(number=100), 0.035, 7) for seed in (1, 2, 3)],
     catching=[(16, seed, 0.015, (25, 35, 50, 70, 100)) for seed in (1, 2, 3)],
+    mixtures=[
+        (16, seed, strain, 150, kA, kP)
+        for kA, kP in _MIXTURES
+        for seed, strain in ((1, 0.01), (1, 0.02), (2, 0.02))
+    ],
     shapes={},
     stiffness={},
+    any_stiffness={},
     number={},
     limits=[(sides,) for sides in (3, 4, 6)],
 )
@@ -76,8 +93,10 @@ QUICK = Plan(
     packings=[(16, seed, 0.01, Beads()) for seed in (1, 2, 3)],
     compression=[(16, 3, Beads(), 0.03, 2)],
     catching=[(16, 3, 0.015, (25, 35, 50))],
+    mixtures=[(8, 1, 0.02, 50, kA, kP) for kA, kP in _MIXTURES],
     shapes={"indentations": (0.01, 0.02, 0.03), "number": 94},
     stiffness={"indentations": (0.01, 0.02, 0.03), "number": 94, "kL": (1.0, 1e2, 1e4)},
+    any_stiffness={"indentations": (0.02,)},
     number={"indentations": (0.02,), "numbers": (24, 48, 96), "kP": (1.0, 10.0)},
     limits=[(6, 0.05, (24, 48, 96))],
 )
@@ -93,8 +112,10 @@ class Results:
     packings: list[dict[str, Any]]
     compression: list[dict[str, Any]]
     catching: list[dict[str, Any]]
+    mixtures: list[dict[str, Any]]
     shapes: list[Squeezed]
     stiffness: list[Squeezed]
+    any_stiffness: list[Squeezed]
     number: list[Squeezed]
     limits: list[paper.Limit]
 
@@ -107,8 +128,10 @@ _MEASURE: dict[str, Callable[[Plan], Any]] = {
     "packings": lambda plan: _packings(plan),
     "compression": lambda plan: _joined(compression_rows, plan.compression, "compressions"),
     "catching": lambda plan: _joined(catching_rows, plan.catching, "catching"),
+    "mixtures": lambda plan: _joined(mixed_rows, plan.mixtures, "mixtures"),
     "shapes": lambda plan: paper.shapes(**plan.shapes),
     "stiffness": lambda plan: paper.stiffness_sweep(**plan.stiffness),
+    "any_stiffness": lambda plan: paper.any_stiffness(**plan.any_stiffness),
     "number": lambda plan: paper.number_sweep(**plan.number),
     "limits": lambda plan: [paper.limit(*arguments) for arguments in plan.limits],
 }
@@ -131,8 +154,9 @@ def write_report(
         say: is told of each part.
 
     Returns:
-        What report.json holds: lists of rows `single`, `packing`, `compression`, `catching`,
-        `pareto`, `ablation`, `limit`, and `machine`, `versions`, `quick`.
+        What report.json holds: lists of rows `single`, `packing`, `stiffness_packing`,
+        `compression`, `catching`, `pareto`, `ablation`, `limit`, and `machine`, `versions`,
+        `quick`.
 
     Raises:
         ParameterError: matplotlib is missing.
@@ -145,11 +169,14 @@ def write_report(
     results = _measure(QUICK if quick else FULL, parts, resume, say)
     rows: dict[str, Any] = {
         "single": [
-            _single_row(result) for result in (*results.shapes, *results.stiffness, *results.number)
+            _single_row(result)
+            for part in (results.shapes, results.stiffness, results.any_stiffness, results.number)
+            for result in part
         ],
         "packing": [*results.packings, *results.large[0]],
         "compression": results.compression,
         "catching": results.catching,
+        "stiffness_packing": results.mixtures,
         "pareto": results.pareto,
         "ablation": results.ablation,
         "limit": [_limit_row(limit) for limit in results.limits],

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..single import Squeezed
+
 # Colour and marker of each method.
 _STYLES = {
     "disk": ("tab:gray", "o"),
@@ -160,6 +162,36 @@ def catching(rows: Sequence[dict[str, Any]]) -> Figure:
     for start, (color, marker, _) in styles.items():
         by_number.plot([], [], marker, color=color, label=start)
     by_number.legend(loc="lower right")
+    return figure
+
+
+def any_stiffness(results: Sequence[Squeezed]) -> Figure:
+    """I of the ring laws against the stiffness of the springs, darker for larger indentations."""
+    figure = Figure(figsize=(8.0, 4.4), layout="constrained")
+    ax = figure.subplots()
+    depths = sorted({result.indentation for result in results})
+    labels = {"ring": "perimeter conserved", "soft ring": "finite stiffness, kP = kL/N_v"}
+    for law, label in labels.items():
+        color, marker = _STYLES[law]
+        for k, a in enumerate(depths, start=1):
+            line = [result for result in results if result.indentation == a]
+            ax.loglog(
+                [result.kL for result in line],
+                [result.shape_error(law) for result in line],
+                marker=marker,
+                color=color,
+                alpha=k / len(depths),
+                label=label if a == depths[-1] else None,
+            )
+    rings = results[0].beads.rings
+    ax.axhline(rings.spacing[0] ** 2 / 24.0, color="0.6", linestyle=":", label="L0²/24R0: spacing")
+    ax.set(xlabel="stiffness of the springs kL/kA R0²", ylabel="shape error I")
+    ax.set_title(
+        f"hexagon, {rings.number[0]} beads, walls slip, a/R0 = "
+        + ", ".join(f"{a:g}" for a in depths),
+        fontsize=10,
+    )
+    ax.legend()
     return figure
 
 

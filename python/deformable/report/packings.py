@@ -6,6 +6,7 @@ import math
 import statistics
 import time
 import warnings
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,7 +20,7 @@ from ..beads import Beads, Rings
 from ..comparison import Comparison, compare
 from ..engine import run
 from ..jamming import jam, open_disks
-from ..models import Model, Ring, Sector
+from ..models import Model, Ring, Sector, each
 from ..packing import Packing, bidisperse
 from ..shape_error import shape_error
 from ..simulation import Simulation
@@ -31,22 +32,40 @@ _REPEATS = 5
 # A packing with less than this part of the beads' pressure has lost its rigidity on its way.
 _UNJAMMED = 1e-6
 
+# kP/(kA R^2) of rings that stand for inextensible ones: kA q^2/kP, the part of S that their springs
+# take by giving way, is below a tenth. Stiffer ones take longer, as the root of their stiffness.
+_STIFF = 10.0
 
-def laws(beads: Beads, rings: Rings) -> dict[str, Model]:
+# Of relaxations of mixtures, where soft rings creep at the small time step of the stiff ones: they
+# take half as long as to 1e-3.
+_MIXED_TOLERANCE = 3e-3
+
+
+def laws(beads: Beads, rings: Rings, rigid: Sequence[bool] = ()) -> dict[str, Model]:
     """The contact laws that stand in for rings of such beads, by name.
 
     `ring` keeps perimeters as the paper does; `soft ring` has the rings' own stiffness kP =
     kL/N_v, and their beads as a rigid skin; `balanced` also has the contact lines where both
-    sides press with the same force.
+    sides press with the same force. `sector` has a single kA, and is there if the species have.
+
+    Args:
+        beads: what the rings are made of.
+        rings: the undeformed ones.
+        rigid: species whose rings stand for inextensible ones; `balanced, inf` has kP = inf there.
     """
-    kP = (beads.kL / rings.number).tolist()
-    skin = (rings.effective_radius - rings.radius).tolist()
-    return {
-        "sector": Sector(beads.kA),
-        "ring": Ring(beads.kA, contact="radical"),
-        "soft ring": Ring(beads.kA, kP=kP, skin=skin, contact="radical"),
-        "balanced": Ring(beads.kA, kP=kP, skin=skin, contact="balanced"),
+    kA, kP, skin = beads.kA, rings.kP.tolist(), rings.skin.tolist()
+    found: dict[str, Model] = {}
+    if len(set(rings.kA)) == 1:
+        found["sector"] = Sector(rings.kA[0])
+    found |= {
+        "ring": Ring(kA, contact="radical"),
+        "soft ring": Ring(kA, kP=kP, skin=skin, contact="radical"),
+        "balanced": Ring(kA, kP=kP, skin=skin, contact="balanced"),
     }
+    if any(rigid):
+        kP = np.where(rigid, math.inf, kP).tolist()
+        found["balanced, inf"] = Ring(kA, kP=kP, skin=skin, contact="balanced")
+    return found
 
 
 def strain_beads(
@@ -86,8 +105,37 @@ def strain_disks(start: Packing, strain: float) -> float:
     return statistics.median(seconds)
 
 
+def mixed_rows(
+    number: int, seed: int, strain: float, count: int, kA: Sequence[float], kP: Sequence[float]
+) -> list[dict[str, Any]]:
+    """As `packing_rows`, of rings whose species differ in stiffness.
+
+    Args:
+        number: of particles.
+        seed: of the random start.
+        strain: linear strain.
+        count: beads on a ring of the small particles.
+        kA: stiffness of the area of the small and of the large particles [energy/length^4].
+        kP: stiffness of their perimeters [energy/length^2]. No spring is rigid: rings of which it
+            is infinite have one large enough to matter little, and `balanced, inf` is the law with
+            the infinite one.
+    """
+    radii = bidisperse(number).radii
+    rings = Beads(number=count).rings(radii)
+    rigid = np.isinf(kP)
+    springs = rings.number * np.where(rigid, _STIFF * np.array(kA) * radii**2, kP)
+    beads = Beads(count, kL=springs.tolist(), kA=kA)
+    rows, _ = packing_rows(number, seed, strain, beads, rigid.tolist(), _MIXED_TOLERANCE)
+    return rows
+
+
 def packing_rows(
-    number: int, seed: int, strain: float, beads: Beads
+    number: int,
+    seed: int,
+    strain: float,
+    beads: Beads,
+    rigid: Sequence[bool] = (),
+    tolerance: float = 1e-3,
 ) -> tuple[list[dict[str, Any]], dict[str, Comparison]]:
     """One bidisperse packing of rings, strained from jamming in one step, against every law.
 
@@ -96,6 +144,8 @@ def packing_rows(
         seed: of the random start.
         strain: linear strain.
         beads: what the rings are made of.
+        rigid: as for `laws`.
+        tolerance: of the relaxation of the rings.
 
     Returns:
         A row for each law, and the comparisons by the law's name. A row has the error of the
@@ -104,17 +154,20 @@ def packing_rows(
         from the same start, none where that is `unjammed`.
     """
     start = jam(bidisperse(number, seed=seed))
-    rings, seconds_beads = strain_beads(start, beads, strain)
+    rings, seconds_beads = strain_beads(start, beads, strain, tolerance)
     common: dict[str, Any] = {
         "n": number,
         "strain": strain,
         "beads": int(rings.rings.number.min()),
+        "kA": rings.rings.kA.tolist(),
+        "kP": rings.rings.kP.tolist(),
         "seed": seed,
         "seconds_beads": seconds_beads,
         "residual_beads": rings.residual,
     }
     disk: dict[str, Any] = {
         "model": "disk",
+        "kP_law": None,
         "I": _error_of_disks(rings),
         "S_rms": 1.0,  # a disk keeps its area, S = 0
         "energy_ratio": None,  # its stiffness is a free parameter
@@ -128,7 +181,7 @@ def packing_rows(
     rows: list[dict[str, Any]] = [common | disk]
     smooth = replace(start, radii=rings.rings.effective_radius)
     comparisons = {}
-    for name, model in laws(beads, rings.rings).items():
+    for name, model in laws(beads, rings.rings, rigid).items():
         comparison = comparisons[name] = compare(rings, model, MPI.COMM_SELF)
         own, seconds = strain_law(smooth, model, strain)
         unjammed = own.pressure <= _UNJAMMED * rings.pressure
@@ -136,6 +189,9 @@ def packing_rows(
             common
             | {
                 "model": name,
+                "kP_law": [
+                    k if math.isfinite(k) else "inf" for k in each(model.kP, len(start.radii))
+                ],
                 "I": float(comparison.shape_error.mean()),
                 "S_rms": _finite(comparison.area_deficit_error),
                 "energy_ratio": _finite(comparison.energy_ratio),

@@ -76,4 +76,6 @@ def _cell(value: Any) -> str:
         return "–"
     if isinstance(value, float):
         return f"{value:.3g}"
+    if isinstance(value, list):
+        return ", ".join(_cell(each) for each in value)
     return html.escape(str(value))

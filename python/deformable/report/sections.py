@@ -26,6 +26,7 @@ def sections(results: Results) -> tuple[dict[str, Figure], list[Section]]:
         "shapes_slip.png": paper_figures.shapes(results.shapes, stick=False),
         "deviation.png": paper_figures.deviation(results.stiffness),
         "stiffness.png": paper_figures.error_by_indentation(results.stiffness),
+        "any_stiffness.png": figures.any_stiffness(results.any_stiffness),
         "number.png": paper_figures.error_by_number(results.number),
         "limit.png": paper_figures.limits(results.limits),
         "ablation.png": figures.ablation(results.ablation),
@@ -73,6 +74,19 @@ def sections(results: Results) -> tuple[dict[str, Figure], list[Section]]:
         ),
         *_compressions(results),
         Section(
+            "Mixtures of unequal stiffness",
+            (
+                "The same for particles whose species differ in stiffness: kA and kP are those of "
+                "the small and of the large rings of beads, kP_law what a law has in the place of "
+                "kP. No spring is rigid: a kP of 10 kA R^2 stands for an infinite one, which the "
+                "last law has there; it is off by what these springs give way, of the order of "
+                "kA q^2/kP in the area deficits, and balanced is not. The sector law has a single "
+                "kA. Rings relax to 3e-3 of what a bead in a contact bears.",
+            ),
+            {},
+            [_columns(row, _MIXTURE) for row in results.mixtures],
+        ),
+        Section(
             "One particle in a polygon",
             (
                 "Rings of beads between walls to which beads stick, the paper's setting, or along "
@@ -86,6 +100,15 @@ def sections(results: Results) -> tuple[dict[str, Figure], list[Section]]:
                 "stiffness.png": "I against the indentation and against kL.",
                 "number.png": "I against the number of beads at fixed kP.",
             },
+        ),
+        Section(
+            "Particles of any stiffness",
+            (
+                "One ring in a hexagon along whose walls it slips. The ring law of finite "
+                "stiffness, with kP = kL/N_v and the beads as its skin, has the shape at every kL; "
+                "the one that keeps its perimeter is its limit.",
+            ),
+            {"any_stiffness.png": "I against kL, a line for each indentation."},
         ),
         Section(
             "The exact limit",
@@ -216,6 +239,7 @@ _CATCHING = (
     *("seed", "beads", "start", "tolerance", "net_force", "energy_ratio"),
     *("energy_ratio_at_centres", "centres_rms", "same_branch", "slide_rms", "seconds_beads"),
 )
+_MIXTURE = ("n", "strain", "beads", "kA", "kP", "seed", "model", "kP_law", *_PACKING[5:])
 
 
 def _columns(row: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
