@@ -46,7 +46,7 @@ def folder(tmp_path_factory):
         patch.setattr(report, "QUICK", SMALLEST)
         said = []
         report.write_report(folder, quick=True, say=said.append)
-    assert len(said) == 10
+    assert len(said) == 12
     return folder
 
 
@@ -132,7 +132,7 @@ def test_rows_of_a_packing():
     assert list(comparisons) == LAWS
     rings = comparisons["ring"].beads
     exact = rings.area_deficit
-    again = compare(rings, Ring(beads.kA))
+    again = compare(rings, Ring(beads.kA, contact="radical"))
     row = by_model["ring"]
     assert row["I"] == pytest.approx(again.shape_error.mean(), rel=1e-12)
     assert row["S_rms"] == pytest.approx(
@@ -141,14 +141,16 @@ def test_rows_of_a_packing():
     assert row["energy_ratio"] == pytest.approx(again.state.energy / rings.energy, rel=1e-12)
     start = jam(bidisperse(8, seed=1))
     start = type(start)(start.positions, start.species, rings.rings.effective_radius, start.box)
-    with Simulation(start, Ring(beads.kA)) as sim:
+    with Simulation(start, Ring(beads.kA, contact="radical")) as sim:
         sim.deform(sim.box * (1 - strain))
         own = sim.relax()
     # relaxed twice to a residual of 1e-6
     assert row["own_energy_ratio"] == pytest.approx(own.energy / rings.energy, rel=1e-5)
     assert not row["unjammed"]
     kP, skin = beads.kL / rings.rings.number, rings.rings.effective_radius - rings.rings.radius
-    assert comparisons["soft ring"].state.model == Ring(beads.kA, kP=kP, skin=skin)
+    assert comparisons["soft ring"].state.model == Ring(
+        beads.kA, kP=kP, skin=skin, contact="radical"
+    )
     balanced = Ring(beads.kA, kP=kP, skin=skin, contact="balanced")
     assert comparisons["balanced"].state.model == balanced
     # a circle of the radius at rest
@@ -171,8 +173,8 @@ def test_laws_have_the_stiffness_of_each_species():
     laws = packings.laws(MIXED, rings, rigid=[False, True])
     kA, skin = (1.0, 10.0), (rings.effective_radius - rings.radius).tolist()
     assert list(laws) == ["ring", "soft ring", "balanced", "balanced, inf"]  # sector has one kA
-    assert laws["ring"] == Ring(kA)
-    assert laws["soft ring"] == Ring(kA, kP=[0.2, 50.0], skin=skin)
+    assert laws["ring"] == Ring(kA, contact="radical")
+    assert laws["soft ring"] == Ring(kA, kP=[0.2, 50.0], skin=skin, contact="radical")
     assert laws["balanced"] == Ring(kA, kP=[0.2, 50.0], skin=skin, contact="balanced")
     assert laws["balanced, inf"] == Ring(kA, kP=[0.2, math.inf], skin=skin, contact="balanced")
     alike = Beads(number=[20, 30], kL=[4.0, 1500.0], kA=[2.0, 2.0])
