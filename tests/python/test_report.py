@@ -71,7 +71,7 @@ def test_page(folder):
     page = (folder / "index.html").read_text()
     pictures = re.findall(r'<img src="([^"]+)"', page)
     assert sorted(pictures) == sorted(path.name for path in folder.glob("*.png"))
-    assert page.count("<h2>") == 8
+    assert page.count("<h2>") == 10
     assert "<td>1, 10</td><td>0.1, 49</td><td>1</td><td>balanced, inf</td><td>0.1, inf</td>" in page
     assert "nan" not in re.sub(r"<[^>]+>", " ", page).split()
 
