@@ -16,6 +16,8 @@ from mpi4py import MPI
 from test_cli import run
 from test_simulation import brute_force_contacts, shapes
 
+RADICAL = deformable.Ring(kA=2.0, contact="radical")
+
 
 @pytest.fixture(scope="module")
 def start() -> deformable.Packing:
@@ -29,7 +31,7 @@ def jammed(start: deformable.Packing) -> deformable.Packing:
 
 @pytest.fixture(scope="module")
 def state(jammed: deformable.Packing) -> deformable.State:
-    with deformable.Simulation(jammed, deformable.Ring(kA=2.0, contact="radical")) as sim:
+    with deformable.Simulation(jammed, RADICAL) as sim:
         (last,) = deformable.compress(sim, strain=0.01, steps=1)
     return last
 
@@ -81,7 +83,7 @@ def test_two_sizes_are_two_species() -> None:
     two = deformable.jam(deformable.bidisperse(24, seed=2))
     two = two.at(1.02 * two.phi)
     many = replace(two, sizes=two.radius)
-    for model in (deformable.Ring(kP=5.0, skin=0.02), deformable.Sector()):
+    for model in (RADICAL, deformable.Ring(kP=5.0, skin=0.02), deformable.Sector()):
         states = []
         for packing in (two, many):
             with deformable.Simulation(packing, model) as sim:
@@ -121,7 +123,7 @@ def test_outlines_have_the_areas(state: deformable.State) -> None:
 def test_particles_may_grow_up_to_their_species(state: deformable.State) -> None:
     """Other commands of LAMMPS change radii; states tell them."""
     room = replace(state.packing, radii=2.0 * state.packing.radii)
-    with deformable.Simulation(room, state.model) as sim:
+    with deformable.Simulation(room, RADICAL) as sim:
         assert sim.state().energy == pytest.approx(state.energy, rel=1e-9)
         sim.lmp.command("set atom 3 diameter 0.4")
         assert sim.state().packing.radius[2] == 0.2
@@ -146,7 +148,7 @@ def test_pressure_is_the_derivative_of_the_energy(jammed: deformable.Packing) ->
 # ---- files ----
 
 
-@pytest.mark.parametrize("model", [deformable.Ring(kA=2.0), deformable.Sector()])
+@pytest.mark.parametrize("model", [RADICAL, deformable.Ring(), deformable.Sector()])
 def test_saved_state_goes_on_as_it_was(
     state: deformable.State, model: deformable.Ring | deformable.Sector, tmp_path: Path
 ) -> None:
@@ -170,7 +172,7 @@ def test_data_file_is_for_lammps(state: deformable.State, tmp_path: Path) -> Non
     run_lammps(
         lmp,
         f"atom_style sphere\nread_data {tmp_path / 'packing.data'}\n"
-        f"pair_style deformable/ring reach 0.3 radius atom\n"
+        f"pair_style deformable/ring {state.model.arguments} radius atom\n"
         f"pair_coeff * * {tmp_path / 'species'} s1\n"
         "thermo_modify norm no\nrun 0",
     )
