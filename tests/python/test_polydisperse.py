@@ -13,6 +13,7 @@ from deformable.engine import gather, silent_lammps
 from deformable.engine import run as run_lammps
 from deformable.jamming import open_disks
 from mpi4py import MPI
+from scipy import stats
 from test_cli import run
 from test_simulation import brute_force_contacts, shapes
 
@@ -113,6 +114,16 @@ def test_relaxed_state_is_that_of_the_kernel(state: deformable.State) -> None:
     np.testing.assert_allclose(foot, table["position"], rtol=0, atol=1e-13)
 
 
+def test_loose_particles_relax_to_nothing(jammed: deformable.Packing) -> None:
+    """Each is as round as its own radius says."""
+    loose = jammed.at(jammed.phi - 0.03)
+    with warnings.catch_warnings(), deformable.Simulation(loose, RADICAL) as sim:
+        warnings.simplefilter("error")
+        state = sim.relax()
+    assert (state.residual, state.stalled) == (0.0, False)
+    assert state.rattlers.all()
+
+
 def test_outlines_have_the_areas(state: deformable.State) -> None:
     for outline, area in zip(state.outlines, state.area, strict=True):
         x, y = outline.T
@@ -143,6 +154,20 @@ def test_pressure_is_the_derivative_of_the_energy(jammed: deformable.Packing) ->
         pressure = sim.state().pressure
     area = np.prod(squeezed.box.diagonal())
     assert pressure == pytest.approx(-(energy[1] - energy[0]) / (4e-6 * area), rel=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("contact", ["radical", "balanced"])
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("width", [0.1, 0.3, 0.5])
+def test_wide_distributions_reach_the_tolerance(width: float, seed: int, contact: str) -> None:
+    """Radii up to 12 times as large as others."""
+    start = deformable.polydisperse(64, stats.lognorm(width, scale=0.5), seed=seed)
+    with deformable.Simulation(deformable.jam(start), deformable.Ring(contact=contact)) as sim:
+        for state in deformable.compress(sim, strain=0.02, steps=2):
+            assert not state.stalled
+            assert state.residual <= 1e-6
+            assert state.energy > 0.0
 
 
 # ---- files ----
