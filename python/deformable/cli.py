@@ -232,8 +232,8 @@ def report(
 ) -> None:
     """Measure error against run time, and reproduce the paper: an HTML page, pictures, JSON.
 
-    Writes index.html, its pictures and report.json into the output folder. Takes about a quarter
-    of an hour on two cores, with --quick two minutes.
+    Writes index.html, its pictures and report.json into the output folder. Takes about half an
+    hour on two cores, with --quick three minutes.
     """
     _refuse_ranks("report uses the cores by itself")
     from .report import write_report
