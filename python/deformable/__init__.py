@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .comparison import compare as compare
     from .comparison import predict as predict
     from .compression import compress as compress
+    from .dynamics import move as move
     from .errors import BeyondModelWarning as BeyondModelWarning
     from .errors import FileError as FileError
     from .errors import LammpsError as LammpsError
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from .files import load as load
     from .files import record as record
     from .jamming import jam as jam
+    from .jamming import push_off as push_off
     from .models import Ring as Ring
     from .models import Sector as Sector
     from .packing import Packing as Packing
@@ -65,8 +67,10 @@ _HOMES = {
     "compress": "compression",
     "jam": "jamming",
     "load": "files",
+    "move": "dynamics",
     "polydisperse": "packing",
     "predict": "comparison",
+    "push_off": "jamming",
     "record": "files",
     "resolve_secondary": "secondary",
     "squeeze": "single",

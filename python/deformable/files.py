@@ -126,6 +126,8 @@ def numbers(state: State) -> dict[str, Any]:
         "pressure": state.pressure,
         "shear_stress": float(state.stress[0, 1]),
         "energy": state.energy,
+        "temperature": state.temperature,
+        "time": state.time,
         "coordination": state.coordination,
         "rattlers": int(np.sum(state.rattlers)),
         "beyond": state.beyond,
@@ -201,6 +203,8 @@ def _dump_frame(number: int, state: State) -> str:
         "contacts": state.contacts,
         "arc_radius": state.arc_radius,
         "rattler": state.rattlers.astype(int),
+        "vx": state.velocities[:, 0],
+        "vy": state.velocities[:, 1],
     }
     lines = ["ITEM: TIMESTEP", str(number), "ITEM: NUMBER OF ATOMS", str(len(packing)), *box]
     lines.append("ITEM: ATOMS id type x y z " + " ".join(columns))

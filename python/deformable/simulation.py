@@ -42,7 +42,7 @@ min_modify dmax {dmax!r} norm max
 
 # Energies are quartic in the indentation a: S ~ K a^2/2, p = kA S, L = K a, so that a contact has
 # the stiffness d(p L)/da = 3 K p whatever the law, with K about 15.
-_STIFFNESS_PER_PRESSURE = 50.0
+STIFFNESS_PER_PRESSURE = 50.0
 
 # FIRE starts from this part of 1/sqrt(p), p the pressure of the hardest particle (mass 1), and may
 # stretch it tenfold. Measured, N = 40 and 128: 0.03 is the fastest, 0.04 three times slower.
@@ -98,7 +98,7 @@ class Simulation(Engine):
             run(self.lmp, f'pair_coeff * * "{file}" {names}')
         smallest = float(packing.radius.min())
         lone = model.lone_stiffness(smallest)
-        self._lone_pressure, self._lone_force = lone / _STIFFNESS_PER_PRESSURE, lone * smallest
+        self._lone_pressure, self._lone_force = lone / STIFFNESS_PER_PRESSURE, lone * smallest
         run(self.lmp, _SETUP.format(skin=0.1 * smallest, dmax=0.005 * smallest, style=model.style))
 
     def deform(self, box: NDArray[np.float64]) -> None:
@@ -147,6 +147,7 @@ class Simulation(Engine):
             patience -= _ITERATIONS
             if residual < 0.5 * best:
                 best, patience = residual, _PATIENCE
+        run(self.lmp, "velocity all set 0 0 0")  # FIRE's
         state = self._snapshot(residual, stalled=residual > tolerance)
         self._judge(state, tolerance)
         return state
@@ -200,6 +201,7 @@ class Simulation(Engine):
             residual=residual,
             stalled=stalled,
             beyond=round(self.lmp.numpy.extract_compute("model", 0, 1)[0]),
+            velocities=gather(self.lmp, "v", 3)[:, :2],
             contact_table=contact_table(self._seen, packing, self.comm),
             root=self.comm.rank == 0,
         )

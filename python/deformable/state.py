@@ -33,15 +33,17 @@ class State:
         particle_pressure: inside each particle, shape (N,) [energy/length^2].
         arc_radius: smallest radius of curvature of the free outline, shape (N,) [length].
         energy: of all particles [energy].
-        stress: pressure tensor of the packing, compression positive, shape (2, 2)
-            [energy/length^2].
+        stress: pressure tensor of the contacts, compression positive, shape (2, 2)
+            [energy/length^2]; motion adds N T / box area to its diagonal.
         residual: largest force on a particle over the mean contact force; 0 without contacts.
         stalled: the relaxation stopped before its tolerance.
         beyond: number of particles that the model does not describe (negative radius of curvature).
+        velocities: of the centres, zero after a relaxation, shape (N, 2) [length/time].
         contact_table: contacts with a length or a force, as either side sees them, sorted by
             (i, j, image): structured array with the fields i, j (-1 for a wall), image (2,), angle,
             distance, indentation, length, force, position (2,), see `contact_table.COLUMNS`.
         root: this process writes the files (rank 0 of the run).
+        time: since `move` began, 0 without motion [time].
     """
 
     packing: Packing
@@ -56,8 +58,10 @@ class State:
     residual: float
     stalled: bool
     beyond: int
+    velocities: NDArray[np.float64]
     contact_table: ContactTable
     root: bool
+    time: float = 0.0
 
     def __post_init__(self) -> None:
         for array in (value for value in vars(self).values() if isinstance(value, np.ndarray)):
@@ -79,6 +83,20 @@ class State:
     def area_deficit(self) -> NDArray[np.float64]:
         """S = A0 - A of each particle, shape (N,) [length^2]."""
         return np.pi * (self.packing.radius - self._skin) ** 2 - self.area
+
+    @property
+    def kinetic_energy(self) -> float:
+        """Sum of v^2/2, as masses are 1 [energy]."""
+        return float(np.sum(self.velocities**2) / 2.0)
+
+    @property
+    def temperature(self) -> float:
+        """Energy of the motion about the common one, per degree of freedom, doubled [energy].
+
+        sum (v - mean v)^2 / (2 N - 2), as two dimensions have 2 N - 2 such degrees of freedom.
+        """
+        apart = self.velocities - self.velocities.mean(axis=0)
+        return float(np.sum(apart**2) / (2.0 * max(len(apart) - 1, 1)))
 
     @property
     def _skin(self) -> NDArray[np.float64]:

@@ -1,0 +1,164 @@
+"""Motion in time: at constant energy, in a heat bath, or damped."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from .engine import run
+from .errors import LammpsError, ParameterError
+from .models import Sector
+from .packing import positive
+from .progress import progress
+from .simulation import STIFFNESS_PER_PRESSURE, Simulation
+from .state import State
+
+# Verlet is stable up to dt = 2/omega. Contacts of stiffness k give at most omega^2 = 6 k, all
+# neighbours of a triangular lattice moving against the particle (mass 1).
+_STABLE = 2.0 / np.sqrt(6.0 * STIFFNESS_PER_PRESSURE)
+
+# The default is this part of the longest stable step: omega dt = 0.4 at most, kinetic energies are
+# right to (omega dt)^2/8.
+_ACCURATE = 0.2
+
+# Energy that collisions may gather in one particle, over the temperature: a probability of e^-10.
+_HOT = 10.0
+
+# Particles at rest that press less than this part of their stiffness do not move: any step will do.
+_AT_REST = 1e-12
+
+# The integrator of the heat bath: Gronbech-Jensen and Farago's keeps positions and half-step
+# velocities of an oscillator at their temperature for any time step, and does not draw its forces
+# anew where a run begins, as fix langevin does. It does not know that there are two dimensions.
+_BATH = "fix move all gjf {temperature!r} {temperature!r} {time!r} {seed}"
+
+
+def move(
+    sim: Simulation,
+    steps: int,
+    timestep: float | None = None,
+    temperature: float | None = None,
+    friction: float = 0.0,
+    every: int = 100,
+    seed: int = 1,
+) -> Iterator[State]:
+    """Let particles of mass 1 move by their forces F.
+
+        dv/dt = F - friction v + sqrt(2 friction temperature) noise
+
+    Without friction the energy is conserved (velocity Verlet); with friction alone the motion is
+    damped; with both the particles are in a heat bath (Langevin).
+
+    Args:
+        sim: of the law `Ring`; it ends in the last state.
+        steps: number of time steps.
+        timestep: their length [time]; if not given, a fifth of the longest stable one, by the
+            pressure in the particles and by the temperature.
+        temperature: velocities are drawn at it to begin with, with no momentum in all, and with
+            friction it is that of the heat bath [energy]. If not given, the velocities stay what
+            they are: zero after `relax`, and those of the last state after another `move`.
+        friction: rate at which velocities decay [1/time].
+        every: steps from state to state; divides `steps`.
+        seed: of velocities and noise.
+
+    Yields:
+        The state after each `every` steps, with its `time` and `velocities`.
+
+    Raises:
+        ParameterError: a value is out of range, the time step is too long for the contacts, or the
+            law is `Sector`, whose energy jumps.
+        LammpsError: particles that overlap too much, to begin with (`push_off` helps) or later.
+
+    Source: heat bath: Gronbech-Jensen and Farago, Mol. Phys. 111, 983 (2013), and Jensen and
+    Gronbech-Jensen, Mol. Phys. 117, 2511 (2019); velocity Verlet: Swope et al., J. Chem. Phys. 76,
+    637 (1982).
+    """
+    if timestep is not None:
+        positive("timestep", timestep)
+    for name, value in (("temperature", temperature), ("friction", friction)):
+        if value:
+            positive(name, value)
+    if temperature and sim.lmp.get_natoms() < 2:
+        raise ParameterError("one particle alone has no temperature: take two at least")
+    if every < 1 or steps < 1 or steps % every:
+        raise ParameterError(
+            f"steps must be a multiple of every, both at least 1, not {steps} and {every}"
+        )
+    if not 0 < seed < 2**31:
+        raise ParameterError(f"seed must lie between 1 and 2^31 - 1, not {seed}")
+    if isinstance(sim.model, Sector):
+        raise ParameterError(
+            "the energy of Sector jumps where contacts appear, so its motion neither keeps nor "
+            "loses energy as it should: take Ring"
+        )
+    return _move(sim, steps, timestep, temperature, friction, every, seed)
+
+
+def _move(
+    sim: Simulation,
+    steps: int,
+    timestep: float | None,
+    temperature: float | None,
+    friction: float,
+    every: int,
+    seed: int,
+) -> Iterator[State]:
+    if temperature is not None:
+        run(sim.lmp, f"velocity all create {float(temperature)!r} {seed} loop all mom yes")
+    try:
+        state = sim.state()
+    except LammpsError as error:
+        raise LammpsError(f"{error}; deformable.push_off takes overlaps away") from None
+    longest = _longest_step(state)
+    dt = _ACCURATE * longest if timestep is None else float(timestep)
+    bath = _BATH.format(temperature=temperature or 0.0, time=1.0 / (friction or 1.0), seed=seed)
+    run(
+        sim.lmp,
+        f"timestep {dt!r}\n{bath if friction else 'fix move all nve'}\nfix plane all enforce2d",
+    )
+    try:
+        with progress("moving", unit="state", total=steps // every) as bar:
+            for n in range(every, steps + 1, every):
+                _check(state, dt)
+                state = replace(_advance(sim, every, bool(temperature)), time=n * dt)
+                bar.set_postfix(temperature=f"{state.temperature:.3g}")
+                bar.update()
+                yield state
+    finally:
+        run(sim.lmp, "unfix move\nunfix plane")
+
+
+def _advance(sim: Simulation, steps: int, hot: bool) -> State:
+    try:
+        run(sim.lmp, f"run {steps} post no\nset group all z 0.0")
+        return sim.state()
+    except LammpsError as error:
+        raise LammpsError(f"{error}; or lower the temperature" if hot else str(error)) from None
+
+
+def _check(state: State, timestep: float) -> None:
+    """Refuse a time step at which contacts are unstable."""
+    longest = _longest_step(state)
+    if timestep > longest:
+        hardest = int(state.particle_pressure.argmax())
+        raise ParameterError(
+            f"timestep = {timestep:g} is too long for particle {hardest}, whose pressure is "
+            f"{state.particle_pressure[hardest]:.3g}, at temperature {state.temperature:.3g}: take "
+            f"at most {longest:.2g}, or leave it out"
+        )
+
+
+def _longest_step(state: State) -> float:
+    """The longest stable time step [time].
+
+    Contacts are as stiff as the pressure p of their particles, which is that of the hardest one or
+    what a hot one can reach: U >= p^2 / (2 kA), and U >= (p R)^2 / (2 kP).
+    """
+    model, radii = state.model, state.packing.radii
+    rings = radii - model.skins(len(radii))
+    stiffness = np.max(np.minimum(model.kA, model.kP / rings**2))
+    hot = np.sqrt(2.0 * stiffness * _HOT * state.temperature)
+    at_rest = _AT_REST * stiffness * float(radii.min()) ** 2
+    return float(_STABLE / np.sqrt(max(float(state.particle_pressure.max()), hot, at_rest)))

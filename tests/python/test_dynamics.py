@@ -1,0 +1,189 @@
+"""Motion in time: temperature, energy, what a time step may be, and starts from anywhere."""
+
+import deformable
+import numpy as np
+import pytest
+from deformable.dynamics import move
+
+SOFT = deformable.Ring(kP=0.3)
+
+
+@pytest.fixture(scope="module")
+def dense() -> deformable.Packing:
+    """From random places far above jamming."""
+    return deformable.push_off(deformable.bidisperse(32, phi=0.95, seed=3))
+
+
+@pytest.fixture(scope="module")
+def loose() -> deformable.Packing:
+    return deformable.push_off(deformable.bidisperse(64, phi=0.6, seed=3))
+
+
+def scatter(particles: float, friction: float, time: float) -> float:
+    """Standard error of a mean kinetic temperature over its value.
+
+    With f = 2 (N - 1) degrees of freedom the kinetic energy varies by (2/f)^(1/2) and forgets at
+    the rate 2 friction: (2/f)/(friction time) is the square of the error of its mean.
+    """
+    return (1.0 / ((particles - 1) * friction * time)) ** 0.5
+
+
+def test_random_places_are_a_start_after_push_off(dense: deformable.Packing) -> None:
+    assert dense.phi == pytest.approx(0.95)
+    with deformable.Simulation(dense, deformable.Ring()) as sim:
+        assert sim.relax().coordination > 4.0
+    random = deformable.bidisperse(32, phi=0.95, seed=3)
+    with (
+        deformable.Simulation(random, deformable.Ring()) as sim,
+        pytest.raises(deformable.LammpsError, match=r"of atoms \d+ and \d+ .*push_off"),
+    ):
+        next(move(sim, 100))
+
+
+@pytest.mark.parametrize("model", [deformable.Ring(contact="radical"), SOFT])
+def test_temperature_of_a_heat_bath(loose: deformable.Packing, model: deformable.Ring) -> None:
+    """Kinetic, of all particles, of either size and along either axis: to 1 % at four sigma."""
+    temperature, friction, steps = 1e-5, 1.0, 14_000
+    with deformable.Simulation(loose, model) as sim:
+        states = list(move(sim, steps, None, temperature, friction, every=20))
+    error = scatter(len(loose), friction, states[-1].time)
+    assert 4.0 * error < 0.01
+    found = np.mean([state.temperature for state in states])
+    assert found == pytest.approx(temperature, rel=4.0 * error)
+    energy = np.mean([state.velocities**2 for state in states], axis=0)
+    for part in (
+        energy[:, 0],
+        energy[:, 1],
+        energy[loose.species == 0],
+        energy[loose.species == 1],
+    ):
+        assert part.mean() == pytest.approx(temperature, rel=4.0 * np.sqrt(2.0) * error)
+    assert max(state.contacts.max() for state in states) > 1  # they met
+
+
+def test_heat_bath_knows_no_ends_of_runs() -> None:
+    """Forces drawn anew at each state would halve the temperature, as fix langevin does."""
+    gas = deformable.push_off(deformable.bidisperse(64, phi=0.05, seed=3))
+    with deformable.Simulation(gas, deformable.Ring()) as sim:
+        states = list(move(sim, 400, 0.5, 1e-6, friction=1.0, every=1))
+    error = scatter(len(gas), 1.0, states[-1].time)
+    found = np.mean([state.temperature for state in states])
+    assert found == pytest.approx(1e-6, rel=4.0 * error)
+
+
+def test_potential_energy_has_its_share(dense: deformable.Packing) -> None:
+    """(N - 1) T in all, where the packing is a solid without rattlers and T is small."""
+    temperature, friction = 1e-9, 0.1
+    with deformable.Simulation(dense, deformable.Ring(contact="radical")) as sim:
+        lowest = sim.relax(1e-8)
+        assert not lowest.rattlers.any()
+        *_, _ = move(sim, 1000, None, temperature, friction, every=1000)
+        states = list(move(sim, 10_000, None, temperature, friction, every=20, seed=2))
+    share = np.mean([state.energy - lowest.energy for state in states])
+    # the energy of an oscillator forgets at the rate `friction`, half that of a free velocity
+    error = np.sqrt(2.0) * scatter(len(dense), friction, states[-1].time)
+    assert share == pytest.approx((len(dense) - 1) * temperature, rel=4.0 * error)
+
+
+@pytest.mark.parametrize("phi", [0.6, 0.9])
+def test_energy_error_falls_with_the_square_of_the_time_step(phi: float) -> None:
+    packing = deformable.push_off(deformable.bidisperse(16, phi=phi, seed=1))
+    errors, steps = [], np.array([0.8, 0.4, 0.2])
+    for step in steps:
+        with deformable.Simulation(packing, deformable.Ring()) as sim:
+            sim.relax()
+            states = list(move(sim, round(160 / step), float(step), 1e-6, every=round(4 / step)))
+        total = [state.energy + state.kinetic_energy for state in states]
+        errors.append(np.std(total))
+        momentum = states[-1].velocities.sum(axis=0)
+        assert np.abs(momentum).max() < 1e-13
+    # three points of a chaotic trajectory scatter about 2
+    assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(2.0, abs=0.4)
+    assert errors[-1] < 1e-3 * states[-1].kinetic_energy
+
+
+def test_damped_motion_comes_to_rest(dense: deformable.Packing) -> None:
+    with deformable.Simulation(dense, deformable.Ring()) as sim:
+        states = list(move(sim, 4000, friction=0.05, every=200))
+    total = np.array([state.energy + state.kinetic_energy for state in states])
+    assert (np.diff(total) < 1e-9 * total[0]).all()
+    assert states[-1].kinetic_energy < 1e-3 * max(state.kinetic_energy for state in states)
+    assert states[-1].residual < 0.1 * states[0].residual
+
+
+def test_motion_goes_on_where_it_was(loose: deformable.Packing) -> None:
+    with deformable.Simulation(loose, SOFT) as sim:
+        (whole,) = move(sim, 200, 0.2, 1e-5, every=200)
+    with deformable.Simulation(loose, SOFT) as sim:
+        (half,) = move(sim, 100, 0.2, 1e-5)
+        (other,) = move(sim, 100, 0.2)
+        assert not sim.relax().velocities.any()
+    assert other.time == half.time == pytest.approx(20.0)
+    apart = other.packing.positions - whole.packing.positions
+    assert np.abs(apart).max() < 1e-9
+    assert np.abs(other.velocities - whole.velocities).max() < 1e-9 * np.abs(whole.velocities).max()
+
+
+def test_an_early_end_leaves_no_integrator(loose: deformable.Packing) -> None:
+    with deformable.Simulation(loose, SOFT) as sim:
+        motion = move(sim, 1000, temperature=1e-5)
+        next(motion)
+        motion.close()
+        assert not sim.lmp.available_ids("fix")
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"timestep": 50.0}, r"timestep = 50 is too long for particle \d+, .* take at most 0\.\d+"),
+        ({"timestep": -1.0}, "timestep .* -1"),
+        ({"temperature": -1.0}, "temperature .* -1"),
+        ({"temperature": "warm"}, "temperature .* warm"),
+        ({"friction": float("inf")}, "friction .* inf"),
+        ({"every": 30}, "multiple of every, .* not 100 and 30"),
+        ({"seed": 0}, "seed .* not 0"),
+    ],
+)
+def test_refusals(loose: deformable.Packing, values: dict[str, float], message: str) -> None:
+    with (
+        deformable.Simulation(loose, SOFT) as sim,
+        pytest.raises(deformable.ParameterError, match=message),
+    ):
+        next(move(sim, **{"steps": 100, "temperature": 1e-5} | values))
+
+
+def test_steps_that_become_too_long_are_refused(loose: deformable.Packing) -> None:
+    def squeeze(sim: deformable.Simulation) -> None:
+        for state in move(sim, 1000, 2.5, temperature=1e-7, friction=0.1, every=10):
+            assert state.phi < 0.95
+            sim.deform(0.995 * sim.box)
+
+    with (
+        deformable.Simulation(loose, SOFT) as sim,
+        pytest.raises(deformable.ParameterError, match=r"timestep = 2\.5 is too long for particle"),
+    ):
+        squeeze(sim)
+
+
+def test_too_hot_is_said(loose: deformable.Packing) -> None:
+    with (
+        deformable.Simulation(loose, SOFT) as sim,
+        pytest.raises(deformable.LammpsError, match=r"atom.* or lower the temperature$"),
+    ):
+        list(move(sim, 5000, temperature=1.0))
+
+
+def test_one_particle_has_no_temperature() -> None:
+    alone = deformable.Packing([[1.0, 1.0]], [0], [0.5], 4.0 * np.eye(2))
+    with deformable.Simulation(alone, SOFT) as sim:
+        with pytest.raises(deformable.ParameterError, match="alone"):
+            next(move(sim, 100, temperature=1e-5))
+        assert next(move(sim, 100)).temperature == 0.0
+
+
+def test_sector_is_refused(loose: deformable.Packing) -> None:
+    with (
+        deformable.Simulation(loose, deformable.Sector()) as sim,
+        pytest.raises(deformable.ParameterError, match="energy of Sector jumps"),
+    ):
+        move(sim, 100, friction=0.1)
