@@ -36,9 +36,11 @@ if TYPE_CHECKING:
     from .jamming import push_off as push_off
     from .models import Ring as Ring
     from .models import Sector as Sector
+    from .movies import movie as movie
     from .packing import Packing as Packing
     from .packing import bidisperse as bidisperse
     from .packing import polydisperse as polydisperse
+    from .replays import replay as replay
     from .secondary import resolve_secondary as resolve_secondary
     from .simulation import Simulation as Simulation
     from .single import squeeze as squeeze
@@ -68,10 +70,12 @@ _HOMES = {
     "jam": "jamming",
     "load": "files",
     "move": "dynamics",
+    "movie": "movies",
     "polydisperse": "packing",
     "predict": "comparison",
     "push_off": "jamming",
     "record": "files",
+    "replay": "replays",
     "resolve_secondary": "secondary",
     "squeeze": "single",
 }

@@ -85,6 +85,11 @@ class State:
         return np.pi * (self.packing.radius - self._skin) ** 2 - self.area
 
     @property
+    def shape_parameter(self) -> NDArray[np.float64]:
+        """P^2 / (4 pi A) of each particle, 1 for a circle, shape (N,)."""
+        return self.perimeter**2 / (4.0 * np.pi * self.area)
+
+    @property
     def kinetic_energy(self) -> float:
         """Sum of v^2/2, as masses are 1 [energy]."""
         return float(np.sum(self.velocities**2) / 2.0)
@@ -155,6 +160,7 @@ class State:
         ax: Axes | None = None,
         color_by: str = "particle_pressure",
         contacts: bool = False,
+        forces: bool = False,
     ) -> Axes:
         """Draw the outlines, coloured by a value of each particle; returns the axes.
 
@@ -162,6 +168,8 @@ class State:
             ax: axes to draw into; a new figure without.
             color_by: name of an attribute with one number a particle, e.g. `area_deficit`.
             contacts: draw the contacts, the straight parts of either outline, on top.
+            forces: draw the force chains on top, lines from centre to centre as wide as the force
+                on them is large.
 
         Raises:
             ParameterError: `color_by` is no such attribute.
@@ -169,7 +177,7 @@ class State:
         """
         from .plots import draw
 
-        return draw(self, ax, color_by, contacts)
+        return draw(self, ax, color_by, contacts, forces)
 
     def save(self, folder: str | Path, parameters: Mapping[str, Any] | None = None) -> None:
         """Write `packing.data` (LAMMPS) and `summary.json`, from which `deformable.load` continues.
