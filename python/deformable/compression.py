@@ -8,6 +8,7 @@ from typing import Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from .checks import finite, whole
 from .errors import ParameterError
 from .progress import progress
 
@@ -54,14 +55,14 @@ def compress(
         ParameterError: a value is out of range.
     """
     check_protocol(strain, steps)
-    return _compress(sim, strain, steps, tolerance)
+    return _compress(sim, strain, int(steps), tolerance)
 
 
 def check_protocol(strain: float, steps: int) -> None:
     """Refuse what `compress` cannot do."""
-    if not -1.0 < strain < 1.0:
+    if not -1.0 < finite("strain", strain) < 1.0:
         raise ParameterError(f"strain must lie between -1 and 1, not {strain}")
-    if steps < 1:
+    if whole("steps", steps) < 1:
         raise ParameterError(f"steps must be at least 1, not {steps}")
 
 

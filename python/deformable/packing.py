@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .checks import finite, number_or_nan, numbers, shown, whole
 from .errors import ParameterError
 
 
@@ -40,9 +41,7 @@ class Packing:
         for name in ("positions", "species", "radii", "sizes"):
             if getattr(self, name) is None:
                 continue
-            array: NDArray[np.generic] = np.array(getattr(self, name), dtype=np.float64)
-            if not np.isfinite(array).all():
-                raise ParameterError(f"{name} must be finite numbers")
+            array: NDArray[np.generic] = numbers(name, getattr(self, name))
             if name == "species":
                 if not np.array_equal(array, np.rint(array)):
                     raise ParameterError("species must be whole numbers")
@@ -50,7 +49,7 @@ class Packing:
             array.setflags(write=False)
             object.__setattr__(self, name, array)
         object.__setattr__(self, "box", lattice_vectors(self.box))
-        n = len(self.species)
+        n = self.species.size
         if n == 0 or self.positions.shape != (n, 2) or self.species.shape != (n,):
             raise ParameterError(
                 f"positions must have shape (N, 2) and species (N,) with N > 0, "
@@ -100,15 +99,10 @@ class Packing:
 
 def lattice_vectors(box: ArrayLike) -> NDArray[np.float64]:
     """The box, if it is ((lx, 0), (xy, ly)) with finite numbers and lx, ly above zero."""
-    vectors = np.array(box, dtype=np.float64)
-    if (
-        vectors.shape != (2, 2)
-        or not np.isfinite(vectors).all()
-        or vectors[0, 1] != 0.0
-        or not (vectors.diagonal() > 0.0).all()
-    ):
+    vectors = numbers("box", box)
+    if vectors.shape != (2, 2) or vectors[0, 1] != 0.0 or not (vectors.diagonal() > 0.0).all():
         raise ParameterError(
-            f"box must be ((lx, 0), (xy, ly)) with lx, ly > 0, not {vectors.tolist()}"
+            f"box must be ((lx, 0), (xy, ly)) with lx, ly > 0, not {shown(vectors.tolist())}"
         )
     vectors.setflags(write=False)
     return vectors
@@ -116,12 +110,9 @@ def lattice_vectors(box: ArrayLike) -> NDArray[np.float64]:
 
 def positive(name: str, value: float) -> float:
     """The value, if it is a finite number above zero."""
-    try:
-        number = math.nan if isinstance(value, str) else float(value)
-    except (TypeError, ValueError, OverflowError):
-        number = math.nan
+    number = number_or_nan(value)
     if not 0.0 < number < math.inf:
-        raise ParameterError(f"{name} must be a positive number, not {value}")
+        raise ParameterError(f"{name} must be a positive number, not {shown(value)}")
     return number
 
 
@@ -154,16 +145,18 @@ def bidisperse(
     Raises:
         ParameterError: a value is out of range.
     """
+    number, fraction = whole("number", number), finite("fraction", fraction)
     if ratio is not None and radii is not None:
-        raise ParameterError(f"give radii or a ratio, not both: {list(radii)} and {ratio}")
+        raise ParameterError(f"give radii or a ratio, not both: {shown(radii)} and {shown(ratio)}")
     if radii is None:
         radii = (0.5, 0.7) if ratio is None else (0.5, 0.5 * positive("ratio", ratio))
-    if len(radii) != 2:
-        raise ParameterError(f"radii must be two numbers, not {list(radii)}")
+    pair = numbers("radii", radii)
+    if pair.shape != (2,):
+        raise ParameterError(f"radii must be two numbers, not {shown(radii)}")
     if not 0.0 <= fraction <= 1.0:
         raise ParameterError(f"fraction must lie between 0 and 1, not {fraction}")
     places = _random_places(number, _generator(seed))
-    small, large = (positive("radii", radius) for radius in radii)
+    small, large = (positive("radii", radius) for radius in pair)
     species = (np.arange(number) >= number - round(fraction * number)).astype(np.int64)
     box = _box(np.where(species == 1, large, small), phi, aspect, tilt)
     return Packing(places @ box, species, np.array([small, large]), box)
@@ -203,19 +196,19 @@ def polydisperse(
     Raises:
         ParameterError: a value is out of range, e.g. a radius that was drawn is not positive.
     """
-    rng = _generator(seed)
+    number, rng = whole("number", number), _generator(seed)
     places = _random_places(number, rng)
     drawn: Any = radii
     if hasattr(radii, "rvs"):
         drawn = radii.rvs(size=number, random_state=rng)
     elif callable(radii):
         drawn = radii(rng)
-    sizes = _numbers("radii", drawn)
+    sizes = numbers("radii", drawn)
     if sizes.shape != (number,):
         raise ParameterError(
             f"radii must be {number} numbers, shape ({number},), not {sizes.shape}"
         )
-    wrong = sizes[~(np.isfinite(sizes) & (sizes > 0.0))]
+    wrong = sizes[sizes <= 0.0]
     if len(wrong) > 0:
         raise ParameterError(
             f"radii must be positive, but {len(wrong)} of {number} are not, such as {wrong[0]:g}: "
@@ -226,14 +219,8 @@ def polydisperse(
     return Packing(places @ box, species, np.array([sizes.max()]), box, sizes)
 
 
-def _numbers(name: str, values: Any) -> NDArray[np.float64]:
-    try:
-        return np.array(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ParameterError(f"{name} must be numbers, not {values}") from None
-
-
 def _generator(seed: int) -> np.random.Generator:
+    seed = whole("seed", seed)
     if seed < 0:
         raise ParameterError(f"seed must not be negative, not {seed}")
     return np.random.default_rng(seed)
@@ -250,8 +237,7 @@ def _box(
     radius: NDArray[np.float64], phi: float, aspect: float, tilt: float
 ) -> NDArray[np.float64]:
     """Lattice vectors of the box that disks of these radii fill to phi, shape (2, 2) [length]."""
-    if not np.isfinite(tilt):
-        raise ParameterError(f"tilt must be a finite number, not {tilt}")
+    tilt = finite("tilt", tilt)
     area = np.pi * np.sum(radius**2) / positive("phi", phi)
     lx = np.sqrt(area / positive("aspect", aspect))
     ly = aspect * lx

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .checks import numbers
 from .errors import ParameterError
 
 
@@ -29,13 +30,7 @@ class Walls:
     stick: bool = False
 
     def __post_init__(self) -> None:
-        try:
-            angle = np.array(self.angle, dtype=np.float64)
-            height = np.array(self.height, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise ParameterError(
-                f"angles and heights of walls must be numbers, not {self.angle} and {self.height}"
-            ) from None
+        angle, height = (numbers(f"{n} of walls", getattr(self, n)) for n in ("angle", "height"))
         if angle.ndim != 1 or len(angle) < 3 or not _turns_once(angle):
             raise ParameterError(
                 "angles of walls must rise through one turn, by less than half a turn from one to "

@@ -162,6 +162,8 @@ FixDeformableStick::Anchors FixDeformableStick::touch(int i)
       if (old.face == face.iwall) anchor = old;
     hold(i, radius, face, anchor);
   }
+  if (!std::isfinite(energy))
+    refuse(i, "is pushed by a force beyond all numbers: take a smaller k or radius");
   return held;
 }
 

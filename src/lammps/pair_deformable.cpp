@@ -85,7 +85,7 @@ void PairDeformable::coeff(int narg, char **arg)
       if (candidate.name == name) species[type] = candidate;
     if (species[type].name.empty()) {
       std::string names;
-      for (const Species &candidate : known) names += " " + candidate.name;
+      for (const Species &candidate : known) names += " " + shown(candidate.name);
       error->all(FLERR, 2 + type, "Species '{}' is not in the file '{}', which has:{}", name,
                  arg[2], names);
     }

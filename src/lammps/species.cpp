@@ -10,17 +10,19 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 
 using namespace LAMMPS_NS;
 
 namespace {
 
-// `inf` is a number here; what is none becomes a nan.
+// `inf` is a number here; what is none, or too large for one, becomes a nan.
 double number_of(const std::string &word)
 {
-  char *end = nullptr;
-  const double value = std::strtod(word.c_str(), &end);
-  return *end == '\0' ? value : std::nan("");
+  using Limits = std::numeric_limits<double>;
+  if (word == "inf" || word == "+inf") return Limits::infinity();
+  const double value = utils::is_double(word) ? std::strtod(word.c_str(), nullptr) : HUGE_VAL;
+  return std::isfinite(value) ? value : Limits::quiet_NaN();
 }
 
 std::string read_text(LAMMPS *lmp, const std::string &file)
@@ -31,8 +33,9 @@ std::string read_text(LAMMPS *lmp, const std::string &file)
     if (FILE *fp = utils::open_potential(file, lmp, nullptr)) {
       char buffer[4096];
       while (const std::size_t n = std::fread(buffer, 1, sizeof buffer, fp)) text.append(buffer, n);
+      // a folder opens, but cannot be read
+      if (!std::ferror(fp)) size = static_cast<int>(text.size());
       std::fclose(fp);
-      size = static_cast<int>(text.size());
     }
   }
   MPI_Bcast(&size, 1, MPI_INT, 0, lmp->world);
@@ -45,14 +48,29 @@ std::string read_text(LAMMPS *lmp, const std::string &file)
 
 }    // namespace
 
+std::string LAMMPS_NS::shown(const std::string &text)
+{
+  constexpr std::size_t LONGEST = 80;
+  std::string plain = text.size() > LONGEST ? text.substr(0, LONGEST) + "..." : text;
+  for (char &c : plain)
+    if (c < ' ' || c > '~') c = '?';
+  return plain;
+}
+
 std::vector<Species> LAMMPS_NS::read_species(LAMMPS *lmp, const std::string &file)
 {
   const std::string text = read_text(lmp, file);
   Error *error = lmp->error;
   std::vector<Species> all;
 
+  if (text.find('\0') != std::string::npos)
+    error->all(FLERR,
+               "Species file '{}' is no plain text, it has bytes that are zero: save it as UTF-8",
+               file);
+  const std::string byte_order_mark = "\xEF\xBB\xBF";    // which some editors begin a text with
+
   int number = 0;
-  for (std::size_t begin = 0; begin < text.size();) {
+  for (std::size_t begin = text.compare(0, 3, byte_order_mark) == 0 ? 3 : 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     std::string line = text.substr(begin, end - begin);
     begin = end + 1;
@@ -65,7 +83,8 @@ std::vector<Species> LAMMPS_NS::read_species(LAMMPS *lmp, const std::string &fil
       error->all(
           FLERR,
           "Species file '{}', line {}: expected 'name radius kA kP [skin]', got {} words: '{}'",
-          file, number, words.size(), utils::trim(line));
+          file, number, words.size(), shown(utils::trim(line)));
+    const std::string name = shown(words[0]);
     const char *const names[] = {"radius", "kA", "kP"};
     double values[3];
     for (int k = 0; k < 3; ++k) {
@@ -74,26 +93,26 @@ std::vector<Species> LAMMPS_NS::read_species(LAMMPS *lmp, const std::string &fil
         error->all(FLERR,
                    "Species file '{}', line {}: {} of species {} is '{}': it must be a positive "
                    "number{}",
-                   file, number, names[k], words[0], words[k + 1], k ? " or inf" : "");
+                   file, number, names[k], name, shown(words[k + 1]), k ? " or inf" : "");
     }
     if (std::isinf(values[0]))
       error->all(FLERR, "Species file '{}', line {}: the radius of species {} must be finite", file,
-                 number, words[0]);
+                 number, name);
     if (std::isinf(values[1]) && std::isinf(values[2]))
       error->all(FLERR,
                  "Species file '{}', line {}: kA and kP of species {} are both inf, which leaves "
                  "a rigid disk: give one of them a finite value",
-                 file, number, words[0]);
+                 file, number, name);
     const double skin = words.size() == 5 ? number_of(words[4]) : 0.0;
     if (!(skin >= 0.0 && skin < values[0]))
       error->all(FLERR,
                  "Species file '{}', line {}: skin of species {} is '{}': it must be zero or a "
                  "positive number below its radius {}",
-                 file, number, words[0], words[4], words[1]);
+                 file, number, name, shown(words[4]), shown(words[1]));
     for (const Species &other : all)
       if (other.name == words[0])
         error->all(FLERR, "Species file '{}', line {}: species {} is defined twice", file, number,
-                   words[0]);
+                   name);
     all.push_back({words[0], values[0], {values[1], values[2]}, skin});
   }
   if (all.empty()) error->all(FLERR, "Species file '{}' defines no species", file);

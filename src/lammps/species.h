@@ -23,6 +23,9 @@ struct Species {
 // file is missing or malformed.
 std::vector<Species> read_species(LAMMPS *lmp, const std::string &file);
 
+// A text as error messages can show it: short, and of nothing but printable characters.
+std::string shown(const std::string &text);
+
 }    // namespace LAMMPS_NS
 
 #endif

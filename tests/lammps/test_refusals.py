@@ -148,6 +148,13 @@ MALFORMED = {
     "skin too thick": ("a 0.5 1.0 inf 0.5", "skin of species a is '0.5'"),
     "both inf": ("a 0.5 inf inf", "kA and kP of species a are both inf"),
     "twice": ("a 0.5 1.0 inf\nb 0.5 1 inf\na 0.6 1.0 inf", "line 4: species a is defined twice"),
+    "radius hexadecimal": ("a 0x1 1.0 inf", "radius of species a is '0x1'"),
+    "kA too large": ("a 0.5 1e400 inf", "kA of species a is '1e400'"),
+    "skin too large": ("a 0.5 1.0 inf 1e400", "skin of species a is '1e400'"),
+    "skin empty": ("a 0.5 1.0 inf ''", "skin of species a is ''"),
+    "not printable": ("a \x01 \xe4", "got 3 words: 'a [?] [?][?]'"),
+    "long": ("a " * 3000, "got 3000 words: '(a ){40}[.]{3}'"),
+    "zero byte": ("a 0.5 1.0 inf\0", "is no plain text.*save it as UTF-8"),
     "nothing": ("", "defines no species"),
 }
 
@@ -162,6 +169,17 @@ def test_malformed_file(text, message, tmp_path):
 def test_comments_and_blank_lines_are_no_species(tmp_path):
     lmp, pair_coeff = with_species(tmp_path, "# a\n\n  # b\n a 0.5 1.0 inf # the only one\n\n")
     lmp.command(pair_coeff)
+
+
+def test_byte_order_mark(tmp_path):
+    lmp, pair_coeff = with_species(tmp_path, "\ufeffa 0.5 1.0 inf")
+    lmp.command(pair_coeff)
+
+
+def test_folder(tmp_path):
+    lmp, pair_coeff = with_species(tmp_path, "")
+    with refuses("Cannot open the species file '.*': Is a directory"):
+        lmp.command(pair_coeff.replace("species.txt", "."))
 
 
 # ---- what each style supports ----

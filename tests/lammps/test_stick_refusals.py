@@ -90,3 +90,10 @@ def test_region_that_is_gone():
     beads.run("region wall delete")
     with refuses("Region 'wall' of fix stick deformable/stick does not exist"):
         beads.energy()
+
+
+def test_force_beyond_all_numbers():
+    with refuses(r"atom 1 at \(0.95, 0\) is pushed by a force beyond all numbers"):
+        Beads(
+            [(0.95, 0.0)], PLANE + "fix stick all deformable/stick wall 1.0 radius 1e200"
+        ).energy()

@@ -73,7 +73,7 @@ def test_packing_cannot_be_changed() -> None:
         ({"radii": (0.5,)}, "radii must be two numbers"),
         ({"ratio": -1.4}, "ratio must be a positive number, not -1.4"),
         ({"radii": (0.5, 0.7), "ratio": 1.4}, "give radii or a ratio, not both"),
-        ({"radii": (0.5, float("nan"))}, "radii must be a positive number, not nan"),
+        ({"radii": (0.5, float("nan"))}, "radii must be finite numbers"),
         ({"fraction": 1.5}, "fraction must lie between 0 and 1, not 1.5"),
         ({"phi": 0.0}, "phi must be a positive number, not 0.0"),
         ({"aspect": float("nan")}, "aspect must be a positive number, not nan"),
