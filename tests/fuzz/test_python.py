@@ -1,0 +1,182 @@
+"""Any arguments of the public functions, and damaged files: one clear line, or a right result."""
+
+import json
+import re
+
+import deformable
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+# Numbers that work, numbers that do not, and what is none. Large counts would only take long.
+FLOATS = st.one_of(st.floats(), st.floats(0.1, 2.0), st.integers(-3, 30))
+ANYTHING = st.one_of(
+    FLOATS,
+    st.sampled_from(
+        [None, True, "", "1", "inf", b"1", 1j, {}, [], (), object(), 10**400, -(10**30), {1: 2}]
+    ),
+    st.lists(st.one_of(FLOATS, st.none(), st.text(max_size=3)), max_size=3),
+    st.sampled_from(
+        [np.array(1.0), np.array([1.0, 2.0]), np.array([[1.0]]), np.array(["a"]), np.array([None])]
+    ),
+    st.lists(st.lists(FLOATS, max_size=3), max_size=3),
+)
+BUILDERS = {
+    "bidisperse": (
+        deformable.bidisperse,
+        {"number": 6, "radii": None, "fraction": 0.5, "phi": 0.3, "aspect": 1.0, "tilt": 0.0}
+        | {"seed": 1, "ratio": None},
+    ),
+    "Ring": (
+        deformable.Ring,
+        {"kA": 1.0, "reach": 0.3, "kP": 1.0, "skin": 0.1, "contact": "radical"},
+    ),
+    "Sector": (deformable.Sector, {"kA": 1.0, "kP": float("inf")}),
+    "Beads": (deformable.Beads, {"number": 50, "radius": 0.05, "kL": 1.0, "kA": 1.0, "kr": 1.0}),
+    "Walls": (deformable.Walls, {"angle": [0.0, 2.0, 4.0], "height": [1.0, 1.0, 1.0]}),
+    "Packing": (
+        deformable.Packing,
+        {"positions": [[0.0, 0.0], [1.0, 0.0]], "species": [0, 1], "radii": [0.5, 0.6]}
+        | {"box": [[4.0, 0.0], [0.1, 4.0]]},
+    ),
+}
+
+
+def refuses_or_works(call):
+    """Calls it; a refusal must be a ParameterError of one line."""
+    try:
+        return call()
+    except deformable.ParameterError as error:
+        line = str(error)
+        assert 10 < len(line) < 1000
+        assert "\n" not in line
+        return None
+
+
+@pytest.fixture(scope="module")
+def packing():
+    return deformable.jam(deformable.bidisperse(8, seed=1)).at(0.86)
+
+
+@pytest.fixture(scope="module")
+def sim(packing):
+    with deformable.Simulation(packing, deformable.Ring(contact="radical")) as sim:
+        yield sim
+
+
+FEW = [60, pytest.param(4000, marks=pytest.mark.slow)]
+
+
+@pytest.mark.parametrize("examples", FEW)
+@pytest.mark.parametrize("name", BUILDERS)
+def test_builders(name, examples):
+    build, right = BUILDERS[name]
+    some = st.dictionaries(st.sampled_from(list(right)), ANYTHING, min_size=1, max_size=2)
+
+    @settings(max_examples=examples, deadline=None)
+    @given(some)
+    def answers(wrong):
+        refuses_or_works(lambda: build(**right | wrong))
+
+    answers()
+
+
+def is_positive(value):
+    number = isinstance(value, (int, float, np.ndarray)) and np.size(value) == 1
+    return number and isinstance(np.asarray(value).item(), (int, float)) and value > 0
+
+
+NOT_POSITIVE = ANYTHING.filter(lambda value: not is_positive(value))
+
+
+@pytest.mark.parametrize("examples", FEW)
+def test_protocols(sim, packing, examples):
+    """What cannot work is refused, and leaves the simulation as it was."""
+    energy = sim.state().energy
+
+    @settings(max_examples=examples, deadline=None)
+    @given(NOT_POSITIVE, ANYTHING)
+    def answers(wrong, other):
+        for call in (
+            packing.at,
+            sim.relax,
+            sim.deform,
+            lambda value: deformable.jam(packing, pressure=value),
+            lambda value: deformable.jam(packing, step=value),
+            lambda value: deformable.compress(sim, 0.1, value),
+        ):
+            with pytest.raises(deformable.ParameterError, match=r"\A[^\n]{10,1000}\Z"):
+                call(wrong)
+        refuses_or_works(lambda: deformable.compress(sim, other, 1))
+
+    answers()
+    assert sim.state().energy == energy
+
+
+# ---- damaged files ----
+
+
+@pytest.fixture(scope="module")
+def saved(packing, tmp_path_factory):
+    """A saved run by file name, a character a byte."""
+    folder = tmp_path_factory.mktemp("saved")
+    with deformable.Simulation(packing, deformable.Ring(contact="radical")) as sim:
+        sim.state().save(folder)
+    return {file.name: file.read_bytes().decode("latin-1") for file in folder.iterdir()}
+
+
+def damages(text):
+    """A text with a part cut out, doubled or replaced."""
+    places = st.integers(0, len(text))
+    parts = st.one_of(
+        st.sampled_from(
+            ["", "\0", "nan", "-1", "1e400", "0", "9999999999", "{", '"', "\n", "\xff"]
+        ),
+        st.text(st.characters(max_codepoint=255), max_size=5),
+        st.tuples(places, places).map(lambda ends: text[min(ends) : max(ends)]),
+    )
+    return st.tuples(places, st.integers(0, 20), parts).map(
+        lambda d: text[: d[0]] + d[2] + text[d[0] + d[1] :]
+    )
+
+
+@pytest.mark.parametrize("examples", [60, pytest.param(3000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["summary.json", "packing.data"])
+def test_damaged_files(host, saved, name, examples):
+    @settings(max_examples=examples, deadline=None)
+    @given(damages(saved[name]))
+    def answers(text):
+        answer = host.answer([], saved | {name: text})
+        if "error" in answer:
+            assert re.match(r"(File|Parameter)Error: [^\n]{10,1000}$", answer["error"])
+        else:
+            assert answer["finite"]
+
+    answers()
+
+
+@pytest.mark.parametrize("examples", [60, pytest.param(3000, marks=pytest.mark.slow)])
+def test_other_values(host, saved, examples):
+    """Whole JSON, with values of another kind."""
+    summary = json.loads(saved["summary.json"])
+    values = st.recursive(
+        st.one_of(st.none(), st.booleans(), st.floats(), st.integers(), st.text(max_size=5)),
+        lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner),
+        max_leaves=5,
+    )
+    places = [("radii",), ("model",), ("state",), *(("model", key) for key in summary["model"])]
+
+    @settings(max_examples=examples, deadline=None)
+    @given(st.sampled_from(places), values)
+    def answers(place, value):
+        whole = json.loads(saved["summary.json"])
+        inner = whole[place[0]] if len(place) == 2 else whole
+        inner[place[-1]] = value
+        answer = host.answer([], saved | {"summary.json": json.dumps(whole)})
+        if "error" in answer:
+            assert re.match(r"(File|Parameter)Error: [^\n]{10,1000}$", answer["error"])
+        else:
+            assert answer["finite"]
+
+    answers()

