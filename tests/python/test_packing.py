@@ -163,12 +163,12 @@ def test_at_keeps_the_sizes() -> None:
         ([0.5, 0.5], r"radii must be 3 numbers, shape \(3,\), not \(2,\)"),
         (0.5, r"radii must be 3 numbers, shape \(3,\), not \(\)"),
         ([0.5, 0.0, -1.0], "radii must be positive, but 2 of 3 are not, such as 0: "),
-        ([0.5, float("nan"), 0.5], "1 of 3 are not, such as nan"),
-        ([0.5, float("inf"), 0.5], "1 of 3 are not, such as inf"),
-        (["a", "b", "c"], "radii must be numbers, not"),
+        ([0.5, float("nan"), 0.5], "radii must be finite numbers, not"),
+        ([0.5, float("inf"), 0.5], "radii must be finite numbers, not"),
+        (["a", "b", "c"], "radii must be finite numbers, not"),
         (stats.norm(-5.0, 0.1), "radii must be positive, but 3 of 3 are not"),
         (lambda rng: rng.uniform(0.4, 0.6, 4), "radii must be 3 numbers"),
-        (lambda rng: None, "radii must be 3 numbers|radii must be numbers"),
+        (lambda rng: None, "radii must be 3 numbers|radii must be finite numbers"),
     ],
 )
 def test_polydisperse_names_the_bad_value(radii: Any, message: str) -> None:
