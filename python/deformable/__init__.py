@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from .comparison import compare as compare
     from .comparison import predict as predict
     from .compression import compress as compress
+    from .disks import Disks as Disks
+    from .disks import DiskState as DiskState
     from .dynamics import move as move
     from .errors import BeyondModelWarning as BeyondModelWarning
     from .errors import FileError as FileError
@@ -53,6 +55,8 @@ _HOMES = {
     "Beads": "beads",
     "BeyondModelWarning": "errors",
     "Comparison": "comparison",
+    "DiskState": "disks",
+    "Disks": "disks",
     "FileError": "errors",
     "LammpsError": "errors",
     "Packing": "packing",

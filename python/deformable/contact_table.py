@@ -61,24 +61,6 @@ def contact_table(rows: NDArray[np.float64], packing: Packing, comm: MPI.Comm) -
     return table[np.lexsort((table["image"][:, 1], table["image"][:, 0], table["j"], table["i"]))]
 
 
-def backbone(i: NDArray[np.int64], j: NDArray[np.int64], number: int) -> NDArray[np.int64]:
-    """Contacts of each particle once rattlers are taken out one after another, shape (number,).
-
-    Args:
-        i: particle of each side of a contact, shape (M,).
-        j: its partner, -1 for a wall, shape (M,).
-        number: of particles.
-    """
-    bonds = np.ones(len(i), dtype=bool)
-    while True:
-        z = np.bincount(i[bonds], minlength=number)
-        held = np.append(z >= 3, True)  # walls, j = -1, are
-        kept = bonds & held[i] & held[j]
-        if (kept == bonds).all():
-            return np.where(held[:-1], z, 0)
-        bonds = kept
-
-
 def _missing_sides(pairs: ContactTable, packing: Packing) -> ContactTable:
     """The other side of each contact that presses on one only."""
     there = {_key(row["i"], row["j"], row["image"]) for row in pairs}

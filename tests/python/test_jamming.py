@@ -1,8 +1,33 @@
-"""Jamming: the onset of rigidity of soft disks."""
+"""Jamming: the onset of rigidity of soft disks and of deformable particles."""
+
+import warnings
 
 import deformable
 import numpy as np
 import pytest
+from deformable.jamming import natural_pressure, simulate
+
+BALANCED = deformable.Ring(contact="balanced")
+ONSETS = [
+    (None, 1e-7),
+    (deformable.Ring(), 1e-16),
+    (deformable.Ring(kA=[4.0, 1.0], kP=2.0), 1e-16),
+    (BALANCED, 1e-13),
+]
+
+
+def onset(
+    packing: deformable.Packing, model: deformable.Ring | None
+) -> deformable.State | deformable.DiskState:
+    with simulate(packing, model) as sim:
+        return sim.state()
+
+
+def pairs(state: deformable.State | deformable.DiskState) -> set[tuple[int, int]]:
+    """Who touches whom, rattlers apart."""
+    held = ~state.rattlers
+    i, j = (ends[held[state._ends[0]] & held[state._ends[1]]] for ends in state._ends)
+    return set(zip(i.tolist(), j.tolist(), strict=True))
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -29,6 +54,72 @@ def test_same_seed_same_packing() -> None:
 
 def test_one_particle_jams_against_its_images() -> None:
     assert deformable.jam(deformable.bidisperse(1)).phi == pytest.approx(np.pi / 4, rel=1e-4)
+
+
+@pytest.mark.parametrize(("model", "window"), ONSETS)
+@pytest.mark.parametrize("seed", [1, 2])
+def test_onset_is_isostatic_and_in_its_window(
+    model: deformable.Ring | None, window: float, seed: int
+) -> None:
+    """Relaxed to 1e-6, N' particles have 2N' - 1 contacts, one more than modes of motion."""
+    packing = deformable.bidisperse(16, seed=seed)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        jammed = deformable.jam(packing, model, pressure=window, tolerance=1e-6)
+    state = onset(jammed, model)
+    assert window < state.pressure / natural_pressure(jammed, model) <= 2.0 * window
+    # disks are relaxed to 1e-6 of the threshold; rounding of the box length moves them a little
+    assert state.residual <= 1.5e-6
+    held = int(np.sum(~state.rattlers))
+    assert state.bearing_contacts == state.isostatic_contacts == 2 * held - 1
+    assert state.coordination == pytest.approx(2 * (2 * held - 1) / held)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 4])
+def test_rings_jam_where_disks_do(seed: int) -> None:
+    """Neither has an energy before circles overlap, so from one loose packing both jam in one way.
+
+    Thresholds put disks 3e-7 beyond phi_J (p = 0.4 dphi), rings 4e-6 (p = 4 dphi^3).
+    """
+    packing = deformable.bidisperse(16, seed=seed)
+    disks = deformable.jam(packing, pressure=1e-7, tolerance=1e-6)
+    loose = disks.at(disks.phi - 1e-3)
+    rings = deformable.jam(loose, deformable.Ring(), pressure=1e-16, step=1e-3, tolerance=1e-6)
+    assert rings.phi == pytest.approx(disks.phi, abs=1e-5)
+    assert pairs(onset(rings, deformable.Ring())) == pairs(onset(disks, None))
+
+
+def test_natural_pressure() -> None:
+    packing = deformable.bidisperse(4, radii=(0.5, 1.5))  # R0 = 1
+    for model, unit in (
+        (None, 1.0),
+        (deformable.Ring(kA=3.0), 3.0),
+        (deformable.Ring(kA=np.inf, kP=5.0), 5.0),
+        (deformable.Ring(kA=3.0, kP=6.0), 2.0),
+        (deformable.Ring(kA=[3.0, 1.0]), 2.0),
+        (deformable.Sector(kA=3.0), 3.0),
+    ):
+        assert natural_pressure(packing, model) == pytest.approx(unit)
+    small = deformable.bidisperse(4, radii=(0.25, 0.75))
+    assert natural_pressure(small, deformable.Ring(kA=3.0)) == pytest.approx(0.75)
+
+
+def test_sector_says_that_it_has_no_onset() -> None:
+    with pytest.warns(deformable.StalledWarning, match="the onset of jamming is uncertain"):
+        deformable.jam(deformable.bidisperse(8, seed=1), deformable.Sector(), pressure=1e-4)
+
+
+def test_rattlers_fall_one_after_another() -> None:
+    """Four particles hold each other; 5 and 6 have two contacts each, and 4 is left with one."""
+    packing = deformable.bidisperse(7)
+    ends = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3), (0, 4)]
+    ends += [(4, 5), (4, 6), (5, 6)]
+    state = deformable.DiskState(
+        packing, None, 0.0, np.zeros((2, 2)), np.array(ends), residual=0.0, stalled=False
+    )
+    assert state.rattlers.tolist() == [False] * 4 + [True] * 3
+    assert (state.bearing_contacts, state.isostatic_contacts) == (6, 7)
+    assert state.coordination == 3.0
 
 
 def test_rigid_start_is_refused() -> None:

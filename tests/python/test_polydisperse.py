@@ -9,9 +9,9 @@ import deformable
 import numpy as np
 import pytest
 from deformable import core
+from deformable.disks import open_disks
 from deformable.engine import gather, silent_lammps
 from deformable.engine import run as run_lammps
-from deformable.jamming import open_disks
 from mpi4py import MPI
 from scipy import stats
 from test_cli import run

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from mpi4py import MPI
 
+from ..disks import open_disks
 from ..engine import run
-from ..jamming import jam, open_disks
+from ..jamming import jam
 from ..models import Model, Ring, Sector
 from ..packing import Packing, bidisperse
 from ..simulation import Simulation

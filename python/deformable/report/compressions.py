@@ -18,12 +18,12 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from ..backbone import bearing_bonds
 from ..bead_reference import BeadReference
 from ..bead_state import BeadState
 from ..beads import Beads
 from ..comparison import Comparison, predict
 from ..compression import compress
-from ..contact_table import backbone
 from ..jamming import jam
 from ..models import Model
 from ..packing import Packing, bidisperse
@@ -176,8 +176,9 @@ def centres_rms(exact: BeadState, own: State) -> float | None:
     if own.pressure <= _UNJAMMED * exact.pressure:
         return None
     i, j = exact.contacts.i, exact.contacts.j
-    z = backbone(np.concatenate([i, j]), np.concatenate([j, i]), len(own.packing))
-    return _rms(exact.packing, own.packing, (z > 0) & ~own.rattlers)
+    i, j = np.concatenate([i, j]), np.concatenate([j, i])
+    held = np.bincount(i[bearing_bonds(i, j, len(own.packing))], minlength=len(own.packing)) > 0
+    return _rms(exact.packing, own.packing, held & ~own.rattlers)
 
 
 def slide_rms(exact: BeadState, own: State) -> float | None:

@@ -18,8 +18,9 @@ from ..bead_reference import BeadReference
 from ..bead_state import BeadState
 from ..beads import Beads, Rings
 from ..comparison import Comparison, compare
+from ..disks import open_disks
 from ..engine import run
-from ..jamming import jam, open_disks
+from ..jamming import jam
 from ..models import Model, Ring, Sector, each
 from ..packing import Packing, bidisperse
 from ..shape_error import shape_error
