@@ -38,12 +38,16 @@ if TYPE_CHECKING:
     from .jamming import push_off as push_off
     from .models import Ring as Ring
     from .models import Sector as Sector
+    from .moduli import Modulus as Modulus
+    from .moduli import bulk_modulus as bulk_modulus
+    from .moduli import shear_modulus as shear_modulus
     from .movies import movie as movie
     from .packing import Packing as Packing
     from .packing import bidisperse as bidisperse
     from .packing import polydisperse as polydisperse
     from .replays import replay as replay
     from .secondary import resolve_secondary as resolve_secondary
+    from .shearing import shear as shear
     from .simulation import Simulation as Simulation
     from .single import squeeze as squeeze
     from .state import State as State
@@ -59,6 +63,7 @@ _HOMES = {
     "Disks": "disks",
     "FileError": "errors",
     "LammpsError": "errors",
+    "Modulus": "moduli",
     "Packing": "packing",
     "ParameterError": "errors",
     "Ring": "models",
@@ -69,6 +74,7 @@ _HOMES = {
     "UnjammedWarning": "errors",
     "Walls": "walls",
     "bidisperse": "packing",
+    "bulk_modulus": "moduli",
     "compare": "comparison",
     "compress": "compression",
     "jam": "jamming",
@@ -81,6 +87,8 @@ _HOMES = {
     "record": "files",
     "replay": "replays",
     "resolve_secondary": "secondary",
+    "shear": "shearing",
+    "shear_modulus": "moduli",
     "squeeze": "single",
 }
 
