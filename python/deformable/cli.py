@@ -22,6 +22,7 @@ from .compression import compress as compress_packing
 from .engine import silent_lammps
 from .errors import FileError, LammpsError, ParameterError
 from .files import load, numbers, record
+from .jam_command import jam_command
 from .jamming import jam
 from .models import Model, Ring, Sector
 from .packing import Packing, bidisperse, polydisperse, positive
@@ -45,6 +46,9 @@ STYLES = (
     ("fix", "deformable/polygon"),
     ("compute", "deformable/contact"),
 )
+
+
+app.command("jam")(jam_command)
 
 
 # What describes a packing and its law; the rest describes what is done to it.
