@@ -1,0 +1,93 @@
+"""What docs/jamming.md says of the ensembles in docs/jamming stands in their tables."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from deformable.ensemble import exponents, measure, summarise
+from deformable.jam_command import _read
+
+FOLDER = Path(__file__).parents[1] / "docs" / "jamming"
+ONSETS, SCALING = _read(FOLDER / "table.csv"), _read(FOLDER / "scaling.csv")
+SUMMARY = json.loads((FOLDER / "summary.json").read_text())
+NUMBERS = (16, 32, 64, 128, 256, 512)
+
+
+def onset(law, window, number):
+    (row,) = (
+        row
+        for row in SUMMARY["onset"]
+        if (row["law"], row["window"], row["number"]) == (law, window, number)
+    )
+    return row
+
+
+def exponent(law):
+    (row,) = (row for row in SUMMARY["exponents"] if row["law"] == law)
+    return row
+
+
+def test_summary_is_that_of_the_tables():
+    for written, found in (("onset", summarise(ONSETS)), ("exponents", exponents(SCALING))):
+        for ours, theirs in zip(SUMMARY[written], found, strict=True):
+            for name, value in theirs.items():
+                same = ours[name] == value or np.isclose(ours[name], value, rtol=1e-9)
+                assert same, name
+
+
+def test_all_sizes_are_there_and_nothing_stalled():
+    for law in ("disk", "ring"):
+        for number in NUMBERS:
+            assert onset(law, 1e-7, number)["packings"] >= 3
+    for row in ONSETS:
+        assert not row["stalled"]
+        assert row["window"] < row["pressure"] <= 2.001 * row["window"]
+
+
+def test_onsets_are_isostatic_where_overlaps_vanish():
+    """Disks at 1e-7 and rings at 1e-16, 3e-7 and 3e-6 above phi_J: no contact less, hardly more."""
+    near = [row for row in ONSETS if row["law"] == "disk" or row["window"] == 1e-16]
+    more = np.array([row["contacts"] - row["isostatic"] for row in near])
+    assert more.min() == 0
+    assert np.mean(more == 0) > 0.9
+
+
+def test_rings_and_disks_jam_at_the_same_phi():
+    for number in (16, 32, 64):
+        rings, disks = onset("ring", 1e-16, number), onset("disk", 1e-7, number)
+        error = np.hypot(rings["phi_error"], disks["phi_error"])
+        assert abs(rings["phi"] - disks["phi"]) < 3.0 * error
+
+
+def test_exponents_are_those_of_the_contact_energies():
+    """p ~ x for disks and x^3 for rings, bulk moduli one less."""
+    for law, power in (("disk", 1.0), ("ring", 3.0)):
+        found = exponent(law)
+        assert abs(found["pressure"] - power) < 0.05
+        assert abs(found["bulk_modulus"] - (power - 1.0)) < 0.06
+
+
+def test_shear_moduli_rise_faster_than_bulk_moduli():
+    """By half a power in large packings, less in small ones."""
+    assert (
+        abs(exponent("disk")["shear_modulus"] - 0.5) < 2.0 * exponent("disk")["shear_modulus_error"]
+    )
+    assert 2.0 < exponent("ring")["shear_modulus"] < 2.5
+
+
+def test_moduli_are_of_linear_response():
+    share = np.mean([row["shear_linear"] and row["bulk_linear"] for row in SCALING])
+    assert share > 0.95
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("law", "window", "number"), [("disk", 1e-7, 64), ("ring", 1e-7, 64)])
+def test_ensembles_are_those_of_the_page(law, window, number):
+    """Where a packing jams is chaotic: another machine may find others, of the same mean."""
+    found = [measure(law, window, number, seed)[0] for seed in range(101, 111)]
+    (fresh,) = summarise(found)
+    kept = onset(law, window, number)
+    for name in ("phi", "excess_contacts", "rattlers"):
+        error = np.hypot(fresh[f"{name}_error"], kept[f"{name}_error"])
+        assert abs(fresh[name] - kept[name]) < 4.0 * error + 1e-12
