@@ -64,10 +64,13 @@ def test_rings_and_disks_jam_at_the_same_phi():
     ("law", "number", "power"), [("disk", 128, 1.0), ("ring", 64, 3.0), ("ring", 128, 3.0)]
 )
 def test_exponents_are_those_of_the_contact_energies(law, number, power):
-    """p ~ x for disks and x^3 for rings, bulk moduli one less."""
+    """p ~ x for disks and x^3 for rings, bulk moduli one less.
+
+    Both are steeper: z grows by a tenth in two decades of x, and with it what multiplies the power.
+    """
     found = exponent(law, number)
-    assert abs(found["pressure"] - power) < 0.05
-    assert abs(found["bulk_modulus"] - (power - 1.0)) < 0.06
+    assert -0.01 < found["pressure"] - power < 0.1
+    assert -0.01 < found["bulk_modulus"] - (power - 1.0) < 0.1
 
 
 def test_shear_moduli_rise_faster_than_bulk_moduli():
