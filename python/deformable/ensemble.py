@@ -22,7 +22,7 @@ from .state import State
 # Contact laws by name, each in its natural units.
 LAWS: dict[str, Model | None] = {
     "disk": None,
-    "ring": Ring(),
+    "ring": Ring(contact="radical"),
     "balanced": Ring(contact="balanced"),
     "sector": Sector(),
 }
