@@ -245,7 +245,7 @@ def test_deform_shears_affinely(jammed: deformable.Packing) -> None:
 def test_bad_boxes_change_nothing(jammed: deformable.Packing, box: list[list[float]]) -> None:
     with deformable.Simulation(jammed.at(0.87), deformable.Ring()) as sim:
         before = sim.state().energy
-        with pytest.raises(deformable.ParameterError, match=r"box must be \(\(lx, 0\)"):
+        with pytest.raises(deformable.ParameterError, match="box must be"):
             sim.deform(np.array(box))
         assert before > 0
         assert sim.state().energy == pytest.approx(before, rel=1e-12)
