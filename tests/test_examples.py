@@ -160,3 +160,14 @@ def test_links(page):
             heads = re.findall(r"^#+ (.*)$", file.read_text(), re.MULTILINE)
             slugs = [re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads]
             assert section in slugs, target
+
+
+def test_thermal_input(tree):
+    """In the heat bath at phi = 0.9, from random places: particles stay in their cages."""
+    log = run(tree / "examples" / "thermal", "lmp", "-in", "in.thermal", "-var", "phi", "0.9")
+    ((temperature, displacement),) = numbers(log, "mean temperature")
+    # 63 pairs of degrees of freedom over 25 times 1/friction, at four sigma
+    assert abs(temperature - 1.0) < 4.0 / np.sqrt(63 * 25)
+    assert displacement < 0.1**2
+    frames = (tree / "examples" / "thermal" / "thermal.lammpstrj").read_text()
+    assert frames.count("ITEM: TIMESTEP") == 201

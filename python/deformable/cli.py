@@ -25,6 +25,7 @@ from .files import load, numbers, record
 from .jam_command import jam_command
 from .jamming import jam
 from .models import Model, Ring, Sector
+from .movies import movie as draw_movie
 from .packing import Packing, bidisperse, polydisperse, positive
 from .plugin import directory
 from .simulation import Simulation
@@ -82,7 +83,14 @@ def main() -> None:
     warnings.simplefilter("always", UserWarning)
     try:
         app()
-    except (ParameterError, FileError, LammpsError, OSError, BrokenProcessPool) as error:
+    except (
+        ParameterError,
+        FileError,
+        LammpsError,
+        ImportError,
+        OSError,
+        BrokenProcessPool,
+    ) as error:
         world = MPI.COMM_WORLD
         if world.rank > 0:
             time.sleep(1.0)  # rank 0 speaks for all if it failed as well, and ends them
@@ -245,6 +253,23 @@ def report(
     began = time.perf_counter()
     write_report(out, quick, resume, _say)
     _say(f"wrote {out / 'index.html'} ({time.perf_counter() - began:.0f} s)")
+
+
+@app.command()
+def movie(
+    run: Annotated[Path, typer.Argument(help="Folder of a recorded run, as compress writes it.")],
+    out: Annotated[Path, typer.Option(help="Movie, .gif or .mp4.")] = Path("movie.gif"),
+    color_by: Annotated[
+        str, typer.Option(help="One number a particle, e.g. shape_parameter.")
+    ] = "particle_pressure",
+    contacts: Annotated[bool, typer.Option("--contacts", help="Draw the contacts.")] = False,
+    forces: Annotated[bool, typer.Option("--forces", help="Draw the force chains.")] = False,
+    rate: Annotated[int, typer.Option(help="Pictures a second.")] = 10,
+) -> None:
+    """Draw each state of a recorded run, and write the pictures as a movie."""
+    _refuse_ranks("a movie is drawn by one process")
+    draw_movie(run, out, color_by, contacts, forces, rate)
+    _say(f"wrote {out}")
 
 
 @app.command()

@@ -165,6 +165,29 @@ def test_steps_that_become_too_long_are_refused(loose: deformable.Packing) -> No
         squeeze(sim)
 
 
+@pytest.mark.parametrize(("phi", "temperature"), [(0.6, 1e-5), (0.9, 1e-5), (0.95, 1e-8)])
+def test_longest_step_is_stable_and_not_by_far(
+    phi: float, temperature: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The energy of a run at it stays the same to 1 %, eight times as long steps end it."""
+    packing = deformable.push_off(deformable.bidisperse(32, phi=phi, seed=3))
+
+    def motion(sim: deformable.Simulation, timestep: float | None) -> list[deformable.State]:
+        return list(move(sim, 1000, timestep, temperature, every=20))
+
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        sim.relax()
+        longest = motion(sim, None)[0].time / 20 / 0.2  # the default is a fifth of it
+        sim.relax()
+        states = motion(sim, 0.95 * longest)
+        total = [state.energy + state.kinetic_energy for state in states]
+        assert np.std(total) < 0.01 * states[-1].kinetic_energy
+        sim.relax()
+        monkeypatch.setattr("deformable.dynamics._check", lambda *_: None)
+        with pytest.raises(deformable.LammpsError):
+            motion(sim, 8.0 * longest)
+
+
 def test_too_hot_is_said(loose: deformable.Packing) -> None:
     with (
         deformable.Simulation(loose, SOFT) as sim,

@@ -85,3 +85,63 @@ def test_soft_and_stiff_share_their_contacts(tmp_path: Path) -> None:
     # pressures of a minimum are known less well than forces are small
     assert found == pytest.approx(pressure, rel=1e-3)
     assert (soft > 1.5 * stiff).all()
+
+
+def printed(folder: Path, script: str, *arguments: str) -> list[list[float]]:
+    """Numbers on each line that a script prints."""
+    result = subprocess.run(
+        [str(BIN / "python"), script, *arguments],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+    assert result.returncode == 0, result.stderr
+    return lines(result.stdout)
+
+
+def lines(text: str) -> list[list[float]]:
+    return [
+        [float(word) for word in re.findall(r"[ ^](\d\S*?|-\d\S*?),?(?=\s|$)", line)]
+        for line in text.splitlines()
+    ]
+
+
+@pytest.mark.slow
+def test_fluid_diffuses_and_glass_does_not(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    for script in ("thermal.py", "analysis.py"):
+        shutil.copy(EXAMPLES / "thermal" / script, tmp_path)
+    temperatures = printed(tmp_path, "thermal.py")
+    runs = [f"{name}/trajectory.lammpstrj" for name in ("fluid", "glass")]
+    found = printed(tmp_path, "analysis.py", *runs)
+    committed = lines((EXAMPLES / "thermal" / "thermal.log").read_text())
+    for text in (temperatures + found, committed):
+        (_, t_fluid), (_, t_glass), fluid, glass = text
+        # 63 pairs of degrees of freedom over 25 times 1/friction, at four sigma
+        assert max(abs(t_fluid - 1.0), abs(t_glass - 1.0)) < 4.0 / (63 * 25) ** 0.5
+        assert fluid[1] == pytest.approx(1.0, abs=0.3)  # diffusion
+        assert 1e-5 < fluid[2] < 2e-4  # slower than alone, temperature/friction
+        assert abs(glass[1]) < 0.2  # a plateau
+        assert glass[0] < 0.1**2  # within the cages
+        for structure in (fluid, glass):
+            assert 0.9 < structure[4] < 1.7  # neighbours touch
+            assert structure[5] == pytest.approx(1.0, abs=0.05)
+
+
+@pytest.mark.slow
+def test_pictures_of_a_run(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    for script in ("pictures.py", "analysis.py"):
+        shutil.copy(EXAMPLES / "pictures" / script, tmp_path)
+    shapes = np.array(printed(tmp_path, "pictures.py"))
+    assert len(shapes) == 15
+    assert (np.diff(shapes, axis=0) > 0.0).all()  # denser and less round
+    for picture in ("pictures.png", "compression.gif"):
+        assert 10_000 < (tmp_path / picture).stat().st_size < 1_000_000
+    phi, z, s, k = np.array(printed(tmp_path, "analysis.py")).T
+    assert phi == pytest.approx(shapes[::3, 0], abs=1e-4)
+    assert (np.diff(z) > 0.0).all()
+    assert (s > 1.5).all()
+    assert k * 1.2 == pytest.approx(2.0 * np.pi, rel=0.3)  # waves as long as a particle is wide

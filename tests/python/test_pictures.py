@@ -1,5 +1,6 @@
 """Force chains, maps and movies, and the runs that they are drawn from."""
 
+import subprocess
 import sys
 from pathlib import Path
 
@@ -104,21 +105,27 @@ def test_movie_has_a_picture_a_state(
         assert image.info["duration"] == 200  # ms
 
 
-def test_pictures_of_a_movie_share_one_scale(run: tuple[Path, list[deformable.State]]) -> None:
-    from deformable.plots import draw, scale
+def test_pictures_of_a_movie_share_one_scale(
+    run: tuple[Path, list[deformable.State]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from deformable import plots
 
+    drawn = []
+    draw = plots.draw
+
+    def watched(*arguments: object) -> object:
+        ax = draw(*arguments)
+        colors, forces = ax.collections
+        drawn.append((*colors.get_clim(), max(forces.get_linewidths())))
+        return ax
+
+    monkeypatch.setattr(plots, "draw", watched)
     states = run[1]
-    on = scale(states, "particle_pressure")
-    assert on.high == max(state.particle_pressure.max() for state in states)
-    assert on.force == max(state.contact_table["force"].max() for state in states)
-    for state in states:
-        colors, forces = draw(
-            state, None, "particle_pressure", contacts=False, forces=True, on=on
-        ).collections
-        assert colors.get_clim() == (0.0, on.high)
-        widest = state.contact_table["force"].max() / on.force
-        assert max(forces.get_linewidths()) == pytest.approx(5.0 * widest)
-    matplotlib.pyplot.close("all")
+    deformable.movie(states, tmp_path / "movie.gif", forces=True)
+    pressure = max(state.particle_pressure.max() for state in states)
+    force = [state.contact_table["force"].max() for state in states]
+    expected = [(0.0, pressure, 5.0 * one / max(force)) for one in force]
+    assert np.array(drawn) == pytest.approx(np.array(expected))
 
 
 def test_movies_that_cannot_be(
@@ -140,3 +147,23 @@ def test_movies_that_cannot_be(
     with pytest.raises(ImportError, match=r"pip install lammps-deformable\[plot\]"):
         deformable.movie([state], tmp_path / "a.gif")
     assert not list(tmp_path.iterdir())
+
+
+def test_movie_from_the_shell(run: tuple[Path, list[deformable.State]], tmp_path: Path) -> None:
+    def command(*arguments: str) -> subprocess.CompletedProcess[str]:
+        program = str(Path(sys.executable).parent / "deformable")
+        return subprocess.run(
+            [program, "movie", *arguments],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+
+    done = command(str(run[0]), "--forces", "--color-by", "shape_parameter")
+    assert (done.returncode, done.stdout) == (0, "wrote movie.gif\n")
+    assert (tmp_path / "movie.gif").stat().st_size > 10_000
+    failed = command("nowhere")
+    assert failed.returncode == 2
+    assert failed.stderr == "error: no saved run in 'nowhere': nowhere/summary.json is missing\n"

@@ -1,0 +1,36 @@
+"""Coordination and structure factor of a recorded run, from its files, read by MDAnalysis."""
+
+import csv
+import warnings
+
+import MDAnalysis
+import numpy as np
+
+warnings.filterwarnings("ignore", module="MDAnalysis")
+
+universe = MDAnalysis.Universe(
+    "run/trajectory.lammpstrj",
+    format="LAMMPSDUMP",
+    topology_format="LAMMPSDUMP",
+    additional_columns=True,
+    dt=1.0,
+)
+with open("run/series.csv", newline="") as file:
+    phi = [float(row["phi"]) for row in csv.DictReader(file)]
+
+# Waves that fit into the box, whose lattice vectors are rows: k = 2 pi n / box, transposed.
+n = np.stack(np.meshgrid(np.arange(-9, 10), np.arange(1, 10)), axis=-1).reshape(-1, 2)
+for frame in universe.trajectory[:: len(universe.trajectory) // 5]:
+    held = frame.data["rattler"] == 0
+    box = frame.triclinic_dimensions[:2, :2].astype(float)
+    k = 2.0 * np.pi * n @ np.linalg.inv(box).T
+    wave = np.exp(1j * frame.positions[:, :2].astype(float) @ k.T)
+    s = np.abs(wave.sum(axis=0)) ** 2 / len(held)
+    length = np.linalg.norm(k, axis=1)
+    shell = np.digitize(length, np.arange(0.0, 9.0, 0.75))
+    mean = {m: (length[shell == m].mean(), s[shell == m].mean()) for m in np.unique(shell)[:-1]}
+    peak, height = max(mean.values(), key=lambda pair: pair[1])
+    print(
+        f"phi {phi[frame.frame]:.4f}  z {frame.data['contacts'][held].mean():.3f}  "
+        f"S(k) {height:.2f} at k = {peak:.2f}"
+    )

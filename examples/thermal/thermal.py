@@ -1,0 +1,17 @@
+"""A fluid and a glass at one temperature, from random places: keep both runs."""
+
+import deformable
+import numpy as np
+
+TEMPERATURE, FRICTION, TIMESTEP, EVERY = 1e-6, 0.005, 0.25, 100
+
+for name, phi in (("fluid", 0.6), ("glass", 0.9)):
+    packing = deformable.push_off(deformable.bidisperse(64, phi=phi, seed=1))
+    sim = deformable.Simulation(packing, deformable.Ring(kA=1.0))
+    bath = {"temperature": TEMPERATURE, "friction": FRICTION, "timestep": TIMESTEP, "every": EVERY}
+    for _ in deformable.move(sim, 8_000, **bath):
+        pass  # forgets where it came from
+    run = deformable.record(deformable.move(sim, 20_000, **bath, seed=2), name, bath)
+    measured = np.mean([state.temperature for state in run]) / TEMPERATURE
+    print(f"phi {phi}  mean temperature over that of the bath {measured:.3f}")
+    sim.state().plot(color_by="shape_parameter").figure.savefig(f"{name}.png", dpi=60)
