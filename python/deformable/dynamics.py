@@ -31,8 +31,11 @@ _AT_REST = 1e-12
 
 # The integrator of the heat bath: Gronbech-Jensen and Farago's keeps positions and half-step
 # velocities of an oscillator at their temperature for any time step, and does not draw its forces
-# anew where a run begins, as fix langevin does. It does not know that there are two dimensions.
+# anew where a run begins, as fix langevin does. But it shakes particles along z too, by far less
+# than a radius in _FLATTENED steps: forces do not feel that, the search for neighbours would in the
+# end.
 _BATH = "fix move all gjf {temperature!r} {temperature!r} {time!r} {seed}"
+_FLATTENED = 1000
 
 
 def move(
@@ -127,12 +130,13 @@ def _move(
                 bar.update()
                 yield state
     finally:
-        run(sim.lmp, "unfix move\nunfix plane")
+        if sim.lmp.opened:  # an abandoned motion may outlive its simulation
+            run(sim.lmp, "unfix move\nunfix plane")
 
 
 def _advance(sim: Simulation, steps: int, hot: bool) -> State:
     try:
-        run(sim.lmp, f"run {steps} post no\nset group all z 0.0")
+        run(sim.lmp, f'run {steps} post no every {_FLATTENED} "set group all z 0.0"')
         return sim.state()
     except LammpsError as error:
         raise LammpsError(f"{error}; or lower the temperature" if hot else str(error)) from None

@@ -111,6 +111,19 @@ def test_damped_motion_comes_to_rest(dense: deformable.Packing) -> None:
     assert states[-1].residual < 0.1 * states[0].residual
 
 
+def test_velocities_decay_at_the_rate_of_friction() -> None:
+    """Alone, by (1 - x)/(1 + x) a step, x = friction dt/2, which is exp(-2 x) to third order."""
+    gas = deformable.push_off(deformable.bidisperse(16, phi=0.01, seed=3))
+    friction, dt = 0.1, 0.5
+    with deformable.Simulation(gas, deformable.Ring()) as sim:
+        (_,) = move(sim, 1, dt, temperature=1e-6, every=1)
+        first, *_, last = move(sim, 40, dt, friction=friction, every=10)
+    assert not last.contacts.any()
+    decay = np.exp(-friction * (last.time - first.time))
+    third = (friction * dt) ** 2 / 12.0 * friction * last.time
+    assert last.velocities == pytest.approx(decay * first.velocities, rel=third)
+
+
 def test_motion_goes_on_where_it_was(loose: deformable.Packing) -> None:
     with deformable.Simulation(loose, SOFT) as sim:
         (whole,) = move(sim, 200, 0.2, 1e-5, every=200)
@@ -124,12 +137,23 @@ def test_motion_goes_on_where_it_was(loose: deformable.Packing) -> None:
     assert np.abs(other.velocities - whole.velocities).max() < 1e-9 * np.abs(whole.velocities).max()
 
 
-def test_an_early_end_leaves_no_integrator(loose: deformable.Packing) -> None:
+def test_an_early_end_leaves_no_trace(loose: deformable.Packing) -> None:
     with deformable.Simulation(loose, SOFT) as sim:
-        motion = move(sim, 1000, temperature=1e-5)
+        motion = move(sim, 3000, temperature=1e-5, friction=1.0, every=1500)
         next(motion)
+        assert not sim.lmp.numpy.extract_atom("x")[: len(loose), 2].any()  # all in the plane
         motion.close()
         assert not sim.lmp.available_ids("fix")
+
+
+@pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
+def test_a_motion_may_outlive_its_simulation(loose: deformable.Packing) -> None:
+    with deformable.Simulation(loose, SOFT) as sim:
+        motion = move(sim, 200, temperature=1e-5)
+        next(motion)
+    motion.close()
+    with pytest.raises(StopIteration):
+        next(motion)
 
 
 @pytest.mark.parametrize(
