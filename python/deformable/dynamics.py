@@ -160,9 +160,13 @@ def _longest_step(state: State) -> float:
     Contacts are as stiff as the pressure p of their particles, which is that of the hardest one or
     what a hot one can reach: U >= p^2 / (2 kA), and U >= (p R)^2 / (2 kP).
     """
-    model, radii = state.model, state.packing.radii
-    rings = radii - model.skins(len(radii))
-    stiffness = np.max(np.minimum(model.kA, model.kP / rings**2))
+    model, packing = state.model, state.packing
+    kinds = len(packing.radii)
+    kA, kP, skin = (
+        np.broadcast_to(values, kinds)[packing.species]
+        for values in (model.kA, model.kP, model.skins(kinds))
+    )
+    stiffness = float(np.minimum(kA, kP / (packing.radius - skin) ** 2).max())
     hot = np.sqrt(2.0 * stiffness * _HOT * state.temperature)
-    at_rest = _AT_REST * stiffness * float(radii.min()) ** 2
+    at_rest = _AT_REST * stiffness * float(packing.radius.min()) ** 2
     return float(_STABLE / np.sqrt(max(float(state.particle_pressure.max()), hot, at_rest)))

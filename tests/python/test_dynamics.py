@@ -228,6 +228,24 @@ def test_one_particle_has_no_temperature() -> None:
         assert next(move(sim, 100)).temperature == 0.0
 
 
+def test_particles_of_any_size_and_stiffness_move() -> None:
+    """Masses are 1 whatever the radii; the stiffest species sets the pace."""
+    radii = np.random.default_rng(2).uniform(0.4, 0.8, 32)
+    packing = deformable.push_off(deformable.polydisperse(32, radii, phi=0.85, seed=2))
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        states = list(move(sim, 4000, temperature=1e-6, every=200))
+    total = [state.energy + state.kinetic_energy for state in states]
+    assert np.std(total) < 1e-3 * states[-1].kinetic_energy
+    mixed = deformable.bidisperse(16, phi=0.3, seed=2)
+    pace = []
+    for kA in ((1.0, 1.0), (1.0, 16.0)):
+        mixture = deformable.Ring(kA=kA, kP=(np.inf, 1.0))
+        with deformable.Simulation(deformable.push_off(mixed), mixture) as sim:
+            pace.append(next(move(sim, 1, temperature=1e-6, every=1)).time)
+    # 1 and kP/R^2 = 1/0.49, to the power of 1/4
+    assert pace[1] / pace[0] == pytest.approx(0.49**0.25)
+
+
 def test_sector_is_refused(loose: deformable.Packing) -> None:
     with (
         deformable.Simulation(loose, deformable.Sector()) as sim,
