@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from .checks import finite, whole
 from .engine import run
 from .errors import LammpsError, ParameterError
 from .models import Sector
@@ -19,8 +20,8 @@ from .state import State
 # neighbours of a triangular lattice moving against the particle (mass 1).
 _STABLE = 2.0 / np.sqrt(6.0 * STIFFNESS_PER_PRESSURE)
 
-# The default is this part of the longest stable step: omega dt = 0.4 at most, kinetic energies are
-# right to (omega dt)^2/8.
+# The default is this part of the longest stable step. Kinetic energies of oscillators are wrong by
+# (omega dt)^2/8 then, 2 % for the very stiffest.
 _ACCURATE = 0.2
 
 # Energy that collisions may gather in one particle, over the temperature: a probability of e^-10.
@@ -79,10 +80,11 @@ def move(
     637 (1982).
     """
     if timestep is not None:
-        positive("timestep", timestep)
-    for name, value in (("temperature", temperature), ("friction", friction)):
-        if value:
-            positive(name, value)
+        timestep = positive("timestep", timestep)
+    if temperature is not None:
+        temperature = _zero_or_more("temperature", temperature)
+    friction = _zero_or_more("friction", friction)
+    steps, every, seed = whole("steps", steps), whole("every", every), whole("seed", seed)
     if temperature and sim.lmp.get_natoms() < 2:
         raise ParameterError("one particle alone has no temperature: take two at least")
     if every < 1 or steps < 1 or steps % every:
@@ -99,6 +101,14 @@ def move(
     return _move(sim, steps, timestep, temperature, friction, every, seed)
 
 
+def _zero_or_more(name: str, value: float) -> float:
+    """The value, if it is a finite number not below zero."""
+    number = finite(name, value)
+    if number < 0.0:
+        raise ParameterError(f"{name} must not be negative, not {value}")
+    return number
+
+
 def _move(
     sim: Simulation,
     steps: int,
@@ -109,13 +119,13 @@ def _move(
     seed: int,
 ) -> Iterator[State]:
     if temperature is not None:
-        run(sim.lmp, f"velocity all create {float(temperature)!r} {seed} loop all mom yes")
+        run(sim.lmp, f"velocity all create {temperature!r} {seed} loop all mom yes")
     try:
         state = sim.state()
     except LammpsError as error:
         raise LammpsError(f"{error}; deformable.push_off takes overlaps away") from None
     longest = _longest_step(state)
-    dt = _ACCURATE * longest if timestep is None else float(timestep)
+    dt = _ACCURATE * longest if timestep is None else timestep
     bath = _BATH.format(temperature=temperature or 0.0, time=1.0 / (friction or 1.0), seed=seed)
     run(
         sim.lmp,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+from .checks import whole
 from .errors import ParameterError
-from .packing import positive
 from .progress import progress
 from .replays import replay
 from .state import State
@@ -41,7 +41,8 @@ def movie(
         FileError: the folder cannot be read.
         ImportError: matplotlib is missing.
     """
-    positive("rate", rate)
+    if whole("rate", rate) < 1:
+        raise ParameterError(f"rate must be at least 1, not {rate}")
     name = _WRITERS.get(Path(path).suffix)
     if name is None:
         raise ParameterError(f"a movie is a .gif or an .mp4, not '{path}'")

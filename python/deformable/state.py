@@ -97,9 +97,9 @@ class State(Backbone):
 
     @property
     def temperature(self) -> float:
-        """Energy of the motion about the common one, per degree of freedom, doubled [energy].
+        """Temperature of the motion, masses and k_B being 1 [energy].
 
-        sum (v - mean v)^2 / (2 N - 2), as two dimensions have 2 N - 2 such degrees of freedom.
+        sum (v - mean v)^2 / (2 N - 2), as many degrees of freedom as the common motion leaves.
         """
         apart = self.velocities - self.velocities.mean(axis=0)
         return float(np.sum(apart**2) / (2.0 * max(len(apart) - 1, 1)))

@@ -164,6 +164,8 @@ def test_a_motion_may_outlive_its_simulation(loose: deformable.Packing) -> None:
         ({"temperature": -1.0}, "temperature .* -1"),
         ({"temperature": "warm"}, "temperature .* warm"),
         ({"friction": float("inf")}, "friction .* inf"),
+        ({"temperature": np.array([1.0])}, r"temperature .* \[1\.\]"),
+        ({"steps": 100.5}, "steps must be a whole number, not 100.5"),
         ({"every": 30}, "multiple of every, .* not 100 and 30"),
         ({"seed": 0}, "seed .* not 0"),
     ],

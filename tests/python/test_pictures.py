@@ -141,6 +141,7 @@ def test_movies_that_cannot_be(
     refused("one state at least", states=())
     refused("'beauty'", color_by="beauty")
     refused("rate .* 0", rate=0)
+    refused("rate .* 2.5", rate=2.5)
     monkeypatch.setattr("matplotlib.animation.writers.is_available", lambda _: False)
     refused("ffmpeg", name="a.mp4")
     monkeypatch.setitem(sys.modules, "matplotlib.animation", None)
