@@ -65,7 +65,7 @@ def move(
             they are: zero after `relax`, and those of the last state after another `move`.
         friction: rate at which velocities decay [1/time].
         every: steps from state to state; divides `steps`.
-        seed: of velocities and noise.
+        seed: of velocities and noise; the noise depends on the number of ranks as well.
 
     Yields:
         The state after each `every` steps, with its `time` and `velocities`.

@@ -74,3 +74,26 @@ def test_every_rank_may_run_its_own(tmp_path: Path) -> None:
     python(FARM, cwd=tmp_path, ranks=2)
     rows = [len((tmp_path / f"run{n}" / "series.csv").read_text().splitlines()) for n in (0, 1)]
     assert rows == [2, 3]
+
+
+MOTION = """
+from mpi4py import MPI
+import deformable
+
+packing = deformable.push_off(deformable.bidisperse(32, phi=0.9, seed=3))
+with deformable.Simulation(packing, deformable.Ring()) as sim:
+    (free,) = deformable.move(sim, 100, 0.2, temperature=1e-6)
+    *_, bath = deformable.move(sim, 100, 0.2, temperature=1e-6, friction=0.1, every=50)
+seen = [free.energy, free.kinetic_energy, bath.temperature]
+assert MPI.COMM_WORLD.allgather(seen) == [seen] * MPI.COMM_WORLD.size
+if free.root:
+    print(free.energy, free.kinetic_energy)
+"""
+
+
+def test_two_ranks_move_alike(tmp_path: Path) -> None:
+    """At constant energy; a heat bath has its own noise on each rank."""
+    one, two = (
+        [float(word) for word in python(MOTION, tmp_path, ranks).split()] for ranks in (1, 2)
+    )
+    assert two == pytest.approx(one, rel=1e-6)
