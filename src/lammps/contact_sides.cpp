@@ -4,9 +4,17 @@
 #include "comm.h"
 
 #include <algorithm>
-#include <cmath>
 
 using namespace LAMMPS_NS;
+
+namespace {
+
+double square(double x)
+{
+  return x * x;
+}
+
+}    // namespace
 
 void SideValues::reset(int rows, int stride)
 {
@@ -24,7 +32,7 @@ void ContactSides::exchange(SideValues &values)
 
 /* ----------------------------------------------------------------------
    the other side of each: two particles of a small box meet more than once,
-   in directions that differ
+   perhaps in one direction, but not in one place
 ------------------------------------------------------------------------- */
 
 void ContactSides::face(const ContactTable &table)
@@ -43,22 +51,25 @@ void ContactSides::face(const ContactTable &table)
   MPI_Allreduce(&longest, &stride, 1, MPI_INT, MPI_MAX, world);
 
   SideValues weight, owner;
-  for (SideValues *values : {&shifts, &before, &earlier, &partners, &angles, &weight, &owner})
+  for (SideValues *values : {&shifts, &before, &earlier, &partners, &xs, &ys, &weight, &owner})
     values->reset(rows, stride);
   tags.assign(atom->tag, atom->tag + nlocal);
   for (int i = 0; i < nlocal; ++i)
     for (int c = 0; c < count[i]; ++c) {
       const int k = side(i, c);
-      const tagint partner = atom->tag[table.partner[table.first(i) + c].atom];
+      const Partner &seen = table.partner[table.first(i) + c];
+      const tagint partner = atom->tag[seen.atom];
+      const double distance = 1.0 / seen.per_lever;
       partners[k] = static_cast<double>(partner);
-      angles[k] = table.of(i)[c].angle;
-      double nearest = 0.0;
-      const auto [first, last] =
-          std::equal_range(known.begin(), known.end(), Known{tags[i], partner, 0.0, 0.0, 0.0, 0.0});
+      xs[k] = table.of(i)[c].nx * distance;
+      ys[k] = table.of(i)[c].ny * distance;
+      double nearest = distance * distance;
+      const auto [first, last] = std::equal_range(known.begin(), known.end(),
+                                                  Known{tags[i], partner, 0.0, 0.0, 0.0, 0.0, 0.0});
       for (auto candidate = first; candidate != last; ++candidate) {
-        const double alike = std::cos(candidate->angle - angles[k]);
-        if (alike <= nearest) continue;
-        nearest = alike;
+        const double apart = square(candidate->x - xs[k]) + square(candidate->y - ys[k]);
+        if (apart >= nearest) continue;
+        nearest = apart;
         weight[k] = 1.0;
         shifts[k] = candidate->shift;
         before[k] = candidate->before;
@@ -67,7 +78,7 @@ void ContactSides::face(const ContactTable &table)
     }
   for (int i = 0; i < nlocal; ++i) owner[side(i, 0)] = i;
   facing = true;
-  for (SideValues *values : {&owner, &partners, &angles, &weight, &shifts, &before, &earlier})
+  for (SideValues *values : {&owner, &partners, &xs, &ys, &weight, &shifts, &before, &earlier})
     exchange(*values);
   facing = false;
 
@@ -76,11 +87,12 @@ void ContactSides::face(const ContactTable &table)
     for (int c = 0; c < count[i]; ++c) {
       const int k = side(i, c), j = table.partner[table.first(i) + c].atom;
       mirror[k] = k;
-      double nearest = 0.0;
+      double nearest = square(xs[k]) + square(ys[k]);
       for (int m = side(j, 0); m < side(j, stride); ++m) {
-        const double alike = -std::cos(angles[m] - angles[k]);
-        if (partners[m] != static_cast<double>(tags[i]) || alike <= nearest) continue;
-        nearest = alike;
+        if (partners[m] != static_cast<double>(tags[i])) continue;
+        const double apart = square(xs[m] + xs[k]) + square(ys[m] + ys[k]);
+        if (apart >= nearest) continue;
+        nearest = apart;
         mirror[k] = comm->nprocs == 1 ? m + side(static_cast<int>(owner[side(j, 0)]) - j, 0) : m;
       }
     }
@@ -105,8 +117,8 @@ std::vector<ContactSides::Known> ContactSides::recall()
   for (int i = 0; i < static_cast<int>(count.size()); ++i)
     for (int k = side(i, 0); k < side(i, count[i]); ++k)
       if (shifts[k] != 0.0)
-        known.push_back({tags[i], static_cast<tagint>(partners[k]), angles[k], shifts[k], before[k],
-                         earlier[k]});
+        known.push_back({tags[i], static_cast<tagint>(partners[k]), xs[k], ys[k], shifts[k],
+                         before[k], earlier[k]});
   std::sort(known.begin(), known.end());
   return known;
 }

@@ -40,14 +40,15 @@ class ContactSides : protected Pointers {
   // Of pairs whose list is gone.
   struct Known {
     tagint tag, partner;
-    double angle, shift, before, earlier;
+    double x, y, shift, before, earlier;
     bool operator<(const Known &other) const
     {
       return tag != other.tag ? tag < other.tag : partner < other.partner;
     }
   };
-  std::vector<tagint> tags;       // of particles of this rank
-  SideValues partners, angles;    // of sides: tag of the other particle, direction
+  std::vector<tagint> tags;    // of particles of this rank
+  SideValues partners, xs,
+      ys;    // of sides: tag of the other particle, and where it is as seen from here
   std::vector<Known> recall();
 };
 

@@ -525,3 +525,15 @@ def test_no_atom_ids():
     )
     with refuses("contact balanced needs atom IDs"):
         lmp.command("run 0")
+
+
+def test_more_reach_than_the_box():
+    """Images of a particle in one direction have each its own other side."""
+    x, box = np.array([[0.0, 0.0], [0.95, 0.0]]), (-2, 2, -2, 2)
+    here, far = (
+        Scene(x, ["small", "weak"], box, f"deformable/ring contact balanced reach {r}").evaluate()
+        for r in (0.3, 4.0)  # the second image is 4.95 away
+    )
+    # both balance to 1e-8, and the energy errs by the square of that
+    assert far.energy == pytest.approx(here.energy, rel=1e-13)
+    np.testing.assert_allclose(far.force, here.force, rtol=0, atol=1e-7 * np.abs(here.force).max())
