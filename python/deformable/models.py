@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import core
+from .checks import shown
 from .errors import ParameterError
 from .packing import positive
 
@@ -52,8 +53,8 @@ class Ring:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "reach", positive("reach", self.reach))
-        if self.contact not in ("radical", "balanced"):
-            raise ParameterError(f"contact must be radical or balanced, not {self.contact}")
+        if not isinstance(self.contact, str) or self.contact not in ("radical", "balanced"):
+            raise ParameterError(f"contact must be radical or balanced, not {shown(self.contact)}")
         for name in ("kA", "kP", "skin"):
             object.__setattr__(self, name, one_or_each(name, getattr(self, name)))
         kA, kP, skin = (np.atleast_1d(value) for value in (self.kA, self.kP, self.skin))
@@ -232,7 +233,9 @@ def one_or_each(name: str, given: object) -> float | tuple[float, ...]:
     except ValueError:  # rows of unequal length
         values = np.asarray(None)
     if values.dtype.kind not in "iuf" or values.ndim > 1 or values.size == 0:
-        raise ParameterError(f"{name} must be a number, or one number a species, not {given}")
+        raise ParameterError(
+            f"{name} must be a number, or one number a species, not {shown(given)}"
+        )
     return float(values) if values.ndim == 0 else tuple(float(value) for value in values)
 
 

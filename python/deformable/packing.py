@@ -13,6 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 from .checks import finite, number_or_nan, numbers, shown, whole
 from .errors import ParameterError
 
+# Atoms that LAMMPS can count.
+_MOST = 2**31 - 1
+
 
 @dataclass(frozen=True, eq=False)
 class Packing:
@@ -230,6 +233,8 @@ def _random_places(number: int, rng: np.random.Generator) -> NDArray[np.float64]
     """Places in a unit square, shape (N, 2)."""
     if number < 1:
         raise ParameterError(f"number must be at least 1, not {number}")
+    if number > _MOST:
+        raise ParameterError(f"number must be at most {_MOST}, not {shown(number)}: LAMMPS' limit")
     return rng.random((number, 2))
 
 
