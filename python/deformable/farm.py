@@ -48,7 +48,7 @@ def farm(
     if workers < 1:
         raise ParameterError(f"workers must be at least 1, not {workers}")
     with progress(description, unit="run", total=len(arguments)) as bar:
-        if workers == 1 or _launched():
+        if workers == 1 or launched():
             results = []
             for these in arguments:
                 results.append(function(*these))
@@ -72,7 +72,7 @@ def farm(
             return [future.result() for future in futures]
 
 
-def _launched() -> bool:
+def launched() -> bool:
     """Whether mpiexec started this process: others would inherit its place in the run."""
     return MPI.COMM_WORLD.size > 1 or any(name.startswith("PMI") for name in os.environ)
 

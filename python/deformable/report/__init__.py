@@ -30,6 +30,7 @@ from .compressions import catching_rows, compression_rows
 from .packings import mixed_rows, packing_rows
 from .page import page
 from .pareto import pareto_rows
+from .stability import stability_rows
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,7 @@ class Plan:
     any_stiffness: dict[str, Any]
     number: dict[str, Any]
     limits: list[tuple[Any, ...]]
+    stability: dict[str, Any]
 
 
 # kA and kP of the small and of the large particles.
@@ -84,6 +86,7 @@ FULL = Plan(
     any_stiffness={},
     number={},
     limits=[(sides,) for sides in (3, 4, 6)],
+    stability={},
 )
 
 QUICK = Plan(
@@ -99,6 +102,7 @@ QUICK = Plan(
     any_stiffness={"indentations": (0.02,)},
     number={"indentations": (0.02,), "numbers": (24, 48, 96), "kP": (1.0, 10.0)},
     limits=[(6, 0.05, (24, 48, 96))],
+    stability={"packings": 10, "steps": 10_000},
 )
 
 
@@ -118,6 +122,7 @@ class Results:
     any_stiffness: list[Squeezed]
     number: list[Squeezed]
     limits: list[paper.Limit]
+    stability: list[dict[str, Any]]
 
 
 # The parts in the order in which they are measured.
@@ -134,6 +139,7 @@ _MEASURE: dict[str, Callable[[Plan], Any]] = {
     "any_stiffness": lambda plan: paper.any_stiffness(**plan.any_stiffness),
     "number": lambda plan: paper.number_sweep(**plan.number),
     "limits": lambda plan: [paper.limit(*arguments) for arguments in plan.limits],
+    "stability": lambda plan: stability_rows(**plan.stability),
 }
 
 
@@ -155,8 +161,8 @@ def write_report(
 
     Returns:
         What report.json holds: lists of rows `single`, `packing`, `stiffness_packing`,
-        `compression`, `catching`, `pareto`, `ablation`, `limit`, and `machine`, `versions`,
-        `quick`.
+        `compression`, `catching`, `pareto`, `ablation`, `limit`, `stability`, and `machine`,
+        `versions`, `quick`.
 
     Raises:
         ParameterError: matplotlib is missing.
@@ -180,6 +186,7 @@ def write_report(
         "pareto": results.pareto,
         "ablation": results.ablation,
         "limit": [_limit_row(limit) for limit in results.limits],
+        "stability": results.stability,
         "machine": machine(),
         "versions": versions(),
         "quick": quick,

@@ -124,6 +124,15 @@ def sections(results: Results) -> tuple[dict[str, Figure], list[Section]]:
             {"limit.png": "Relative error of the beads' area deficit; lines: expected."},
         ),
         Section(
+            "Stability",
+            (
+                "What was varied, for which law, and how far a measured quantity stays within its "
+                "limit: rounding, the tolerance of a relaxation, or a bound. "
+                + _failures_text(results.stability),
+            ),
+            table=results.stability,
+        ),
+        Section(
             "Pay for what a scene uses",
             (
                 "Processor time of a particle and a step, and what each option adds when it is "
@@ -279,6 +288,15 @@ def _speed_up_text(rows: list[dict[str, Any]]) -> str:
         f"{first['seconds_beads']:.3g} s, {laws}. Beads relax until no force exceeds 1e-3 of what "
         "a bead in a contact bears, the laws until 1e-6 of the mean contact force. The energy of "
         "the sector law jumps where contacts appear: it may stop before."
+    )
+
+
+def _failures_text(rows: list[dict[str, Any]]) -> str:
+    missed = [row for row in rows if not row["ok"]]
+    sector = sum(row["parameter"] == "sector" for row in missed)
+    return (
+        f"{len(rows) - len(missed)} of {len(rows)} do. Of the {len(missed)} others {sector} are "
+        "of the sector law, for the reason beside them."
     )
 
 

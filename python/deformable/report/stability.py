@@ -1,0 +1,40 @@
+"""How far each law goes before it breaks, as rows of the report."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..jamming import jam
+from ..packing import bidisperse
+from .stability_cases import (
+    convergence_rows,
+    density_rows,
+    kernel_rows,
+    size_rows,
+    stiffness_rows,
+)
+from .stability_runs import energy_rows, error_rows, rank_rows
+
+
+def stability_rows(packings: int = 100, steps: int = 1_000_000) -> list[dict[str, Any]]:
+    """All cases, of 16 particles.
+
+    Args:
+        packings: relaxed by each law.
+        steps: of the longest run at constant energy.
+
+    Returns:
+        Rows `case`, `parameter`, `quantity`, `value` (none where there is no number), `limit`, `ok`
+        and `reason`, see `stability_cases`.
+    """
+    jammed = jam(bidisperse(16, seed=1))
+    return [
+        *energy_rows(jammed.at(0.88), steps),
+        *error_rows(jammed.at(0.88)),
+        *stiffness_rows(jammed),
+        *density_rows(jammed),
+        *size_rows(),
+        *kernel_rows(),
+        *rank_rows(jammed.at(0.88)),
+        *convergence_rows(packings),
+    ]

@@ -1,0 +1,187 @@
+"""Stability of runs: energy against the time step and the time, what ends a run, any ranks."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from ..engine import run
+from ..errors import LammpsError
+from ..farm import launched
+from ..models import Model
+from ..packing import Packing
+from ..simulation import Simulation
+from .stability_cases import JUMPS, LAWS, ROUNDING, at_rest, row
+
+# At the start, far below the potential energy, which drives the motion.
+TEMPERATURE = 1e-6
+
+_RUN = """
+fix move all nve
+timestep {dt!r}
+thermo_style custom step pe ke etotal
+thermo_modify norm no
+"""
+
+# What a rank count must not change: energies, and forces by atom, of saved runs.
+_RANKS = """
+import json, sys
+import deformable
+from deformable.engine import gather
+from mpi4py import MPI
+
+answers = []
+for folder in sys.argv[1:]:
+    with deformable.load(folder) as sim:
+        answers.append([sim.state().energy, gather(sim.lmp, "f", 3)[:, :2].tolist()])
+if MPI.COMM_WORLD.rank == 0:
+    print(json.dumps(answers))
+"""
+
+
+def energies(
+    packing: Packing, model: Model, dt: float, steps: int, samples: int, kick: float = 0.0
+) -> tuple[NDArray[np.float64], float]:
+    """Total energy at samples + 1 times of a run, and its last kinetic energy.
+
+    Args:
+        kick: velocity that the first particle gets on top.
+    """
+    with Simulation(packing, model, MPI.COMM_SELF) as sim:
+        run(sim.lmp, f"velocity all create {TEMPERATURE} 4711 loop all{_RUN.format(dt=dt)}")
+        if kick:
+            run(sim.lmp, f"group first id 1\nvelocity first set {kick!r} 0 0 sum yes")
+        run(sim.lmp, "run 0 post no")
+        seen = [sim.lmp.get_thermo("etotal")]
+        for _ in range(samples):
+            run(sim.lmp, f"run {steps // samples} post no")
+            seen.append(sim.lmp.get_thermo("etotal"))
+        return np.array(seen), float(sim.lmp.get_thermo("ke"))
+
+
+def energy_rows(packing: Packing, steps: int) -> Iterator[dict[str, Any]]:
+    """Energy error of velocity Verlet against the time step, and its drift over many steps.
+
+    The error falls as dt^2 where the force is continuous, as dt where the force jumps, and not at
+    all where the energy does: half way between the first two is the limit of the order. Kinks add
+    to the energy at random: over n samples by sqrt(n) times what one adds, which a drift exceeds.
+    """
+    for law, model in LAWS.items():
+        why = JUMPS if law == "sector" else ""
+        try:
+            dts = 0.4 / 2.0 ** np.arange(5)
+            errors = [
+                energies(packing, model, float(dt), round(40.0 / dt), 20)[0].std() for dt in dts
+            ]
+            order = float(np.polyfit(np.log(dts), np.log(errors), 1)[0])
+            value: float | None = abs(order - 2.0)
+        except LammpsError as error:
+            value, why = None, f"{why}: {error}"
+        yield row("dt 0.4 to 0.025", law, "order of the energy error, off 2", value, 0.5, why)
+
+        why, samples, drift, limit = JUMPS if law == "sector" else "", 200, None, 0.0
+        try:
+            total, kinetic = energies(packing, model, 0.1, steps, samples)
+            quarter = samples // 4
+            drift = abs(total[-quarter:].mean() - total[:quarter].mean()) / kinetic
+            limit = float(np.diff(total).std() * np.sqrt(samples)) / kinetic
+        except LammpsError as error:
+            why = f"{why}: {error}"
+        case, what = f"{steps:.0e} steps of 0.1", "drift of a particle over its kinetic energy"
+        yield row(case, law, what, drift, limit, why)
+
+        why, value = JUMPS if law == "sector" else "", None
+        try:
+            kick = float(np.sqrt(20.0 * at_rest(packing, model).energy / len(packing)))
+            coarse, fine = (
+                energies(packing, model, dt, round(20.0 / dt), 20, kick)[0].std()
+                for dt in (0.05, 0.025)
+            )
+            value = float(fine / coarse)
+        except LammpsError as error:
+            why = f"{why}: {error}"
+        yield row(
+            "a particle kicked", law, "energy error, over that of twice the step", value, 0.5, why
+        )
+
+
+def error_rows(packing: Packing) -> Iterator[dict[str, Any]]:
+    """What cannot go well ends with one line that says why, and no number is none until then."""
+    for law, model in LAWS.items():
+        silent = 0
+        for dt in (1e1, 1e3, 1e6, 1e12):
+            try:
+                total, _ = energies(packing, model, dt, 200, 20)
+                silent += not np.isfinite(total).all()
+            except LammpsError as error:
+                silent += not re.search(r"atoms? \d+|Lost atoms|Non-numeric", str(error), re.I)
+        yield row("time steps 10 to 1e12", law, "runs that end without a word", silent, 0.0)
+
+        silent = 0
+        ends = {
+            "change_box all boundary f f p\nvelocity all set 1e3 0 0\nrun 100": "Lost atoms",
+            "change_box all boundary f f p\nregion room block 1 2 1 2 -0.5 0.5\n"
+            "fix room all deformable/wall room\nrun 0": "centre of atom",
+        }
+        for commands, line in ends.items():
+            with Simulation(packing, model, MPI.COMM_SELF) as sim:
+                try:
+                    run(sim.lmp, _RUN.format(dt=0.1) + commands)
+                    silent += 1
+                except LammpsError as error:
+                    silent += line not in str(error)
+        yield row("lost particles", law, "runs that go on without them", silent, 0.0)
+
+
+def rank_rows(packing: Packing) -> Iterator[dict[str, Any]]:
+    """One to four ranks: sums in another order. None under mpiexec, which cannot start ranks."""
+    mpiexec = Path(sys.executable).with_name("mpiexec")
+    if launched() or not mpiexec.exists():
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        for law, model in LAWS.items():
+            at_rest(packing, model).save(Path(folder, law))
+        answers = []
+        for ranks in range(1, 5):
+            done = subprocess.run(
+                [
+                    str(mpiexec),
+                    "-n",
+                    str(ranks),
+                    sys.executable,
+                    "-m",
+                    "mpi4py",
+                    "-c",
+                    _RANKS,
+                    *LAWS,
+                ],
+                cwd=folder,
+                env=os.environ | {"MPIR_CVAR_CH4_PROGRESS_THROTTLE": "1"},
+                capture_output=True,
+                text=True,
+            )
+            answers.append(json.loads(done.stdout) if done.returncode == 0 else None)
+    for n, law in enumerate(LAWS):
+        alone, *shared = (None if each is None else each[n] for each in answers)
+        # balanced contacts are found by iteration, to 1e-8 of the largest force
+        limit = 1e-8 if law == "ring balanced" else 100.0 * ROUNDING
+        off = None
+        if alone is not None and all(each is not None for each in shared):
+            forces = np.array(alone[1])
+            off = max(
+                float(np.abs(np.array(each[1]) - forces).max() / np.abs(forces).max())
+                for each in shared
+                if each is not None
+            )
+        yield row("1 to 4 ranks", law, "change of forces, over the largest", off, limit)
