@@ -28,6 +28,10 @@ BUILDERS = {
         {"number": 6, "radii": None, "fraction": 0.5, "phi": 0.3, "aspect": 1.0, "tilt": 0.0}
         | {"seed": 1, "ratio": None},
     ),
+    "polydisperse": (
+        deformable.polydisperse,
+        {"number": 3, "radii": [0.5, 0.6, 0.7], "phi": 0.3, "aspect": 1.0, "tilt": 0.0, "seed": 1},
+    ),
     "Ring": (
         deformable.Ring,
         {"kA": 1.0, "reach": 0.3, "kP": 1.0, "skin": 0.1, "contact": "radical"},

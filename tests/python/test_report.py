@@ -22,7 +22,7 @@ SMALLEST = report.Plan(
     any_stiffness={"indentations": (0.01, 0.02), "number": 24, "kL": (1.0,)},
     number={"indentations": (0.02,), "numbers": (16, 24), "kP": (1.0,)},
     limits=[(6, 0.05, (16, 24), (5.0, 10.0))],
-    stability={"packings": 1, "steps": 400},
+    stability={"packings": 1, "steps": 400, "ranks": 2},
 )
 
 KEYS = {

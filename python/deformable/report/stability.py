@@ -16,12 +16,15 @@ from .stability_cases import (
 from .stability_runs import energy_rows, error_rows, rank_rows
 
 
-def stability_rows(packings: int = 100, steps: int = 1_000_000) -> list[dict[str, Any]]:
+def stability_rows(
+    packings: int = 100, steps: int = 1_000_000, ranks: int = 4
+) -> list[dict[str, Any]]:
     """All cases, of 16 particles.
 
     Args:
         packings: relaxed by each law.
         steps: of the longest run at constant energy.
+        ranks: that share a packing, at most.
 
     Returns:
         Rows `case`, `parameter`, `quantity`, `value` (none where there is no number), `limit`, `ok`
@@ -35,6 +38,6 @@ def stability_rows(packings: int = 100, steps: int = 1_000_000) -> list[dict[str
         *density_rows(jammed),
         *size_rows(),
         *kernel_rows(),
-        *rank_rows(jammed.at(0.88)),
+        *rank_rows(jammed.at(0.88), ranks),
         *convergence_rows(packings),
     ]
