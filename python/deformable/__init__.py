@@ -46,6 +46,8 @@ if TYPE_CHECKING:
     from .packing import bidisperse as bidisperse
     from .packing import polydisperse as polydisperse
     from .replays import replay as replay
+    from .runs import compress_in as compress_in
+    from .runs import resume as resume
     from .secondary import resolve_secondary as resolve_secondary
     from .shearing import shear as shear
     from .simulation import Simulation as Simulation
@@ -77,6 +79,7 @@ _HOMES = {
     "bulk_modulus": "moduli",
     "compare": "comparison",
     "compress": "compression",
+    "compress_in": "runs",
     "jam": "jamming",
     "load": "files",
     "move": "dynamics",
@@ -87,6 +90,7 @@ _HOMES = {
     "record": "files",
     "replay": "replays",
     "resolve_secondary": "secondary",
+    "resume": "runs",
     "shear": "shearing",
     "shear_modulus": "moduli",
     "squeeze": "single",

@@ -18,16 +18,17 @@ from tqdm import tqdm
 
 from .beads import Beads
 from .compression import check_protocol
-from .compression import compress as compress_packing
 from .engine import silent_lammps
 from .errors import FileError, LammpsError, ParameterError
-from .files import load, numbers, record
+from .files import frames_in, load, numbers
 from .jam_command import jam_command
 from .jamming import jam
 from .models import Model, Ring, Sector
 from .movies import movie as draw_movie
 from .packing import Packing, bidisperse, polydisperse, positive
 from .plugin import directory
+from .runs import compress_in
+from .runs import resume as finish
 from .simulation import Simulation
 from .versions import mpi_of_lammps, mpi_of_python, versions
 
@@ -139,7 +140,12 @@ def compress(
     ] = TOLERANCE,
     out: Annotated[Path, typer.Option(help="Output folder.")] = Path("compress"),
     resume: Annotated[
-        bool, typer.Option("--resume", help="Compress the packing in the output folder further.")
+        bool,
+        typer.Option(
+            "--resume",
+            help="Finish the interrupted compression in the output folder or, with --strain or "
+            "--steps, compress further what is there.",
+        ),
     ] = False,
 ) -> None:
     """Jam a random packing and compress it quasistatically.
@@ -149,7 +155,7 @@ def compress(
     """
     began = time.perf_counter()
     check_protocol(strain, steps)
-    parameters: dict[str, object] = {"strain": strain, "steps": steps, "tolerance": tolerance}
+    first = frames_in(out) if resume else 0
     if resume:
         given = [f"--{name}" for name in PACKING_OPTIONS if _is_given(context, name)]
         if given:
@@ -157,12 +163,20 @@ def compress(
                 f"--resume goes on with the packing and law in '{out}': leave out "
                 + ", ".join(given).replace("--ka", "--kA").replace("--kp", "--kP")
             )
-        sim = load(out)
+        if _is_given(context, "strain") or _is_given(context, "steps"):
+            states = compress_in(out, load(out), strain, steps, tolerance, append=True)
+        elif _is_given(context, "tolerance"):
+            raise ParameterError(
+                f"--resume finishes the compression in '{out}' with its own tolerance: leave out "
+                "--tolerance, or give --strain or --steps to compress further"
+            )
+        else:
+            states = finish(out)
     else:
         if MPI.COMM_WORLD.rank == 0:
             out.mkdir(parents=True, exist_ok=True)  # or fail before the work
         values = context.params
-        parameters |= {name: values[name] for name in PACKING_OPTIONS}
+        parameters = {name: values[name] for name in PACKING_OPTIONS}
         if law is Law.SECTOR:
             if contact is Lines.BALANCED and _is_given(context, "contact"):
                 raise ParameterError("contacts of the sector law are radical, not balanced")
@@ -179,11 +193,11 @@ def compress(
         packing = jam(start)
         _say(f"jammed at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
         sim = Simulation(packing, model)
+        states = compress_in(out, sim, strain, steps, tolerance, parameters)
 
-    states = record(compress_packing(sim, strain, steps, tolerance), out, parameters, resume)
     columns = ("phi", "pressure", "energy", "coordination", "rattlers", "residual")
     _say("step " + " ".join(f"{name:>12}" for name in columns))
-    for step, state in enumerate(states, start=1):
+    for step, state in enumerate(states, start=first + 1):
         row = numbers(state)
         _say(f"{step:4d} " + " ".join(f"{row[name]:12.6g}" for name in columns))
     if state.root and importlib.util.find_spec("matplotlib"):

@@ -55,7 +55,7 @@ def compress(
         ParameterError: a value is out of range.
     """
     check_protocol(strain, steps)
-    return _compress(sim, strain, int(steps), tolerance)
+    return go_on(sim, sim.box, strain, int(steps), 0, tolerance)
 
 
 def check_protocol(strain: float, steps: int) -> None:
@@ -66,12 +66,17 @@ def check_protocol(strain: float, steps: int) -> None:
         raise ParameterError(f"steps must be at least 1, not {steps}")
 
 
-def _compress(
-    sim: Compressible[S], strain: float, steps: int, tolerance: float | None
+def go_on(
+    sim: Compressible[S],
+    box: NDArray[np.float64],
+    strain: float,
+    steps: int,
+    done: int,
+    tolerance: float | None,
 ) -> Iterator[S]:
-    box = sim.box
-    with progress("compressing", unit="step", total=steps) as bar:
-        for n in range(1, steps + 1):
+    """The steps of a compression that are left, `done` of them being behind, from its first box."""
+    with progress("compressing", unit="step", total=steps, initial=done) as bar:
+        for n in range(done + 1, steps + 1):
             sim.deform(box * (1.0 - strain * n / steps))
             state = sim.relax() if tolerance is None else sim.relax(tolerance)
             bar.set_postfix(phi=f"{state.phi:.4f}", pressure=f"{state.pressure:.3g}")

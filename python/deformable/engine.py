@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from ctypes import c_double
-from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, TypeVar
 
@@ -101,19 +99,6 @@ def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
         run(lmp, "set group all mass 1")
         lmp.scatter("radius", 1, 1, (c_double * n)(*packing.sizes))
     return lmp
-
-
-def read_data(path: Path, radii: Sequence[float]) -> Packing:
-    """The packing in a LAMMPS data file, given the radius of each type."""
-    lmp = silent_lammps(MPI.COMM_SELF)
-    try:
-        style = "sphere" if SPHERES in path.read_text() else "atomic"
-        run(lmp, f'atom_style {style}\nread_data "{path}"')
-        species = np.array(lmp.gather("type", 0, 1)) - 1
-        sizes = radii_of_atoms(lmp)
-        return Packing(gather(lmp, "x", 3)[:, :2], species, np.array(radii), lattice(lmp), sizes)
-    finally:
-        lmp.close()
 
 
 def radii_of_atoms(lmp: lammps) -> NDArray[np.float64] | None:

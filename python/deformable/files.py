@@ -6,14 +6,17 @@
     trajectory.lammpstrj    LAMMPS dump for OVITO and MDAnalysis
 
 `State.save` writes the first two, `record` all of them while a run goes on; `load` takes a run up
-again.
+again. A run may be killed at any moment: the packing is written last and in one go, and counts the
+frames that belong to it. What a killed run has left behind these goes when the run goes on.
 """
 
 from __future__ import annotations
 
 import csv
+import io
 import json
 import math
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -22,8 +25,8 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from .engine import SPHERES, read_data
-from .errors import FileError, LammpsError
+from .engine import SPHERES
+from .errors import FileError
 from .models import Ring, Sector
 from .packing import Packing
 from .simulation import Simulation
@@ -36,8 +39,13 @@ SERIES, TRAJECTORY = "series.csv", "trajectory.lammpstrj"
 _MODELS: dict[str, type[Ring] | type[Sector]] = {"Ring": Ring, "Sector": Sector}
 
 
-def save(state: State, folder: str | Path, parameters: Mapping[str, Any] | None) -> None:
-    """See `State.save`."""
+def save(
+    state: State,
+    folder: str | Path,
+    parameters: Mapping[str, Any] | None,
+    frames: int | None = None,
+) -> None:
+    """See `State.save`; the packing counts the frames on record up to this state, if given."""
     if not state.root:
         return
     folder = Path(folder)
@@ -50,8 +58,8 @@ def save(state: State, folder: str | Path, parameters: Mapping[str, Any] | None)
         "parameters": {name: _strict(value) for name, value in (parameters or {}).items()},
         "versions": versions(),
     }
-    _replace(folder / DATA, _data_file(state.packing))
     _replace(folder / SUMMARY, json.dumps(summary, indent=2, default=str) + "\n")
+    _replace(folder / DATA, _data_file(state.packing, frames))
 
 
 def load(folder: str | Path, comm: MPI.Comm | None = None) -> Simulation:
@@ -65,7 +73,7 @@ def load(folder: str | Path, comm: MPI.Comm | None = None) -> Simulation:
         FileError: a file is missing or cannot be understood.
     """
     (comm or MPI.COMM_WORLD).barrier()  # rank 0 may still be writing
-    return Simulation(*_read(Path(folder)), comm=comm)
+    return Simulation(*read(Path(folder)), comm=comm)
 
 
 def record(
@@ -90,28 +98,47 @@ def record(
         The states, unchanged.
     """
     folder = Path(folder)
-    series, trajectory = folder / SERIES, folder / TRAJECTORY
     first = 0
-    if append and series.exists():
-        with series.open(newline="") as file:
-            first = sum(1 for _ in csv.DictReader(file))
-        parameters = {**(parameters or {}), "before": _summary(folder).get("parameters")}
+    if append and (folder / SERIES).exists():
+        first = frames_in(folder)
+        parameters = {**(parameters or {}), "before": summary_in(folder).get("parameters")}
+    yield from write(states, folder, parameters, first)
+
+
+def write(
+    states: Iterable[State], folder: Path, parameters: Mapping[str, Any] | None, first: int
+) -> Iterator[State]:
+    """As `record`, behind the first frames on record."""
+    series, trajectory = folder / SERIES, folder / TRAJECTORY
     for number, state in enumerate(states, start=first):
-        save(state, folder, parameters)
         if state.root:
-            if number == first > 0:
-                _keep_frames(trajectory, first)
-            mode = "a" if number > 0 else "w"
-            row = {"frame": number} | numbers(state)
-            # the frame first: a row stands for a whole frame, also after a kill
-            with trajectory.open(mode) as file:
-                file.write(_dump_frame(number, state))
-            with series.open(mode, newline="") as file:
-                writer = csv.DictWriter(file, row.keys())
-                if number == 0:
-                    writer.writeheader()
-                writer.writerow(row)
+            if number == first:
+                folder.mkdir(parents=True, exist_ok=True)
+                if frames_in(folder) > 0 == first:  # of another run, whose frames go
+                    (folder / DATA).unlink(missing_ok=True)
+                _keep(trajectory, first, r"(?=ITEM: TIMESTEP\n)")
+                _keep(series, first + 1 if first > 0 else 0, r"(?<=\n)")
+            row = io.StringIO()
+            writer = csv.DictWriter(row, ["frame", *numbers(state)])
+            if number == 0:
+                writer.writeheader()
+            writer.writerow({"frame": number} | numbers(state))
+            _append(trajectory, _dump_frame(number, state))
+            _append(series, row.getvalue())
+            save(state, folder, parameters, frames=number + 1)
         yield state
+
+
+def frames_in(folder: Path) -> int:
+    """Frames on record up to the state in a folder; all of them if `State.save` has written it."""
+    if (folder / DATA).exists():
+        counted = re.search(r", (\d+) frames$", (folder / DATA).read_text().partition("\n")[0])
+        if counted:
+            return int(counted[1])
+    if not (folder / SERIES).exists():
+        return 0
+    with (folder / SERIES).open(newline="") as file:
+        return sum(1 for _ in csv.DictReader(file))
 
 
 def numbers(state: State) -> dict[str, Any]:
@@ -150,11 +177,25 @@ def _replace(path: Path, text: str) -> None:
     part.replace(path)
 
 
-def _data_file(packing: Packing) -> str:
+def _append(path: Path, text: str) -> None:
+    with path.open("a", newline="") as file:
+        file.write(text)
+
+
+def _keep(path: Path, count: int, boundary: str) -> None:
+    """Leave the first parts of a file; a killed run may have left more, or a part of one."""
+    text = path.read_bytes().decode() if path.exists() else ""
+    parts = [part for part in re.split(boundary, text) if part]
+    if len(parts) > count:
+        _replace(path, "".join(parts[:count]))
+
+
+def _data_file(packing: Packing, frames: int | None) -> str:
     (lx, _), (xy, ly) = packing.box.tolist()
     style = "atomic" if packing.sizes is None else "sphere"
+    title = f"LAMMPS data file by lammps-deformable, units lj, atom_style {style}, two-dimensional"
     lines = [
-        f"LAMMPS data file by lammps-deformable, units lj, atom_style {style}, two-dimensional",
+        title if frames is None else f"{title}, {frames} frames",
         "",
         f"{len(packing)} atoms",
         f"{len(packing.radii)} atom types",
@@ -219,16 +260,8 @@ def _dump_frame(number: int, state: State) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _keep_frames(trajectory: Path, number: int) -> None:
-    """Cut off what a killed run may have left behind the last whole frame."""
-    start = "ITEM: TIMESTEP\n"
-    text = trajectory.read_text() if trajectory.exists() else ""
-    frames = text.split(start)[1:]
-    if len(frames) > number:
-        _replace(trajectory, "".join(start + frame for frame in frames[:number]))
-
-
-def _summary(folder: Path) -> dict[str, Any]:
+def summary_in(folder: Path) -> dict[str, Any]:
+    """What `summary.json` says."""
     try:
         return dict(json.loads((folder / SUMMARY).read_text()))
     except FileNotFoundError:
@@ -247,14 +280,33 @@ def _setting(value: Any) -> Any:
         return value
 
 
-def _read(folder: Path) -> tuple[Packing, Ring | Sector]:
-    summary = _summary(folder)
+def read(folder: Path) -> tuple[Packing, Ring | Sector]:
+    """The packing in a folder, to the last digit, and its model."""
+    summary = summary_in(folder)
     try:
         settings = dict(summary["model"])
         law = _MODELS[settings.pop("name")]
         model = law(**{name: _setting(value) for name, value in settings.items()})
         if not (folder / DATA).exists():
             raise FileError(f"no saved run in '{folder}': {folder / DATA} is missing")
-        return read_data(folder / DATA, summary["radii"]), model
-    except (ValueError, KeyError, TypeError, LammpsError) as error:
+        return _packing((folder / DATA).read_text(), summary["radii"]), model
+    except (ValueError, KeyError, TypeError, IndexError) as error:
         raise FileError(f"the saved run in '{folder}' cannot be read: {error}") from None
+
+
+def _packing(text: str, radii: list[float]) -> Packing:
+    """Of what `_data_file` has written. LAMMPS would round the centres while it reads them."""
+    head, _, atoms = text.partition("Atoms # ")
+    style, _, rows = atoms.partition("\n")
+    words = {line.split()[-1]: line.split() for line in head.splitlines() if line.strip()}
+    lx, ly, xy = float(words["xhi"][1]), float(words["yhi"][1]), float(words["yz"][0])
+    _, kinds, *columns = np.loadtxt(rows.splitlines(), ndmin=2).T
+    if len(kinds) != int(words["atoms"][0]):
+        raise ValueError(f"{DATA} has {len(kinds)} of {words['atoms'][0]} atoms")
+    return Packing(
+        positions=np.column_stack(columns[-3:-1]),
+        species=kinds.astype(np.int64) - 1,
+        radii=np.array(radii),
+        box=np.array([[lx, 0.0], [xy, ly]]),
+        sizes=columns[0] / 2.0 if style == "sphere" else None,
+    )

@@ -9,7 +9,9 @@ from mpi4py import MPI
 from tqdm import tqdm
 
 
-def progress(description: str, unit: str, total: int | None = None) -> tqdm[Any]:
+def progress(description: str, unit: str, total: int | None = None, initial: int = 0) -> tqdm[Any]:
     """A progress bar on stderr; tqdm itself keeps it off anything that is not a terminal."""
     hidden = MPI.COMM_WORLD.rank > 0 or parent_process() is not None or None
-    return tqdm(desc=description, unit=unit, total=total, leave=False, disable=hidden)
+    return tqdm(
+        desc=description, unit=unit, total=total, initial=initial, leave=False, disable=hidden
+    )

@@ -87,8 +87,25 @@ class Simulation(Engine):
         self.model = model
         self.comm = MPI.COMM_WORLD if comm is None else comm
         packing = self.comm.bcast(packing)  # ranks on unlike machines may have jammed differently
-        self._species, self._radii = packing.species, packing.radii
         self._rigid_phi = np.inf
+        self._open(packing)
+
+    def restart(self, packing: Packing) -> None:
+        """Go on from a packing as if nothing had been before: the result depends on it alone.
+
+        Otherwise the last digits depend on what LAMMPS and the pair style remember, such as the
+        order of particles and how contacts were shared, and with them where a packing rearranges
+        to. What was given to `lmp` is lost.
+
+        Args:
+            packing: the one of a state of this simulation.
+        """
+        self.lmp.close()
+        self._open(packing)
+
+    def _open(self, packing: Packing) -> None:
+        model = self.model
+        self._species, self._radii = packing.species, packing.radii
         parameters = model.parameters(self._radii.tolist())
         self.lmp = open_lammps(packing, self.comm)
         whose = "type" if packing.sizes is None else "atom"

@@ -1,0 +1,172 @@
+"""A compression that is killed and resumed is the one that nobody killed, byte for byte."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import deformable
+import pytest
+
+FILES = ("packing.data", "summary.json", "series.csv", "trajectory.lammpstrj")
+
+# Kills itself before the n-th time that it opens for writing, renames or removes a file of the run,
+# or half-way through the n-th piece that it appends.
+VICTIM = """
+import os, signal, sys
+from deformable import cli, files
+
+how, count = sys.argv.pop(1), int(sys.argv.pop(1))
+
+def strike():
+    global count
+    count -= 1
+    if count == 0:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+def watch(event, details):
+    if event not in ("open", "os.rename", "os.remove") or "run/" not in str(details[0]):
+        return
+    if event != "open" or details[2] & (os.O_WRONLY | os.O_RDWR):
+        strike()
+
+def torn(path, text):
+    with path.open("a", newline="") as file:
+        file.write(text[: len(text) // 2])
+        file.flush()
+        strike()
+        file.write(text[len(text) // 2 :])
+
+if how == "before":
+    sys.addaudithook(watch)
+else:
+    files._append = torn
+cli.main()
+"""
+
+# 0.6 % in a step: the packing rearranges on the way, so that other last digits would show
+START = ("--number", "16", "--strain", "0.03", "--steps", "5", "--seed", "5")
+
+
+def compress(*options: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    command = [str(Path(sys.executable).parent / "deformable"), "compress", "--out", "run"]
+    return subprocess.run(
+        [*command, *options], cwd=cwd, capture_output=True, text=True, timeout=120, check=False
+    )
+
+
+def killed(how: str, count: int, *options: str, cwd: Path) -> None:
+    result = subprocess.run(
+        [sys.executable, "-c", VICTIM, how, str(count), "compress", "--out", "run", *options],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert result.returncode == -signal.SIGKILL, result.stderr
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    assert not list(folder.glob("*.part"))
+    return {name: (folder / name).read_bytes() for name in FILES}
+
+
+@pytest.fixture(scope="module")
+def unbroken(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    folder = tmp_path_factory.mktemp("unbroken")
+    result = compress(*START, cwd=folder)
+    assert result.returncode == 0, result.stderr
+    return contents(folder / "run")
+
+
+def test_killed_again_and_again(unbroken: dict[str, bytes], tmp_path: Path) -> None:
+    # summary and packing of the start are written first, each in two moves
+    killed("before", 4, *START, cwd=tmp_path)
+    result = compress("--resume", cwd=tmp_path)  # and there is nothing yet
+    assert (result.returncode, result.stderr.count("\n")) == (2, 1)
+    assert "packing.data is missing" in result.stderr
+
+    killed("before", 6, *START, cwd=tmp_path)  # before the first frame
+    killed("torn", 3, "--resume", cwd=tmp_path)  # within the second
+    killed("torn", 2, "--resume", cwd=tmp_path)  # within the second row
+    killed("before", 15, "--resume", cwd=tmp_path)  # between summary and packing of the third step
+    result = compress("--resume", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert [line.split()[0] for line in result.stdout.splitlines()] == [
+        "step",
+        "3",
+        "4",
+        "5",
+        "wrote",
+    ]
+    assert contents(tmp_path / "run") == unbroken
+
+    result = compress("--resume", cwd=tmp_path)
+    assert (result.returncode, result.stderr.count("\n")) == (2, 1)
+    assert "the compression in 'run' is complete" in result.stderr
+
+
+def test_killed_from_outside(unbroken: dict[str, bytes], tmp_path: Path) -> None:
+    command = [sys.executable, "-c", "from deformable.cli import main; main()", "compress"]
+    process = subprocess.Popen([*command, "--out", "run", *START], cwd=tmp_path)
+    series = tmp_path / "run" / "series.csv"
+    while process.poll() is None and not (series.exists() and series.stat().st_size > 0):
+        time.sleep(0.01)
+    process.kill()
+    process.wait()
+    for _ in deformable.resume(tmp_path / "run"):
+        pass
+    assert contents(tmp_path / "run") == unbroken
+
+
+def test_python_resumes_what_it_began(jammed: deformable.Packing, tmp_path: Path) -> None:
+    """Also in a tilted box, where LAMMPS rounds centres as it wraps them, and behind a run."""
+    tilted = deformable.jam(deformable.bidisperse(12, tilt=0.3, aspect=1.2, seed=2))
+    for name, stop in (("whole", 3), ("broken", 1)):
+        folder = tmp_path / name
+        for packing, append in ((jammed, False), (tilted, False), (None, True)):
+            sim = (
+                deformable.load(folder)
+                if packing is None
+                else deformable.Simulation(packing, deformable.Ring())
+            )
+            run = deformable.compress_in(folder, sim, 0.02, 3, append=append)
+            for _, state in zip(range(stop if append else 3), run, strict=False):
+                assert state.root
+    states = list(deformable.resume(tmp_path / "broken"))
+    assert len(states) == 2
+    assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
+    parameters = json.loads((tmp_path / "whole" / "summary.json").read_text())["parameters"]
+    assert parameters["start"]["frame"] == 3
+    assert parameters["before"]["start"]["frame"] == 0
+
+
+def test_a_rigid_packing_is_known_to_have_been_rigid(
+    jammed: deformable.Packing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The warning of a packing that lost its rigidity does not get lost with the process."""
+    first = deformable.Simulation(jammed, deformable.Ring())
+    next(deformable.compress_in(tmp_path, first, 0.02, 2))
+    again = []
+    monkeypatch.setattr(
+        "deformable.runs.Simulation",
+        lambda *given: again.append(deformable.Simulation(*given)) or again[0],
+    )
+    deformable.resume(tmp_path)
+    assert again[0]._rigid_phi == first._rigid_phi < 1.0
+
+
+def test_what_cannot_be_resumed(state: deformable.State, tmp_path: Path) -> None:
+    with pytest.raises(deformable.FileError, match=r"summary\.json is missing"):
+        deformable.resume(tmp_path)
+    for _ in deformable.record([state], tmp_path):
+        pass
+    with pytest.raises(deformable.FileError, match="does not say how it was to go on"):
+        deformable.resume(tmp_path)
+    lines = (tmp_path / "packing.data").read_text().splitlines(keepends=True)
+    (tmp_path / "packing.data").write_text("".join(lines[:-2]))
+    with pytest.raises(deformable.FileError, match=r"packing\.data has 30 of 32 atoms"):
+        deformable.resume(tmp_path)
