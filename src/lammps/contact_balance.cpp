@@ -336,3 +336,12 @@ void ContactBalance::find_step(double accuracy)
     product = next;
   }
 }
+
+/* ---------------------------------------------------------------------- */
+
+double ContactBalance::memory_usage() const
+{
+  return ContactSides::memory_usage() + forces.bytes() + steps.bytes() + answers.bytes() +
+         bytes_of(moving, gradient, left, search, turned, per_diagonal, blocks, carrying, inverses,
+                  matrices);
+}

@@ -46,6 +46,8 @@ class ContactBalance : ContactSides {
   double shift(int i, int c) { return shifts[side(i, c)]; }
   void press(int i, int c, double force) { forces[side(i, c)] = force; }
 
+  double memory_usage() const;
+
  private:
   // A pair that carries, seen from this side: once where both sides are of this rank, from each side where
   // they are not.

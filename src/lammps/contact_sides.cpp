@@ -111,6 +111,16 @@ void ContactSides::face(const ContactTable &table)
 
 /* ---------------------------------------------------------------------- */
 
+double ContactSides::memory_usage() const
+{
+  double bytes = bytes_of(count, mirror, tags);
+  for (const SideValues *values : {&shifts, &before, &earlier, &partners, &angles})
+    bytes += values->bytes();
+  return bytes;
+}
+
+/* ---------------------------------------------------------------------- */
+
 std::vector<ContactSides::Known> ContactSides::recall()
 {
   std::vector<Known> known;

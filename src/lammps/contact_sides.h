@@ -18,6 +18,7 @@ struct SideValues {
   std::vector<double *> row;
 
   void reset(int rows, int stride);
+  double bytes() const { return bytes_of(value, row); }
   double &operator[](std::size_t side) { return value[side]; }
 };
 
@@ -33,6 +34,7 @@ class ContactSides : protected Pointers {
   int side(int i, int c) const { return i * stride + c; }
   void exchange(SideValues &);
   void face(const ContactTable &);    // a new list of pairs
+  double memory_usage() const;
 
  private:
   bool facing = false;    // mirrors are being sought

@@ -9,6 +9,12 @@
 
 namespace LAMMPS_NS {
 
+// Memory that vectors hold.
+template <class... Vector> double bytes_of(const Vector &...vector)
+{
+  return (static_cast<double>(vector.capacity() * sizeof(typename Vector::value_type)) + ... + 0.0);
+}
+
 // What a contact's force acts on.
 struct Partner {
   int atom;                // local index, or -1 - w for wall w
@@ -32,6 +38,8 @@ struct ContactTable {
   void make_room(int i);    // for one more contact of particle i; may move all of the above
   void add(int i, const deformable::Contact &, const Partner &);
 
+  double bytes() const { return bytes_of(row, free_rows, count, contact, partner); }
+
   std::size_t first(int i) const { return static_cast<std::size_t>(row[i]) * stride; }
 
   deformable::Contacts of(int i) const
@@ -54,6 +62,8 @@ template <class T> struct Recall {
   int stride = 8;
   std::vector<T> value;
   std::vector<int> count;
+
+  double bytes() const { return bytes_of(value, count); }
 
   template <class Start> T *of(int i, int n, Start &&start)
   {

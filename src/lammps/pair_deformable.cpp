@@ -334,3 +334,11 @@ void PairDeformable::store_circle(int i)
   results[CONTACTS][i] = results[PRESSURE][i] = results[CONTACT_LENGTH][i] = 0.0;
   results[ARC_RADIUS][i] = r;
 }
+
+/* ---------------------------------------------------------------------- */
+
+double PairDeformable::memory_usage()
+{
+  return Pair::memory_usage() + table.bytes() + bytes_of(seen) +
+         static_cast<double>(NRESULTS) * maxresults * sizeof(double);
+}

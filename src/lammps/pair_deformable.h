@@ -45,6 +45,7 @@ class PairDeformable : public Pair {
   void init_style() override;
   double init_one(int, int) override;
   void *extract_peratom(const char *, int &) override;
+  double memory_usage() override;
 
  protected:
   // Stops with an error that says what the style supports, unless this is part of it.

@@ -253,3 +253,11 @@ void PairDeformableRing::check_reach(int i, const Contacts &contacts)
                atom->tag[i], ratio * depth, ratio, reach, 1.2 * ratio * reach);
   if (ratio > bulge_over_reach) bulge_over_reach = ratio;
 }
+
+/* ---------------------------------------------------------------------- */
+
+double PairDeformableRing::memory_usage()
+{
+  return PairDeformable::memory_usage() + carried.bytes() + bytes_of(deformed, responses, radical) +
+         (balance ? balance->memory_usage() : 0.0);
+}

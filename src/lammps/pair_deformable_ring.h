@@ -19,6 +19,7 @@ class PairDeformableRing : public PairDeformable {
   void settings(int, char **) override;
   void init_style() override;
   void compute(int, int) override;
+  double memory_usage() override;
 
  private:
   deformable::RingProgramme programme;

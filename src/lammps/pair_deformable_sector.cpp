@@ -182,3 +182,11 @@ void PairDeformableSector::unpack_forward_comm(int n, int first, double *buf)
 {
   for (int k = 0; k < n; ++k) ncontacts[first + k] = buf[k];
 }
+
+/* ---------------------------------------------------------------------- */
+
+double PairDeformableSector::memory_usage()
+{
+  return PairDeformable::memory_usage() + order.bytes() + bytes_of(singles) +
+         static_cast<double>(maxcontacts) * sizeof(double);
+}

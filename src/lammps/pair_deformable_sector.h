@@ -14,6 +14,7 @@ class PairDeformableSector : public PairDeformable {
   ~PairDeformableSector() override;
   void settings(int, char **) override;
   void compute(int, int) override;
+  double memory_usage() override;
   int pack_forward_comm(int, int *, double *, int, int *) override;
   void unpack_forward_comm(int, int, double *) override;
 
