@@ -117,6 +117,43 @@ def test_mpi_input(tree):
     assert np.abs(total / total[0] - 1.0).max() < 2e-6
 
 
+def test_large(tree):
+    """Copies of a cell from random places; nothing depends on the number of ranks."""
+    folder = tree / "examples" / "large"
+    log = run(folder, "lmp", "-in", "in.cell", "-var", "particles", "250")
+    disks = numbers(log, "disks: phi = 0")
+    assert disks[-2, 1] < 1e-4 < disks[-1, 1]
+    assert disks[:, 0] == pytest.approx(0.8 * 0.9975 ** (-2.0 * np.arange(len(disks))), abs=1e-4)
+    values = {"nx": 2, "ny": 2, "calls": 50, "motion": 20}
+    command = (
+        "lmp",
+        "-in",
+        "in.large",
+        *(w for k, v in values.items() for w in ("-var", k, str(v))),
+    )
+    logs = [run(folder, *command), run(folder, "mpiexec", "-n", "2", *command)]
+
+    short = (*command, "-var", "contact", "balanced", "-var", "steps", "1", "-var", "motion", "1")
+    balanced = run(folder, *short)
+    ((less,), (more,)) = (numbers(log, "Total dynamically") for log in (logs[0], balanced))
+    # of each contact a dozen numbers, of which there are five or so on a particle
+    assert more > less + 0.5e-3 * 1000  # Mbyte
+
+    serial, shared = (numbers(log, "strain 0") for log in logs)
+    strain, pressure, energy, largest, beyond = range(5)
+    assert serial[:, strain] == pytest.approx(0.002 * np.arange(1, 6))
+    # The same 250 iterations, too few to bring rounding errors of 1e-16 anywhere near this.
+    assert shared[:, : largest + 1] == pytest.approx(serial[:, : largest + 1], rel=1e-9)
+    assert (np.diff(serial[:, [pressure, energy]], axis=0) > 0.0).all()
+    assert (serial[:, beyond] == 0).all()
+    for log, found in zip(logs, (serial, shared), strict=True):
+        net = numbers(log, "net force")
+        assert (np.abs(net).max(axis=1) < 1e-12 * found[:, largest]).all()
+        ((before, after, kinetic),) = numbers(log, "energy at")
+        # benchmarks/nve.py and balanced.py: 1e-5 at this time step
+        assert 0.0 < abs(after - before) < 1e-4 * kinetic
+
+
 def snippets(page, language):
     text = (ROOT / page).read_text()
     return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)

@@ -75,6 +75,7 @@ def test_sector_warns_on_one_line(tmp_path: Path) -> None:
         (["--law", "sector", "--kP", "1"], "error: Sector needs one positive stiffness"),
         (["--resume", "--out", "nowhere"], "error: no saved run in 'nowhere'"),
         (["--resume", "--seed", "2"], "law in 'compress': leave out --seed"),
+        (["--resume", "--tolerance", "1e-8"], "error: --resume finishes the compression in 'comp"),
         (["--steps", "0"], "error: steps must be at least 1, not 0"),
         (["--out", "/dev/null/run"], "error: [Errno 20] Not a directory: '/dev/null/run'"),
         (["--number", "many"], "Invalid value for '--number'"),
