@@ -114,7 +114,7 @@ void ContactSides::face(const ContactTable &table)
 double ContactSides::memory_usage() const
 {
   double bytes = bytes_of(count, mirror, tags);
-  for (const SideValues *values : {&shifts, &before, &earlier, &partners, &angles})
+  for (const SideValues *values : {&shifts, &before, &earlier, &partners, &xs, &ys})
     bytes += values->bytes();
   return bytes;
 }
