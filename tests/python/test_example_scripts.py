@@ -145,3 +145,22 @@ def test_pictures_of_a_run(tmp_path: Path) -> None:
     assert (np.diff(z) > 0.0).all()
     assert (s > 1.5).all()
     assert k * 1.2 == pytest.approx(2.0 * np.pi, rel=0.3)  # waves as long as a particle is wide
+
+
+def test_shear_begins_at_the_modulus_and_yields(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    script = (EXAMPLES / "shear" / "shear.py").read_text()
+    for whole, part in (
+        ("STRAIN, STEPS = 0.90, 1.0, 200", "STRAIN, STEPS = 0.90, 0.3, 30"),
+        ("bidisperse(64, ", "bidisperse(24, "),
+    ):
+        assert whole in script
+        script = script.replace(whole, part)
+    (tmp_path / "shear.py").write_text(script)
+    printed = text("python", "shear.py", cwd=tmp_path)
+    (pressure,) = re.findall(r"^phi .* pressure (\S+) ", printed, re.M)
+    (stress,) = re.findall(r"largest stress (\S+) ", printed)
+    (events,) = re.findall(r"plastic events (\d+)", printed)
+    assert 0.0 < float(stress) < float(pressure)
+    assert int(events) > 0
+    assert (tmp_path / "shear.png").stat().st_size > 10_000

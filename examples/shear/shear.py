@@ -1,0 +1,34 @@
+"""Shear a packing far beyond yielding: stress against strain, and what flows."""
+
+import deformable
+import matplotlib.pyplot as plt
+import numpy as np
+
+PHI, STRAIN, STEPS = 0.90, 1.0, 200
+
+jammed = deformable.jam(deformable.bidisperse(64, seed=1))
+with deformable.Simulation(jammed.at(PHI), deformable.Ring()) as sim:
+    start = sim.relax(1e-4)
+    modulus = deformable.shear_modulus(start, strain=1e-4).value
+    print(f"phi {start.phi:.3f}  pressure {start.pressure:.3e}  shear modulus {modulus:.2e}")
+    states = list(deformable.shear(sim, STRAIN, STEPS, tolerance=1e-4))
+
+strain = STRAIN * np.arange(1, STEPS + 1) / STEPS
+stress = np.array([-state.stress[0, 1] for state in states])
+pressure = np.array([state.pressure for state in states])
+flowing = strain > 0.2
+# a plastic event: the stress falls by more than it rises in a step at the modulus of the start
+events = np.flatnonzero(np.diff(stress) < -modulus * STRAIN / STEPS)
+print(f"largest stress {stress.max():.2e} at a strain of {strain[stress.argmax()]:.3f}")
+print(f"beyond 0.2  stress {stress[flowing].mean():.2e}  pressure {pressure[flowing].mean():.2e}")
+print(f"ratio of the two {stress[flowing].mean() / pressure[flowing].mean():.3f}")
+print(f"plastic events {len(events)} in a strain of {STRAIN:g}")
+
+figure, (curve, picture) = plt.subplots(1, 2, figsize=(11, 4.6), layout="constrained")
+curve.plot(strain, stress, label="shear stress")
+curve.plot(strain[strain < 0.05], modulus * strain[strain < 0.05], "--", label="modulus")
+curve.plot(strain[events + 1], stress[events + 1], ".", color="tab:red", label="plastic events")
+curve.set(xlabel="shear strain", ylabel="shear stress [kA]")
+curve.legend()
+states[-1].plot(picture, forces=True)
+figure.savefig("shear.png", dpi=90)
