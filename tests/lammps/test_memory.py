@@ -64,6 +64,14 @@ run 4
 """
 
 
+def spheres(script):
+    """The same particles, with radii of their own."""
+    script = script.replace("atom_style atomic", "atom_style sphere").replace("mass * 1.0\n", "")
+    return script.replace(
+        "pair_style", "set type 1 diameter 1.0\nset type 2 diameter 1.4\npair_style"
+    )
+
+
 EDGES = f"-0.55 {SIDE + 0.55!r}"
 WALL = f"""
 change_box all boundary f f p
@@ -96,6 +104,7 @@ run 4
 
 SCENES = {
     "ring": packing("deformable/ring", "small large"),
+    "ring, radius of the atom": spheres(packing("deformable/ring radius atom", "small large")),
     "ring, soft": packing("deformable/ring reach 0.3", "both skinned"),
     "ring, area kept": packing("deformable/ring reach 0.3", "fixed fixedlarge", ROOM),
     "ring, balanced": packing("deformable/ring contact balanced reach 0.3", "small large"),
