@@ -42,7 +42,7 @@ class Packing:
 
     def __post_init__(self) -> None:
         for name in ("positions", "species", "radii", "sizes"):
-            if getattr(self, name) is None:
+            if name == "sizes" and self.sizes is None:
                 continue
             array: NDArray[np.generic] = numbers(name, getattr(self, name))
             if name == "species":

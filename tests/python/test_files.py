@@ -151,3 +151,11 @@ def test_a_row_stands_for_a_whole_frame(
             next(steps)
     with (tmp_path / "series.csv").open(newline="") as file:
         assert len(list(csv.DictReader(file))) == 1
+
+
+def test_a_data_file_that_lacks_an_atom(state: deformable.State, tmp_path: Path) -> None:
+    state.save(tmp_path)
+    data = tmp_path / "packing.data"
+    data.write_text(data.read_text().replace("\n32 2 ", "\n99 2 "))
+    with pytest.raises(deformable.FileError, match=r"cannot be read: .*IDs must .*consecutive"):
+        deformable.load(tmp_path)

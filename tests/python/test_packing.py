@@ -94,6 +94,7 @@ def test_builder_names_the_bad_value(wrong: dict[str, Any], message: str) -> Non
     ("wrong", "message"),
     [
         ({"positions": np.zeros((3, 2))}, "positions must have shape"),
+        ({"positions": None}, "positions must be finite numbers, not None"),
         ({"positions": np.full((2, 2), np.nan)}, "positions must be finite"),
         ({"species": np.array([0, 2])}, "species must lie in 0..1"),
         ({"radii": np.array([0.5, 0.0])}, "radii must be positive"),
