@@ -300,9 +300,11 @@ def _packing(text: str, radii: list[float]) -> Packing:
     style, _, rows = atoms.partition("\n")
     words = {line.split()[-1]: line.split() for line in head.splitlines() if line.strip()}
     lx, ly, xy = float(words["xhi"][1]), float(words["yhi"][1]), float(words["yz"][0])
-    _, kinds, *columns = np.loadtxt(rows.splitlines(), ndmin=2).T
+    ids, kinds, *columns = np.loadtxt(rows.splitlines(), ndmin=2).T
     if len(kinds) != int(words["atoms"][0]):
         raise ValueError(f"{DATA} has {len(kinds)} of {words['atoms'][0]} atoms")
+    if not np.array_equal(ids, np.arange(1, len(ids) + 1)):
+        raise ValueError(f"atom IDs in {DATA} must be 1 to {len(ids)} in order")
     return Packing(
         positions=np.column_stack(columns[-3:-1]),
         species=kinds.astype(np.int64) - 1,

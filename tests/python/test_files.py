@@ -157,5 +157,5 @@ def test_a_data_file_that_lacks_an_atom(state: deformable.State, tmp_path: Path)
     state.save(tmp_path)
     data = tmp_path / "packing.data"
     data.write_text(data.read_text().replace("\n32 2 ", "\n99 2 "))
-    with pytest.raises(deformable.FileError, match=r"cannot be read: .*IDs must .*consecutive"):
+    with pytest.raises(deformable.FileError, match=r"cannot be read: atom IDs in .* must be 1 to"):
         deformable.load(tmp_path)
