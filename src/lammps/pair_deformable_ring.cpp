@@ -236,7 +236,7 @@ void PairDeformableRing::no_shape(int i, int contacts)
    The outline reaches out of the undeformed circle where it bulges and
    because the whole ring has moved out. Within depth it meets no line that is
    not a candidate: walls, and lines with the smallest particles, which come
-   nearest, lie at least as far out.
+   nearest, lie at least as far out. Only the largest bulge is asked for.
 ------------------------------------------------------------------------- */
 
 void PairDeformableRing::check_reach(int i, const Contacts &contacts)
@@ -245,6 +245,7 @@ void PairDeformableRing::check_reach(int i, const Contacts &contacts)
   const double depth =
       std::min(reach * r, -contact_line(cutoff, 1.0 / cutoff, r, smallest).indentation_i);
   const double breath = shape.perimeter_excess / (2.0 * PI);
+  if (breath + ring_bulge_at_most(contacts, shape) <= bulge_over_reach * depth) return;
   const double ratio = (breath + ring_bulge(ring_radius_of(i), contacts, shape)) / depth;
   if (ratio > 1.0)
     error->one(FLERR,
