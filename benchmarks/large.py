@@ -1,0 +1,139 @@
+"""Memory per particle and time per particle-step from ten thousand to a million particles.
+
+    python benchmarks/large.py [--out benchmarks/results/large.json]
+
+Runs `examples/large`: its cell of 1e4 particles, taken 1, 10 and 100 times, is compressed by 1 %
+and then moves at constant energy. Sizes take turns, so that a machine that others use too slows
+down all of them alike, and their processor time is counted; quoted are medians. Per particle and
+step: seconds of a core in the run at constant energy, in its pair style and in the minimisations
+(new neighbour lists included), bytes that LAMMPS and its styles allocate, and resident bytes of the
+processes, beyond those of the smallest.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+from deformable.versions import machine
+
+ROOT = Path(__file__).parents[1]
+BIN = Path(sys.executable).parent
+CELL = 10_000
+COPIES = ((1, 1), (5, 2), (10, 10))
+# contact lines, ranks, repeats of each size; steps of strain, force calls in each, time steps
+CASES = (
+    ("radical", 1, (5, 3, 1), {"steps": 2, "calls": 10, "motion": 30}),
+    ("radical", 2, (5, 3, 1), {"steps": 2, "calls": 10, "motion": 30}),
+    ("balanced", 1, (3, 1), {"steps": 1, "calls": 5, "motion": 5}),
+)
+
+# MPICH's ranks wait by spinning: where there are fewer cores than ranks they should give way
+ENVIRONMENT = os.environ | {
+    "MPIR_CVAR_CH4_PROGRESS_THROTTLE": "1",
+    "MPIR_CVAR_CH4_PROGRESS_THROTTLE_NO_PROGRESS_COUNT": "16",
+}
+
+
+def lammps(folder: Path, ranks: int, *arguments: str) -> str:
+    command = [BIN / "mpiexec", "-n", str(ranks), BIN / "lmp", "-log", "none", *arguments]
+    return subprocess.run(
+        command, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, check=True
+    ).stdout
+
+
+def run(
+    folder: Path, copies: tuple[int, int], contact: str, ranks: int, length: dict[str, int]
+) -> dict[str, float]:
+    """What one run of the example takes, in seconds and bytes, of all ranks together."""
+    settings = {"nx": copies[0], "ny": copies[1], "contact": contact} | length
+    words = [word for name, value in settings.items() for word in ("-var", name, str(value))]
+    log = lammps(folder, ranks, "-in", "in.large", *words)
+    n = CELL * copies[0] * copies[1]
+    loops = re.findall(
+        r"^Loop time of (\S+) on .* for ([1-9]\d*) steps(?:.*\n)+?(\S+)% CPU use", log, re.MULTILINE
+    )
+    *minimisations, motion = [
+        ranks * float(wall) * min(1.0, float(share) / 100) / (n * int(steps))
+        for wall, steps, share in loops
+    ]
+    (pair,) = re.findall(r"^Pair .* (\S+)$", log[log.rindex("timing breakdown") :], re.MULTILINE)
+    (resident,) = re.findall(r"Maximum resident set size: (\S+) Mbyte", log)
+    allocated = re.findall(r"memory allocation .* \| (\S+) \| ", log)[-1]
+    return {
+        "motion": motion,
+        "pair": motion * float(pair) / 100,
+        "minimisation": statistics.fmean(minimisations),
+        "allocated": float(allocated) * 2**20 * ranks,
+        "resident": float(resident) * 2**20 * ranks,
+    }
+
+
+def measure(
+    folder: Path, contact: str, ranks: int, repeats: tuple[int, ...], length: dict[str, int]
+) -> list[Any]:
+    samples: list[list[dict[str, float]]] = [[] for _ in COPIES]
+    for turn in range(max(repeats)):
+        for size, copies in enumerate(COPIES):
+            if size < len(repeats) and turn < repeats[size]:
+                samples[size].append(run(folder, copies, contact, ranks, length))
+    rows: list[dict[str, Any]] = []
+    for copies, runs in zip(COPIES, filter(None, samples), strict=False):
+        n = CELL * copies[0] * copies[1]
+        middle = {name: statistics.median(r[name] for r in runs) for name in runs[0]}
+        base = rows[0] if rows else None
+        row = {
+            "contact": contact,
+            "ranks": ranks,
+            "n": n,
+            "repeats": len(runs),
+            **length,
+            "ns_motion": 1e9 * middle["motion"],
+            "ns_pair": 1e9 * middle["pair"],
+            "ns_minimisation": 1e9 * middle["minimisation"],
+            "allocated": middle["allocated"],
+            "resident": middle["resident"],
+        }
+        if base is not None:
+            for name in ("ns_motion", "ns_pair", "ns_minimisation"):
+                row[f"{name}_over_smallest"] = row[name] / base[name]
+            for name in ("allocated", "resident"):
+                row[f"{name}_per_particle"] = (row[name] - base[name]) / (n - base["n"])
+        rows.append(row)
+        print(" ".join(f"{k} {v:.4g}" if k != "contact" else v for k, v in row.items()), flush=True)
+    return rows
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=Path, default=ROOT / "benchmarks/results/large.json")
+    options = parser.parse_args()
+    rows = []
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(shutil.copytree(ROOT / "examples/large", Path(name, "examples/large")))
+        shutil.copytree(ROOT / "potentials", Path(name, "potentials"))
+        lammps(folder, 1, "-in", "in.cell", "-var", "particles", str(CELL))
+        for case in CASES:
+            rows += measure(folder, *case)
+    result = {
+        "command": "python benchmarks/large.py",
+        "date": date.today().isoformat(),
+        "machine": machine()["processor"],
+        "rows": rows,
+    }
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    options.out.write_text(json.dumps(result, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
