@@ -422,11 +422,11 @@ def test_walls_are_around_one_particle(
         ([0.0, 3.0], [1.0, 1.0], "less than half a turn"),
         ([0.0, 1.0, 2.0], [1.0, 1.0, 1.0], "less than half a turn"),
         ([0.0, 4.0, 2.0], [1.0, 1.0, 1.0], "must rise through one turn"),
-        ([0.0, np.nan, 4.0], [1.0, 1.0, 1.0], "must rise"),
-        (None, None, "must rise"),
+        ([0.0, np.nan, 4.0], [1.0, 1.0, 1.0], "angle of walls must be finite numbers"),
+        (None, None, "angle of walls must be finite numbers"),
         ([], [], "must rise"),
-        ([0.0, 2.0, 4.0], "high", "must be numbers, not .* and high"),
-        ([0.0, [2.0, 4.0]], [1.0, 1.0, 1.0], "must be numbers"),
+        ([0.0, 2.0, 4.0], "high", "height of walls must be finite numbers, not high"),
+        ([0.0, [2.0, 4.0]], [1.0, 1.0, 1.0], "angle of walls must be finite numbers"),
         ([0.0, 2.0, 4.0], [1.0, 1.0], "3 positive numbers"),
         ([0.0, 2.0, 4.0], [1.0, 0.0, 1.0], "3 positive numbers"),
     ],
@@ -487,6 +487,6 @@ def test_tolerances_are_positive(tolerance: float) -> None:
 @pytest.mark.parametrize("box", [[[-5, 0], [0, 5]], [[5, 1], [0, 5]], [[5, 0], [np.nan, 5]]])
 def test_bad_boxes_change_nothing(box: list[list[float]]) -> None:
     with deformable.BeadReference(pair(1.42), deformable.Beads(20)) as rings:
-        with pytest.raises(deformable.ParameterError, match=r"box must be \(\(lx, 0\)"):
+        with pytest.raises(deformable.ParameterError, match="box must be"):
             rings.deform(np.array(box))
         assert rings.box == pytest.approx(1.42 * np.eye(2))
