@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from functools import cached_property
 
 import numpy as np
@@ -28,7 +29,7 @@ def bearing_bonds(i: NDArray[np.int64], j: NDArray[np.int64], number: int) -> ND
         bonds = kept
 
 
-class Backbone:
+class Backbone(ABC):
     """Contacts of a state, counted once rattlers are taken out one after another.
 
     A rattler has fewer than three contacts with particles that are none.
@@ -37,9 +38,9 @@ class Backbone:
     packing: Packing
 
     @property
+    @abstractmethod
     def _ends(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Both ends of each bearing contact, as either side sees it; -1 is a wall."""
-        raise NotImplementedError
 
     @cached_property
     def _bonds(self) -> NDArray[np.bool_]:
