@@ -1,0 +1,57 @@
+#include "arguments.h"
+
+#include "trigonometry.h"
+
+#include <cmath>
+
+using namespace deformable;
+
+void deformable::refuse(const std::string &message)
+{
+  throw nb::value_error(message.c_str());
+}
+
+std::vector<double> deformable::vector_of(const std::string &name, nb::handle given)
+{
+  const nb::object array =
+      nb::module_::import_("numpy").attr("ascontiguousarray")(given, "dtype"_a = "float64");
+  const auto values = nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(array);
+  if (values.ndim() != 1)
+    refuse(name + " has " + std::to_string(values.ndim()) + " dimensions: it must have one");
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (!std::isfinite(values.data()[k]))
+      refuse(name + "[" + std::to_string(k) + "] is " + std::to_string(values.data()[k]) +
+             ": it must be finite");
+  return {values.data(), values.data() + values.size()};
+}
+
+void deformable::require_positive(const std::string &name, double value)
+{
+  if (!(value > 0.0) || !std::isfinite(value))
+    refuse(name + " is " + std::to_string(value) + ": it must be positive and finite");
+}
+
+Call deformable::checked(double radius, nb::handle angles, nb::handle indentations)
+{
+  require_positive("radius", radius);
+  const std::vector<double> angle = vector_of("angle", angles);
+  const std::vector<double> indentation = vector_of("indentation", indentations);
+  if (angle.size() != indentation.size())
+    refuse("angle has " + std::to_string(angle.size()) + " entries but indentation has " +
+           std::to_string(indentation.size()) + ": give one of each per contact");
+  for (std::size_t k = 0; k < indentation.size(); ++k)
+    if (indentation[k] >= radius)
+      refuse("indentation[" + std::to_string(k) + "] is " + std::to_string(indentation[k]) +
+             ": the contact line lies behind the centre (radius " + std::to_string(radius) + ")");
+
+  // The kernels want all angles within one turn; those that are keep every digit.
+  const auto [low, high] = std::minmax_element(angle.begin(), angle.end());
+  const bool wraps = !angle.empty() && *high - *low >= 2.0 * PI;
+  Call call = {radius, {}, {}};
+  for (std::size_t c = 0; c < angle.size(); ++c) {
+    const double theta = wraps ? std::remainder(angle[c], 2.0 * PI) : angle[c];
+    call.contacts.push_back({theta, std::cos(theta), std::sin(theta), indentation[c]});
+    call.order.push_back(static_cast<int>(c));
+  }
+  return call;
+}

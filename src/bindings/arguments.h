@@ -1,0 +1,55 @@
+// What Python gives to deformable.core, checked, and what it gets back.
+
+#ifndef DEFORMABLE_ARGUMENTS_H
+#define DEFORMABLE_ARGUMENTS_H
+
+#include "shape.h"
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <algorithm>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+namespace deformable {
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+using Vector = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
+using Points = nb::ndarray<nb::numpy, double, nb::shape<-1, 2>>;
+using Matrix = nb::ndarray<nb::numpy, double, nb::ndim<2>>;
+using Arcs = nb::ndarray<nb::numpy, double, nb::shape<-1, 5>>;
+
+template <class Array> Array to_numpy(const double *begin, std::initializer_list<std::size_t> shape)
+{
+  std::size_t count = 1;
+  for (std::size_t n : shape) count *= n;
+  auto *data = new double[count];
+  std::copy(begin, begin + count, data);
+  nb::capsule owner(data, [](void *p) noexcept { delete[] static_cast<double *>(p); });
+  return Array(data, shape, owner);
+}
+
+[[noreturn]] void refuse(const std::string &message);
+
+// Anything that numpy takes for a vector of finite numbers.
+std::vector<double> vector_of(const std::string &name, nb::handle given);
+
+void require_positive(const std::string &name, double value);
+
+// The contacts of a call, checked, and the memory that they are a view of.
+struct Call {
+  double radius;
+  std::vector<Contact> contacts;
+  std::vector<int> order;
+  Contacts view() const { return {static_cast<int>(contacts.size()), contacts.data()}; }
+};
+
+Call checked(double radius, nb::handle angles, nb::handle indentations);
+
+}    // namespace deformable
+
+#endif

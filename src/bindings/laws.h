@@ -1,0 +1,36 @@
+// The contact laws as Python sees them.
+
+#ifndef DEFORMABLE_LAWS_H
+#define DEFORMABLE_LAWS_H
+
+#include "arguments.h"
+
+#include "sector.h"
+#include "shape.h"
+
+namespace deformable {
+
+struct Result {
+  Shape shape;
+  std::size_t contacts;
+  bool has_sectors;
+  std::vector<double> arc_radii;    // one a sector
+};
+
+Result sector_result(Call &call);
+Result area_sector_result(Call &call);
+Result ring_result(Call &call);
+
+// A sector that keeps its perimeter.
+Sector perimeter_part(const Opening &o, double ai, double ak);
+
+// Two contacts in one direction leave no sector: what it changes is not a number.
+void refuse_coincident(double change);
+
+void bind_laws(nb::module_ &m);
+void bind_soft_rings(nb::module_ &m);
+void bind_outlines(nb::module_ &m);
+
+}    // namespace deformable
+
+#endif

@@ -1,0 +1,164 @@
+#include "laws.h"
+
+#include "balance.h"
+#include "soft_ring.h"
+
+#include <cmath>
+
+using namespace deformable;
+
+namespace {
+
+struct SoftResult {
+  double radius;    // of the undeformed ring
+  Shape shape;
+  std::size_t contacts;
+  Energy energy;
+};
+
+SoftResult soft_ring(const Call &call, double kA, double kP, double skin)
+{
+  const double radius = call.radius;
+  if (!(kA > 0.0)) refuse("kA is " + std::to_string(kA) + ": it must be positive, or inf");
+  if (!(kP > 0.0)) refuse("kP is " + std::to_string(kP) + ": it must be positive, or inf");
+  if (std::isinf(kA) && std::isinf(kP))
+    refuse("kA and kP are both inf, which leaves a rigid disk: give one of them a finite value");
+  if (!(skin >= 0.0 && skin < radius))
+    refuse("skin is " + std::to_string(skin) + ": it must be from 0 to below the radius " +
+           std::to_string(radius));
+
+  std::vector<char> carries(call.contacts.size(), 0);
+  RingProgramme programme;
+  SoftResult result = {radius - skin, {}, call.contacts.size(), {}};
+  const Stiffness stiffness = {kA, kP};
+  if (stiffness.conserves_perimeter()) {
+    ring_shape(result.radius, call.view(), carries.data(), programme, result.shape);
+    result.energy = harmonic(kA, result.shape.area_deficit);
+  } else if (!soft_ring_shape(result.radius, stiffness, call.view(), carries.data(), programme,
+                              result.shape, result.energy)) {
+    refuse("indentation: these contacts leave no room for a ring of this area");
+  }
+  return result;
+}
+
+SoftResult soft_ring_result(double radius, nb::handle angle, nb::handle indentation, double kA,
+                            double kP, double skin)
+{
+  return soft_ring(checked(radius, angle, indentation), kA, kP, skin);
+}
+
+Matrix stiffness_of(double radius, nb::handle angle, nb::handle indentation, double kA, double kP,
+                    double skin)
+{
+  const Call call = checked(radius, angle, indentation);
+  const SoftResult result = soft_ring(call, kA, kP, skin);
+  const Shape &shape = result.shape;
+  std::vector<int> carrying;
+  for (std::size_t c = 0; c < result.contacts; ++c)
+    if (shape.contact[c].length > 0.0) carrying.push_back(static_cast<int>(c));
+
+  const std::size_t z = result.contacts, n = carrying.size();
+  std::vector<double> inverse(n * n), rate, block(n * n), full(z * z, 0.0);
+  RingProgramme programme;
+  green_inverse(call.view(), static_cast<int>(n), carrying.data(), programme, inverse.data());
+  contact_stiffness({result.radius,
+                     shape.perimeter_excess / (2.0 * PI),
+                     {kA, kP},
+                     result.energy.derivative,
+                     call.view(),
+                     shape.contact.data()},
+                    static_cast<int>(n), carrying.data(), inverse.data(), rate, block.data());
+  for (std::size_t m = 0; m < n; ++m)
+    for (std::size_t k = 0; k < n; ++k) full[carrying[m] * z + carrying[k]] = block[m * n + k];
+  return to_numpy<Matrix>(full.data(), {z, z});
+}
+
+}    // namespace
+
+void deformable::bind_soft_rings(nb::module_ &m)
+{
+  const auto soft_vector = [](auto &&value) {
+    return [value](const SoftResult &r) {
+      std::vector<double> values;
+      for (std::size_t c = 0; c < r.contacts; ++c)
+        values.push_back(value(r.shape.contact[c], r.energy.derivative));
+      return to_numpy<Vector>(values.data(), {r.contacts});
+    };
+  };
+  nb::class_<SoftResult>(m, "SoftShape", "A ring that has come to rest between its contacts.")
+      .def_prop_ro(
+          "energy", [](const SoftResult &r) { return r.energy.value; },
+          "U = kA/2 (A - A0)^2 + kP/2 (P - P0)^2 [energy]")
+      .def_prop_ro(
+          "pressure", [](const SoftResult &r) { return r.energy.derivative; },
+          "p = kA (A0 - A), or the limit of it where kA is infinite [energy/length^2]")
+      .def_prop_ro(
+          "area_deficit", [](const SoftResult &r) { return r.shape.area_deficit; },
+          "A0 - A of the ring [length^2]")
+      .def_prop_ro(
+          "area",
+          [](const SoftResult &r) { return PI * r.radius * r.radius - r.shape.area_deficit; },
+          "A of the ring, without its skin [length^2]")
+      .def_prop_ro(
+          "perimeter",
+          [](const SoftResult &r) { return 2.0 * PI * r.radius + r.shape.perimeter_excess; },
+          "P of the ring, without its skin [length]")
+      .def_prop_ro(
+          "delta", [](const SoftResult &r) { return r.shape.perimeter_excess / (2.0 * PI); },
+          "how far the ring has moved out, (P - P0)/2 pi [length]")
+      .def_prop_ro(
+          "arc_radius", [](const SoftResult &r) { return r.shape.arc_radius; },
+          "smallest radius of curvature of the free ring [length]; negative: beyond the model")
+      .def_prop_ro("contact_length",
+                   soft_vector([](const Response &contact, double) { return contact.length; }),
+                   nb::rv_policy::move, "length of each contact [length], (z,)")
+      .def_prop_ro("d_indentation", soft_vector([](const Response &contact, double pressure) {
+                     return pressure * contact.d_indentation;
+                   }),
+                   nb::rv_policy::move,
+                   "dU/da = p L, the force of each contact [energy/length], (z,)")
+      .def_prop_ro("d_angle", soft_vector([](const Response &contact, double pressure) {
+                     return pressure * contact.d_angle;
+                   }),
+                   nb::rv_policy::move, "dU/dtheta of each contact [energy], (z,)");
+
+  m.def("soft_ring", &soft_ring_result, "radius"_a, "angle"_a, "indentation"_a, "kA"_a, "kP"_a,
+        "skin"_a = 0.0,
+        R"(Contacts that slip, of a ring that resists a change of area and one of perimeter.
+
+The ring of radius R - skin moves out by the delta that minimises U = kA/2 (A - A0)^2 + kP/2 (P - P0)^2
+at A = pi (R - skin + delta)^2 - S, P = 2 pi (R - skin + delta), where S is that of `ring` at the
+indentations a + delta. Its outline, skin included, is outline("ring", R + delta, angle, a + delta).
+
+Parameters
+----------
+radius, angle, indentation
+    As for `ring`.
+kA : float
+    Stiffness of the area [energy/length^4]; inf: the area is conserved.
+kP : float
+    Stiffness of the perimeter [energy/length^2]; inf: the perimeter is conserved.
+skin : float
+    Thickness of the rigid shell around the ring [length].
+
+Returns
+-------
+SoftShape
+    Derivatives are those of the energy.
+
+Raises
+------
+ValueError
+    As for `ring`; a stiffness that is not positive, or both infinite; a skin outside [0, radius);
+    an area that the contacts leave no room for (kA = inf).
+
+Source: docs/theory.md, "Rings that breathe".)");
+  m.def("contact_stiffness", &stiffness_of, "radius"_a, "angle"_a, "indentation"_a, "kA"_a, "kP"_a,
+        "skin"_a = 0.0,
+        R"(How the forces of `soft_ring` answer to the indentations.
+
+Returns the symmetric matrix dF_c/da_c' (z, z) of F_c = dU/da_c [energy/length^2], zero in rows and columns
+of contacts that do not carry. Parameters and errors as for `soft_ring`.
+
+Source: docs/theory.md, "Balanced contacts".)");
+}
