@@ -15,10 +15,14 @@ bool ContactBalance::settle(const ContactTable &table, bool new_list, const Swee
 {
   if (new_list) {
     face(table);
-    for (SideValues *values : {&forces, &steps, &answers})
+    for (SideValues *values : {&forces, &answers, &room})
       values->reset(atom->nlocal + atom->nghost, stride);
-    for (std::vector<double> *v : {&gradient, &left, &search, &turned, &per_diagonal})
-      v->assign(mirror.size(), 0.0);
+    gradient.assign(mirror.size(), 0.0);
+    pair_of.assign(mirror.size(), 0);
+    abroad.clear();
+    for (int i = 0; i < atom->nlocal; ++i)
+      for (int k = side(i, 0); k < side(i, count[i]); ++k)
+        if (mirror[k] >= static_cast<int>(mirror.size())) abroad.push_back(k);
   }
   start();
 
@@ -35,15 +39,15 @@ bool ContactBalance::settle(const ContactTable &table, bool new_list, const Swee
   const double enough = minimising ? std::max(tolerance, TENTH * at.worst / at.largest) : tolerance;
   bool free_to_part = true;
   while (!at.settled(enough) && sweeps < limit && std::isfinite(at.energy)) {
+    constexpr double MARGIN = 0.3;
+    const double unsettled = MARGIN * enough * at.largest;
+    choose(unsettled);
     stiffen(rings);
-    if (free_to_part && part(rings)) at.energy = std::numeric_limits<double>::infinity();
+    if (free_to_part && at.one_sided && part(rings, unsettled))
+      at.energy = std::numeric_limits<double>::infinity();
     free_to_part = false;
-    // A step takes what is left to its square, but no further than the tolerance asks for. The first one most often
-    // meets contacts that open or close, and gets less far.
-    constexpr double LOOSE = 0.03, MARGIN = 0.3;
-    const double left_over = at.worst / at.largest;
-    const double square = sweeps == 1 ? 10.0 * left_over : left_over;
-    find_step(std::max(MARGIN * enough / left_over, std::min(square, LOOSE)));
+    pair_up();
+    find_step(unsettled, at);
     at = descend(at, sweep);
   }
   rest();
@@ -69,7 +73,9 @@ void ContactBalance::start()
       if (run_up >= 2) shifts[k] += change;
       if (run_up >= 3) shifts[k] += change - change_before;
     }
-  moving.clear();
+  moving.assign(1, Pair{0, 0});
+  within = 1;
+  acts.assign(atom->nlocal, 1);
   carrying.clear();
   inverses.clear();
   blocks.assign(atom->nlocal, Block{0, -1, 0, 0});
@@ -84,50 +90,84 @@ void ContactBalance::rest()
 }
 
 /* ----------------------------------------------------------------------
+   Particles with a pair that is not settled, and those around them: a step
+   is felt the less, the further away
+------------------------------------------------------------------------- */
+
+void ContactBalance::choose(double unsettled)
+{
+  constexpr int AROUND = 2;
+  constexpr double MOST = 0.5;
+  const int nlocal = atom->nlocal, owned = static_cast<int>(mirror.size());
+  newly.clear();
+  for (int i = 0; i < nlocal; ++i) {
+    int k = side(i, 0);
+    const int end = side(i, count[i]);
+    while (k < end && std::fabs(gradient[k]) <= unsettled) ++k;
+    acts[i] = k < end;
+    if (acts[i]) newly.push_back(i);
+  }
+  if (total(newly.size()) > MOST * atom->natoms) {
+    std::fill(acts.begin(), acts.end(), 1);
+    return;
+  }
+  const auto carries = [this](int k) { return forces[k] > 0.0 || forces[mirror[k]] > 0.0; };
+  const auto join = [this](int i) {
+    if (acts[i]) return;
+    acts[i] = 1;
+    newly.push_back(i);
+  };
+  for (int ring = 0, begin = 0; ring < AROUND; ++ring) {
+    for (int k : abroad) answers[k] = acts[k / stride];
+    exchange(answers);
+    const int end = static_cast<int>(newly.size());
+    for (int k : abroad)
+      if (answers[mirror[k]] > 0.0 && carries(k)) join(k / stride);
+    for (int n = begin; n < end; ++n)
+      for (int k = side(newly[n], 0); k < side(newly[n], count[newly[n]]); ++k)
+        if (mirror[k] < owned && carries(k)) join(mirror[k] / stride);
+    begin = end;
+  }
+}
+
+/* ----------------------------------------------------------------------
    A line that presses on one of two outlines with a gap between them goes to
    the middle of the gap, where it is not in their way for a while. Newton's
    method would leave it at the very edge, after many steps where the force
    has no finite slope there. Returns whether there was such a line.
 ------------------------------------------------------------------------- */
 
-bool ContactBalance::part(const Rings &rings)
+bool ContactBalance::part(const Rings &rings, double unsettled)
 {
-  const auto for_pairs_of_one = [this](auto &&act) {
-    for (int i = 0; i < atom->nlocal; ++i)
-      for (int c = 0; c < count[i]; ++c) {
-        const int k = side(i, c);
-        if ((forces[k] > 0.0) != (forces[mirror[k]] > 0.0)) act(i, c, k);
+  for (int i = 0; i < atom->nlocal; ++i)
+    for (int c = 0; c < count[i]; ++c) {
+      const int k = side(i, c);
+      if (std::fabs(gradient[k]) <= unsettled) continue;
+      if ((forces[k] > 0.0) == (forces[mirror[k]] > 0.0)) continue;
+      parted.push_back(k);
+      const deformable::PressedRing ring = rings(i);
+      if (forces[k] > 0.0) {
+        const Block &block = blocks[i];
+        const int *const carry = &carrying[block.begin];
+        const int m = std::find(carry, carry + block.size, c) - carry;
+        room[k] = -ring.response[c].length / inverses[block.matrix + m * (block.size + 1)];
+      } else {
+        room[k] = deformable::room_before(ring, c);
       }
-  };
-  SideValues &room = answers;    // before the outline; negative where it is pressed
-  for_pairs_of_one([&](int i, int c, int k) {
-    const deformable::PressedRing ring = rings(i);
-    if (forces[k] > 0.0) {
-      const Block &block = blocks[i];
-      const int *const carry = &carrying[block.begin];
-      const int m = std::find(carry, carry + block.size, c) - carry;
-      room[k] = -ring.response[c].length / inverses[block.matrix + m * (block.size + 1)];
-    } else {
-      room[k] = deformable::room_before(ring, c);
     }
-  });
   exchange(room);
-  int here = 0, anywhere;
-  for_pairs_of_one([&](int, int, int k) {
-    if (room[k] + room[mirror[k]] <= 0.0) return;
-    shifts[k] += 0.5 * (room[k] - room[mirror[k]]);
-    gradient[k] = per_diagonal[k] = 0.0;
-    here = 1;
-  });
-  std::fill(room.value.begin(), room.value.end(), 0.0);
-  MPI_Allreduce(&here, &anywhere, 1, MPI_INT, MPI_MAX, world);
-  return anywhere == 1;
+  parted.erase(std::remove_if(parted.begin(), parted.end(),
+                              [this](int k) { return room[k] + room[mirror[k]] <= 0.0; }),
+               parted.end());
+  for (int k : parted) shifts[k] += 0.5 * (room[k] - room[mirror[k]]);
+  return total(parted.size()) > 0.0;
 }
 
 /* ---------------------------------------------------------------------- */
 
 double ContactBalance::total(double part) const
 {
+  if (comm->nprocs == 1) return part;
   double all;
   MPI_Allreduce(&part, &all, 1, MPI_DOUBLE, MPI_SUM, world);
   return all;
@@ -136,9 +176,7 @@ double ContactBalance::total(double part) const
 // of the energy along the step
 double ContactBalance::slope()
 {
-  double sum = 0.0;
-  for (const Pair &pair : moving) sum += pair.share * gradient[pair.side] * steps[pair.side];
-  return total(sum);
+  return sum_over_pairs([this](std::size_t p) { return gradient[moving[p].side] * steps[p]; });
 }
 
 /* ---------------------------------------------------------------------- */
@@ -146,16 +184,19 @@ double ContactBalance::slope()
 ContactBalance::Point ContactBalance::look(const Sweep &sweep)
 {
   ++sweeps;
-  const Load load = sweep();
+  const Load load = sweep(acts.data());
   exchange(forces);
-  double local[2] = {load.largest, 0.0}, largest[2];
+  double most[3] = {load.largest, 0.0, 0.0};
+  bool one_sided = false;
   for (int i = 0; i < atom->nlocal; ++i)
     for (int k = side(i, 0); k < side(i, count[i]); ++k) {
       gradient[k] = forces[k] - forces[mirror[k]];
-      local[1] = std::max(local[1], std::fabs(gradient[k]));
+      most[1] = std::max(most[1], std::fabs(gradient[k]));
+      one_sided |= (forces[k] > 0.0) != (forces[mirror[k]] > 0.0);
     }
-  MPI_Allreduce(local, largest, 2, MPI_DOUBLE, MPI_MAX, world);
-  return {total(load.energy), slope(), largest[0], largest[1]};
+  most[2] = one_sided;
+  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, most, 3, MPI_DOUBLE, MPI_MAX, world);
+  return {total(load.energy), slope(), most[0], most[1], most[2] > 0.0};
 }
 
 /* ----------------------------------------------------------------------
@@ -173,10 +214,10 @@ ContactBalance::Point ContactBalance::descend(const Point &from, const Sweep &sw
   } low = {0.0, slope()}, high = {1.0, 0.0}, beyond = high;
   const double level = -LEVEL * low.slope;
   for (double taken = 0.0, wanted = 1.0;;) {
-    for (const Pair &pair : moving) {
-      const double moved = (wanted - taken) * steps[pair.side];
-      shifts[pair.side] += moved;
-      if (pair.share == 1.0) shifts[pair.mirror] -= moved;
+    for (std::size_t p = 1; p < moving.size(); ++p) {
+      const double moved = (wanted - taken) * steps[p];
+      shifts[moving[p].side] += moved;
+      if (p < within) shifts[moving[p].mirror] -= moved;
     }
     taken = wanted;
     const Point at = look(sweep);
@@ -203,145 +244,9 @@ ContactBalance::Point ContactBalance::descend(const Point &from, const Sweep &sw
 
 /* ---------------------------------------------------------------------- */
 
-void ContactBalance::stiffen(const Rings &rings)
-{
-  const int nlocal = atom->nlocal;
-  std::fill_n(answers.value.begin(), mirror.size(), 0.0);
-  for (int i = 0; i < nlocal; ++i) {
-    if (count[i] == 0) continue;
-    const deformable::PressedRing ring = rings(i);
-    Block &block = blocks[i];
-    const int begin = static_cast<int>(carrying.size());
-    carrying.resize(begin + ring.contacts.size);
-    int *const now = carrying.data() + begin;
-    int size = 0, sides = 0;
-    for (int c = 0; c < ring.contacts.size; ++c)
-      if (ring.response[c].length > 0.0) {
-        now[size++] = c;
-        sides += c < count[i];
-      }
-    carrying.resize(begin + size);
-    if (size == block.size && std::equal(now, now + size, carrying.data() + block.begin)) {
-      carrying.resize(begin);
-    } else {
-      block = {begin, size, sides, inverses.size()};
-      inverses.resize(block.matrix + static_cast<std::size_t>(size) * size);
-      deformable::green_inverse(ring.contacts, size, now, programme, &inverses[block.matrix]);
-      matrices.resize(inverses.size());
-    }
-    const int *const carry = &carrying[block.begin];
-    double *const matrix = &matrices[block.matrix];
-    deformable::contact_stiffness(ring, size, carry, &inverses[block.matrix], rate, matrix);
-    for (int m = 0; m < sides; ++m) answers[side(i, carry[m])] = matrix[m * size + m];
-    for (int m = 1; m < sides && sides < size; ++m)    // walls do not move
-      std::copy_n(matrix + m * size, sides, matrix + m * sides);
-  }
-  exchange(answers);
-  moving.clear();
-  for (int i = 0; i < nlocal; ++i)
-    for (int k = side(i, 0); k < side(i, count[i]); ++k) {
-      const int m = mirror[k], owned = static_cast<int>(mirror.size());
-      const double diagonal = answers[k] + answers[m];
-      if (!(diagonal > 0.0) || m == k) continue;
-      per_diagonal[k] = 1.0 / diagonal;
-      if (k < m) moving.push_back({k, m, m < owned ? 1.0 : 0.5});
-    }
-}
-
-/* ----------------------------------------------------------------------
-   K x of one particle, at the contacts that carry
-------------------------------------------------------------------------- */
-
-template <int N>
-static void multiply(const double *matrix, const int *carry, const double *x, double *product)
-{
-  double along[N];
-  for (int n = 0; n < N; ++n) along[n] = x[carry[n]];
-  for (int m = 0; m < N; ++m) {
-    double sum = 0.0;
-    for (int n = 0; n < N; ++n) sum += matrix[m * N + n] * along[n];
-    product[carry[m]] = sum;
-  }
-}
-
-static void multiply(int n, const double *matrix, const int *carry, const double *x,
-                     double *product)
-{
-  switch (n) {
-    case 1: return multiply<1>(matrix, carry, x, product);
-    case 2: return multiply<2>(matrix, carry, x, product);
-    case 3: return multiply<3>(matrix, carry, x, product);
-    case 4: return multiply<4>(matrix, carry, x, product);
-    case 5: return multiply<5>(matrix, carry, x, product);
-    case 6: return multiply<6>(matrix, carry, x, product);
-    case 7: return multiply<7>(matrix, carry, x, product);
-  }
-  for (int m = 0; m < n; ++m, matrix += n) {
-    double sum = 0.0;
-    for (int k = 0; k < n; ++k) sum += matrix[k] * x[carry[k]];
-    product[carry[m]] = sum;
-  }
-}
-
-/* ----------------------------------------------------------------------
-   H x = -g by conjugate gradients, H the sum of all K seen by pairs; `steps`
-   becomes x, `answers` brings K of either side
-------------------------------------------------------------------------- */
-
-void ContactBalance::find_step(double accuracy)
-{
-  constexpr int LONGEST = 500;
-  std::fill(search.begin(), search.end(), 0.0);    // rows of K meet sides that do not move
-  const auto turn_to = [this](const Pair &pair, double direction) {
-    search[pair.side] = direction;
-    if (pair.share == 1.0) search[pair.mirror] = -direction;
-  };
-  double sum = 0.0;
-  for (const Pair &pair : moving) {
-    const int k = pair.side;
-    steps[k] = 0.0;
-    left[k] = -gradient[k];
-    turn_to(pair, per_diagonal[k] * left[k]);
-    sum += pair.share * left[k] * search[k];
-  }
-  double product = total(sum);
-  const double enough = accuracy * accuracy * product;
-  for (int iteration = 0; iteration < LONGEST && product > enough; ++iteration) {
-    for (int i = 0; i < static_cast<int>(blocks.size()); ++i) {
-      const Block &block = blocks[i];
-      multiply(block.sides, &matrices[block.matrix], carrying.data() + block.begin,
-               &search[side(i, 0)], &answers[side(i, 0)]);
-    }
-    exchange(answers);
-    sum = 0.0;
-    for (const Pair &pair : moving) {
-      const int k = pair.side;
-      turned[k] = answers[k] - answers[pair.mirror];
-      sum += pair.share * search[k] * turned[k];
-    }
-    const double curvature = total(sum);
-    const bool flat = !(curvature > 0.0);
-    const double along = flat ? 1.0 : product / curvature;
-    sum = 0.0;
-    for (const Pair &pair : moving) {
-      const int k = pair.side;
-      steps[k] += along * search[k];
-      left[k] -= along * turned[k];
-      sum += pair.share * left[k] * left[k] * per_diagonal[k];
-    }
-    if (flat) break;
-    const double next = total(sum), turn = next / product;
-    for (const Pair &pair : moving)
-      turn_to(pair, per_diagonal[pair.side] * left[pair.side] + turn * search[pair.side]);
-    product = next;
-  }
-}
-
-/* ---------------------------------------------------------------------- */
-
 double ContactBalance::memory_usage() const
 {
-  return ContactSides::memory_usage() + forces.bytes() + steps.bytes() + answers.bytes() +
-         bytes_of(moving, gradient, left, search, turned, per_diagonal, blocks, carrying, inverses,
-                  matrices);
+  return ContactSides::memory_usage() + forces.bytes() + answers.bytes() + room.bytes() +
+         bytes_of(moving, acts, newly, abroad, pair_of, gradient, steps, left, search, turned,
+                  weight, blocks, carrying, inverses, matrices);
 }

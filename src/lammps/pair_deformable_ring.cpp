@@ -153,7 +153,7 @@ template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate_balanced()
   for (std::size_t c = 0; c < radical.size(); ++c) radical[c] = table.contact[c].indentation;
 
   const bool settled = balance->settle(
-      table, neighbor->ago == 0, [this] { return sweep<SOFT>(); },
+      table, neighbor->ago == 0, [this](const char *acts) { return sweep<SOFT>(acts); },
       [this](int i) { return pressed(i); });
   if (!settled && !unbalanced) {
     unbalanced = true;
@@ -184,11 +184,17 @@ template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate_balanced()
 
 /* ---------------------------------------------------------------------- */
 
-template <bool SOFT> ContactBalance::Load PairDeformableRing::sweep()
+template <bool SOFT> ContactBalance::Load PairDeformableRing::sweep(const char *acts)
 {
   ContactBalance::Load load = {0.0, 0.0};
   for (int ii = 0; ii < list->inum; ++ii) {
     const int i = list->ilist[ii];
+    Deformed &d = deformed[i];
+    if (!acts[i]) {
+      load.energy += d.energy.value;
+      load.largest = std::max(load.largest, d.largest);
+      continue;
+    }
     const Contacts contacts = table.of(i);
     const std::size_t first = contacts.size > 0 ? table.first(i) : 0;
     const int sides = balance->sides_of(i);
@@ -196,14 +202,16 @@ template <bool SOFT> ContactBalance::Load PairDeformableRing::sweep()
       table.contact[first + c].indentation = radical[first + c] + balance->shift(i, c);
 
     const Energy energy = deform<SOFT>(i, contacts);
-    deformed[i] = {shape.area_deficit, shape.perimeter_excess, shape.arc_radius, energy};
     std::copy_n(shape.contact.begin(), contacts.size, responses.begin() + first);
-    load.energy += energy.value;
+    double largest = 0.0;
     for (int c = 0; c < contacts.size; ++c) {
       const double force = energy.derivative * shape.contact[c].length;
-      load.largest = std::max(load.largest, force);
+      largest = std::max(largest, force);
       if (c < sides) balance->press(i, c, force);
     }
+    d = {shape.area_deficit, shape.perimeter_excess, shape.arc_radius, largest, energy};
+    load.energy += energy.value;
+    load.largest = std::max(load.largest, largest);
   }
   return load;
 }

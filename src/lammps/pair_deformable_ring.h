@@ -39,6 +39,7 @@ class PairDeformableRing : public PairDeformable {
   // the table.
   struct Deformed {
     double area_deficit, perimeter_excess, arc_radius;
+    double largest;    // force
     deformable::Energy energy;
   };
   std::unique_ptr<ContactBalance> balance;    // null: contacts stay on the radical axis
@@ -47,7 +48,7 @@ class PairDeformableRing : public PairDeformable {
   std::vector<deformable::Response> responses;
   std::vector<double> radical;    // indentations, by place in the table
   template <bool WALLS, bool SOFT> void evaluate_balanced();
-  template <bool SOFT> ContactBalance::Load sweep();
+  template <bool SOFT> ContactBalance::Load sweep(const char *acts);
   deformable::PressedRing pressed(int i) const;
 };
 
