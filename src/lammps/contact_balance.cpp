@@ -248,5 +248,5 @@ double ContactBalance::memory_usage() const
 {
   return ContactSides::memory_usage() + forces.bytes() + answers.bytes() + room.bytes() +
          bytes_of(moving, acts, newly, abroad, pair_of, gradient, steps, left, search, turned,
-                  weight, blocks, carrying, inverses, matrices);
+                  weight, blocks, carrying, inverses, matrices, parted, rate);
 }

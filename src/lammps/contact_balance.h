@@ -58,7 +58,7 @@ class ContactBalance : ContactSides {
 
   SideValues forces, answers;      // answers: of a particle's stiffness
   std::vector<double> gradient;    // of each side, F_ij - F_ji
-  std::vector<int> abroad;         // sides whose mirror is of another rank
+  std::vector<int> abroad;         // sides that face a ghost, an image or of another rank
 
   // Shifts to begin with.
   bigint last_step = -2;
@@ -88,12 +88,12 @@ class ContactBalance : ContactSides {
   void stiffen(const Rings &);
 
   // Pairs that carry, of particles that act. The first one is none: it stands for all that do not move. Those
-  // within this rank come next, each once; of those with other ranks this rank has the near side, and half a share.
+  // of two particles of this rank come next, each once; those with ghosts have the near side here, and half a share.
   struct Pair {
     int side, mirror;
   };
   std::vector<Pair> moving;
-  std::size_t within = 1;      // where those with other ranks begin
+  std::size_t within = 1;      // where those with ghosts begin
   std::vector<int> pair_of;    // of each side: twice its pair's place; one more for a mirror
   static constexpr int NO_PAIR = 0;
   void pair_up();

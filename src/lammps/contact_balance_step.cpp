@@ -17,7 +17,7 @@ void ContactBalance::stiffen(const Rings &rings)
   for (int i = 0; i < atom->nlocal; ++i) {
     if (count[i] == 0 || !acts[i]) continue;
     std::fill_n(answers.row[i], count[i], 0.0);
-    std::fill_n(&pair_of[side(i, 0)], count[i], NO_PAIR);
+    std::fill_n(pair_of.data() + side(i, 0), count[i], NO_PAIR);
     const deformable::PressedRing ring = rings(i);
     Block &block = blocks[i];
     const int begin = static_cast<int>(carrying.size());
@@ -35,12 +35,13 @@ void ContactBalance::stiffen(const Rings &rings)
     } else {
       block = {begin, size, sides, inverses.size()};
       inverses.resize(block.matrix + static_cast<std::size_t>(size) * size);
-      deformable::green_inverse(ring.contacts, size, now, programme, &inverses[block.matrix]);
+      deformable::green_inverse(ring.contacts, size, now, programme,
+                                inverses.data() + block.matrix);
       matrices.resize(inverses.size());
     }
-    const int *const carry = &carrying[block.begin];
-    double *const matrix = &matrices[block.matrix];
-    deformable::contact_stiffness(ring, size, carry, &inverses[block.matrix], rate, matrix);
+    const int *const carry = carrying.data() + block.begin;
+    double *const matrix = matrices.data() + block.matrix;
+    deformable::contact_stiffness(ring, size, carry, inverses.data() + block.matrix, rate, matrix);
     for (int m = 0; m < sides; ++m) answers[side(i, carry[m])] = matrix[m * size + m];
     for (int m = 1; m < sides && sides < size; ++m)    // walls do not move
       std::copy_n(matrix + m * size, sides, matrix + m * sides);
@@ -178,8 +179,8 @@ void ContactBalance::turn()
   for (int i = 0; i < static_cast<int>(blocks.size()); ++i) {
     if (!acts[i]) continue;
     const Block &block = blocks[i];
-    multiply(block.sides, &matrices[block.matrix], carrying.data() + block.begin,
-             &pair_of[side(i, 0)], search.data(), turned.data());
+    multiply(block.sides, matrices.data() + block.matrix, carrying.data() + block.begin,
+             pair_of.data() + side(i, 0), search.data(), turned.data());
   }
   for (std::size_t p = within; p < moving.size(); ++p) answers[moving[p].side] = turned[p];
   exchange(answers);

@@ -256,10 +256,12 @@ void PairDeformableRing::check_reach(int i, const Contacts &contacts)
   if (breath + ring_bulge_at_most(contacts, shape) <= bulge_over_reach * depth) return;
   const double ratio = (breath + ring_bulge(ring_radius_of(i), contacts, shape)) / depth;
   if (ratio > 1.0)
-    error->one(FLERR,
-               "The outline of atom {} bulges by {:.4g}, {:.3g} times as far as 'reach {}' looks "
-               "for neighbors: use a reach of {:.2g} or more",
-               atom->tag[i], ratio * depth, ratio, reach, 1.2 * ratio * reach);
+    error->one(
+        FLERR,
+        "The outline of atom {} bulges by {:.4g}, {:.3g} times as far as 'reach {}' looks "
+        "for neighbors: use a reach of {:.2g} or more, or press it less (part particles that "
+        "overlap first, take smaller steps or a smaller timestep)",
+        atom->tag[i], ratio * depth, ratio, reach, 1.2 * ratio * reach);
   if (ratio > bulge_over_reach) bulge_over_reach = ratio;
 }
 

@@ -2,7 +2,10 @@
 
 #include "comm.h"
 #include "error.h"
+#include "fix.h"
 #include "memory.h"
+#include "modify.h"
+#include "update.h"
 
 #include <numeric>
 
@@ -60,6 +63,19 @@ void PairDeformableSector::compute(int eflag, int vflag)
     evaluate<false>(eflag, vflag);
   else
     evaluate<true>(eflag, vflag);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableSector::init_style()
+{
+  PairDeformable::init_style();
+  bool moves = false;
+  for (const Fix *fix : modify->get_fix_list()) moves |= fix->time_integrate != 0;
+  if (moves && update->whichflag == 1 && comm->me == 0)
+    error->warning(FLERR,
+                   "The energy of pair style deformable/sector jumps where contacts appear: a run "
+                   "does not conserve it. Use deformable/ring for dynamics");
 }
 
 /* ---------------------------------------------------------------------- */

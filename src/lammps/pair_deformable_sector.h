@@ -13,6 +13,7 @@ class PairDeformableSector : public PairDeformable {
   PairDeformableSector(class LAMMPS *);
   ~PairDeformableSector() override;
   void settings(int, char **) override;
+  void init_style() override;
   void compute(int, int) override;
   double memory_usage() override;
   int pack_forward_comm(int, int *, double *, int, int *) override;

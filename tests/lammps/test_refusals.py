@@ -88,6 +88,16 @@ def test_reach_too_small():
     assert Scene(np.zeros((1, 2)), ["unit"], BOX, style, commands=walls).energy() > 0
 
 
+@laws
+def test_sector_warns_that_energy_jumps(law, tmp_path):
+    log = tmp_path / "log"
+    scene = Scene([[0, 0], [2, 0]], ["unit"] * 2, (-4, 4, -4, 4), f"deformable/{law}", log=log)
+    scene.run("run 1")
+    assert "jumps" not in log.read_text()  # nothing moves
+    scene.run("fix move all nve\nrun 1")
+    assert ("does not conserve it. Use deformable/ring" in log.read_text()) == (law == "sector")
+
+
 # ---- the species file ----
 
 
