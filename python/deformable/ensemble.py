@@ -19,11 +19,12 @@ from .moduli import bulk_modulus, shear_modulus
 from .packing import bidisperse
 from .state import State
 
-# Contact laws by name, each in its natural units.
+# Contact laws by name, each in its natural units. "ring" is what it is everywhere, with contacts
+# that balance; "radical" has the contact lines of the paper.
 LAWS: dict[str, Model | None] = {
     "disk": None,
-    "ring": Ring(contact="radical"),
-    "balanced": Ring(contact="balanced"),
+    "ring": Ring(),
+    "radical": Ring(contact="radical"),
     "sector": Sector(),
 }
 
@@ -66,13 +67,13 @@ def measure(
     """
     began = time.process_time()
     model = LAWS[law]
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(record=True) as heard:
         # the rows say what stalled; packings may rearrange on their way up
-        warnings.simplefilter("ignore", StalledWarning)
         warnings.simplefilter("ignore", UnjammedWarning)
-        with simulate(
-            jam(bidisperse(number, seed=seed), model, window, tolerance=_JAMMED), model
-        ) as sim:
+        warnings.simplefilter("always", StalledWarning)
+        packing = jam(bidisperse(number, seed=seed), model, window, tolerance=_JAMMED)
+        stalled = any(issubclass(warning.category, StalledWarning) for warning in heard)
+        with simulate(packing, model) as sim:
             onset = sim.relax()
             unit = natural_pressure(onset.packing, model)
             keys = {"law": law, "window": window, "number": number, "seed": seed}
@@ -85,6 +86,7 @@ def measure(
                 reached = keys | {"excess": state.phi - onset.phi} | _numbers(state, unit)
                 above.append(reached | _moduli(state, delta, unit))
     row = keys | _numbers(onset, unit) | {"above": max(excess, default=0.0)}
+    row["stalled"] = onset.stalled or stalled
     return row | {"seconds": time.process_time() - began}, above
 
 

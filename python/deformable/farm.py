@@ -23,6 +23,7 @@ def farm(
     arguments: Sequence[tuple[Any, ...]],
     workers: int | None = None,
     description: str = "running",
+    each: Callable[[T], object] = lambda result: None,
 ) -> list[T]:
     """Call a function with each tuple of arguments, several at a time in processes of their own.
 
@@ -35,6 +36,7 @@ def farm(
         arguments: of each call.
         workers: processes; as many as cores may be used if not given.
         description: of the progress bar.
+        each: called here with each result as it comes, in any order, to keep it.
 
     Returns:
         The results in the order of the arguments.
@@ -52,6 +54,7 @@ def farm(
             results = []
             for these in arguments:
                 results.append(function(*these))
+                each(results[-1])
                 bar.update()
             return results
         # a process that has initialised MPI must not fork
@@ -59,7 +62,7 @@ def farm(
             futures = [pool.submit(function, *these) for these in arguments]
             try:
                 for future in as_completed(futures):
-                    future.result()
+                    each(future.result())
                     bar.update()
             except BrokenProcessPool:
                 raise BrokenProcessPool(

@@ -37,7 +37,7 @@ class LawName(str, Enum):
 
     DISK = "disk"
     RING = "ring"
-    BALANCED = "balanced"
+    RADICAL = "radical"
     SECTOR = "sector"
 
 
@@ -47,7 +47,9 @@ def jam_command(
     ] = None,
     more: Annotated[list[int] | None, typer.Argument(hidden=True)] = None,
     seeds: Annotated[int, typer.Option(help="Packings of each size: seeds 1, 2, ...")] = 10,
-    law: Annotated[LawName, typer.Option(help="Contact law.")] = LawName.RING,
+    law: Annotated[
+        LawName, typer.Option(help="Contact law; radical: rings on radical axes.")
+    ] = LawName.RING,
     pressure: Annotated[
         float, typer.Option(help="Pressure at the onset in natural units, up to twice as much.")
     ] = 1e-7,
@@ -77,14 +79,18 @@ def jam_command(
     onsets, beyond = _read(out / TABLE), _read(out / SCALING)
     for count in numbers:
         runs = [(law.value, pressure, count, seed, excess) for seed in range(1, seeds + 1)]
-        kept = {_key(row) for row in onsets if row["above"] >= above}
+        # means above the onset want each packing at the same values of phi - phi_J
+        kept = {_key(row) for row in onsets if above in (0.0, row["above"])}
         runs = [run for run in runs if run[:4] not in kept]
-        found = farm(measure, runs, workers, f"N = {count}")
-        new = {_key(row) for row, _ in found}
-        onsets = [row for row in onsets if _key(row) not in new] + [row for row, _ in found]
-        beyond = [row for row in beyond if _key(row) not in new]
-        beyond += [row for _, rows in found for row in rows]
-        _write(out, onsets, beyond)
+
+        def keep(found: tuple[Row, list[Row]]) -> None:
+            row, rows = found
+            onsets[:] = [*(other for other in onsets if _key(other) != _key(row)), row]
+            beyond[:] = [*(other for other in beyond if _key(other) != _key(row)), *rows]
+            _tables(out, onsets, beyond)
+
+        farm(measure, runs, workers, f"N = {count}", keep)
+        _summary(out, onsets, beyond)
         for row in summarise(onsets):
             if [row["law"], row["window"], row["number"]] == [law.value, pressure, count]:
                 _say(row)
@@ -132,10 +138,13 @@ def _key(row: Mapping[str, Any]) -> tuple[Any, ...]:
 
 
 def _say(row: Row) -> None:
+    def mean(name: str, digits: int) -> str:
+        error = row[f"{name}_error"]  # none of a single packing
+        return f"{row[name]:.{digits}f}" + (f" +- {error:.{digits}f}" if error == error else "")
+
     typer.echo(
-        f"{row['law']}, N = {row['number']}: phi_J = {row['phi']:.5f} +- {row['phi_error']:.5f}, "
-        f"contacts {row['contacts']:.1f} +- {row['contacts_error']:.1f}, beyond 2N' - 1 "
-        f"{row['excess_contacts']:.2f} +- {row['excess_contacts_error']:.2f}, "
+        f"{row['law']}, N = {row['number']}: phi_J = {mean('phi', 5)}, contacts "
+        f"{mean('contacts', 1)}, beyond 2N' - 1 {mean('excess_contacts', 2)}, "
         f"{row['seconds']:.2g} s each" + (f", {row['stalled']} STALLED" if row["stalled"] else "")
     )
 
@@ -152,24 +161,22 @@ def _read(path: Path) -> list[Row]:
     try:
         with path.open(newline="") as file:
             return [
-                {
-                    name: _KEYS[name](value) if name in _KEYS else json.loads(value.lower())
-                    for name, value in row.items()
-                }
+                {name: _KEYS.get(name, _number)(value) for name, value in row.items()}
                 for row in csv.DictReader(file)
             ]
-    except (ValueError, AttributeError) as error:
+    except (ValueError, TypeError, AttributeError) as error:
         raise FileError(f"{path} is no table of this command ({error}): move it away") from None
 
 
-def _write(out: Path, onsets: Sequence[Row], beyond: Sequence[Row]) -> None:
-    """Each file whole or not at all."""
-    summary = {
-        "onset": [_finite(row) for row in summarise(onsets)],
-        "exponents": [_finite(row) for row in exponents(beyond)],
-        "versions": versions(),
-    }
-    for name, table in ((TABLE, onsets), (SCALING, beyond)):
+def _number(text: str) -> bool | int | float:
+    if text in ("True", "False"):
+        return text == "True"
+    return int(text) if text.isdecimal() else float(text)
+
+
+def _tables(out: Path, onsets: Sequence[Row], beyond: Sequence[Row]) -> None:
+    """Each whole or not at all, and what is above the onsets first: an onset says that it is."""
+    for name, table in ((SCALING, beyond), (TABLE, onsets)):
         if table:
             part = out / f"{name}.part"
             with part.open("w", newline="") as file:
@@ -177,4 +184,14 @@ def _write(out: Path, onsets: Sequence[Row], beyond: Sequence[Row]) -> None:
                 writer.writeheader()
                 writer.writerows(sorted(table, key=_key))
             part.replace(out / name)
-    (out / SUMMARY).write_text(json.dumps(summary, indent=2) + "\n")
+
+
+def _summary(out: Path, onsets: Sequence[Row], beyond: Sequence[Row]) -> None:
+    summary = {
+        "onset": [_finite(row) for row in summarise(onsets)],
+        "exponents": [_finite(row) for row in exponents(beyond)],
+        "versions": versions(),
+    }
+    part = out / f"{SUMMARY}.part"
+    part.write_text(json.dumps(summary, indent=2) + "\n")
+    part.replace(out / SUMMARY)

@@ -4,11 +4,22 @@ import csv
 import json
 from pathlib import Path
 
+import deformable
 import numpy as np
 import pytest
 from deformable import cli
-from deformable.ensemble import LAWS, Row, exponents, jackknife, measure, summarise, unbroken
-from deformable.jam_command import LawName
+from deformable.ensemble import (
+    LAWS,
+    Row,
+    excess_coordination,
+    exponents,
+    jackknife,
+    measure,
+    summarise,
+    unbroken,
+    well_known,
+)
+from deformable.jam_command import LawName, _read, _tables
 
 
 def test_exponents_of_power_laws_are_exact() -> None:
@@ -31,6 +42,37 @@ def test_what_changes_sign_has_no_exponent() -> None:
     x = np.geomspace(0.1, 10.0, 3) * np.ones((4, 1))
     assert all(np.isnan(jackknife(x, x - 1.0)))
     assert np.isnan(jackknife(x[:1], x[:1])[1])
+
+
+def test_means_that_are_not_known_are_left_out() -> None:
+    """Fewer than three packings, or a mean below two standard errors: here 2.1, 1.9, and two."""
+    spread = np.array([-1.0, 1.0, -1.0, 1.0])
+    error = np.std(spread, ddof=1) / 2.0
+    columns = [2.1 * error + spread, 1.9 * error + spread, np.array([1.0, 1.0, np.nan, np.nan])]
+    assert well_known(np.column_stack(columns)).tolist() == [True, False, False]
+
+
+def test_excess_coordination() -> None:
+    """Ten particles that bear have 19 contacts at the onset; each contact more is 2/10 to z."""
+    row = {"isostatic": 19, "contacts": 24}
+    assert excess_coordination(row) == pytest.approx(2.0 * 5 / 10, rel=1e-15)
+
+
+def test_shear_modulus_is_the_mean_over_directions() -> None:
+    """That of simple and of pure shear; a small packing is far from isotropic."""
+    number, seed, delta = 12, 2, 4e-4
+    _, (row,) = measure("disk", 1e-7, number, seed, (delta,))
+    jammed = deformable.jam(deformable.bidisperse(number, seed=seed), None, tolerance=1e-6)
+    with deformable.Disks(jammed) as disks:
+        onset = disks.relax()
+        disks.deform(jammed.at(onset.phi + delta).box)
+        state = disks.relax(1e-8)
+    simple, pure = (
+        deformable.shear_modulus(state, 0.01 * delta, 1e-8, pure).value for pure in (False, True)
+    )
+    assert abs(simple - pure) > 0.1 * max(abs(simple), abs(pure))
+    # each is good to 1 %
+    assert abs(row["shear_modulus"] - (simple + pure) / 2.0) < 0.01 * max(abs(simple), abs(pure))
 
 
 def cubic(seed: int, break_at: int = 7) -> list[Row]:
@@ -62,7 +104,7 @@ def test_means_and_their_errors() -> None:
 
 def test_rings_follow_a_cubic_law_and_disks_a_linear_one() -> None:
     """One packing of 12: until its contacts change, S and overlap are quadratic and linear."""
-    for law, window, power in (("disk", 1e-7, 1.0), ("ring", 1e-16, 3.0)):
+    for law, window, power in (("disk", 1e-7, 1.0), ("radical", 1e-16, 3.0)):
         _, rows = measure(law, window, 12, 2, (1e-4, 2e-4, 4e-4))
         (found,) = exponents(rows)
         assert found["pressure"] == pytest.approx(power, abs=0.05 * power)
@@ -102,6 +144,30 @@ def test_command_keeps_what_it_has(
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     assert [row["number"] for row in summary["onset"]] == [8, 10, 8]
     assert (tmp_path / "run" / "onset.png").stat().st_size > 5_000
+
+
+def test_command_keeps_what_is_done_when_it_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    def fails_at_three(law: str, window: float, number: int, seed: int, above: object) -> object:
+        if seed == 3:
+            raise deformable.LammpsError("out of luck")
+        return measure(law, window, number, seed)
+
+    monkeypatch.setattr("deformable.jam_command.measure", fails_at_three)
+    ask = ("--number", "8", "--seeds", "4", "--workers", "1", "--law", "disk", "--out", "run")
+    assert jam(monkeypatch, *ask) == 2
+    assert capsys.readouterr().err.endswith("error: out of luck\n")
+    assert [row["seed"] for row in _read(tmp_path / "run" / "table.csv")] == [1, 2]
+
+
+def test_tables_come_back_as_they_were(tmp_path: Path) -> None:
+    row: Row = {"law": "disk", "window": 1e-7, "number": 8, "seed": 1, "phi": 0.8}
+    row |= {"contacts": 15, "stalled": False, "linear": True, "error": float("inf")}
+    _tables(tmp_path, [row], [])
+    assert _read(tmp_path / "table.csv") == [row]
 
 
 def test_command_follows_packings_upwards(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from deformable.jamming import natural_pressure, simulate
 
-BALANCED = deformable.Ring(contact="balanced")
+RADICAL, BALANCED = (deformable.Ring(contact=contact) for contact in ("radical", "balanced"))
 ONSETS = [
     (None, 1e-7),
-    (deformable.Ring(), 1e-16),
+    (RADICAL, 1e-16),
     (deformable.Ring(kA=[4.0, 1.0], kP=2.0), 1e-16),
     (BALANCED, 1e-13),
 ]
@@ -84,9 +84,9 @@ def test_rings_jam_where_disks_do(seed: int) -> None:
     packing = deformable.bidisperse(16, seed=seed)
     disks = deformable.jam(packing, pressure=1e-7, tolerance=1e-6)
     loose = disks.at(disks.phi - 1e-3)
-    rings = deformable.jam(loose, deformable.Ring(), pressure=1e-16, step=1e-3, tolerance=1e-6)
+    rings = deformable.jam(loose, RADICAL, pressure=1e-16, step=1e-3, tolerance=1e-6)
     assert rings.phi == pytest.approx(disks.phi, abs=1e-5)
-    assert pairs(onset(rings, deformable.Ring())) == pairs(onset(disks, None))
+    assert pairs(onset(rings, RADICAL)) == pairs(onset(disks, None))
 
 
 def test_natural_pressure() -> None:
