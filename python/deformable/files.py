@@ -1,11 +1,13 @@
 """What is kept of a run: a folder that other programs read and from which a run goes on.
 
     packing.data            last state, LAMMPS data file
+    species.deformable      its species, for the pair style
+    in.lammps               script of LAMMPS that reads these two
     summary.json            last state in numbers, model, parameters and versions
     series.csv              one row a state
     trajectory.lammpstrj    LAMMPS dump for OVITO and MDAnalysis
 
-`State.save` writes the first two, `record` all of them while a run goes on; `load` takes a run up
+`State.save` writes the first four, `record` all of them while a run goes on; `load` takes a run up
 again. A run may be killed at any moment: the packing is written last and in one go, and counts the
 frames that belong to it. What a killed run has left behind these goes when the run goes on.
 """
@@ -25,15 +27,15 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from .engine import SPHERES
 from .errors import FileError
+from .lammps_files import DATA, SCRIPT, SPECIES, data_file, packing_in, script
 from .models import Ring, Sector
 from .packing import Packing
 from .simulation import Simulation
 from .state import State
 from .versions import versions
 
-DATA, SUMMARY = "packing.data", "summary.json"
+SUMMARY = "summary.json"
 SERIES, TRAJECTORY = "series.csv", "trajectory.lammpstrj"
 
 _MODELS: dict[str, type[Ring] | type[Sector]] = {"Ring": Ring, "Sector": Sector}
@@ -58,8 +60,10 @@ def save(
         "parameters": {name: _strict(value) for name, value in (parameters or {}).items()},
         "versions": versions(),
     }
+    _replace(folder / SPECIES, state.model.parameters(state.packing.radii.tolist()))
+    _replace(folder / SCRIPT, script(state))
     _replace(folder / SUMMARY, json.dumps(summary, indent=2, default=str) + "\n")
-    _replace(folder / DATA, _data_file(state.packing, frames))
+    _replace(folder / DATA, data_file(state.packing, frames))
 
 
 def load(folder: str | Path, comm: MPI.Comm | None = None) -> Simulation:
@@ -190,38 +194,6 @@ def _keep(path: Path, count: int, boundary: str) -> None:
         _replace(path, "".join(parts[:count]))
 
 
-def _data_file(packing: Packing, frames: int | None) -> str:
-    (lx, _), (xy, ly) = packing.box.tolist()
-    style = "atomic" if packing.sizes is None else "sphere"
-    title = f"LAMMPS data file by lammps-deformable, units lj, atom_style {style}, two-dimensional"
-    lines = [
-        title if frames is None else f"{title}, {frames} frames",
-        "",
-        f"{len(packing)} atoms",
-        f"{len(packing.radii)} atom types",
-        f"0 {lx!r} xlo xhi",
-        f"0 {ly!r} ylo yhi",
-        "-0.5 0.5 zlo zhi",
-        f"{xy!r} 0 0 xy xz yz",
-        "",
-    ]
-    if packing.sizes is None:
-        masses = (f"{n} 1" for n in range(1, len(packing.radii) + 1))
-        lines += ["Masses", "", *masses, "", "Atoms # atomic", ""]
-        columns = [""] * len(packing)
-    else:
-        lines += [SPHERES, ""]
-        density = 0.75 / (np.pi * packing.sizes**3)  # of a sphere of mass 1
-        columns = [
-            f" {2.0 * r!r} {rho!r}"
-            for r, rho in zip(packing.sizes.tolist(), density.tolist(), strict=True)
-        ]
-    rows = zip(packing.species.tolist(), columns, packing.positions.tolist(), strict=True)
-    for n, (kind, column, (x, y)) in enumerate(rows, start=1):
-        lines.append(f"{n} {kind + 1}{column} {x!r} {y!r} 0")
-    return "\n".join(lines) + "\n"
-
-
 def _dump_frame(number: int, state: State) -> str:
     packing = state.packing
     (lx, _), (xy, ly) = packing.box.tolist()
@@ -289,26 +261,6 @@ def read(folder: Path) -> tuple[Packing, Ring | Sector]:
         model = law(**{name: _setting(value) for name, value in settings.items()})
         if not (folder / DATA).exists():
             raise FileError(f"no saved run in '{folder}': {folder / DATA} is missing")
-        return _packing((folder / DATA).read_text(), summary["radii"]), model
+        return packing_in((folder / DATA).read_text(), summary["radii"]), model
     except (ValueError, KeyError, TypeError, IndexError) as error:
         raise FileError(f"the saved run in '{folder}' cannot be read: {error}") from None
-
-
-def _packing(text: str, radii: list[float]) -> Packing:
-    """Of what `_data_file` has written. LAMMPS would round the centres while it reads them."""
-    head, _, atoms = text.partition("Atoms # ")
-    style, _, rows = atoms.partition("\n")
-    words = {line.split()[-1]: line.split() for line in head.splitlines() if line.strip()}
-    lx, ly, xy = float(words["xhi"][1]), float(words["yhi"][1]), float(words["yz"][0])
-    ids, kinds, *columns = np.loadtxt(rows.splitlines(), ndmin=2).T
-    if len(kinds) != int(words["atoms"][0]):
-        raise ValueError(f"{DATA} has {len(kinds)} of {words['atoms'][0]} atoms")
-    if not np.array_equal(ids, np.arange(1, len(ids) + 1)):
-        raise ValueError(f"atom IDs in {DATA} must be 1 to {len(ids)} in order")
-    return Packing(
-        positions=np.column_stack(columns[-3:-1]),
-        species=kinds.astype(np.int64) - 1,
-        radii=np.array(radii),
-        box=np.array([[lx, 0.0], [xy, ly]]),
-        sizes=columns[0] / 2.0 if style == "sphere" else None,
-    )

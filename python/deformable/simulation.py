@@ -29,13 +29,19 @@ from .state import State
 # advance: each evaluation defines it anew, and removes it lest minimisations and runs pay for it.
 _RESULTS = ("area", "perimeter", "contacts", "pressure", "arc_radius", "contact_length")
 
-_SETUP = """
-neighbor {skin!r} bin
-neigh_modify delay 0 every 1 check yes
+_MEASURE = """
 compute virial all pressure NULL virial
 compute model all pair {style}
 thermo_style custom step pe c_virial[1] c_virial[2] c_virial[4] c_model[1]
 thermo_modify norm no
+"""
+
+_LAW = """
+pair_style {style} {arguments} radius {whose}
+pair_coeff * * "{file}" {names}
+
+neighbor {skin!r} bin
+neigh_modify delay 0 every 1 check yes
 min_style fire
 min_modify dmax {dmax!r} norm max
 """
@@ -60,6 +66,26 @@ _LOOSE = 1e-14
 # Iterations without halving the largest force after which a relaxation counts as stalled. It falls
 # by decades in a packing that loosens, where its ratio to the mean force may stay what it is.
 _PATIENCE = 60_000
+
+
+def law_commands(packing: Packing, model: Model, file: str) -> str:
+    """What LAMMPS is told once it has the particles: the law, and settings for their sizes.
+
+    Args:
+        packing: the particles.
+        model: the law.
+        file: where its `parameters` are.
+    """
+    smallest = float(packing.radius.min())
+    return _LAW.format(
+        style=model.style,
+        arguments=model.arguments,
+        whose="type" if packing.sizes is None else "atom",
+        file=file,
+        names=" ".join(f"s{n}" for n in range(1, len(packing.radii) + 1)),
+        skin=0.1 * smallest,
+        dmax=0.005 * smallest,
+    )
 
 
 class Simulation(Engine):
@@ -108,18 +134,15 @@ class Simulation(Engine):
         self._species, self._radii = packing.species, packing.radii
         parameters = model.parameters(self._radii.tolist())
         self.lmp = open_lammps(packing, self.comm)
-        whose = "type" if packing.sizes is None else "atom"
-        run(self.lmp, f"pair_style {model.style} {model.arguments} radius {whose}")
         with tempfile.TemporaryDirectory() as folder:
             file = self.comm.bcast(str(Path(folder, "species.txt")))
             if self.comm.rank == 0:
                 Path(file).write_text(parameters)
-            names = " ".join(f"s{n}" for n in range(1, len(self._radii) + 1))
-            run(self.lmp, f'pair_coeff * * "{file}" {names}')
+            run(self.lmp, law_commands(packing, model, file))
+        run(self.lmp, _MEASURE.format(style=model.style))
         smallest = float(packing.radius.min())
         lone = model.lone_stiffness(smallest)
         self._lone_pressure, self._lone_force = lone / STIFFNESS_PER_PRESSURE, lone * smallest
-        run(self.lmp, _SETUP.format(skin=0.1 * smallest, dmax=0.005 * smallest, style=model.style))
 
     def deform(self, box: NDArray[np.float64]) -> None:
         """Give the box other lattice vectors, and let the centres follow affinely.

@@ -169,7 +169,7 @@ class State(Backbone):
         return draw(self, ax, color_by, contacts, forces)
 
     def save(self, folder: str | Path, parameters: Mapping[str, Any] | None = None) -> None:
-        """Write `packing.data` (LAMMPS) and `summary.json`, from which `deformable.load` continues.
+        """Write the state for `deformable.load`, and for LAMMPS with the script `in.lammps`.
 
         Args:
             folder: made if missing; an older state there is replaced.

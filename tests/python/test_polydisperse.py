@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from deformable import core
 from deformable.disks import open_disks
-from deformable.engine import gather, silent_lammps
+from deformable.engine import gather
 from deformable.engine import run as run_lammps
-from mpi4py import MPI
 from scipy import stats
 from test_cli import run
 from test_simulation import brute_force_contacts, shapes
@@ -187,23 +186,6 @@ def test_saved_state_goes_on_as_it_was(
     assert np.array_equal(again.packing.radii, state.packing.radii)
     assert again.energy == pytest.approx(expected.energy, rel=1e-12)
     assert masses == pytest.approx(np.ones(24))
-
-
-def test_data_file_is_for_lammps(state: deformable.State, tmp_path: Path) -> None:
-    """As read by a script of LAMMPS with the same law."""
-    state.save(tmp_path)
-    (tmp_path / "species").write_text(state.model.parameters(state.packing.radii.tolist()))
-    lmp = silent_lammps(MPI.COMM_SELF)
-    run_lammps(
-        lmp,
-        f"atom_style sphere\nread_data {tmp_path / 'packing.data'}\n"
-        f"pair_style deformable/ring {state.model.arguments} radius atom\n"
-        f"pair_coeff * * {tmp_path / 'species'} s1\n"
-        "thermo_modify norm no\nrun 0",
-    )
-    assert lmp.get_thermo("pe") == pytest.approx(state.energy, rel=1e-12)
-    assert np.array(lmp.gather("rmass", 1, 1)) == pytest.approx(np.ones(24))
-    lmp.close()
 
 
 def test_trajectory_has_the_radii(jammed: deformable.Packing, tmp_path: Path) -> None:

@@ -10,7 +10,10 @@ from pathlib import Path
 import deformable
 import pytest
 
-FILES = ("packing.data", "summary.json", "series.csv", "trajectory.lammpstrj")
+FILES = (
+    *("packing.data", "species.deformable", "in.lammps", "summary.json"),
+    *("series.csv", "trajectory.lammpstrj"),
+)
 
 # Kills itself before the n-th time that it opens for writing, renames or removes a file of the run,
 # or half-way through the n-th piece that it appends.
@@ -83,16 +86,16 @@ def unbroken(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
 
 
 def test_killed_again_and_again(unbroken: dict[str, bytes], tmp_path: Path) -> None:
-    # summary and packing of the start are written first, each in two moves
-    killed("before", 4, *START, cwd=tmp_path)
+    # the four files of the start are written first, the packing last, each in two moves
+    killed("before", 8, *START, cwd=tmp_path)
     result = compress("--resume", cwd=tmp_path)  # and there is nothing yet
     assert (result.returncode, result.stderr.count("\n")) == (2, 1)
     assert "packing.data is missing" in result.stderr
 
-    killed("before", 6, *START, cwd=tmp_path)  # before the first frame
+    killed("before", 10, *START, cwd=tmp_path)  # before the first frame
     killed("torn", 3, "--resume", cwd=tmp_path)  # within the second
     killed("torn", 2, "--resume", cwd=tmp_path)  # within the second row
-    killed("before", 15, "--resume", cwd=tmp_path)  # between summary and packing of the third step
+    killed("before", 23, "--resume", cwd=tmp_path)  # between summary and packing of the third step
     result = compress("--resume", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert [line.split()[0] for line in result.stdout.splitlines()] == [
