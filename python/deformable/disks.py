@@ -46,6 +46,12 @@ pair_coeff * *
 # Forces are known to a few roundings of the coordinates: forces up to so many count as none.
 _ROUNDINGS = 8.0
 
+# Centres nearer than this part of the box are in one place, where disks have no direction to push.
+# They start apart by this part of the smallest radius, on a spiral of golden angles.
+_SAME_PLACE = 1e-12
+_APART = 1e-3
+_GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
+
 # Large packings relax slowly near the onset: iterations after which a relaxation has stalled.
 _ITERATIONS = 2_000_000
 
@@ -95,15 +101,15 @@ class Disks(Engine):
     would make the result depend on the number of ranks.
 
     Args:
-        packing: where the disks start; overlaps are allowed.
+        packing: where the disks start; overlaps are allowed, and centres in one place are parted.
 
     Attributes:
         lmp: the LAMMPS instance, for any command of LAMMPS.
     """
 
     def __init__(self, packing: Packing) -> None:
-        self._start = packing
-        self.lmp = open_disks(packing)
+        self._start = _parted(packing)
+        self.lmp = open_disks(self._start)
 
     def deform(self, box: NDArray[np.float64]) -> None:
         """As `Simulation.deform`."""
@@ -181,6 +187,24 @@ class Disks(Engine):
             residual=residual,
             stalled=stalled,
         )
+
+
+def _parted(packing: Packing) -> Packing:
+    """The packing with no two centres in one place; the same packing is always parted alike."""
+    place = np.rint(packing.positions @ np.linalg.inv(packing.box) / _SAME_PLACE)
+    _, first, group = np.unique(
+        place % round(1.0 / _SAME_PLACE), axis=0, return_index=True, return_inverse=True
+    )
+    if len(first) == len(packing):
+        return packing
+    group = group.ravel()
+    order = np.argsort(group, kind="stable")
+    start = np.searchsorted(group[order], group[order])
+    turn = np.empty(len(packing))
+    turn[order] = np.arange(len(packing)) - start  # 0, 1, ... of those in each place
+    distance = _APART * float(packing.radius.min()) * np.sqrt(turn)
+    spiral = distance * np.array([np.cos(_GOLDEN * turn), np.sin(_GOLDEN * turn)])
+    return replace(packing, positions=packing.positions + spiral.T)
 
 
 def open_disks(packing: Packing) -> lammps:

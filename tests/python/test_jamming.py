@@ -127,3 +127,33 @@ def test_rigid_start_is_refused() -> None:
         deformable.jam(deformable.bidisperse(32, phi=1.1))
     with pytest.raises(deformable.ParameterError, match="pressure must be a positive number"):
         deformable.jam(deformable.bidisperse(8), pressure=0.0)
+
+
+def in_one_place(number: int, sizes: np.ndarray | None = None) -> deformable.Packing:
+    """Disks in a corner of a tilted box, seen from all four cells around it."""
+    box = np.array([[4.0, 0.0], [1.0, 4.0]])
+    cells = np.array([[0, 0], [1, 0], [0, 1], [1, 1], [0, 0]])[:number]
+    return deformable.Packing(cells @ box, np.zeros(number), np.array([0.5]), box, sizes)
+
+
+@pytest.mark.parametrize("number", [2, 5])
+@pytest.mark.parametrize("sizes", [False, True])
+def test_centres_in_one_place_are_pushed_apart(number: int, sizes: bool) -> None:
+    packing = in_one_place(number, np.full(number, 0.5) if sizes else None)
+    apart, again = deformable.push_off(packing), deformable.push_off(packing)
+    assert np.array_equal(apart.positions, again.positions)
+    fraction = (apart.positions[:, None] - apart.positions) @ np.linalg.inv(apart.box)
+    distance = np.linalg.norm((fraction - np.rint(fraction)) @ apart.box, axis=2)
+    # forces end at 1e-3 of a pressure of 1e-3 times R, and overlaps are forces; a disk has up to 5
+    assert distance[np.triu_indices(number, 1)].min() > 1.0 - 5 * 0.5e-6
+    # small boxes jam early, and no disks of one size beyond the triangular lattice
+    assert packing.phi + 0.1 < deformable.jam(packing).phi < 0.907
+
+
+def test_other_centres_stay_when_some_are_parted() -> None:
+    packing = in_one_place(3)
+    alone = np.vstack([packing.positions, [2.5, 2.0]])
+    (x, y) = deformable.push_off(
+        deformable.Packing(alone, np.zeros(4), packing.radii, packing.box)
+    ).positions[3]
+    assert (x, y) == pytest.approx((2.5, 2.0), abs=1e-12)
