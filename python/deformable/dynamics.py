@@ -30,6 +30,9 @@ _HOT = 10.0
 # Particles at rest that press less than this part of their stiffness do not move: any step will do.
 _AT_REST = 1e-12
 
+# Steps from state to state in a long motion.
+_EVERY = 100
+
 # The integrator of the heat bath: Gronbech-Jensen and Farago's keeps positions and half-step
 # velocities of an oscillator at their temperature for any time step, and does not draw its forces
 # anew where a run begins, as fix langevin does. But it shakes particles along z too, by far less
@@ -45,7 +48,7 @@ def move(
     timestep: float | None = None,
     temperature: float | None = None,
     friction: float = 0.0,
-    every: int = 100,
+    every: int | None = None,
     seed: int = 1,
 ) -> Iterator[State]:
     """Let particles of mass 1 move by their forces F.
@@ -64,7 +67,7 @@ def move(
             friction it is that of the heat bath [energy]. If not given, the velocities stay what
             they are: zero after `relax`, and those of the last state after another `move`.
         friction: rate at which velocities decay [1/time].
-        every: steps from state to state; divides `steps`.
+        every: steps from state to state; divides `steps`. If not given 100, or all if fewer.
         seed: of velocities and noise; the noise depends on the number of ranks as well.
 
     Yields:
@@ -79,25 +82,27 @@ def move(
     Gronbech-Jensen, Mol. Phys. 117, 2511 (2019); velocity Verlet: Swope et al., J. Chem. Phys. 76,
     637 (1982).
     """
-    if timestep is not None:
-        timestep = positive("timestep", timestep)
-    if temperature is not None:
-        temperature = _zero_or_more("temperature", temperature)
-    friction = _zero_or_more("friction", friction)
-    steps, every, seed = whole("steps", steps), whole("every", every), whole("seed", seed)
-    if temperature and sim.lmp.get_natoms() < 2:
-        raise ParameterError("one particle alone has no temperature: take two at least")
-    if every < 1 or steps < 1 or steps % every:
-        raise ParameterError(
-            f"steps must be a multiple of every, both at least 1, not {steps} and {every}"
-        )
-    if not 0 < seed < 2**31:
-        raise ParameterError(f"seed must lie between 1 and 2^31 - 1, not {seed}")
     if isinstance(sim.model, Sector):
         raise ParameterError(
             "the energy of Sector jumps where contacts appear, so its motion neither keeps nor "
             "loses energy as it should: take Ring"
         )
+    if timestep is not None:
+        timestep = positive("timestep", timestep)
+    if temperature is not None:
+        temperature = _zero_or_more("temperature", temperature)
+    friction = _zero_or_more("friction", friction)
+    steps, seed = whole("steps", steps), whole("seed", seed)
+    every = min(steps, _EVERY) if every is None else whole("every", every)
+    if temperature and sim.lmp.get_natoms() < 2:
+        raise ParameterError("one particle alone has no temperature: take two at least")
+    if every < 1 or steps < 1 or steps % every:
+        raise ParameterError(
+            f"steps must be a multiple of every, both at least 1, not {steps} and {every}: give "
+            "another every"
+        )
+    if not 0 < seed < 2**31:
+        raise ParameterError(f"seed must lie between 1 and 2^31 - 1, not {seed}")
     return _move(sim, steps, timestep, temperature, friction, every, seed)
 
 

@@ -167,6 +167,8 @@ def test_a_motion_may_outlive_its_simulation(loose: deformable.Packing) -> None:
         ({"temperature": np.array([1.0])}, r"temperature .* \[1\.\]"),
         ({"steps": 100.5}, "steps must be a whole number, not 100.5"),
         ({"every": 30}, "multiple of every, .* not 100 and 30"),
+        ({"steps": 150}, "multiple of every, .* not 150 and 100: give another every"),
+        ({"steps": 10, "timestep": -1.0, "every": 3}, "timestep .* -1"),
         ({"seed": 0}, "seed .* not 0"),
     ],
 )
@@ -176,6 +178,21 @@ def test_refusals(loose: deformable.Packing, values: dict[str, float], message: 
         pytest.raises(deformable.ParameterError, match=message),
     ):
         next(move(sim, **{"steps": 100, "temperature": 1e-5} | values))
+
+
+def test_a_short_motion_is_one_state(loose: deformable.Packing) -> None:
+    with deformable.Simulation(loose, SOFT) as sim:
+        (state,) = move(sim, 10, 0.01)
+        assert state.time == pytest.approx(0.1)
+        assert len(list(move(sim, 200, 0.01))) == 2
+
+
+def test_sector_is_refused_before_other_values(loose: deformable.Packing) -> None:
+    with (
+        deformable.Simulation(loose, deformable.Sector()) as sim,
+        pytest.raises(deformable.ParameterError, match="take Ring"),
+    ):
+        move(sim, 0, -1.0)
 
 
 def test_steps_that_become_too_long_are_refused(loose: deformable.Packing) -> None:
