@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .checks import shown
 from .errors import ParameterError
 from .models import each, one_or_each
 from .packing import positive
@@ -54,9 +55,9 @@ class Beads:
             object.__setattr__(self, name, positive(name, getattr(self, name)))
         for name in ("kL", "kA"):
             object.__setattr__(self, name, one_or_each(name, getattr(self, name)))
-            values = np.atleast_1d(getattr(self, name))
+            values = np.asarray(getattr(self, name))
             if not ((values > 0.0) & np.isfinite(values)).all():
-                raise ParameterError(f"{name} must be positive and finite, not {values.tolist()}")
+                raise ParameterError(f"{name} must be positive and finite, not {shown(values)}")
         try:
             counts = np.atleast_1d(np.asarray(self.number))
         except ValueError:  # rows of unequal length

@@ -1,4 +1,4 @@
-"""Arguments that are numbers, or one line that says which is none."""
+"""Arguments of the right kind, or one line that says which is not."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import ParameterError
+
+# Objects that take more letters are named by their kind.
+_LONG = 60
 
 
 def number_or_nan(value: object) -> float:
@@ -46,7 +49,21 @@ def numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
     return array.astype(np.float64)
 
 
+def expect(name: str, value: object, *kinds: type) -> None:
+    """Refuse an object of another kind."""
+    if isinstance(value, kinds):
+        return
+    found = shown(value)
+    if isinstance(value, type):
+        found = f"the class {value.__name__} itself: call it, {value.__name__}(...)"
+    elif len(found) > _LONG:
+        found = f"a {type(value).__name__}"
+    wanted = " or ".join(kind.__name__ for kind in kinds)
+    raise ParameterError(f"{name} must be of the kind {wanted}, not {found}")
+
+
 def shown(value: object) -> str:
-    """A value as a message can show it: in one line, and short."""
-    line = " ".join(str(value).split())
+    """A value as a message can show it: as Python writes it, in one line, and short."""
+    plain = value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
+    line = " ".join(repr(plain).split())
     return line if len(line) <= 200 else line[:200] + "..."

@@ -8,9 +8,12 @@ from typing import Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .checks import finite, whole
+from .bead_reference import BeadReference
+from .checks import expect, finite, whole
+from .disks import Disks
 from .errors import ParameterError
 from .progress import progress
+from .simulation import Simulation
 
 
 class Snapshot(Protocol):
@@ -54,6 +57,7 @@ def compress(
     Raises:
         ParameterError: a value is out of range.
     """
+    expect("sim", sim, Simulation, Disks, BeadReference)
     check_protocol(strain, steps)
     return go_on(sim, sim.box, strain, int(steps), 0, tolerance)
 

@@ -12,6 +12,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from .backbone import Backbone
+from .checks import expect
 from .engine import Engine, change_box, gather, local_array, open_lammps, run
 from .errors import StalledWarning
 from .packing import Packing, positive
@@ -108,6 +109,7 @@ class Disks(Engine):
     """
 
     def __init__(self, packing: Packing) -> None:
+        expect("packing", packing, Packing)
         self._start = _parted(packing)
         self.lmp = open_disks(self._start)
 

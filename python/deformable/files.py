@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
+from .checks import expect
 from .errors import FileError
 from .lammps_files import DATA, SCRIPT, SPECIES, data_file, packing_in, script
 from .models import Ring, Sector
@@ -76,6 +77,7 @@ def load(folder: str | Path, comm: MPI.Comm | None = None) -> Simulation:
     Raises:
         FileError: a file is missing or cannot be understood.
     """
+    expect("folder", folder, str, Path)
     (comm or MPI.COMM_WORLD).barrier()  # rank 0 may still be writing
     return Simulation(*read(Path(folder)), comm=comm)
 

@@ -7,9 +7,10 @@ import warnings
 import numpy as np
 from mpi4py import MPI
 
+from .checks import expect
 from .disks import Disks, DiskState
 from .errors import ParameterError, StalledWarning, UnjammedWarning
-from .models import Model
+from .models import Model, Ring, Sector
 from .packing import Packing, positive
 from .progress import progress
 from .simulation import Simulation
@@ -68,6 +69,9 @@ def jam(
     Source: O'Hern, Silbert, Liu, Nagel, Phys. Rev. E 68, 011306 (2003); FIRE: Bitzek et al., Phys.
     Rev. Lett. 97, 170201 (2006).
     """
+    expect("packing", packing, Packing)
+    if model is not None:
+        expect("model", model, Ring, Sector)
     positive("pressure", pressure)
     positive("step", step)
     positive("tolerance", tolerance)
@@ -114,6 +118,7 @@ def push_off(packing: Packing) -> Packing:
     Returns:
         The packing with its disks at rest, where their forces balance.
     """
+    expect("packing", packing, Packing)
     return _relaxed(packing, None, _PUSHED_OFF, 1e-3).packing
 
 

@@ -57,21 +57,21 @@ class Ring:
             raise ParameterError(f"contact must be radical or balanced, not {shown(self.contact)}")
         for name in ("kA", "kP", "skin"):
             object.__setattr__(self, name, one_or_each(name, getattr(self, name)))
-        kA, kP, skin = (np.atleast_1d(value) for value in (self.kA, self.kP, self.skin))
+        kA, kP, skin = (np.asarray(value) for value in (self.kA, self.kP, self.skin))
         for name, values in (("kA", kA), ("kP", kP)):
             if not (values > 0.0).all():
-                raise ParameterError(f"{name} must be positive, not {values.tolist()}")
+                raise ParameterError(f"{name} must be positive, not {shown(values)}")
         if not (np.isfinite(skin) & (skin >= 0.0)).all():
-            raise ParameterError(f"skin must not be negative, not {skin.tolist()}")
-        if len({len(values) for values in (kA, kP, skin)} - {1}) > 1:
+            raise ParameterError(f"skin must not be negative, not {shown(skin)}")
+        if len({values.size for values in (kA, kP, skin)} - {1}) > 1:
             raise ParameterError(
-                f"kA, kP and skin must be numbers or have one a species, not {len(kA)}, {len(kP)} "
-                f"and {len(skin)} numbers"
+                f"kA, kP and skin must be numbers or have one a species, not {kA.size}, {kP.size} "
+                f"and {skin.size} numbers"
             )
         if (np.isinf(kA) & np.isinf(kP)).any():
             raise ParameterError(
                 f"a ring must change its area or its perimeter: kA and kP cannot both be inf, as "
-                f"in {kA.tolist()} and {kP.tolist()}"
+                f"in {shown(kA)} and {shown(kP)}"
             )
 
     @property
@@ -169,7 +169,9 @@ class Sector:
         for name in ("kA", "kP"):
             plain = one_or_each(name, getattr(self, name))
             if isinstance(plain, tuple):
-                raise ParameterError(f"{name} of Sector must be one number, not {list(plain)}")
+                raise ParameterError(
+                    f"{name} of Sector must be one number, not {shown(list(plain))}"
+                )
             object.__setattr__(self, name, plain)
         if math.isnan(self.kA):
             object.__setattr__(self, "kA", 1.0 if math.isinf(self.kP) else math.inf)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .checks import expect
 from .disks import DiskState
 from .jamming import simulate
 from .packing import positive
@@ -93,6 +94,7 @@ def _modulus(
     component: Callable[[NDArray[np.float64]], float],
 ) -> Modulus:
     """Half the difference of a component of stress at two opposite strains, over the strain."""
+    expect("state", state, State, DiskState)
     positive("strain", strain)
     before, none = np.inf, _AGREEMENT * state.pressure
     for halving in range(_HALVINGS + 1):

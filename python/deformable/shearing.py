@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from .checks import expect, finite, whole
 from .disks import Disks, DiskState
 from .engine import run
 from .errors import ParameterError
@@ -36,8 +37,8 @@ def shear(
     Raises:
         ParameterError: a value is out of range.
     """
-    if not np.isfinite(strain):
-        raise ParameterError(f"strain must be a finite number, not {strain}")
+    expect("sim", sim, Simulation, Disks)
+    strain, steps = finite("strain", strain), whole("steps", steps)
     if steps < 1:
         raise ParameterError(f"steps must be at least 1, not {steps}")
     return _shear(sim, strain / steps, steps, tolerance)

@@ -10,6 +10,7 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from .checks import expect
 from .contact_table import contact_table
 from .engine import (
     Engine,
@@ -21,7 +22,7 @@ from .engine import (
     run,
 )
 from .errors import BeyondModelWarning, StalledWarning, UnjammedWarning
-from .models import Model
+from .models import Model, Ring, Sector
 from .packing import Packing, positive
 from .state import State
 
@@ -105,11 +106,14 @@ class Simulation(Engine):
         comm: the communicator.
 
     Raises:
-        ParameterError: radii too large for LAMMPS' neighbour bins; choose another length unit.
+        ParameterError: no packing or no model, or radii too large for LAMMPS' neighbour bins;
+            choose another length unit.
         LammpsError: LAMMPS refuses the packing or the model.
     """
 
     def __init__(self, packing: Packing, model: Model, comm: MPI.Comm | None = None) -> None:
+        expect("packing", packing, Packing)
+        expect("model", model, Ring, Sector)
         self.model = model
         self.comm = MPI.COMM_WORLD if comm is None else comm
         packing = self.comm.bcast(packing)  # ranks on unlike machines may have jammed differently

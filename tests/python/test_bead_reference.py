@@ -425,7 +425,7 @@ def test_walls_are_around_one_particle(
         ([0.0, np.nan, 4.0], [1.0, 1.0, 1.0], "angle of walls must be finite numbers"),
         (None, None, "angle of walls must be finite numbers"),
         ([], [], "must rise"),
-        ([0.0, 2.0, 4.0], "high", "height of walls must be finite numbers, not high"),
+        ([0.0, 2.0, 4.0], "high", "height of walls must be finite numbers, not 'high'"),
         ([0.0, [2.0, 4.0]], [1.0, 1.0, 1.0], "angle of walls must be finite numbers"),
         ([0.0, 2.0, 4.0], [1.0, 1.0], "3 positive numbers"),
         ([0.0, 2.0, 4.0], [1.0, 0.0, 1.0], "3 positive numbers"),

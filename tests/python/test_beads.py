@@ -60,12 +60,12 @@ def test_settings_are_positive(name: str, value: Any) -> None:
 @pytest.mark.parametrize(
     ("value", "message"),
     [
-        (0.0, r"be positive and finite, not \[0\.0\]"),
-        (-1.0, r"be positive and finite, not \[-1\.0\]"),
-        (float("nan"), r"be positive and finite, not \[nan\]"),
+        (0.0, r"be positive and finite, not 0\.0"),
+        (-1.0, r"be positive and finite, not -1\.0"),
+        (float("nan"), "be positive and finite, not nan"),
         ([1.0, float("inf")], r"be positive and finite, not \[1\.0, inf\]"),
         ((1.0, 0.0), r"be positive and finite, not \[1\.0, 0\.0\]"),
-        ("1", "be a number, or one number a species, not 1"),
+        ("1", "be a number, or one number a species, not '1'"),
         (None, "be a number, or one number a species, not None"),
         ([], r"be a number, or one number a species, not \[\]"),
         ([1.0, [2.0]], r"be a number, or one number a species, not \[1\.0, \[2\.0\]\]"),

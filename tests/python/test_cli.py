@@ -70,7 +70,7 @@ def test_sector_warns_on_one_line(tmp_path: Path) -> None:
     [
         (["--number", "0"], "error: number must be at least 1, not 0"),
         (["--strain", "2"], "error: strain must lie between -1 and 1, not 2.0"),
-        (["--kP", "0"], "error: kP must be positive, not [0.0]"),
+        (["--kP", "0"], "error: kP must be positive, not 0.0"),
         (["--kA", "inf"], "error: a ring must change its area or its perimeter"),
         (["--law", "sector", "--kP", "1"], "error: Sector needs one positive stiffness"),
         (["--resume", "--out", "nowhere"], "error: no saved run in 'nowhere'"),

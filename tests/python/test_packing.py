@@ -81,7 +81,7 @@ def test_packing_cannot_be_changed() -> None:
         ({"number": 2**31}, "number must be at most 2147483647, not 2147483648"),
         ({"number": 2.5}, "number must be a whole number, not 2.5"),
         ({"seed": None}, "seed must be a whole number, not None"),
-        ({"fraction": "half"}, "fraction must be a finite number, not half"),
+        ({"fraction": "half"}, "fraction must be a finite number, not 'half'"),
         ({"seed": -1}, "seed must not be negative, not -1"),
     ],
 )
