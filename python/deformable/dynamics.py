@@ -126,10 +126,7 @@ def _move(
 ) -> Iterator[State]:
     if temperature is not None:
         run(sim.lmp, f"velocity all create {temperature!r} {seed} loop all mom yes")
-    try:
-        state = sim.state()
-    except LammpsError as error:
-        raise LammpsError(f"{error}; deformable.push_off takes overlaps away") from None
+    state = sim.state()
     dt = accurate_step(state) if timestep is None else timestep
     bath = _BATH.format(temperature=temperature or 0.0, time=1.0 / (friction or 1.0), seed=seed)
     run(

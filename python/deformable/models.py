@@ -14,6 +14,10 @@ from .checks import shown
 from .errors import ParameterError
 from .packing import positive
 
+# A ring of constant perimeter, even pressed flat, bulges by (pi/2 - 1) R. Up to a reach f all lines
+# are found that much smaller neighbours have at (1 + f + 1/(1 + f)) R/2, so that 1.8 would do.
+_FARTHEST_REACH = 3.0
+
 
 @dataclass(frozen=True)
 class Ring:
@@ -33,14 +37,14 @@ class Ring:
         reach: how far beyond touching neighbours count, relative to R_i + R_j, because outlines
             bulge between their contacts. More than enough costs little (3 % at 0.3), too little
             stops the run with an error that suggests a value; particles of very unequal size need
-            more.
+            more, at most 3.
         kP: perimeter stiffness [energy/length^2].
         skin: thickness of a rigid skin around the ring [length]: contacts act at the radius R,
             while A0 and P0 are those of the radius R - skin.
 
     Raises:
-        ParameterError: a stiffness is not positive, both are infinite, the reach is not positive,
-            or a skin is negative.
+        ParameterError: a stiffness is not positive, both are infinite, the reach is not in
+            (0, 3], or a skin is negative.
 
     Source: docs/theory.md, "Ring" and "Rings that breathe".
     """
@@ -53,6 +57,11 @@ class Ring:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "reach", positive("reach", self.reach))
+        if self.reach > _FARTHEST_REACH:
+            raise ParameterError(
+                f"reach must be at most {_FARTHEST_REACH:g}, not {self.reach}: no outline bulges "
+                "so far that it finds more contacts"
+            )
         if not isinstance(self.contact, str) or self.contact not in ("radical", "balanced"):
             raise ParameterError(f"contact must be radical or balanced, not {shown(self.contact)}")
         for name in ("kA", "kP", "skin"):

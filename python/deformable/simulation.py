@@ -21,7 +21,7 @@ from .engine import (
     radii_of_atoms,
     run,
 )
-from .errors import BeyondModelWarning, StalledWarning, UnjammedWarning
+from .errors import BeyondModelWarning, LammpsError, StalledWarning, UnjammedWarning
 from .models import Model, Ring, Sector
 from .packing import Packing, positive
 from .state import State
@@ -63,6 +63,10 @@ _ITERATIONS = 2000
 # Relative change of area and perimeter below which a particle counts as round, because the energy
 # of a loose packing only tends to zero. An indentation of 1e-7 R changes them by about this much.
 _LOOSE = 1e-14
+
+# What the pair styles say of particles that overlap too much, and what Python knows against it.
+_TOO_DEEP = "contact line"
+_CURE = ", or part the particles first with push_off (jam does so)"
 
 # Iterations without halving the largest force after which a relaxation counts as stalled. It falls
 # by decades in a packing that loosens, where its ratio to the mean force may stay what it is.
@@ -188,8 +192,7 @@ class Simulation(Engine):
             pressure = self._largest_pressure
             timestep = _TIMESTEP / np.sqrt(max(pressure, self._lone_pressure))
             force = 0.5 * tolerance * self._force_scale  # it falls a little further on the way
-            run(
-                self.lmp,
+            self._run(
                 f"timestep {float(timestep)!r}\nminimize 0 {float(force)!r} {iterations} "
                 f"{2 * iterations}",
             )
@@ -213,11 +216,14 @@ class Simulation(Engine):
         run(
             self.lmp,
             f"fix results all pair 1 {self.model.style} {results}\n"
-            "compute seen all deformable/contact\nrun 0 post no",
+            "compute seen all deformable/contact",
         )
-        self._results = gather(self.lmp, "f_results", len(_RESULTS))
-        self._seen = local_array(self.lmp, "seen", 9)
-        run(self.lmp, "unfix results\nuncompute seen")
+        try:
+            self._run("run 0 post no")
+            self._results = gather(self.lmp, "f_results", len(_RESULTS))
+            self._seen = local_array(self.lmp, "seen", 9)
+        finally:
+            run(self.lmp, "unfix results\nuncompute seen")
 
         area, perimeter, contacts, pressure, _, length = self._results.T
         species = np.array(self.lmp.gather("type", 0, 1)) - 1
@@ -231,6 +237,13 @@ class Simulation(Engine):
         mean = self._lone_force if self._loose else float(pressure @ length / contacts.sum())
         self._force_scale = max(mean, bearing)
         return self._largest_force / self._force_scale if self._force_scale > 0.0 else 0.0
+
+    def _run(self, commands: str) -> None:
+        """Run commands that evaluate forces."""
+        try:
+            run(self.lmp, commands)
+        except LammpsError as error:
+            raise LammpsError(f"{error}{_CURE if _TOO_DEEP in str(error) else ''}") from None
 
     def _snapshot(self, residual: float, stalled: bool) -> State:
         """Gather the state of the last evaluation."""

@@ -62,6 +62,7 @@ def test_sector_conserves_perimeter_or_area() -> None:
         (deformable.Ring, {"kP": [[1, 2], [3, 4]]}),
         (deformable.Ring, {"skin": [0, [1]]}),
         (deformable.Ring, {"reach": "far"}),
+        (deformable.Ring, {"reach": 3.001}),
         (deformable.Sector, {"kA": -1.0}),
         (deformable.Sector, {"kA": 1.0, "kP": 1.0}),
         (deformable.Sector, {"kA": float("inf")}),

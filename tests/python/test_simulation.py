@@ -343,3 +343,15 @@ def test_plot_draws_every_contact(
     assert np.abs(length[:, None] - expected).min(axis=1).max() < rounding
     assert len(state.plot().collections) == 1
     matplotlib.pyplot.close("all")
+
+
+@pytest.mark.parametrize("model", [deformable.Ring(), deformable.Sector()])
+def test_deep_overlaps_name_their_cure(model: deformable.Ring | deformable.Sector) -> None:
+    packing = deformable.bidisperse(16, phi=0.9, seed=1)
+    cure = r"or take smaller steps, or part the particles first with push_off \(jam does so\)$"
+    with deformable.Simulation(packing, model) as sim:
+        for call in (sim.relax, sim.state):
+            with pytest.raises(deformable.LammpsError, match=cure):
+                call()
+    with deformable.Simulation(deformable.push_off(packing), model) as sim:
+        assert sim.state().energy > 0.0
