@@ -131,13 +131,13 @@ def _move(
     bath = _BATH.format(temperature=temperature or 0.0, time=1.0 / (friction or 1.0), seed=seed)
     run(
         sim.lmp,
-        f"timestep {dt!r}\n{bath if friction else 'fix move all nve'}\nfix plane all enforce2d",
+        f"{bath if friction else 'fix move all nve'}\nfix plane all enforce2d",
     )
     try:
         with progress("moving", unit="state", total=steps // every) as bar:
             for n in range(every, steps + 1, every):
                 _check(state, dt)
-                state = replace(_advance(sim, every, bool(temperature)), time=n * dt)
+                state = replace(_advance(sim, every, dt, bool(temperature)), time=n * dt)
                 bar.set_postfix(temperature=f"{state.temperature:.3g}")
                 bar.update()
                 yield state
@@ -146,9 +146,10 @@ def _move(
             run(sim.lmp, "unfix move\nunfix plane")
 
 
-def _advance(sim: Simulation, steps: int, hot: bool) -> State:
+def _advance(sim: Simulation, steps: int, timestep: float, hot: bool) -> State:
+    motion = f'run {steps} post no every {_FLATTENED} "set group all z 0.0"'
     try:
-        run(sim.lmp, f'run {steps} post no every {_FLATTENED} "set group all z 0.0"')
+        run(sim.lmp, f"timestep {timestep!r}\n{motion}")  # `relax` between states has its own
         return sim.state()
     except LammpsError as error:
         raise LammpsError(f"{error}; or lower the temperature" if hot else str(error)) from None

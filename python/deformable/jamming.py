@@ -117,9 +117,20 @@ def push_off(packing: Packing) -> Packing:
 
     Returns:
         The packing with its disks at rest, where their forces balance.
+
+    Warns:
+        StalledWarning: forces are left that do not.
     """
     expect("packing", packing, Packing)
-    return _relaxed(packing, None, _PUSHED_OFF, 1e-3).packing
+    pushed = _relaxed(packing, None, _PUSHED_OFF, 1e-3)
+    if pushed.stalled:
+        warnings.warn(
+            f"disks were not parted to the end: the largest force is {pushed.residual:.2g} of the "
+            "mean contact force",
+            StalledWarning,
+            stacklevel=2,
+        )
+    return pushed.packing
 
 
 def natural_pressure(packing: Packing, model: Model | None) -> float:

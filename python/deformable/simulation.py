@@ -66,7 +66,7 @@ _LOOSE = 1e-14
 
 # What the pair styles say of particles that overlap too much, and what Python knows against it.
 _TOO_DEEP = "contact line"
-_CURE = ", or part the particles first with push_off (jam does so)"
+_CURE = " (push_off parts overlaps, jam does so by itself)"
 
 # Iterations without halving the largest force after which a relaxation counts as stalled. It falls
 # by decades in a packing that loosens, where its ratio to the mean force may stay what it is.

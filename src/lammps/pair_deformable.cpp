@@ -273,10 +273,8 @@ void PairDeformable::behind_centre(int i, int j)
   error->one(
       FLERR,
       "The contact line of atoms {} and {} does not lie in front of the centre of atom {}: their "
-      "distance is {:.6g}, their radii are {:.6g} and {:.6g}. Part particles that overlap first "
-      "(push_off in Python), start from a less compressed state, or take smaller steps or a "
-      "smaller "
-      "timestep",
+      "distance is {:.6g}, their radii are {:.6g} and {:.6g}. Part particles that overlap first, "
+      "start from a less compressed state, or take smaller steps or a smaller timestep",
       atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(dx, dy), radius_of(i), radius_of(j));
 }
 

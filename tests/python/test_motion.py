@@ -102,6 +102,17 @@ def test_energy_error_falls_with_the_square_of_the_time_step(phi: float) -> None
     assert errors[-1] < 1e-3 * states[-1].kinetic_energy
 
 
+def test_relaxing_on_the_way_leaves_the_time_step(dense: deformable.Packing) -> None:
+    """FIRE has a time step of its own, which must not become that of the motion."""
+    with deformable.Simulation(dense, deformable.Ring()) as sim:
+        motion = deformable.move(sim, 4, 0.01, temperature=1e-6, every=2)
+        next(motion)
+        sim.relax()
+        assert sim.lmp.extract_global("dt") != 0.01
+        next(motion)
+        assert sim.lmp.extract_global("dt") == 0.01
+
+
 def test_damped_motion_comes_to_rest(dense: deformable.Packing) -> None:
     with deformable.Simulation(dense, deformable.Ring()) as sim:
         states = list(move(sim, 4000, friction=0.05, every=200))

@@ -274,6 +274,18 @@ def test_lammps_errors_come_as_one_line(jammed: deformable.Packing) -> None:
     assert "src/" not in str(caught.value)
 
 
+def test_simulations_outlive_errors_of_lammps(jammed: deformable.Packing) -> None:
+    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+        box = sim.box
+        before = sim.relax()
+        for _ in range(2):
+            sim.deform(0.5 * box)
+            with pytest.raises(deformable.LammpsError):
+                sim.relax()
+        sim.deform(box)
+        assert sim.state().pressure == pytest.approx(before.pressure, rel=1e-6)
+
+
 @pytest.mark.parametrize(("strain", "steps"), [(1.0, 1), (float("nan"), 1), (0.01, 0)])
 def test_compress_refuses_nonsense_at_once(
     jammed: deformable.Packing, strain: float, steps: int
@@ -348,7 +360,7 @@ def test_plot_draws_every_contact(
 @pytest.mark.parametrize("model", [deformable.Ring(), deformable.Sector()])
 def test_deep_overlaps_name_their_cure(model: deformable.Ring | deformable.Sector) -> None:
     packing = deformable.bidisperse(16, phi=0.9, seed=1)
-    cure = r"or take smaller steps, or part the particles first with push_off \(jam does so\)$"
+    cure = r"a smaller timestep \(push_off parts overlaps, jam does so by itself\)$"
     with deformable.Simulation(packing, model) as sim:
         for call in (sim.relax, sim.state):
             with pytest.raises(deformable.LammpsError, match=cure):
