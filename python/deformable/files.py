@@ -39,6 +39,8 @@ from .versions import versions
 SUMMARY = "summary.json"
 SERIES, TRAJECTORY = "series.csv", "trajectory.lammpstrj"
 
+_FRAME = r"(?=ITEM: TIMESTEP\n)"
+
 _MODELS: dict[str, type[Ring] | type[Sector]] = {"Ring": Ring, "Sector": Sector}
 
 
@@ -116,13 +118,15 @@ def write(
 ) -> Iterator[State]:
     """As `record`, behind the first frames on record."""
     series, trajectory = folder / SERIES, folder / TRAJECTORY
+    if first > 0:
+        _check_frames(trajectory, first)
     for number, state in enumerate(states, start=first):
         if state.root:
             if number == first:
                 folder.mkdir(parents=True, exist_ok=True)
                 if frames_in(folder) > 0 == first:  # of another run, whose frames go
                     (folder / DATA).unlink(missing_ok=True)
-                _keep(trajectory, first, r"(?=ITEM: TIMESTEP\n)")
+                _keep(trajectory, first, _FRAME)
                 _keep(series, first + 1 if first > 0 else 0, r"(?<=\n)")
             row = io.StringIO()
             writer = csv.DictWriter(row, ["frame", *numbers(state)])
@@ -138,7 +142,8 @@ def write(
 def frames_in(folder: Path) -> int:
     """Frames on record up to the state in a folder; all of them if `State.save` has written it."""
     if (folder / DATA).exists():
-        counted = re.search(r", (\d+) frames$", (folder / DATA).read_text().partition("\n")[0])
+        title = (folder / DATA).read_text(errors="replace").partition("\n")[0]
+        counted = re.search(r", (\d+) frames$", title)
         if counted:
             return int(counted[1])
     if not (folder / SERIES).exists():
@@ -196,6 +201,22 @@ def _keep(path: Path, count: int, boundary: str) -> None:
         _replace(path, "".join(parts[:count]))
 
 
+def _check_frames(path: Path, count: int) -> None:
+    """Refuse to go on behind frames that are not there; all ranks read, so that all stop."""
+    text = path.read_text(errors="replace") if path.exists() else ""
+    frames = [part for part in re.split(_FRAME, text) if part][:count]
+    whole = sum(_is_whole(frame) for frame in frames)
+    if whole < count:
+        raise FileError(
+            f"{path} has {whole} of {count} frames: put back the file, or begin a new run"
+        )
+
+
+def _is_whole(frame: str) -> bool:
+    lines = frame.splitlines()
+    return frame.endswith("\n") and lines[3:4] == [str(len(lines) - 9)]  # atoms, below the head
+
+
 def _dump_frame(number: int, state: State) -> str:
     packing = state.packing
     (lx, _), (xy, ly) = packing.box.tolist()
@@ -236,12 +257,20 @@ def _dump_frame(number: int, state: State) -> str:
 
 def summary_in(folder: Path) -> dict[str, Any]:
     """What `summary.json` says."""
+    path = folder / SUMMARY
     try:
-        return dict(json.loads((folder / SUMMARY).read_text()))
-    except FileNotFoundError:
-        raise FileError(f"no saved run in '{folder}': {folder / SUMMARY} is missing") from None
+        return dict(json.loads(_text(path, folder)))
     except (ValueError, TypeError) as error:
-        raise FileError(f"the saved run in '{folder}' cannot be read: {error}") from None
+        raise FileError(f"{path} cannot be read: {error}") from None
+
+
+def _text(path: Path, folder: Path) -> str:
+    try:
+        return path.read_text()
+    except FileNotFoundError:
+        raise FileError(f"no saved run in '{folder}': {path} is missing") from None
+    except OSError as error:
+        raise FileError(f"{path} cannot be read: {error.strerror}") from None
 
 
 def _setting(value: Any) -> Any:
@@ -256,13 +285,17 @@ def _setting(value: Any) -> Any:
 
 def read(folder: Path) -> tuple[Packing, Ring | Sector]:
     """The packing in a folder, to the last digit, and its model."""
-    summary = summary_in(folder)
+    summary, path = summary_in(folder), folder / SUMMARY
     try:
         settings = dict(summary["model"])
-        law = _MODELS[settings.pop("name")]
-        model = law(**{name: _setting(value) for name, value in settings.items()})
-        if not (folder / DATA).exists():
-            raise FileError(f"no saved run in '{folder}': {folder / DATA} is missing")
-        return packing_in((folder / DATA).read_text(), summary["radii"]), model
-    except (ValueError, KeyError, TypeError, IndexError) as error:
-        raise FileError(f"the saved run in '{folder}' cannot be read: {error}") from None
+        name = settings.pop("name")
+        if name not in _MODELS:
+            raise ValueError(f"there is no law {name!r}")
+        model = _MODELS[name](**{key: _setting(value) for key, value in settings.items()})
+        radii = summary["radii"]
+        path = folder / DATA
+        return packing_in(_text(path, folder), radii), model
+    except KeyError as error:
+        raise FileError(f"{path} cannot be read: it does not tell {error}") from None
+    except (ValueError, TypeError) as error:
+        raise FileError(f"{path} cannot be read: {error}") from None

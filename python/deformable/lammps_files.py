@@ -77,19 +77,24 @@ def data_file(packing: Packing, frames: int | None) -> str:
 
 def packing_in(text: str, radii: list[float]) -> Packing:
     """The packing of a data file. LAMMPS would round the centres while it reads them."""
-    head, _, atoms = text.partition("Atoms # ")
-    style, _, rows = atoms.partition("\n")
+    head, _, body = text.partition("Atoms # ")
+    style, _, rows = body.partition("\n")
+    columns = {"atomic": 5, "sphere": 7}.get(style)
     words = {line.split()[-1]: line.split() for line in head.splitlines() if line.strip()}
+    if columns is None or not {"xhi", "yhi", "yz", "atoms"} <= words.keys():
+        raise ValueError("it is no packing as lammps-deformable writes it")
     lx, ly, xy = float(words["xhi"][1]), float(words["yhi"][1]), float(words["yz"][0])
-    ids, kinds, *columns = np.loadtxt(rows.splitlines(), ndmin=2).T
-    if len(kinds) != int(words["atoms"][0]):
-        raise ValueError(f"{DATA} has {len(kinds)} of {words['atoms'][0]} atoms")
+    atoms = [row.split() for row in rows.splitlines() if row.strip()]
+    whole = sum(len(row) == columns for row in atoms)
+    if whole != len(atoms) or whole != int(words["atoms"][0]):
+        raise ValueError(f"it has {whole} of {words['atoms'][0]} atoms")
+    ids, kinds, *values = np.array(atoms, dtype=np.float64).T
     if not np.array_equal(ids, np.arange(1, len(ids) + 1)):
-        raise ValueError(f"atom IDs in {DATA} must be 1 to {len(ids)} in order")
+        raise ValueError(f"atom IDs must be 1 to {len(ids)} in order")
     return Packing(
-        positions=np.column_stack(columns[-3:-1]),
+        positions=np.column_stack(values[-3:-1]),
         species=kinds.astype(np.int64) - 1,
         radii=np.array(radii),
         box=np.array([[lx, 0.0], [xy, ly]]),
-        sizes=columns[0] / 2.0 if style == "sphere" else None,
+        sizes=values[0] / 2.0 if style == "sphere" else None,
     )

@@ -157,5 +157,56 @@ def test_a_data_file_that_lacks_an_atom(state: deformable.State, tmp_path: Path)
     state.save(tmp_path)
     data = tmp_path / "packing.data"
     data.write_text(data.read_text().replace("\n32 2 ", "\n99 2 "))
-    with pytest.raises(deformable.FileError, match=r"cannot be read: atom IDs in .* must be 1 to"):
+    with pytest.raises(deformable.FileError, match=r"packing\.data cannot be read: atom IDs must"):
         deformable.load(tmp_path)
+
+
+def halved(path: Path) -> None:
+    text = path.read_text()
+    path.write_text(text[: len(text) // 2])
+
+
+BROKEN = {
+    "bad JSON": ("summary.json", lambda path: path.write_text('{"model": '), "Expecting value"),
+    "a list": ("summary.json", lambda path: path.write_text("[1]"), "cannot convert"),
+    "bytes": ("summary.json", lambda path: path.write_bytes(b"\xff\xfe"), "codec can't decode"),
+    "empty": ("summary.json", lambda path: path.write_text("{}"), "it does not tell 'model'"),
+    "garbage": ("packing.data", lambda path: path.write_text("garb age"), "it is no packing as"),
+    "bytes as data": ("packing.data", lambda path: path.write_bytes(b"\xff\n"), "can't decode"),
+    "half": ("packing.data", halved, r"it has \d+ of 32 atoms"),
+}
+
+
+@pytest.mark.parametrize("case", BROKEN)
+def test_errors_name_the_file(case: str, state: deformable.State, tmp_path: Path) -> None:
+    name, spoil, message = BROKEN[case]
+    state.save(tmp_path)
+    spoil(tmp_path / name)
+    with pytest.raises(deformable.FileError, match=f"{name} cannot be read: .*{message}") as caught:
+        deformable.load(tmp_path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_file_is_no_folder(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(deformable.FileError, match=r"summary\.json cannot be read: Not a dir"):
+        deformable.load(tmp_path / "file")
+
+
+@pytest.mark.parametrize(("left", "whole"), [(0.0, 0), (0.4, 0), (0.6, 1), (0.999999, 1)])
+def test_nothing_is_added_to_a_broken_trajectory(
+    left: float, whole: int, state: deformable.State, tmp_path: Path
+) -> None:
+    list(deformable.record([state, state], tmp_path))
+    trajectory = tmp_path / "trajectory.lammpstrj"
+    text = trajectory.read_text()
+    cut = text[: int(left * len(text))]
+    if cut:
+        trajectory.write_text(cut)
+    else:
+        trajectory.unlink()
+    message = rf"trajectory\.lammpstrj has {whole} of 2 frames: put back the file"
+    with pytest.raises(deformable.FileError, match=message):
+        next(deformable.record([state], tmp_path, append=True))
+    assert (trajectory.read_text() if cut else "") == cut
+    assert len((tmp_path / "series.csv").read_text().splitlines()) == 3

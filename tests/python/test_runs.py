@@ -171,5 +171,5 @@ def test_what_cannot_be_resumed(state: deformable.State, tmp_path: Path) -> None
         deformable.resume(tmp_path)
     lines = (tmp_path / "packing.data").read_text().splitlines(keepends=True)
     (tmp_path / "packing.data").write_text("".join(lines[:-2]))
-    with pytest.raises(deformable.FileError, match=r"packing\.data has 30 of 32 atoms"):
+    with pytest.raises(deformable.FileError, match=r"packing\.data cannot be read: it has 30 of"):
         deformable.resume(tmp_path)
