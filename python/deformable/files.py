@@ -162,7 +162,7 @@ def numbers(state: State) -> dict[str, Any]:
         "xy": xy,
         "phi": state.phi,
         "pressure": state.pressure,
-        "shear_stress": float(state.stress[0, 1]),
+        "shear_stress": -float(state.stress[0, 1]),  # as `shear` has it: resists shear along x
         "energy": state.energy,
         "temperature": state.temperature,
         "time": state.time,

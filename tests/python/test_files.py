@@ -99,6 +99,18 @@ def test_mdanalysis_reads_the_trajectory(tilt: float, tmp_path: Path) -> None:
         assert vectors == pytest.approx(np.array([[lx, 0.0], [xy, ly]]), rel=1e-5)
 
 
+def test_shear_stress_of_a_series_resists(tmp_path: Path) -> None:
+    """Positive where the upper side has been drawn along x."""
+    jammed = deformable.jam(deformable.bidisperse(16, seed=1))
+    with deformable.Simulation(jammed.at(jammed.phi + 0.03), deformable.Ring()) as sim:
+        start = sim.relax()
+        states = list(deformable.record(deformable.shear(sim, 1e-3, 2), tmp_path / "run"))
+    with (tmp_path / "run" / "series.csv").open(newline="") as file:
+        stress = [float(row["shear_stress"]) for row in csv.DictReader(file)]
+    assert stress == [-state.stress[0, 1] for state in states]
+    assert stress[1] > stress[0] > -start.stress[0, 1]
+
+
 def test_missing_and_broken_runs_are_named(state: deformable.State, tmp_path: Path) -> None:
     with pytest.raises(deformable.FileError, match=r"summary\.json is missing"):
         deformable.load(tmp_path / "nowhere")
