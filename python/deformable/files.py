@@ -29,15 +29,13 @@ from mpi4py import MPI
 
 from .checks import expect
 from .errors import FileError
+from .folders import SERIES, SUMMARY, TRAJECTORY, refuse
 from .lammps_files import DATA, SCRIPT, SPECIES, data_file, packing_in, script
 from .models import Ring, Sector
 from .packing import Packing
 from .simulation import Simulation
 from .state import State
 from .versions import versions
-
-SUMMARY = "summary.json"
-SERIES, TRAJECTORY = "series.csv", "trajectory.lammpstrj"
 
 _FRAME = r"(?=ITEM: TIMESTEP\n)"
 
@@ -285,7 +283,7 @@ def _setting(value: Any) -> Any:
 
 def read(folder: Path) -> tuple[Packing, Ring | Sector]:
     """The packing in a folder, to the last digit, and its model."""
-    summary, path = summary_in(folder), folder / SUMMARY
+    summary, path = summary_in(refuse(folder, but="compression")), folder / SUMMARY
     try:
         settings = dict(summary["model"])
         name = settings.pop("name")

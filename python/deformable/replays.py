@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import FileError
-from .files import TRAJECTORY, load
+from .files import load
+from .folders import TRAJECTORY
 from .progress import progress
 from .simulation import Simulation
 from .state import State

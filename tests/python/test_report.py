@@ -94,6 +94,9 @@ def test_an_interrupted_report_goes_on(tmp_path, monkeypatch):
 
     for name in report._MEASURE:
         monkeypatch.setitem(report._MEASURE, name, stand_in(name))
+    with pytest.raises(report.ParameterError, match=r"nothing to resume: '.*' holds no parts"):
+        report.write_report(tmp_path, quick=True, resume=True)
+    assert not list(tmp_path.iterdir())
     for resume in (False, True):
         with pytest.raises(KeyboardInterrupt):
             report.write_report(tmp_path, quick=True, resume=resume)

@@ -22,6 +22,7 @@ from ..beads import Beads
 from ..comparison import Comparison
 from ..errors import ParameterError
 from ..farm import farm
+from ..folders import refuse
 from ..progress import progress
 from ..single import Squeezed
 from ..versions import machine, versions
@@ -165,12 +166,15 @@ def write_report(
         `versions`, `quick`.
 
     Raises:
-        ParameterError: matplotlib is missing.
+        ParameterError: matplotlib is missing, or there is nothing to resume.
+        FileError: the folder holds something else than a report.
     """
     if not importlib.util.find_spec("matplotlib"):
         raise ParameterError("a report needs pictures: pip install lammps-deformable[plot]")
-    folder = Path(folder)
+    folder = refuse(folder, but="report")
     parts = folder / "parts"
+    if resume and not any(parts.glob("*.pickle")):
+        raise ParameterError(f"nothing to resume: '{folder}' holds no parts of a report")
     parts.mkdir(parents=True, exist_ok=True)  # or fail before the work
     results = _measure(QUICK if quick else FULL, parts, resume, say)
     rows: dict[str, Any] = {
