@@ -24,7 +24,7 @@ SOURCES := $(shell find cmake python src -type f -not -name '*.pyc') CMakeLists.
 .DELETE_ON_ERROR:
 
 demo: $(VENV)/installed
-	@$(BIN)/deformable compress --number 128 --strain 0.01 --steps 10 --seed 1 --out demo
+	@$(BIN)/deformable compress --number 128 --strain 0.01 --steps 10 --seed 1 --out demo --overwrite
 	@$(BIN)/deformable compare --number 16
 
 test: $(VENV)/installed

@@ -1,7 +1,8 @@
-"""Progress bars on long work: silent off a terminal, off rank 0 and in farmed processes."""
+"""Lines of output, and progress bars on long work: silent off rank 0; bars off a terminal too."""
 
 from __future__ import annotations
 
+import sys
 from multiprocessing import parent_process
 from typing import Any
 
@@ -15,3 +16,9 @@ def progress(description: str, unit: str, total: int | None = None, initial: int
     return tqdm(
         desc=description, unit=unit, total=total, initial=initial, leave=False, disable=hidden
     )
+
+
+def say(line: str) -> None:
+    """Print a line once, above any progress bar."""
+    if MPI.COMM_WORLD.rank == 0:
+        tqdm.write(line, file=sys.stdout)

@@ -6,6 +6,7 @@ of the first one. So a step gives the same whether or not the same process took 
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -15,10 +16,15 @@ from mpi4py import MPI
 
 from .compression import check_protocol, go_on
 from .errors import FileError, ParameterError
-from .files import DATA, frames_in, read, save, summary_in, write
-from .packing import Packing
+from .files import frames_in, read, save, summary_in, write
+from .folders import SERIES, TRAJECTORY, refuse
+from .lammps_files import DATA
+from .packing import Packing, positive
 from .simulation import Simulation
 from .state import State
+
+# Above it the forces on a particle are not in balance by any measure.
+LARGEST_TOLERANCE = 1e-2
 
 
 def compress_in(
@@ -29,6 +35,7 @@ def compress_in(
     tolerance: float = 1e-6,
     parameters: Mapping[str, Any] | None = None,
     append: bool = False,
+    overwrite: bool = False,
 ) -> Iterator[State]:
     """Compress as `compress`, and write as `record` what `resume` needs to go on at any step.
 
@@ -37,18 +44,27 @@ def compress_in(
         sim: as it is, without further commands to its `lmp`: each step takes a new LAMMPS.
         strain: linear strain in all, below 1; negative expands.
         steps: number of steps.
-        tolerance: of each relaxation, see `Simulation.relax`.
+        tolerance: of each relaxation, at most 0.01, see `Simulation.relax`.
         parameters: anything JSON that belongs into the summary.
-        append: go on with the series and trajectory in the folder instead of replacing them.
+        append: compress what is in the folder further: go on with its series and trajectory.
+        overwrite: replace the run in the folder.
 
     Yields:
         The relaxed state after each step, once it is written.
 
     Raises:
         ParameterError: a value is out of range.
+        FileError: the folder holds a run and neither `append` nor `overwrite` is given, or `append`
+            is and the run is interrupted or lacks frames; or it holds something else.
     """
-    check_protocol(strain, steps)
-    folder = Path(folder)
+    check_compression(strain, steps, tolerance)
+    if append and overwrite:
+        raise ParameterError("a run is either compressed further or replaced: not both")
+    ways = ("finish it with resume", "go on with append=True", "replace it with overwrite=True")
+    sim.comm.barrier()  # rank 0 may still be writing
+    folder = refuse(folder, "compression" if append or overwrite else None, ways)
+    if append:
+        check_further(folder)
     first = frames_in(folder) if append else 0
     before = {"before": summary_in(folder).get("parameters")} if append else {}
     start = sim.state()  # by then all ranks have read
@@ -70,31 +86,94 @@ def resume(folder: str | Path, comm: MPI.Comm | None = None) -> Iterator[State]:
         comm: as for `Simulation`.
 
     Yields:
-        The states that are missing.
+        The states that are missing; none if it is complete.
 
     Raises:
         FileError: there is no such compression, or its files cannot be understood.
-        ParameterError: it is complete.
     """
-    folder, comm = Path(folder), comm or MPI.COMM_WORLD
+    comm = comm or MPI.COMM_WORLD
+    comm.barrier()  # rank 0 may still be writing
+    folder = refuse(folder, but="compression")
     packing, model = read(folder)
     parameters = summary_in(folder)["parameters"]
-    if "start" not in parameters:
-        raise FileError(
-            f"the run in '{folder}' does not say how it was to go on: compress it further, by a "
-            "strain in a number of steps"
-        )
-    done = frames_in(folder) - parameters["start"]["frame"]
-    if done >= parameters["steps"]:
-        raise ParameterError(
-            f"the compression in '{folder}' is complete: compress it further, by a strain in a "
-            "number of steps"
-        )
+    done, steps = steps_done(folder)
     comm.barrier()  # all have read it
+    if done >= steps:
+        return iter(())
+    check_frames(folder)
     sim = Simulation(packing, model, comm)
     if done > 0:
         sim.relax(np.finfo(float).max)  # it is: only to know whether it is rigid
     return _steps(sim, packing, folder, parameters, done)
+
+
+def check_compression(strain: float, steps: int, tolerance: float) -> None:
+    """Refuse what `compress_in` cannot do."""
+    check_protocol(strain, steps)
+    if positive("tolerance", tolerance) > LARGEST_TOLERANCE:
+        raise ParameterError(f"tolerance must be at most {LARGEST_TOLERANCE}, not {tolerance}")
+
+
+def steps_done(folder: Path) -> tuple[int, int]:
+    """Steps of the compression in a folder that are done, and how many it has."""
+    parameters = summary_in(folder).get("parameters") or {}
+    if "start" not in parameters:
+        raise FileError(
+            f"the run in '{folder}' does not say how it was to go on: compress it further with "
+            "--further (in Python: compress_in with append=True)"
+        )
+    return frames_in(folder) - parameters["start"]["frame"], parameters["steps"]
+
+
+def check_further(folder: Path) -> None:
+    """Refuse to go on behind a run that is not all there."""
+    read(folder)
+    if "start" in (summary_in(folder).get("parameters") or {}):
+        done, steps = steps_done(folder)
+        if done < steps:
+            raise FileError(
+                f"the compression in '{folder}' is interrupted at step {done} of {steps}: finish "
+                "it first with --resume (in Python: resume)"
+            )
+    check_frames(folder)
+
+
+def check_frames(folder: Path) -> None:
+    """Refuse a series or a trajectory that lacks states on record; both may have more."""
+    count = frames_in(folder)
+    for path, numbers in (
+        (folder / TRAJECTORY, _frames_of_trajectory(folder / TRAJECTORY)),
+        (folder / SERIES, _frames_of_series(folder / SERIES)),
+    ):
+        for n in range(count):
+            if next(numbers, None) != n:
+                raise FileError(
+                    f"{path} lacks frame {n}, of the {count} frames on record: restore the file, "
+                    "or begin in another folder"
+                )
+
+
+def _frames_of_series(path: Path) -> Iterator[int]:
+    """Numbers of the frames that have a row."""
+    if path.exists():
+        with path.open(newline="") as file:
+            for row in csv.DictReader(file):
+                yield int(row["frame"]) if str(row.get("frame")).isdigit() else -1
+
+
+def _frames_of_trajectory(path: Path) -> Iterator[int]:
+    """Numbers of the frames, up to the first one that is not whole."""
+    if not path.exists():
+        return
+    with path.open() as file:
+        while True:
+            head = [file.readline().strip() for _ in range(9)]
+            if head[0] != "ITEM: TIMESTEP" or not (head[1].isdigit() and head[3].isdigit()):
+                return
+            rows = [file.readline() for _ in range(int(head[3]))]
+            if not all(row.endswith("\n") for row in rows):
+                return
+            yield int(head[1])
 
 
 def _steps(

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import deformable
 import pytest
+from deformable import cli
 
 FILES = (
     *("packing.data", "species.deformable", "in.lammps", "summary.json"),
@@ -107,9 +108,121 @@ def test_killed_again_and_again(unbroken: dict[str, bytes], tmp_path: Path) -> N
     ]
     assert contents(tmp_path / "run") == unbroken
 
-    result = compress("--resume", cwd=tmp_path)
-    assert (result.returncode, result.stderr.count("\n")) == (2, 1)
-    assert "the compression in 'run' is complete" in result.stderr
+    for options in ((), START):
+        result = compress(*options, "--resume", cwd=tmp_path)
+        assert (result.returncode, result.stderr) == (0, "")
+        assert result.stdout == "the compression in 'run' is complete\n"
+    assert contents(tmp_path / "run") == unbroken
+    assert list(deformable.resume(tmp_path / "run")) == []
+
+
+def in_process(*options: str) -> None:
+    """The same without a process of its own, for what is refused."""
+    cli.app(["compress", "--out", "run", *options], standalone_mode=False)
+
+
+def test_the_same_command_resumes(
+    unbroken: dict[str, bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And nothing else: neither another option nor a run that goes on from the middle."""
+    monkeypatch.chdir(tmp_path)
+    law = ("--kA", "1", "--kP", "inf", "--radii", "0.5", "0.7", "--law", "ring")
+    killed("torn", 5, *START, *law, cwd=tmp_path)
+    broken = contents(tmp_path / "run")
+    for option, saved, given in (
+        ("--seed", "5", "2"),
+        ("--kP", "inf", "3.0"),
+        ("--radii", "0.5 0.7", "0.5 0.8"),
+        ("--contact", "balanced", "radical"),
+        ("--polydispersity", "none", "0.1"),
+        ("--steps", "5", "2"),
+        ("--tolerance", "1e-06", "1e-08"),
+    ):
+        with pytest.raises(deformable.ParameterError) as error:
+            in_process("--resume", option, *given.split())
+        assert str(error.value) == (
+            f"the run in 'run' was begun with {option} {saved}, not {given}: leave it out, or name "
+            "another folder"
+        )
+    message = (
+        "the compression in 'run' is interrupted at step 2 of 5: finish it first with --resume"
+    )
+    with pytest.raises(deformable.FileError, match=message):
+        in_process("--further", "--steps", "1")
+    with (
+        deformable.load(tmp_path / "run") as sim,
+        pytest.raises(deformable.FileError, match="at step 2 of 5: finish it first"),
+    ):
+        deformable.compress_in(tmp_path / "run", sim, 0.01, 1, append=True)
+    assert contents(tmp_path / "run") == broken
+    result = compress(*START, *law, "--resume", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert contents(tmp_path / "run") == unbroken
+
+    result = compress("--further", "--strain", "0.001", "--steps", "1", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    with pytest.raises(deformable.ParameterError, match="was begun with --seed 5, not 3"):
+        in_process("--further", "--seed", "3")  # by what it went further from
+    in_process("--resume", "--seed", "5", "--steps", "1")
+
+
+def test_a_run_is_not_written_over(unbroken: dict[str, bytes], tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    folder.mkdir()
+    for name, content in unbroken.items():
+        (folder / name).write_bytes(content)
+    result = compress("--number", "8", cwd=tmp_path)
+    assert (result.returncode, result.stdout) == (2, "")
+    assert result.stderr == (
+        "error: 'run' holds a run: finish it with --resume, or compress it further with "
+        "--further, or replace it with --overwrite, or name another folder\n"
+    )
+    with deformable.load(folder) as sim:
+        with pytest.raises(deformable.FileError, match="replace it with overwrite=True, or name"):
+            deformable.compress_in(folder, sim, 0.01, 1)
+        with pytest.raises(deformable.ParameterError, match="further or replaced: not both"):
+            deformable.compress_in(folder, sim, 0.01, 1, append=True, overwrite=True)
+    assert contents(folder) == unbroken
+    result = compress("--number", "8", "--steps", "1", "--overwrite", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert (folder / "series.csv").read_text().count("\n") == 2
+    assert json.loads((folder / "summary.json").read_text())["parameters"]["number"] == 8
+
+
+def spoil(text: str, how: str) -> str | None:
+    """Ways to lose what is on record."""
+    if how == "missing":
+        return None
+    if how == "cut":  # within the last row
+        return text[:-20]
+    if how == "short":
+        return text[: len(text) // 2]
+    return text.replace("ITEM: TIMESTEP\n1\n", "ITEM: TIMESTEP\n7\n").replace("\n1,", "\n7,")
+
+
+@pytest.mark.parametrize("how", ["missing", "cut", "short", "other"])
+@pytest.mark.parametrize("name", ["trajectory.lammpstrj", "series.csv"])
+def test_frames_on_record_are_there(
+    unbroken: dict[str, bytes], tmp_path: Path, name: str, how: str
+) -> None:
+    if (name, how) == ("series.csv", "cut"):
+        how = "short"
+    for file, content in unbroken.items():
+        (tmp_path / file).write_bytes(content)
+    left = spoil((tmp_path / name).read_text(), how)
+    (tmp_path / name).unlink()
+    if left is not None:
+        (tmp_path / name).write_text(left)
+    with (
+        deformable.load(tmp_path) as sim,
+        pytest.raises(deformable.FileError, match=rf"{name} lacks frame \d, of the 5 frames"),
+    ):
+        deformable.compress_in(tmp_path, sim, 0.01, 1, append=True)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    summary["parameters"]["steps"] = 6
+    (tmp_path / "summary.json").write_text(json.dumps(summary))
+    with pytest.raises(deformable.FileError, match=rf"{name} lacks frame \d, of the 5 frames"):
+        deformable.resume(tmp_path)
 
 
 def test_killed_from_outside(unbroken: dict[str, bytes], tmp_path: Path) -> None:
@@ -130,14 +243,14 @@ def test_python_resumes_what_it_began(jammed: deformable.Packing, tmp_path: Path
     tilted = deformable.jam(deformable.bidisperse(12, tilt=0.3, aspect=1.2, seed=2))
     for name, stop in (("whole", 3), ("broken", 1)):
         folder = tmp_path / name
-        for packing, append in ((jammed, False), (tilted, False), (None, True)):
+        for packing, how in ((jammed, {}), (tilted, {"overwrite": True}), (None, {"append": True})):
             sim = (
                 deformable.load(folder)
                 if packing is None
                 else deformable.Simulation(packing, deformable.Ring())
             )
-            run = deformable.compress_in(folder, sim, 0.02, 3, append=append)
-            for _, state in zip(range(stop if append else 3), run, strict=False):
+            run = deformable.compress_in(folder, sim, 0.02, 3, **how)
+            for _, state in zip(range(stop if "append" in how else 3), run, strict=False):
                 assert state.root
     states = list(deformable.resume(tmp_path / "broken"))
     assert len(states) == 2
