@@ -15,8 +15,9 @@ import typer
 from mpi4py import MPI
 
 from .errors import ParameterError
-from .files import frames_in, load, numbers, summary_in
+from .files import load, numbers, summary_in
 from .folders import refuse
+from .frames import frames_in
 from .jamming import jam
 from .models import Model, Ring, Sector
 from .packing import Packing, bidisperse, polydisperse, positive

@@ -30,6 +30,7 @@ from mpi4py import MPI
 from .checks import expect
 from .errors import FileError
 from .folders import SERIES, SUMMARY, TRAJECTORY, refuse
+from .frames import check_frames, frames_in
 from .lammps_files import DATA, SCRIPT, SPECIES, data_file, packing_in, script
 from .models import Ring, Sector
 from .packing import Packing
@@ -117,7 +118,7 @@ def write(
     """As `record`, behind the first frames on record."""
     series, trajectory = folder / SERIES, folder / TRAJECTORY
     if first > 0:
-        _check_frames(trajectory, first)
+        check_frames(folder)
     for number, state in enumerate(states, start=first):
         if state.root:
             if number == first:
@@ -135,19 +136,6 @@ def write(
             _append(series, row.getvalue())
             save(state, folder, parameters, frames=number + 1)
         yield state
-
-
-def frames_in(folder: Path) -> int:
-    """Frames on record up to the state in a folder; all of them if `State.save` has written it."""
-    if (folder / DATA).exists():
-        title = (folder / DATA).read_text(errors="replace").partition("\n")[0]
-        counted = re.search(r", (\d+) frames$", title)
-        if counted:
-            return int(counted[1])
-    if not (folder / SERIES).exists():
-        return 0
-    with (folder / SERIES).open(newline="") as file:
-        return sum(1 for _ in csv.DictReader(file))
 
 
 def numbers(state: State) -> dict[str, Any]:
@@ -197,22 +185,6 @@ def _keep(path: Path, count: int, boundary: str) -> None:
     parts = [part for part in re.split(boundary, text) if part]
     if len(parts) > count:
         _replace(path, "".join(parts[:count]))
-
-
-def _check_frames(path: Path, count: int) -> None:
-    """Refuse to go on behind frames that are not there; all ranks read, so that all stop."""
-    text = path.read_text(errors="replace") if path.exists() else ""
-    frames = [part for part in re.split(_FRAME, text) if part][:count]
-    whole = sum(_is_whole(frame) for frame in frames)
-    if whole < count:
-        raise FileError(
-            f"{path} has {whole} of {count} frames: put back the file, or begin a new run"
-        )
-
-
-def _is_whole(frame: str) -> bool:
-    lines = frame.splitlines()
-    return frame.endswith("\n") and lines[3:4] == [str(len(lines) - 9)]  # atoms, below the head
 
 
 def _dump_frame(number: int, state: State) -> str:

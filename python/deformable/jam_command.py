@@ -17,10 +17,11 @@ from mpi4py import MPI
 from .ensemble import Row, exponents, measure, summarise
 from .errors import FileError, ParameterError
 from .farm import farm
+from .folders import SUMMARY, TABLE, refuse
 from .packing import positive
 from .versions import versions
 
-TABLE, SCALING, SUMMARY = "table.csv", "scaling.csv", "summary.json"
+SCALING = "scaling.csv"
 
 # Each value of phi - phi_J is half of the next one.
 _POINTS = 7
@@ -58,7 +59,7 @@ def jam_command(
         typer.Option(help="Follow each packing to this phi - phi_J, with its moduli; 0: do not."),
     ] = 0.0,
     workers: Annotated[int | None, typer.Option(help="Processes; all cores if not given.")] = None,
-    out: Annotated[Path, typer.Option(help="Output folder.")] = Path("jam"),
+    out: Annotated[str, typer.Option(metavar="PATH", help="Output folder.")] = "jam",
 ) -> None:
     """Jam random bidisperse packings of one law, and tell what their onsets have in common.
 
@@ -75,8 +76,9 @@ def jam_command(
     numbers = [*(number or []), *(more or [])] or [64]
     excess = [above / 2.0**n for n in reversed(range(_POINTS))] if above else []
     _check(numbers, seeds, law, pressure, excess)
-    out.mkdir(parents=True, exist_ok=True)
-    onsets, beyond = _read(out / TABLE), _read(out / SCALING)
+    folder = refuse(out, but="jamming")
+    folder.mkdir(parents=True, exist_ok=True)
+    onsets, beyond = _read(folder / TABLE), _read(folder / SCALING)
     for count in numbers:
         runs = [(law.value, pressure, count, seed, excess) for seed in range(1, seeds + 1)]
         # means above the onset want each packing at the same values of phi - phi_J
@@ -87,10 +89,10 @@ def jam_command(
             row, rows = found
             onsets[:] = [*(other for other in onsets if _key(other) != _key(row)), row]
             beyond[:] = [*(other for other in beyond if _key(other) != _key(row)), *rows]
-            _tables(out, onsets, beyond)
+            _tables(folder, onsets, beyond)
 
         farm(measure, runs, workers, f"N = {count}", keep)
-        _summary(out, onsets, beyond)
+        _summary(folder, onsets, beyond)
         for row in summarise(onsets):
             if [row["law"], row["window"], row["number"]] == [law.value, pressure, count]:
                 _say(row)
@@ -105,9 +107,9 @@ def jam_command(
     if importlib.util.find_spec("matplotlib"):
         from . import jamming_figures as figures
 
-        figures.onset(onsets).savefig(out / "onset.png", dpi=110)
+        figures.onset(onsets).savefig(folder / "onset.png", dpi=110)
         if beyond:
-            figures.scaling(beyond).savefig(out / "scaling.png", dpi=110)
+            figures.scaling(beyond).savefig(folder / "scaling.png", dpi=110)
     typer.echo(f"wrote {out} ({time.perf_counter() - began:.0f} s)")
 
 

@@ -6,7 +6,6 @@ of the first one. So a step gives the same whether or not the same process took 
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -16,8 +15,9 @@ from mpi4py import MPI
 
 from .compression import check_protocol, go_on
 from .errors import FileError, ParameterError
-from .files import frames_in, read, save, summary_in, write
-from .folders import SERIES, TRAJECTORY, refuse
+from .files import read, save, summary_in, write
+from .folders import refuse
+from .frames import check_frames, frames_in
 from .lammps_files import DATA
 from .packing import Packing, positive
 from .simulation import Simulation
@@ -68,7 +68,7 @@ def compress_in(
     first = frames_in(folder) if append else 0
     before = {"before": summary_in(folder).get("parameters")} if append else {}
     start = sim.state()  # by then all ranks have read
-    protocol = {"strain": strain, "steps": steps, "tolerance": tolerance}
+    protocol = {"strain": float(strain), "steps": int(steps), "tolerance": float(tolerance)}
     began = {"frame": first, "box": start.packing.box.tolist()}
     parameters = {**(parameters or {}), **protocol, "start": began, **before}
     if start.root:
@@ -136,44 +136,6 @@ def check_further(folder: Path) -> None:
                 "it first with --resume (in Python: resume)"
             )
     check_frames(folder)
-
-
-def check_frames(folder: Path) -> None:
-    """Refuse a series or a trajectory that lacks states on record; both may have more."""
-    count = frames_in(folder)
-    for path, numbers in (
-        (folder / TRAJECTORY, _frames_of_trajectory(folder / TRAJECTORY)),
-        (folder / SERIES, _frames_of_series(folder / SERIES)),
-    ):
-        for n in range(count):
-            if next(numbers, None) != n:
-                raise FileError(
-                    f"{path} lacks frame {n}, of the {count} frames on record: restore the file, "
-                    "or begin in another folder"
-                )
-
-
-def _frames_of_series(path: Path) -> Iterator[int]:
-    """Numbers of the frames that have a row."""
-    if path.exists():
-        with path.open(newline="") as file:
-            for row in csv.DictReader(file):
-                yield int(row["frame"]) if str(row.get("frame")).isdigit() else -1
-
-
-def _frames_of_trajectory(path: Path) -> Iterator[int]:
-    """Numbers of the frames, up to the first one that is not whole."""
-    if not path.exists():
-        return
-    with path.open() as file:
-        while True:
-            head = [file.readline().strip() for _ in range(9)]
-            if head[0] != "ITEM: TIMESTEP" or not (head[1].isdigit() and head[3].isdigit()):
-                return
-            rows = [file.readline() for _ in range(int(head[3]))]
-            if not all(row.endswith("\n") for row in rows):
-                return
-            yield int(head[1])
 
 
 def _steps(

@@ -163,6 +163,19 @@ def test_command_keeps_what_is_done_when_it_fails(
     assert [row["seed"] for row in _read(tmp_path / "run" / "table.csv")] == [1, 2]
 
 
+def test_command_leaves_other_folders_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    packing = deformable.jam(deformable.bidisperse(4, seed=1))
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        sim.state().save(tmp_path / "run")
+    before = (tmp_path / "run" / "summary.json").read_text()
+    for out, message in ((str(tmp_path / "run"), "holds a run"), ("", "a folder needs a name")):
+        assert jam(monkeypatch, "--number", "8", "--seeds", "1", "--out", out) == 2
+        assert message in capsys.readouterr().err
+    assert (tmp_path / "run" / "summary.json").read_text() == before
+
+
 def test_tables_come_back_as_they_were(tmp_path: Path) -> None:
     row: Row = {"law": "disk", "window": 1e-7, "number": 8, "seed": 1, "phi": 0.8}
     row |= {"contacts": 15, "stalled": False, "linear": True, "error": float("inf")}

@@ -201,7 +201,7 @@ def test_errors_name_the_file(case: str, state: deformable.State, tmp_path: Path
 
 def test_a_file_is_no_folder(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(deformable.FileError, match=r"summary\.json cannot be read: Not a dir"):
+    with pytest.raises(deformable.FileError, match="file' is a file, not a folder"):
         deformable.load(tmp_path / "file")
 
 
@@ -217,7 +217,7 @@ def test_nothing_is_added_to_a_broken_trajectory(
         trajectory.write_text(cut)
     else:
         trajectory.unlink()
-    message = rf"trajectory\.lammpstrj has {whole} of 2 frames: put back the file"
+    message = rf"trajectory\.lammpstrj lacks frame {whole}, of the 2 frames on record"
     with pytest.raises(deformable.FileError, match=message):
         next(deformable.record([state], tmp_path, append=True))
     assert (trajectory.read_text() if cut else "") == cut

@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import deformable
+import numpy as np
 import pytest
 from deformable import cli
 
@@ -223,6 +224,19 @@ def test_frames_on_record_are_there(
     (tmp_path / "summary.json").write_text(json.dumps(summary))
     with pytest.raises(deformable.FileError, match=rf"{name} lacks frame \d, of the 5 frames"):
         deformable.resume(tmp_path)
+
+
+def test_protocols_of_any_numbers_go_on(tmp_path: Path) -> None:
+    """numpy's among them, which JSON does not know."""
+    packing = deformable.jam(deformable.bidisperse(8, seed=1))
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        run = deformable.compress_in(
+            tmp_path, sim, np.float32(0.02), np.int64(3), tolerance=np.float32(1e-6)
+        )
+        next(run)
+        del run
+    assert len(list(deformable.resume(tmp_path))) == 2
+    assert json.loads((tmp_path / "summary.json").read_text())["parameters"]["steps"] == 3
 
 
 def test_killed_from_outside(unbroken: dict[str, bytes], tmp_path: Path) -> None:
