@@ -17,6 +17,10 @@ from .errors import ParameterError
 _MOST = 2**31 - 1
 
 
+# LAMMPS brings particles back into a periodic box by one length at a time.
+_FARTHEST = 1e6
+
+
 @dataclass(frozen=True, eq=False)
 class Packing:
     """Disks in a periodic two-dimensional box.
@@ -57,6 +61,13 @@ class Packing:
             raise ParameterError(
                 f"positions must have shape (N, 2) and species (N,) with N > 0, "
                 f"not {self.positions.shape} and {self.species.shape}"
+            )
+        boxes = np.abs(np.linalg.solve(self.box.T, self.positions.T)).max(axis=0)
+        if boxes.max() > _FARTHEST:
+            far = int(boxes.argmax())
+            raise ParameterError(
+                f"positions of particle {far}, {self.positions[far].tolist()}, are "
+                f"{boxes[far]:.2g} boxes away: bring it back into the box"
             )
         if self.radii.ndim != 1 or not (self.radii > 0.0).all():
             raise ParameterError(f"radii must be positive, not {self.radii.tolist()}")

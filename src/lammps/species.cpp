@@ -4,9 +4,11 @@
 #include "error.h"
 #include "lammps.h"
 #include "pointers.h"
+#include "update.h"
 #include "utils.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -30,7 +32,9 @@ std::string read_text(LAMMPS *lmp, const std::string &file)
   std::string text;
   int size = -1;
   if (lmp->comm->me == 0) {
-    if (FILE *fp = utils::open_potential(file, lmp, nullptr)) {
+    const std::string path = utils::get_potential_file_path(file);
+    errno = ENOENT;
+    if (FILE *fp = path.empty() ? nullptr : std::fopen(path.c_str(), "rb")) {
       char buffer[4096];
       while (const std::size_t n = std::fread(buffer, 1, sizeof buffer, fp)) text.append(buffer, n);
       // a folder opens, but cannot be read
@@ -44,6 +48,23 @@ std::string read_text(LAMMPS *lmp, const std::string &file)
   text.resize(size);
   MPI_Bcast(&text[0], size, MPI_CHAR, 0, lmp->world);
   return text;
+}
+
+// The head of a potential file says in what units it is and of what date. (LAMMPS' own reader of it
+// prints whatever it finds there.)
+void check_head(LAMMPS *lmp, const std::string &file, const std::string &head)
+{
+  const std::vector<std::string> words = utils::split_words(head);
+  const auto after = [&words](const char *tag) {
+    const auto found = std::find(words.begin(), words.end(), tag);
+    return found == words.end() || found + 1 == words.end() ? "" : *(found + 1);
+  };
+  const std::string units = after("UNITS:"), date = after("DATE:");
+  if (!units.empty() && units != lmp->update->unit_style)
+    lmp->error->all(FLERR, "Species file '{}' is for units {}, but units {} are in use", file,
+                    shown(units), lmp->update->unit_style);
+  if (!date.empty() && lmp->comm->me == 0)
+    utils::logmesg(lmp, "Reading species file {} with DATE: {}\n", file, shown(date));
 }
 
 }    // namespace
@@ -67,6 +88,7 @@ std::vector<Species> LAMMPS_NS::read_species(LAMMPS *lmp, const std::string &fil
     error->all(FLERR,
                "Species file '{}' is no plain text, it has bytes that are zero: save it as UTF-8",
                file);
+  check_head(lmp, file, text.substr(0, text.find('\n')));
   const std::string byte_order_mark = "\xEF\xBB\xBF";    // which some editors begin a text with
 
   int number = 0;

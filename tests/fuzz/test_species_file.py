@@ -60,7 +60,7 @@ def test_any_file(host, examples):
     def reads(text):
         commands = [*SCENE, "pair_style deformable/ring", "pair_coeff * * species a b", "run 0"]
         answer = host.answer(commands, {"species": text})
-        units = r"ERROR.*: Potential file species requires .* units but lj"
+        units = r"ERROR: Species file 'species' is for units .*, but units lj are in use"
         if re.match(units, answer.get("error", "")):
             assert "UNITS:" in text  # LAMMPS looks at the first line
             return

@@ -38,6 +38,17 @@ def with_species(tmp_path, text):
     return lmp, f"pair_coeff * * {file} a a"
 
 
+def test_species_of_other_units(tmp_path):
+    lmp, coeff = with_species(tmp_path, "# DATE: 2026-01-01 UNITS: metal\na 1 1 inf\n")
+    with refuses("species.txt' is for units metal, but units lj are in use"):
+        lmp.command(coeff)
+    lmp, coeff = with_species(tmp_path, "# UNITS:\r\x80\ra 1 1 inf\n")
+    with refuses(r"is for units \?+, but"):  # plain characters, whatever there is
+        lmp.command(coeff)
+    lmp, coeff = with_species(tmp_path, "# DATE: 2026-01-01 UNITS: lj\na 1 1 inf\n")
+    lmp.command(coeff)
+
+
 # ---- geometry: errors of a run name the atoms ----
 
 

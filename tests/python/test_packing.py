@@ -96,6 +96,7 @@ def test_builder_names_the_bad_value(wrong: dict[str, Any], message: str) -> Non
         ({"positions": np.zeros((3, 2))}, "positions must have shape"),
         ({"positions": None}, "positions must be finite numbers, not None"),
         ({"positions": np.full((2, 2), np.nan)}, "positions must be finite"),
+        ({"positions": [[0.0, 0.0], [0.0, 2.7e15]]}, "positions of particle 1, .* boxes away"),
         ({"species": np.array([0, 2])}, "species must lie in 0..1"),
         ({"radii": np.array([0.5, 0.0])}, "radii must be positive"),
         ({"box": np.array([[1.0, 0.5], [0.0, 1.0]])}, "box must be"),
