@@ -77,6 +77,7 @@ def test_two_ranks_give_the_serial_answer(start: str, tmp_path: Path) -> None:
         answers.append(json.loads(python(script, cwd=folder, ranks=ranks)))
         assert (folder / "run" / "trajectory.lammpstrj").read_text().count("ITEM: TIMESTEP") == 2
     (*serial, serial_contacts), (*shared, shared_contacts) = answers
+    # relaxations end within 1e-6 of the mean contact force, at another place each
     assert shared == pytest.approx(serial, rel=1e-6)
     assert shared_contacts == serial_contacts
 
@@ -107,7 +108,8 @@ def test_two_ranks_move_alike(tmp_path: Path) -> None:
     one, two = (
         [float(word) for word in python(MOTION, tmp_path, ranks).split()] for ranks in (1, 2)
     )
-    assert two == pytest.approx(one, rel=1e-6)
+    # rounding alone; the ranks sum forces in another order
+    assert two == pytest.approx(one, rel=1e-12)
 
 
 def frames(folder: Path) -> np.ndarray:
