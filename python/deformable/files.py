@@ -29,9 +29,9 @@ from mpi4py import MPI
 
 from .checks import expect
 from .errors import FileError
-from .folders import SERIES, SUMMARY, TRAJECTORY, refuse
+from .folders import DATA, SERIES, SUMMARY, TRAJECTORY, refuse
 from .frames import check_frames, frames_in
-from .lammps_files import DATA, SCRIPT, SPECIES, data_file, packing_in, script
+from .lammps_files import SCRIPT, SPECIES, data_file, packing_in, script
 from .models import Ring, Sector
 from .packing import Packing
 from .simulation import Simulation

@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Literal
 
 from .errors import FileError, ParameterError
-from .lammps_files import DATA
 
 # Of a run, see `files`; `deformable jam` has a summary of another kind, and a table before it.
-SUMMARY, TABLE = "summary.json", "table.csv"
+DATA, SUMMARY, TABLE = "packing.data", "summary.json", "table.csv"
 SERIES, TRAJECTORY = "series.csv", "trajectory.lammpstrj"
 
 Kind = Literal["compression", "jamming", "report"]

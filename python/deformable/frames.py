@@ -8,8 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from .errors import FileError
-from .folders import SERIES, TRAJECTORY
-from .lammps_files import DATA
+from .folders import DATA, SERIES, TRAJECTORY
 
 
 def frames_in(folder: Path) -> int:

@@ -6,11 +6,12 @@ import numpy as np
 
 from .dynamics import accurate_step
 from .engine import SETUP, atom_style
+from .folders import DATA
 from .packing import Packing
 from .simulation import law_commands
 from .state import State
 
-DATA, SPECIES, SCRIPT = "packing.data", "species.deformable", "in.lammps"
+SPECIES, SCRIPT = "species.deformable", "in.lammps"
 
 _SCRIPT = """
 # A packing of lammps-deformable, as it was saved: run it in this folder, lmp -in {script}.

@@ -16,9 +16,8 @@ from mpi4py import MPI
 from .compression import check_protocol, go_on
 from .errors import FileError, ParameterError
 from .files import read, save, summary_in, write
-from .folders import refuse
+from .folders import DATA, refuse
 from .frames import check_frames, frames_in
-from .lammps_files import DATA
 from .packing import Packing, positive
 from .simulation import Simulation
 from .state import State
