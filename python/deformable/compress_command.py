@@ -25,7 +25,6 @@ from .progress import say
 from .runs import (
     LARGEST_TOLERANCE,
     check_compression,
-    check_further,
     compress_in,
     steps_done,
 )
@@ -143,7 +142,6 @@ def compress_command(
             say(f"the compression in '{folder}' is complete")
             return
     elif further:
-        check_further(folder)
         _check_same(context, folder, PACKING_OPTIONS)
         states = compress_in(folder, load(folder), strain, steps, tolerance, append=True)
     else:

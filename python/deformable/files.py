@@ -107,6 +107,7 @@ def record(
     folder = Path(folder)
     first = 0
     if append and (folder / SERIES).exists():
+        check_frames(folder)
         first = frames_in(folder)
         parameters = {**(parameters or {}), "before": summary_in(folder).get("parameters")}
     yield from write(states, folder, parameters, first)
@@ -117,8 +118,6 @@ def write(
 ) -> Iterator[State]:
     """As `record`, behind the first frames on record."""
     series, trajectory = folder / SERIES, folder / TRAJECTORY
-    if first > 0:
-        check_frames(folder)
     for number, state in enumerate(states, start=first):
         if state.root:
             if number == first:

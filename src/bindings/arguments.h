@@ -33,6 +33,14 @@ template <class Array> Array to_numpy(const double *begin, std::initializer_list
   return Array(data, shape, owner);
 }
 
+// value(c) of each of so many contacts.
+template <class Value> Vector per_contact(std::size_t contacts, Value &&value)
+{
+  std::vector<double> values;
+  for (std::size_t c = 0; c < contacts; ++c) values.push_back(value(c));
+  return to_numpy<Vector>(values.data(), {contacts});
+}
+
 [[noreturn]] void refuse(const std::string &message);
 
 // Anything that numpy takes for a vector of finite numbers.

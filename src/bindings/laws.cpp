@@ -79,9 +79,7 @@ void deformable::bind_laws(nb::module_ &m)
 {
   const auto vector = [](double Response::*member) {
     return [member](const Result &r) {
-      std::vector<double> values;
-      for (std::size_t c = 0; c < r.contacts; ++c) values.push_back(r.shape.contact[c].*member);
-      return to_numpy<Vector>(values.data(), {r.contacts});
+      return per_contact(r.contacts, [&](std::size_t c) { return r.shape.contact[c].*member; });
     };
   };
   nb::class_<Result>(m, "Shape", "What a contact law makes of one particle.")

@@ -79,10 +79,9 @@ void deformable::bind_soft_rings(nb::module_ &m)
 {
   const auto soft_vector = [](auto &&value) {
     return [value](const SoftResult &r) {
-      std::vector<double> values;
-      for (std::size_t c = 0; c < r.contacts; ++c)
-        values.push_back(value(r.shape.contact[c], r.energy.derivative));
-      return to_numpy<Vector>(values.data(), {r.contacts});
+      return per_contact(r.contacts, [&](std::size_t c) {
+        return value(r.shape.contact[c], r.energy.derivative);
+      });
     };
   };
   nb::class_<SoftResult>(m, "SoftShape", "A ring that has come to rest between its contacts.")
