@@ -3,7 +3,7 @@
     python benchmarks/balanced.py [--out benchmarks/results/balanced.json]
 
 `steps`: processor time of a time step over that on radical axes, in slow motion and in one where
-contacts open and close all the time, for the neighbours that LAMMPS lists by default, with the
+contacts open and close all the time, for the neighbors that LAMMPS lists by default, with the
 iterations of a force call. `relaxation`: the same of whole compressions, from jamming to 2 % in
 steps of 0.25 %, each relaxed to 1e-6 of the mean contact force. `energy`: the standard deviation of
 the total energy in a run at constant energy, against the time step and against the tolerance of the
@@ -26,7 +26,7 @@ from typing import Any
 
 import deformable
 import numpy as np
-from deformable.versions import machine
+from deformable.common.versions import machine
 
 HERE = Path(__file__).parent
 SKIN = 0.3

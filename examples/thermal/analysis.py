@@ -17,17 +17,17 @@ FARTHEST, BINS = 4.0, 100
 
 
 def read(dump):
-    """A trajectory, in a box so high that neighbours are sought in the plane only."""
+    """A trajectory, in a box so high that neighbors are sought in the plane only."""
     universe = MDAnalysis.Universe(
         dump, format="LAMMPSDUMP", topology_format="LAMMPSDUMP", dt=BETWEEN
     )
     lx, ly = universe.dimensions[:2]
     plane = set_dimensions([lx, ly, 10.0 * lx, 90.0, 90.0, 90.0])
-    universe.trajectory.add_transformations(plane, NoJump(), about_the_centre)
+    universe.trajectory.add_transformations(plane, NoJump(), about_the_center)
     return universe, len(universe.atoms), lx * ly
 
 
-def about_the_centre(frame):
+def about_the_center(frame):
     """In a heat bath all particles diffuse together, too: look at the motion about that."""
     frame.positions -= frame.positions.mean(axis=0)
     return frame

@@ -1,4 +1,4 @@
-"""Two-dimensional deformable particles with one centre each, simulated by LAMMPS.
+"""Two-dimensional deformable particles with one center each, simulated by LAMMPS.
 
     packing = deformable.bidisperse(128, radii=(0.5, 0.7), seed=1)
     jammed = deformable.jam(packing)
@@ -16,84 +16,84 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .bead_reference import BeadReference as BeadReference
-    from .bead_state import BeadState as BeadState
-    from .beads import Beads as Beads
-    from .comparison import Comparison as Comparison
-    from .comparison import compare as compare
-    from .comparison import predict as predict
-    from .compression import compress as compress
-    from .disks import Disks as Disks
-    from .disks import DiskState as DiskState
-    from .dynamics import move as move
-    from .errors import BeyondModelWarning as BeyondModelWarning
-    from .errors import FileError as FileError
-    from .errors import LammpsError as LammpsError
-    from .errors import ParameterError as ParameterError
-    from .errors import StalledWarning as StalledWarning
-    from .errors import UnjammedWarning as UnjammedWarning
-    from .files import load as load
-    from .files import record as record
-    from .jamming import jam as jam
-    from .jamming import push_off as push_off
-    from .models import Ring as Ring
-    from .models import Sector as Sector
-    from .moduli import Modulus as Modulus
-    from .moduli import bulk_modulus as bulk_modulus
-    from .moduli import shear_modulus as shear_modulus
-    from .movies import movie as movie
-    from .packing import Packing as Packing
-    from .packing import bidisperse as bidisperse
-    from .packing import polydisperse as polydisperse
-    from .replays import replay as replay
-    from .runs import compress_in as compress_in
-    from .runs import resume as resume
-    from .secondary import resolve_secondary as resolve_secondary
-    from .shearing import shear as shear
-    from .simulation import Simulation as Simulation
-    from .single import squeeze as squeeze
-    from .state import State as State
-    from .walls import Walls as Walls
+    from .common.errors import BeyondModelWarning as BeyondModelWarning
+    from .common.errors import FileError as FileError
+    from .common.errors import LammpsError as LammpsError
+    from .common.errors import ParameterError as ParameterError
+    from .common.errors import StalledWarning as StalledWarning
+    from .common.errors import UnjammedWarning as UnjammedWarning
+    from .engine.bead_reference import BeadReference as BeadReference
+    from .engine.disks import Disks as Disks
+    from .engine.simulation import Simulation as Simulation
+    from .model.beads import Beads as Beads
+    from .model.laws import Ring as Ring
+    from .model.laws import Sector as Sector
+    from .model.packing import Packing as Packing
+    from .model.packing import bidisperse as bidisperse
+    from .model.packing import polydisperse as polydisperse
+    from .model.walls import Walls as Walls
+    from .protocols.compression import compress as compress
+    from .protocols.jamming import jam as jam
+    from .protocols.jamming import push_off as push_off
+    from .protocols.moduli import Modulus as Modulus
+    from .protocols.moduli import bulk_modulus as bulk_modulus
+    from .protocols.moduli import shear_modulus as shear_modulus
+    from .protocols.motion import move as move
+    from .protocols.shear import shear as shear
+    from .runs.movie import movie as movie
+    from .runs.record import load as load
+    from .runs.record import record as record
+    from .runs.replay import replay as replay
+    from .runs.resume import compress_in as compress_in
+    from .runs.resume import resume as resume
+    from .state.bead_state import BeadState as BeadState
+    from .state.disk_state import DiskState as DiskState
+    from .state.secondary import resolve_secondary as resolve_secondary
+    from .state.state import State as State
+    from .studies.comparison import Comparison as Comparison
+    from .studies.comparison import compare as compare
+    from .studies.comparison import predict as predict
+    from .studies.single import squeeze as squeeze
 
 _HOMES = {
-    "BeadReference": "bead_reference",
-    "BeadState": "bead_state",
-    "Beads": "beads",
-    "BeyondModelWarning": "errors",
-    "Comparison": "comparison",
-    "DiskState": "disks",
-    "Disks": "disks",
-    "FileError": "errors",
-    "LammpsError": "errors",
-    "Modulus": "moduli",
-    "Packing": "packing",
-    "ParameterError": "errors",
-    "Ring": "models",
-    "Sector": "models",
-    "Simulation": "simulation",
-    "StalledWarning": "errors",
-    "State": "state",
-    "UnjammedWarning": "errors",
-    "Walls": "walls",
-    "bidisperse": "packing",
-    "bulk_modulus": "moduli",
-    "compare": "comparison",
-    "compress": "compression",
-    "compress_in": "runs",
-    "jam": "jamming",
-    "load": "files",
-    "move": "dynamics",
-    "movie": "movies",
-    "polydisperse": "packing",
-    "predict": "comparison",
-    "push_off": "jamming",
-    "record": "files",
-    "replay": "replays",
-    "resolve_secondary": "secondary",
-    "resume": "runs",
-    "shear": "shearing",
-    "shear_modulus": "moduli",
-    "squeeze": "single",
+    "BeadReference": "engine.bead_reference",
+    "BeadState": "state.bead_state",
+    "Beads": "model.beads",
+    "BeyondModelWarning": "common.errors",
+    "Comparison": "studies.comparison",
+    "DiskState": "state.disk_state",
+    "Disks": "engine.disks",
+    "FileError": "common.errors",
+    "LammpsError": "common.errors",
+    "Modulus": "protocols.moduli",
+    "Packing": "model.packing",
+    "ParameterError": "common.errors",
+    "Ring": "model.laws",
+    "Sector": "model.laws",
+    "Simulation": "engine.simulation",
+    "StalledWarning": "common.errors",
+    "State": "state.state",
+    "UnjammedWarning": "common.errors",
+    "Walls": "model.walls",
+    "bidisperse": "model.packing",
+    "bulk_modulus": "protocols.moduli",
+    "compare": "studies.comparison",
+    "compress": "protocols.compression",
+    "compress_in": "runs.resume",
+    "jam": "protocols.jamming",
+    "load": "runs.record",
+    "move": "protocols.motion",
+    "movie": "runs.movie",
+    "polydisperse": "model.packing",
+    "predict": "studies.comparison",
+    "push_off": "protocols.jamming",
+    "record": "runs.record",
+    "replay": "runs.replay",
+    "resolve_secondary": "state.secondary",
+    "resume": "runs.resume",
+    "shear": "protocols.shear",
+    "shear_modulus": "protocols.moduli",
+    "squeeze": "studies.single",
 }
 
 __all__ = list(_HOMES)

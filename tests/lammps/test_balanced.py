@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from deformable import core
-from deformable.shape_error import shape_error
+from deformable.studies.shape_error import shape_error
 from lammps import lammps
 from scene import HEADER, PACKINGS, SPECIES, Scene, box_walls, polygon_walls
 from test_contacts import CONTACTS, contacts

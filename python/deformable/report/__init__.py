@@ -17,15 +17,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from .. import paper
-from ..beads import Beads
-from ..comparison import Comparison
-from ..errors import ParameterError
-from ..farm import farm
-from ..folders import refuse
-from ..progress import progress
-from ..single import Squeezed
-from ..versions import machine, versions
+from ..common.errors import ParameterError
+from ..common.parallel import parallel_map
+from ..common.progress import progress
+from ..common.versions import machine, versions
+from ..io.run_folder import refuse
+from ..model.beads import Beads
+from ..studies import paper
+from ..studies.comparison import Comparison
+from ..studies.single import Squeezed
 from .ablation import ablation_rows
 from .compressions import catching_rows, compression_rows
 from .packings import mixed_rows, packing_rows
@@ -148,7 +148,7 @@ def write_report(
     folder: str | Path,
     quick: bool = False,
     resume: bool = False,
-    say: Callable[[str], None] = lambda line: None,
+    print_once: Callable[[str], None] = lambda line: None,
 ) -> dict[str, Any]:
     """Measure everything and write index.html, its pictures and report.json.
 
@@ -176,7 +176,7 @@ def write_report(
     if resume and not any(parts.glob("*.pickle")):
         raise ParameterError(f"nothing to resume: '{folder}' holds no parts of a report")
     parts.mkdir(parents=True, exist_ok=True)  # or fail before the work
-    results = _measure(QUICK if quick else FULL, parts, resume, say)
+    results = _measure(QUICK if quick else FULL, parts, resume, print_once)
     rows: dict[str, Any] = {
         "single": [
             _single_row(result)
@@ -211,7 +211,7 @@ def write_report(
     return rows
 
 
-def _measure(plan: Plan, folder: Path, resume: bool, say: Callable[[str], None]) -> Results:
+def _measure(plan: Plan, folder: Path, resume: bool, print_once: Callable[[str], None]) -> Results:
     """Every part of the plan, from the folder if it has it and the plan is the same."""
     found = {}
     with progress("report", unit="part", total=len(_MEASURE)) as bar:
@@ -221,26 +221,26 @@ def _measure(plan: Plan, folder: Path, resume: bool, say: Callable[[str], None])
                 kept, result = pickle.loads(file.read_bytes())
                 if kept == asked:
                     found[name] = result
-                    say(f"{name}: taken from {file}")
+                    print_once(f"{name}: taken from {file}")
                     bar.update()
                     continue
             began = time.perf_counter()
             found[name] = measure(plan)
             file.write_bytes(pickle.dumps((asked, found[name])))
-            say(f"{name}: {time.perf_counter() - began:.0f} s")
+            print_once(f"{name}: {time.perf_counter() - began:.0f} s")
             bar.update()
     return Results(**found)
 
 
 def _packings(plan: Plan) -> list[dict[str, Any]]:
-    farmed = farm(packing_rows, plan.packings, description="packings")
+    farmed = parallel_map(packing_rows, plan.packings, description="packings")
     return [row for rows, _ in farmed for row in rows]
 
 
 def _joined(
     rows: Callable[..., list[dict[str, Any]]], plan: list[tuple[Any, ...]], description: str
 ) -> list[dict[str, Any]]:
-    return [row for these in farm(rows, plan, description=description) for row in these]
+    return [row for these in parallel_map(rows, plan, description=description) for row in these]
 
 
 def _single_row(result: Squeezed) -> dict[str, Any]:

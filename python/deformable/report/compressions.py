@@ -18,18 +18,18 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..backbone import bearing_bonds
-from ..bead_reference import BeadReference
-from ..bead_state import BeadState
-from ..beads import Beads
-from ..comparison import Comparison, predict
-from ..compression import compress
-from ..jamming import jam
-from ..models import Model
-from ..packing import Packing, bidisperse
-from ..simulation import Simulation
-from ..state import State
-from .packings import _UNJAMMED, _finite, laws
+from ..engine.bead_reference import BeadReference
+from ..engine.simulation import Simulation
+from ..model.beads import Beads
+from ..model.laws import Law
+from ..model.packing import Packing, bidisperse
+from ..protocols.compression import compress
+from ..protocols.jamming import jam
+from ..state.bead_state import BeadState
+from ..state.contact_network import without_rattlers
+from ..state.state import State
+from ..studies.comparison import Comparison, predict
+from .packings import _UNJAMMED, _finite, matching_laws
 from .pareto import matching
 
 S = TypeVar("S")
@@ -60,10 +60,10 @@ def compression_rows(
     start = jam(bidisperse(number, seed=seed))
     rows = []
     with BeadReference(start, beads, comm=MPI.COMM_SELF) as rings:
-        models = laws(beads, rings.rings)
-        del models["sector"]  # it does not converge
+        laws = matching_laws(beads, rings.rings)
+        del laws["sector"]  # it does not converge
         smooth = replace(start, radii=rings.rings.effective_radius)
-        paths = {name: _compressed(smooth, model, strain, steps) for name, model in models.items()}
+        paths = {name: _compressed(smooth, law, strain, steps) for name, law in laws.items()}
         for n, (exact, seconds_beads) in enumerate(_timed(compress(rings, strain, steps))):
             common = {
                 "n": number,
@@ -75,7 +75,7 @@ def compression_rows(
                 own, seconds = path[n]
                 rows.append(
                     common
-                    | {"model": name}
+                    | {"law": name}
                     | _against(exact, own, common["strain"])
                     | {"seconds": seconds, "seconds_beads": seconds_beads}
                 )
@@ -108,7 +108,9 @@ def catching_rows(
         beads = Beads(number=count, kL=kP * count)
         with BeadReference(matching(jammed, beads), beads, comm=MPI.COMM_SELF) as rings:
             smooth = replace(jammed, radii=rings.rings.effective_radius)
-            ((own, _),) = _compressed(smooth, laws(beads, rings.rings)["balanced"], strain, 1)
+            ((own, _),) = _compressed(
+                smooth, matching_laws(beads, rings.rings)["balanced"], strain, 1
+            )
             common = {"n": number, "seed": seed, "beads": count, "strain": strain}
             for start in ("strained", "placed"):
                 if start == "strained":
@@ -129,11 +131,9 @@ def catching_rows(
     return rows
 
 
-def _compressed(
-    start: Packing, model: Model, strain: float, steps: int
-) -> list[tuple[State, float]]:
+def _compressed(start: Packing, law: Law, strain: float, steps: int) -> list[tuple[State, float]]:
     """The states of a law, and the seconds of processor time of each step."""
-    with Simulation(start, model, MPI.COMM_SELF) as sim, warnings.catch_warnings():
+    with Simulation(start, law, MPI.COMM_SELF) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what a law cannot do shows in its rows
         return list(_timed(compress(sim, strain, steps)))
 
@@ -150,26 +150,26 @@ def _against(exact: BeadState, own: State, strain: float) -> dict[str, Any]:
     """A law's own state against rings of beads.
 
     Energy and pressure over the beads'; `S_rms`, the rms difference of the area deficits over
-    the rms of the beads'; the law's energy over theirs at their own centres; what `centres_rms`,
+    the rms of the beads'; the law's energy over theirs at their own centers; what `centers_rms`,
     `same_branch` and `net_force` say.
     """
-    distance = centres_rms(exact, own)
-    unseen = np.empty(0)  # shapes, which say little about different centres
+    distance = centers_rms(exact, own)
+    unseen = np.empty(0)  # shapes, which say little about different centers
     alone = Comparison(exact, own, unseen)
-    there = Comparison(exact, predict(exact, own.model, MPI.COMM_SELF), unseen)
+    there = Comparison(exact, predict(exact, own.law, MPI.COMM_SELF), unseen)
     return {
         "energy_ratio": _finite(alone.energy_ratio),
         "pressure_ratio": _finite(alone.pressure_ratio),
-        "energy_ratio_at_centres": _finite(there.energy_ratio),
-        "centres_rms": distance,
+        "energy_ratio_at_centers": _finite(there.energy_ratio),
+        "centers_rms": distance,
         "S_rms": _finite(alone.area_deficit_error),
         "same_branch": same_branch(distance, strain),
         "net_force": net_force(exact),
     }
 
 
-def centres_rms(exact: BeadState, own: State) -> float | None:
-    """Root mean square distance of the centres over the mean radius; None if the law's are loose.
+def centers_rms(exact: BeadState, own: State) -> float | None:
+    """Root mean square distance of the centers over the mean radius; None if the law's are loose.
 
     Only particles count that are rattlers in neither. A drift of all of them is taken out.
     """
@@ -177,14 +177,14 @@ def centres_rms(exact: BeadState, own: State) -> float | None:
         return None
     i, j = exact.contacts.i, exact.contacts.j
     i, j = np.concatenate([i, j]), np.concatenate([j, i])
-    held = np.bincount(i[bearing_bonds(i, j, len(own.packing))], minlength=len(own.packing)) > 0
+    held = np.bincount(i[without_rattlers(i, j, len(own.packing))], minlength=len(own.packing)) > 0
     return _rms(exact.packing, own.packing, held & ~own.rattlers)
 
 
 def slide_rms(exact: BeadState, own: State) -> float | None:
-    """The same for where the law's particles slide to from the rings' centres; None if loose."""
+    """The same for where the law's particles slide to from the rings' centers; None if loose."""
     there = replace(exact.packing, radii=own.packing.radii)
-    with Simulation(there, own.model, MPI.COMM_SELF) as sim, warnings.catch_warnings():
+    with Simulation(there, own.law, MPI.COMM_SELF) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         smooth = sim.relax()
     if smooth.pressure <= _UNJAMMED * own.pressure:
@@ -203,7 +203,7 @@ def _rms(a: Packing, b: Packing, held: NDArray[np.bool_]) -> float | None:
 
 
 def same_branch(distance: float | None, strain: float) -> bool:
-    """Whether centres are no further apart than particles overlap, 2 strain R on the average.
+    """Whether centers are no further apart than particles overlap, 2 strain R on the average.
 
     A particle that is moved by more than its overlaps loses contacts or finds others.
     """
@@ -231,8 +231,8 @@ def place(rings: BeadReference, state: State) -> None:
     lines = state.parallels(state.packing.radius - rings.rings.radius[kinds], _POINTS)
     beads = np.vstack(
         [
-            centre + _evenly(line, rings.rings.number[kind])
-            for centre, line, kind in zip(state.packing.positions, lines, kinds, strict=True)
+            center + _evenly(line, rings.rings.number[kind])
+            for center, line, kind in zip(state.packing.positions, lines, kinds, strict=True)
         ]
     )
     fraction = beads @ np.linalg.inv(box)

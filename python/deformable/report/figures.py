@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..single import Squeezed
+from ..studies.single import Squeezed
 
-# Colour and marker of each method.
+# Color and marker of each method.
 _STYLES = {
     "disk": ("tab:gray", "o"),
     "sector": ("black", "s"),
@@ -89,11 +89,11 @@ def packings(rows: Sequence[dict[str, Any]]) -> Figure:
         ("shape error I", "error of the area deficits (rms, relative)"),
         strict=True,
     ):
-        for k, (model, (color, marker)) in enumerate(_STYLES.items()):
-            chosen = [row for row in rows if row["model"] == model]
+        for k, (law, (color, marker)) in enumerate(_STYLES.items()):
+            chosen = [row for row in rows if row["law"] == law]
             x = [cases.index(_case(row)) + 0.12 * (k - 2) for row in chosen]
             y = [row[key] for row in chosen]
-            ax.plot(x, y, marker, color=color, linestyle="none", markersize=6, label=model)
+            ax.plot(x, y, marker, color=color, linestyle="none", markersize=6, label=law)
         ax.set_xticks(range(len(cases)), cases, fontsize=8)
         ax.set(ylabel=label, yscale="log")
         ax.grid(axis="y", which="both", alpha=0.3)
@@ -102,7 +102,7 @@ def packings(rows: Sequence[dict[str, Any]]) -> Figure:
 
 
 def compressions(rows: Sequence[dict[str, Any]]) -> Figure:
-    """Energy, pressure and centres of each law along whole compressions, a line a packing.
+    """Energy, pressure and centers of each law along whole compressions, a line a packing.
 
     Hollow: on another branch than the beads.
     """
@@ -111,16 +111,16 @@ def compressions(rows: Sequence[dict[str, Any]]) -> Figure:
     labels = {
         "energy_ratio": "energy over the beads'",
         "pressure_ratio": "pressure over the beads'",
-        "centres_rms": "distance of the centres (rms) over R",
+        "centers_rms": "distance of the centers (rms) over R",
     }
     for ax, (key, label) in zip(panels, labels.items(), strict=True):
-        for model, seed in dict.fromkeys((row["model"], row["seed"]) for row in rows):
-            path = [row for row in rows if (row["model"], row["seed"]) == (model, seed)]
-            color, marker = _STYLES[model]
+        for law, seed in dict.fromkeys((row["law"], row["seed"]) for row in rows):
+            path = [row for row in rows if (row["law"], row["seed"]) == (law, seed)]
+            color, marker = _STYLES[law]
             x = np.array([100.0 * row["strain"] for row in path])
             y = np.array([np.nan if row[key] is None else row[key] for row in path])
             same = np.array([row["same_branch"] for row in path])
-            name = model if seed == rows[0]["seed"] else None
+            name = law if seed == rows[0]["seed"] else None
             ax.plot(x, y, marker, color=color, linestyle="-", linewidth=0.8, label=name)
             ax.plot(x[~same], y[~same], marker, color="white", markersize=3, linestyle="none")
         ax.set(xlabel="strain beyond jamming [%]", ylabel=label)

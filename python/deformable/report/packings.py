@@ -1,4 +1,4 @@
-"""Packings of bead rings against the contact laws, at the rings' own centres and relaxed alone."""
+"""Packings of bead rings against the contact laws, at the rings' own centers and relaxed alone."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ import numpy as np
 from mpi4py import MPI
 
 from .. import core
-from ..bead_reference import BeadReference
-from ..bead_state import BeadState
-from ..beads import Beads, Rings
-from ..comparison import Comparison, compare
-from ..disks import open_disks
-from ..engine import run
-from ..jamming import jam
-from ..models import Model, Ring, Sector, each
-from ..packing import Packing, bidisperse
-from ..shape_error import shape_error
-from ..simulation import Simulation
-from ..state import State
+from ..engine.bead_reference import BeadReference
+from ..engine.disks import open_disks
+from ..engine.lammps import run
+from ..engine.simulation import Simulation
+from ..model.beads import Beads, Rings
+from ..model.laws import Law, Ring, Sector, per_species
+from ..model.packing import Packing, bidisperse
+from ..protocols.jamming import jam
+from ..state.bead_state import BeadState
+from ..state.state import State
+from ..studies.comparison import Comparison, compare
+from ..studies.shape_error import shape_error
 
 # Runs of a law or of disks whose median time counts: they take milliseconds.
 _REPEATS = 5
@@ -42,7 +42,7 @@ _STIFF = 10.0
 _MIXED_TOLERANCE = 3e-3
 
 
-def laws(beads: Beads, rings: Rings, rigid: Sequence[bool] = ()) -> dict[str, Model]:
+def matching_laws(beads: Beads, rings: Rings, rigid: Sequence[bool] = ()) -> dict[str, Law]:
     """The contact laws that stand in for rings of such beads, by name.
 
     `ring` keeps perimeters as the paper does; `soft ring` has the rings' own stiffness kP =
@@ -55,7 +55,7 @@ def laws(beads: Beads, rings: Rings, rigid: Sequence[bool] = ()) -> dict[str, Mo
         rigid: species whose rings stand for inextensible ones; `balanced, inf` has kP = inf there.
     """
     kA, kP, skin = beads.kA, rings.kP.tolist(), rings.skin.tolist()
-    found: dict[str, Model] = {}
+    found: dict[str, Law] = {}
     if len(set(rings.kA)) == 1:
         found["sector"] = Sector(rings.kA[0])
     found |= {
@@ -80,11 +80,11 @@ def strain_beads(
         return state, time.process_time() - began
 
 
-def strain_law(start: Packing, model: Model, strain: float) -> tuple[State, float]:
+def strain_law(start: Packing, law: Law, strain: float) -> tuple[State, float]:
     """Particles after one strain step from jamming, and the seconds of processor time it takes."""
     seconds = []
     for _ in range(_REPEATS):
-        with Simulation(start, model, MPI.COMM_SELF) as sim, warnings.catch_warnings():
+        with Simulation(start, law, MPI.COMM_SELF) as sim, warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what a law cannot do shows in its row
             sim.deform(sim.box * (1.0 - strain))
             began = time.process_time()
@@ -151,7 +151,7 @@ def packing_rows(
     Returns:
         A row for each law, and the comparisons by the law's name. A row has the error of the
         law's shapes and areas, its energy and its pressure over the beads', all at the beads'
-        centres; its `own_` energy and pressure are those of the packing that it relaxes to itself
+        centers; its `own_` energy and pressure are those of the packing that it relaxes to itself
         from the same start, none where that is `unjammed`.
     """
     start = jam(bidisperse(number, seed=seed))
@@ -167,7 +167,7 @@ def packing_rows(
         "residual_beads": rings.residual,
     }
     disk: dict[str, Any] = {
-        "model": "disk",
+        "law": "disk",
         "kP_law": None,
         "I": _error_of_disks(rings),
         "S_rms": 1.0,  # a disk keeps its area, S = 0
@@ -182,16 +182,16 @@ def packing_rows(
     rows: list[dict[str, Any]] = [common | disk]
     smooth = replace(start, radii=rings.rings.effective_radius)
     comparisons = {}
-    for name, model in laws(beads, rings.rings, rigid).items():
-        comparison = comparisons[name] = compare(rings, model, MPI.COMM_SELF)
-        own, seconds = strain_law(smooth, model, strain)
+    for name, law in matching_laws(beads, rings.rings, rigid).items():
+        comparison = comparisons[name] = compare(rings, law, MPI.COMM_SELF)
+        own, seconds = strain_law(smooth, law, strain)
         unjammed = own.pressure <= _UNJAMMED * rings.pressure
         rows.append(
             common
             | {
-                "model": name,
+                "law": name,
                 "kP_law": [
-                    k if math.isfinite(k) else "inf" for k in each(model.kP, len(start.radii))
+                    k if math.isfinite(k) else "inf" for k in per_species(law.kP, len(start.radii))
                 ],
                 "I": float(comparison.shape_error.mean()),
                 "S_rms": _finite(comparison.area_deficit_error),
@@ -215,9 +215,9 @@ def _finite(ratio: float) -> float | None:
 def _error_of_disks(beads: BeadState) -> float:
     """Mean shape error of the circles through the beads at rest."""
     errors = []
-    for ring, centre, kind in zip(
+    for ring, center, kind in zip(
         beads.outlines, beads.packing.positions, beads.packing.species, strict=True
     ):
         circle = core.outline("ring", beads.rings.radius[kind], [], [], 1440)
-        errors.append(shape_error(ring - centre, circle, beads.packing.radii[kind]))
+        errors.append(shape_error(ring - center, circle, beads.packing.radii[kind]))
     return float(np.mean(errors))

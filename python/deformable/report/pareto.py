@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bead_state import BeadState
-from ..beads import Beads
-from ..jamming import jam
-from ..packing import Packing, bidisperse
-from ..shape_error import radial_distance
-from .packings import laws, strain_beads, strain_disks, strain_law
+from ..model.beads import Beads
+from ..model.packing import Packing, bidisperse
+from ..protocols.jamming import jam
+from ..state.bead_state import BeadState
+from ..studies.shape_error import radial_distance
+from .packings import matching_laws, strain_beads, strain_disks, strain_law
 
 # Directions in which outlines are compared.
 _DIRECTIONS = 2.0 * np.pi * np.arange(720) / 720
@@ -40,7 +40,7 @@ def pareto_rows(
     Returns:
         A row for each method: `error`, the root mean square error of the area deficits over their
         root mean square; `shape_error`, the mean over particles and directions of the error of
-        the outline over the radius, each about its own centre; `seconds`; `residual`, the largest
+        the outline over the radius, each about its own center; `seconds`; `residual`, the largest
         of the laws' relaxations; for beads N_v as `beads`, and `reference` for the two from which
         the reference is made: their errors are what the extrapolation takes them to be.
     """
@@ -84,8 +84,8 @@ def _one_packing(
         return float(np.mean(np.abs(found - dents) / start.radius[:, None]))
 
     rows = [row("disk", 0.0 * deficit, off(0.0 * dents), strain_disks(start, strain))]
-    for name, model in laws(beads, fine.rings).items():
-        state, seconds = strain_law(start, model, strain)
+    for name, law in matching_laws(beads, fine.rings).items():
+        state, seconds = strain_law(start, law, strain)
         outlines = state.parallels(points=2 * len(_DIRECTIONS))
         found = np.array(
             [
@@ -129,8 +129,8 @@ def _dents(state: BeadState) -> NDArray[np.float64]:
     radii = state.rings.radius[state.packing.species]
     return np.array(
         [
-            radius - radial_distance(ring - centre, _DIRECTIONS)
-            for ring, centre, radius in zip(
+            radius - radial_distance(ring - center, _DIRECTIONS)
+            for ring, center, radius in zip(
                 state.outlines, state.packing.positions, radii, strict=True
             )
         ]
@@ -140,10 +140,10 @@ def _dents(state: BeadState) -> NDArray[np.float64]:
 def _error_of_beads(state: BeadState, dents: NDArray[np.float64]) -> float:
     """The shape error of rings where their beads are, and not in between."""
     errors = []
-    for ring, centre, kind, exact in zip(
+    for ring, center, kind, exact in zip(
         state.outlines, state.packing.positions, state.packing.species, dents, strict=True
     ):
-        x, y = (ring - centre).T
+        x, y = (ring - center).T
         expected = np.interp(np.arctan2(y, x), _DIRECTIONS, exact, period=2.0 * np.pi)
         found = state.rings.radius[kind] - np.hypot(x, y)
         errors.append(np.mean(np.abs(found - expected)) / state.packing.radii[kind])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .. import paper_figures
+from ..studies import paper_figures
 from . import figures
 from .page import Section
 
@@ -50,13 +50,13 @@ def sections(results: Results) -> tuple[dict[str, Figure], list[Section]]:
         Section(
             "The speed-up",
             (_speed_up_text(results.large[0]),),
-            {"packing.png": "Beads and the outlines of the laws for the beads' centres."},
+            {"packing.png": "Beads and the outlines of the laws for the beads' centers."},
             [_columns(row, _SPEED) for row in results.large[0]],
         ),
         Section(
             "Packings",
             (
-                "Laws are given the rings' centres and effective radii. I: mean distance of the "
+                "Laws are given the rings' centers and effective radii. I: mean distance of the "
                 "outlines from the beads over the radius. S_rms: rms error of the area deficits "
                 "over their rms. The ratios are those of a law's energy and pressure over the "
                 "beads'; own: of the packing that the law relaxes to itself from the same start, "
@@ -152,13 +152,13 @@ def _compressions(results: Results) -> list[Section]:
             (
                 "Beads and laws start from the same jammed disks and are compressed side by side, "
                 "each relaxed on its own after each step. The ratios are a law's own energy and "
-                "pressure over the beads'; energy_ratio_at_centres is that of the law at the "
-                "beads' centres. centres_rms: rms distance of the centres over the mean radius, "
+                "pressure over the beads'; energy_ratio_at_centers is that of the law at the "
+                "beads' centers. centers_rms: rms distance of the centers over the mean radius, "
                 "of particles that are rattlers in neither, a common drift taken out. Law and "
                 "beads count as on the same branch while that is no more than twice the strain, "
                 "the mean overlap of two particles: who is moved by more loses contacts or finds "
                 "others. Where a law's packing comes loose, and caught rings do not, the ratios "
-                "are next to 0 and the centres have no distance. S_rms: rms difference of the "
+                "are next to 0 and the centers have no distance. S_rms: rms difference of the "
                 "area deficits over the beads' rms. "
                 "net_force: the largest force on a ring as a whole over the mean contact force, "
                 "which for the laws is below 1e-6.",
@@ -183,10 +183,10 @@ def _compressions(results: Results) -> list[Section]:
                 "good part of a contact force, and the energy is far too high (right). Relaxed "
                 "further, rings that begin at the law's packing stay there, the nearer the more "
                 "beads they have (left). Strained ones come to rest before they get there, at "
-                "other centres and mostly at a higher energy: rough rings catch in each other. "
+                "other centers and mostly at a higher energy: rough rings catch in each other. "
                 "How many beads they have matters little for that. From there smooth particles "
                 "slide on: slide_rms is the rms distance over R between where the law relaxes to "
-                "from the rings' centres and where it is by itself, none if it comes loose on the "
+                "from the rings' centers and where it is by itself, none if it comes loose on the "
                 "way.",
             ),
             {
@@ -201,11 +201,11 @@ def _compressions(results: Results) -> list[Section]:
 def _compression_text(rows: list[dict[str, Any]]) -> str:
     together = [row for row in rows if row["same_branch"]]
     return f"{rows[0]['n']} particles of {rows[0]['beads']} beads (the small ones). " + " ".join(
-        f"{model.capitalize()}: on the same branch in {len(these)} of "
-        f"{sum(row['model'] == model for row in rows)} steps"
+        f"{law.capitalize()}: on the same branch in {len(these)} of "
+        f"{sum(row['law'] == law for row in rows)} steps"
         + (f", there energies of {_range(these)} of the beads'." if these else ".")
-        for model in dict.fromkeys(row["model"] for row in rows)
-        for these in [[row for row in together if row["model"] == model]]
+        for law in dict.fromkeys(row["law"] for row in rows)
+        for these in [[row for row in together if row["law"] == law]]
     )
 
 
@@ -233,22 +233,22 @@ def _range(rows: list[dict[str, Any]]) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-_SPEED = ("n", "strain", "beads", "model", "I", "S_rms", "seconds_beads", "seconds", "residual")
+_SPEED = ("n", "strain", "beads", "law", "I", "S_rms", "seconds_beads", "seconds", "residual")
 _PACKING = (
-    *("n", "strain", "beads", "seed", "model", "I", "S_rms", "energy_ratio", "pressure_ratio"),
+    *("n", "strain", "beads", "seed", "law", "I", "S_rms", "energy_ratio", "pressure_ratio"),
     *("own_energy_ratio", "own_pressure_ratio", "unjammed", "residual"),
     *("seconds_beads", "seconds"),
 )
 _COMPRESSION = (
-    *("n", "seed", "beads", "strain", "model", "energy_ratio", "pressure_ratio"),
-    *("energy_ratio_at_centres", "centres_rms", "S_rms", "same_branch", "net_force"),
+    *("n", "seed", "beads", "strain", "law", "energy_ratio", "pressure_ratio"),
+    *("energy_ratio_at_centers", "centers_rms", "S_rms", "same_branch", "net_force"),
     *("seconds_beads", "seconds"),
 )
 _CATCHING = (
     *("seed", "beads", "start", "tolerance", "net_force", "energy_ratio"),
-    *("energy_ratio_at_centres", "centres_rms", "same_branch", "slide_rms", "seconds_beads"),
+    *("energy_ratio_at_centers", "centers_rms", "same_branch", "slide_rms", "seconds_beads"),
 )
-_MIXTURE = ("n", "strain", "beads", "kA", "kP", "seed", "model", "kP_law", *_PACKING[5:])
+_MIXTURE = ("n", "strain", "beads", "kA", "kP", "seed", "law", "kP_law", *_PACKING[5:])
 
 
 def _columns(row: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
@@ -278,7 +278,7 @@ def _pareto_text(rows: list[dict[str, Any]]) -> str:
 def _speed_up_text(rows: list[dict[str, Any]]) -> str:
     first = rows[0]
     laws = ", ".join(
-        f"{row['model']} {row['seconds']:.2g} s"
+        f"{row['law']} {row['seconds']:.2g} s"
         + (_unless_converged(row) or f" ({first['seconds_beads'] / row['seconds']:.0f} times less)")
         for row in rows
     )

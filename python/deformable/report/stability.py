@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..jamming import jam
-from ..packing import bidisperse
+from ..model.packing import bidisperse
+from ..protocols.jamming import jam
 from .stability_cases import (
     convergence_rows,
     density_rows,

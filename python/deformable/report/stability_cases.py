@@ -18,16 +18,17 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from .. import core, paper
-from ..errors import BeyondModelWarning, LammpsError
-from ..farm import farm
-from ..jamming import jam
-from ..models import Model, Ring, Sector
-from ..packing import Packing, bidisperse
-from ..simulation import Simulation
-from ..state import State
+from .. import core
+from ..common.errors import BeyondModelWarning, LammpsError
+from ..common.parallel import parallel_map
+from ..engine.simulation import Simulation
+from ..model.laws import Law, Ring, Sector
+from ..model.packing import Packing, bidisperse
+from ..protocols.jamming import jam
+from ..state.state import State
+from ..studies import paper
 
-LAWS: dict[str, Model] = {
+LAWS: dict[str, Law] = {
     "ring radical": Ring(contact="radical"),
     "ring balanced": Ring(contact="balanced"),
     "sector": Sector(),
@@ -66,16 +67,16 @@ def row(
     }
 
 
-def strained(packing: Packing, model: Model, strain: float = 0.01) -> State:
+def strained(packing: Packing, law: Law, strain: float = 0.01) -> State:
     """Relaxed after one step of strain; what it has to say shows in its rows."""
-    with Simulation(packing, model, MPI.COMM_SELF) as sim, warnings.catch_warnings():
+    with Simulation(packing, law, MPI.COMM_SELF) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         sim.deform(sim.box * (1.0 - strain))
         return sim.relax(TOLERANCE)
 
 
-def at_rest(packing: Packing, model: Model) -> State:
-    with Simulation(packing, model, MPI.COMM_SELF) as sim:
+def at_rest(packing: Packing, law: Law) -> State:
+    with Simulation(packing, law, MPI.COMM_SELF) as sim:
         return sim.state()
 
 
@@ -88,15 +89,15 @@ def stiffness_rows(jammed: Packing) -> Iterator[dict[str, Any]]:
     """
     kA = 10.0 ** np.arange(-6, 7, 3)
     packing = jammed.at(0.9)
-    for law, model in LAWS.items():
-        models = {k: replace(model, kA=k) for k in kA.tolist()}
-        one = at_rest(packing, model).energy
-        off = max(abs(at_rest(packing, each).energy / k / one - 1.0) for k, each in models.items())
+    for name, law in LAWS.items():
+        laws = {k: replace(law, kA=k) for k in kA.tolist()}
+        one = at_rest(packing, law).energy
+        off = max(abs(at_rest(packing, each).energy / k / one - 1.0) for k, each in laws.items())
         # sides that balance to 1e-8 err in the energy by its square
-        yield row("kA 1e-6 to 1e6", law, "energy/kA against kA = 1", off, ROUNDING)
-        left = max(strained(jammed, each).residual for each in models.values())
-        why = JUMPS if law == "sector" else ""
-        yield row("kA 1e-6 to 1e6", law, "largest residual of FIRE", left, TOLERANCE, why)
+        yield row("kA 1e-6 to 1e6", name, "energy/kA against kA = 1", off, ROUNDING)
+        left = max(strained(jammed, each).residual for each in laws.values())
+        why = JUMPS if name == "sector" else ""
+        yield row("kA 1e-6 to 1e6", name, "largest residual of FIRE", left, TOLERANCE, why)
 
     kP = 10.0 ** np.arange(-6, 13, 2)
     for contact in ("radical", "balanced"):
@@ -106,20 +107,20 @@ def stiffness_rows(jammed: Packing) -> Iterator[dict[str, Any]]:
         )
         short = 1.0 - energies / stiff
         bound = float(packing.radii.max()) ** 2 / kP + PRECISION
-        case, law = "kP/kA 1e-6 to 1e12", f"ring {contact}"
+        case, name = "kP/kA 1e-6 to 1e12", f"ring {contact}"
         off = float((short / bound).max())
-        yield row(case, law, "energy below kP = inf, over the bound", off, 1.0)
+        yield row(case, name, "energy below kP = inf, over the bound", off, 1.0)
         falls = float(-np.diff(energies).min() / stiff)
-        yield row(case, law, "fall of the energy with kP", max(falls, 0.0), PRECISION)
+        yield row(case, name, "fall of the energy with kP", max(falls, 0.0), PRECISION)
 
 
 def density_rows(jammed: Packing) -> Iterator[dict[str, Any]]:
     """From a gas to past confluence: finite, and particles beyond the model are said."""
     case, fractions = "phi 0.5 to 1.2", [0.5, 0.7, 0.8, *np.arange(0.84, 1.201, 0.04).tolist()]
-    for law, model in LAWS.items():
+    for name, law in LAWS.items():
         wrong, unsaid, beyond = 0, 0, 0
         try:
-            with Simulation(jammed.at(fractions[0]), model, MPI.COMM_SELF) as sim:
+            with Simulation(jammed.at(fractions[0]), law, MPI.COMM_SELF) as sim:
                 for fraction in fractions:
                     with warnings.catch_warnings(record=True) as caught:
                         warnings.simplefilter("always")
@@ -132,10 +133,10 @@ def density_rows(jammed: Packing) -> Iterator[dict[str, Any]]:
             refused = ""
         except LammpsError as error:
             refused = str(error)
-        yield row(case, law, "states with numbers that are none", wrong, 0.0)
-        yield row(case, law, "states beyond the model without a warning", unsaid, 0.0)
-        yield row(case, law, "states refused", float(refused != ""), 0.0, refused)
-        yield row(case, law, "no particle beyond the model at 1.2", float(beyond == 0), 0.0)
+        yield row(case, name, "states with numbers that are none", wrong, 0.0)
+        yield row(case, name, "states beyond the model without a warning", unsaid, 0.0)
+        yield row(case, name, "states refused", float(refused != ""), 0.0, refused)
+        yield row(case, name, "no particle beyond the model at 1.2", float(beyond == 0), 0.0)
 
 
 def _finite(state: State) -> bool:
@@ -156,10 +157,10 @@ def size_rows() -> Iterator[dict[str, Any]]:
 
 def kernel_rows() -> Iterator[dict[str, Any]]:
     """Single particles: 0 to 40 contacts, two side by side, the lightest and the deepest."""
-    for law, kernel in KERNELS.items():
+    for name, kernel in KERNELS.items():
         worst = max(_slope(kernel, *_contacts(z, seed)) for z in range(41) for seed in range(5))
-        yield row("0 to 40 contacts", law, "dS/da against S at a (1 +- 1e-6)", worst, 1e-5)
-        yield _side_by_side(law, kernel)
+        yield row("0 to 40 contacts", name, "dS/da against S at a (1 +- 1e-6)", worst, 1e-5)
+        yield _side_by_side(name, kernel)
         for sides in (3, 4, 6):
             K, least = paper.polygon_stiffness(sides), math.pi / (sides * math.tan(math.pi / sides))
             # free arcs vanish where the perimeter of the polygon is that of the circle
@@ -170,7 +171,7 @@ def kernel_rows() -> Iterator[dict[str, Any]]:
                 for x in a
             )
             case = f"1e-12 R to the end of {sides} sides"
-            yield row(case, law, "S against K a^2", off, PRECISION)
+            yield row(case, name, "S against K a^2", off, PRECISION)
 
 
 def _contacts(z: int, seed: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -195,7 +196,7 @@ def _slope(kernel: Callable[..., Any], angle: NDArray[np.float64], a: NDArray[np
     return worst / largest if largest > 0.0 else worst
 
 
-def _side_by_side(law: str, kernel: Callable[..., Any]) -> dict[str, Any]:
+def _side_by_side(name: str, kernel: Callable[..., Any]) -> dict[str, Any]:
     """A second contact 1e-6 rad beside one of three: the same wall, turned by that.
 
     The first presses a flat of length L; at the angle t beside it the outline sticks out by L t/2.
@@ -208,18 +209,20 @@ def _side_by_side(law: str, kernel: Callable[..., Any]) -> dict[str, Any]:
     L = float(one.d_indentation[0])
     limit = L * L * apart / one.area_deficit + PRECISION
     why = "the narrow sector between them keeps its own perimeter"
-    return row("contacts 1e-6 rad apart", law, "change of S by the second", change, limit, why)
+    return row("contacts 1e-6 rad apart", name, "change of S by the second", change, limit, why)
 
 
 def convergence_rows(packings: int) -> Iterator[dict[str, Any]]:
     """How many relaxations of small packings FIRE does not end."""
-    failed = farm(_failures, [(seed,) for seed in range(1, packings + 1)], description="stability")
-    for law in LAWS:
-        case, count = f"{packings} packings, 1 % strain", sum(each[law] for each in failed)
-        why = JUMPS if law == "sector" else ""
-        yield row(case, law, "relaxations that do not converge", count, 0.0, why)
+    failed = parallel_map(
+        _failures, [(seed,) for seed in range(1, packings + 1)], description="stability"
+    )
+    for name in LAWS:
+        case, count = f"{packings} packings, 1 % strain", sum(each[name] for each in failed)
+        why = JUMPS if name == "sector" else ""
+        yield row(case, name, "relaxations that do not converge", count, 0.0, why)
 
 
 def _failures(seed: int) -> dict[str, bool]:
     jammed = jam(bidisperse(16, seed=seed))
-    return {law: strained(jammed, model).stalled for law, model in LAWS.items()}
+    return {name: strained(jammed, law).stalled for name, law in LAWS.items()}

@@ -16,12 +16,12 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..engine import run
-from ..errors import LammpsError
-from ..farm import launched
-from ..models import Model
-from ..packing import Packing
-from ..simulation import Simulation
+from ..common.errors import LammpsError
+from ..common.parallel import launched
+from ..engine.lammps import run
+from ..engine.simulation import Simulation
+from ..model.laws import Law
+from ..model.packing import Packing
 from .stability_cases import JUMPS, LAWS, ROUNDING, at_rest, row
 
 T = TypeVar("T")
@@ -46,7 +46,7 @@ _PATIENT = {
 _RANKS = """
 import json, sys
 import deformable
-from deformable.engine import gather
+from deformable.engine.lammps import gather
 from mpi4py import MPI
 
 answers = []
@@ -59,14 +59,14 @@ if MPI.COMM_WORLD.rank == 0:
 
 
 def energies(
-    packing: Packing, model: Model, dt: float, steps: int, samples: int, kick: float = 0.0
+    packing: Packing, law: Law, dt: float, steps: int, samples: int, kick: float = 0.0
 ) -> tuple[NDArray[np.float64], float]:
     """Total energy at samples + 1 times of a run, and its last kinetic energy.
 
     Args:
         kick: velocity that the first particle gets on top.
     """
-    with Simulation(packing, model, MPI.COMM_SELF) as sim:
+    with Simulation(packing, law, MPI.COMM_SELF) as sim:
         run(sim.lmp, f"velocity all create {TEMPERATURE} 4711 loop all{_RUN.format(dt=dt)}")
         if kick:
             run(sim.lmp, f"group first id 1\nvelocity first set {kick!r} 0 0 sum yes")
@@ -86,81 +86,81 @@ def energy_rows(packing: Packing, steps: int) -> Iterator[dict[str, Any]]:
     to the energy at random: over n samples by sqrt(n) times what one adds, and hardly ever by three
     times that, which a drift exceeds.
     """
-    for law, model in LAWS.items():
-        order, why = _told(law, _order, packing, model)
+    for name, law in LAWS.items():
+        order, why = _told(name, _order, packing, law)
         off = None if order is None else abs(order - 2.0)
-        yield row("dt 0.4 to 0.025", law, "order of the energy error, off 2", off, 0.5, why)
+        yield row("dt 0.4 to 0.025", name, "order of the energy error, off 2", off, 0.5, why)
 
-        found, why = _told(law, _drift, packing, model, steps)
+        found, why = _told(name, _drift, packing, law, steps)
         drift, limit = (None, 0.0) if found is None else found
         case, what = f"{steps:.0e} steps of 0.1", "drift of a particle over its kinetic energy"
-        yield row(case, law, what, drift, limit, why)
+        yield row(case, name, what, drift, limit, why)
 
-        ratio, why = _told(law, _kicked, packing, model)
+        ratio, why = _told(name, _kicked, packing, law)
         what = "energy error over that of twice the step"
-        yield row("a particle kicked", law, what, ratio, 0.5, why)
+        yield row("a particle kicked", name, what, ratio, 0.5, why)
 
 
-def _told(law: str, measure: Callable[..., T], *arguments: Any) -> tuple[T | None, str]:
+def _told(name: str, measure: Callable[..., T], *arguments: Any) -> tuple[T | None, str]:
     """What is measured, or none, and why it may be wrong."""
-    why = JUMPS if law == "sector" else ""
+    why = JUMPS if name == "sector" else ""
     try:
         return measure(*arguments), why
     except LammpsError as error:
         return None, ": ".join(filter(None, (why, str(error))))
 
 
-def _order(packing: Packing, model: Model) -> float:
+def _order(packing: Packing, law: Law) -> float:
     """Power of the time step with which the energy error falls."""
     steps = 0.4 / 2.0 ** np.arange(5)
-    errors = [energies(packing, model, dt, round(40.0 / dt), 20)[0].std() for dt in steps.tolist()]
+    errors = [energies(packing, law, dt, round(40.0 / dt), 20)[0].std() for dt in steps.tolist()]
     return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
 
 
-def _drift(packing: Packing, model: Model, steps: int) -> tuple[float, float]:
+def _drift(packing: Packing, law: Law, steps: int) -> tuple[float, float]:
     """Energy from the first to the last quarter, over the kinetic energy, and its limit."""
     samples = 200
-    total, kinetic = energies(packing, model, 0.1, steps, samples)
+    total, kinetic = energies(packing, law, 0.1, steps, samples)
     quarter = samples // 4
     drift = abs(total[-quarter:].mean() - total[:quarter].mean())
     return float(drift / kinetic), float(3.0 * np.diff(total).std() * np.sqrt(samples) / kinetic)
 
 
-def _kicked(packing: Packing, model: Model) -> float:
+def _kicked(packing: Packing, law: Law) -> float:
     """Error over that of twice the step, once a particle has ten times the mean energy."""
-    kick = float(np.sqrt(20.0 * at_rest(packing, model).energy / len(packing)))
+    kick = float(np.sqrt(20.0 * at_rest(packing, law).energy / len(packing)))
     coarse, fine = (
-        energies(packing, model, dt, round(20.0 / dt), 20, kick)[0].std() for dt in (0.05, 0.025)
+        energies(packing, law, dt, round(20.0 / dt), 20, kick)[0].std() for dt in (0.05, 0.025)
     )
     return float(fine / coarse)
 
 
 def error_rows(packing: Packing) -> Iterator[dict[str, Any]]:
     """What cannot go well ends with one line that says why, and no number is none until then."""
-    for law, model in LAWS.items():
+    for name, law in LAWS.items():
         silent = 0
         for dt in (1e1, 1e3, 1e6, 1e12):
             try:
-                total, _ = energies(packing, model, dt, 200, 20)
+                total, _ = energies(packing, law, dt, 200, 20)
                 silent += not np.isfinite(total).all()
             except LammpsError as error:
                 silent += not re.search(r"atoms? \d+|Lost atoms|Non-numeric", str(error), re.I)
-        yield row("time steps 10 to 1e12", law, "runs that end without a word", silent, 0.0)
+        yield row("time steps 10 to 1e12", name, "runs that end without a word", silent, 0.0)
 
         silent = 0
         ends = {
             "change_box all boundary f f p\nvelocity all set 1e3 0 0\nrun 100": "Lost atoms",
             "change_box all boundary f f p\nregion room block 1 2 1 2 -0.5 0.5\n"
-            "fix room all deformable/wall room\nrun 0": "centre of atom",
+            "fix room all deformable/wall room\nrun 0": "center of atom",
         }
         for commands, line in ends.items():
-            with Simulation(packing, model, MPI.COMM_SELF) as sim:
+            with Simulation(packing, law, MPI.COMM_SELF) as sim:
                 try:
                     run(sim.lmp, _RUN.format(dt=0.1) + commands)
                     silent += 1
                 except LammpsError as error:
                     silent += line not in str(error)
-        yield row("lost particles", law, "runs that go on without them", silent, 0.0)
+        yield row("lost particles", name, "runs that go on without them", silent, 0.0)
 
 
 def rank_rows(packing: Packing, most: int) -> Iterator[dict[str, Any]]:
@@ -169,8 +169,8 @@ def rank_rows(packing: Packing, most: int) -> Iterator[dict[str, Any]]:
     if launched() or not mpiexec.exists():
         return
     with tempfile.TemporaryDirectory() as folder:
-        for law, model in LAWS.items():
-            at_rest(packing, model).save(Path(folder, law))
+        for name, law in LAWS.items():
+            at_rest(packing, law).save(Path(folder, name))
         answers = []
         for ranks in range(1, most + 1):
             done = subprocess.run(
@@ -191,10 +191,10 @@ def rank_rows(packing: Packing, most: int) -> Iterator[dict[str, Any]]:
                 text=True,
             )
             answers.append(json.loads(done.stdout) if done.returncode == 0 else None)
-    for n, law in enumerate(LAWS):
+    for n, name in enumerate(LAWS):
         alone, *shared = (None if each is None else each[n] for each in answers)
         # balanced contacts are found by iteration, to 1e-8 of the largest force
-        limit = 1e-8 if law == "ring balanced" else 100.0 * ROUNDING
+        limit = 1e-8 if name == "ring balanced" else 100.0 * ROUNDING
         off = None
         if alone is not None and all(each is not None for each in shared):
             forces = np.array(alone[1])
@@ -203,4 +203,4 @@ def rank_rows(packing: Packing, most: int) -> Iterator[dict[str, Any]]:
                 for each in shared
                 if each is not None
             )
-        yield row(f"1 to {most} ranks", law, "change of forces, over the largest", off, limit)
+        yield row(f"1 to {most} ranks", name, "change of forces, over the largest", off, limit)

@@ -1,0 +1,1 @@
+"""Tools for all other folders: errors, checks of arguments, progress, parallel runs."""

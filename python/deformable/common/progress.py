@@ -1,0 +1,24 @@
+"""Lines of output, and progress bars on long work: silent off rank 0; bars off a terminal too."""
+
+from __future__ import annotations
+
+import sys
+from multiprocessing import parent_process
+from typing import Any
+
+from mpi4py import MPI
+from tqdm import tqdm
+
+
+def progress(description: str, unit: str, total: int | None = None, initial: int = 0) -> tqdm[Any]:
+    """A progress bar on stderr; tqdm itself keeps it off anything that is not a terminal."""
+    hidden = MPI.COMM_WORLD.rank > 0 or parent_process() is not None or None
+    return tqdm(
+        desc=description, unit=unit, total=total, initial=initial, leave=False, disable=hidden
+    )
+
+
+def print_once(line: str) -> None:
+    """Print a line once, above any progress bar."""
+    if MPI.COMM_WORLD.rank == 0:
+        tqdm.write(line, file=sys.stdout)

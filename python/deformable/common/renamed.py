@@ -1,0 +1,47 @@
+"""Former names of arguments and attributes: they go on working, with a DeprecationWarning."""
+
+from __future__ import annotations
+
+import functools
+import warnings
+from collections.abc import Callable
+from typing import Any, ClassVar, TypeVar
+
+C = TypeVar("C", bound=Callable[..., Any])
+
+
+def former_arguments(**names: str) -> Callable[[C], C]:
+    """A decorator of a function that also takes keywords by their former names.
+
+    Args:
+        names: the present name of each former one.
+    """
+
+    def decorate(function: C) -> C:
+        @functools.wraps(function)
+        def call(*positional: Any, **keywords: Any) -> Any:
+            for former in names.keys() & keywords.keys():
+                _warn(former, names[former])
+                keywords[names[former]] = keywords.pop(former)
+            return function(*positional, **keywords)
+
+        return call  # type: ignore[return-value]
+
+    return decorate
+
+
+class FormerAttributes:
+    """A class whose attributes can also be read by their former names."""
+
+    _FORMER: ClassVar[dict[str, str]] = {}
+
+    def __getattr__(self, name: str) -> Any:
+        present = type(self)._FORMER.get(name)
+        if present is None:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        _warn(name, present)
+        return getattr(self, present)
+
+
+def _warn(former: str, present: str) -> None:
+    warnings.warn(f"'{former}' is now named '{present}'", DeprecationWarning, stacklevel=3)

@@ -1,0 +1,77 @@
+"""Arguments of the right kind, or one line that says which is not."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import ParameterError
+
+# Objects that take more letters are named by their kind.
+_LONG = 60
+
+
+def number_or_nan(value: object) -> float:
+    """The value as a float; nan if it is no single number that a float can hold."""
+    try:
+        array = np.asarray(value)
+    except ValueError:  # rows of unequal length
+        return math.nan
+    return float(array) if array.ndim == 0 and array.dtype.kind in "biuf" else math.nan
+
+
+def finite(name: str, value: float) -> float:
+    """The value, if it is a finite number."""
+    number = number_or_nan(value)
+    if not math.isfinite(number):
+        raise ParameterError(f"{name} must be a finite number, not {shown(value)}")
+    return number
+
+
+def positive(name: str, value: float) -> float:
+    """The value, if it is a finite number above zero."""
+    number = number_or_nan(value)
+    if not 0.0 < number < math.inf:
+        raise ParameterError(f"{name} must be a positive number, not {shown(value)}")
+    return number
+
+
+def whole(name: str, value: int) -> int:
+    """The value, if it is a whole number."""
+    number = value if isinstance(value, int) else number_or_nan(value)
+    if not number % 1 == 0:
+        raise ParameterError(f"{name} must be a whole number, not {shown(value)}")
+    return int(number)
+
+
+def numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    """The values as an array, if all of them are finite numbers."""
+    try:
+        array = np.array(values)
+    except ValueError:
+        array = np.array(None)
+    if array.dtype.kind not in "biuf" or not np.isfinite(array).all():
+        raise ParameterError(f"{name} must be finite numbers, not {shown(values)}")
+    return array.astype(np.float64)
+
+
+def expect(name: str, value: object, *kinds: type) -> None:
+    """Refuse an object of another kind."""
+    if isinstance(value, kinds):
+        return
+    found = shown(value)
+    if isinstance(value, type):
+        found = f"the class {value.__name__} itself: call it, {value.__name__}(...)"
+    elif len(found) > _LONG:
+        found = f"a {type(value).__name__}"
+    wanted = " or ".join(kind.__name__ for kind in kinds)
+    raise ParameterError(f"{name} must be of the kind {wanted}, not {found}")
+
+
+def shown(value: object) -> str:
+    """A value as a message can show it: as Python writes it, in one line, and short."""
+    plain = value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
+    line = " ".join(repr(plain).split())
+    return line if len(line) <= 200 else line[:200] + "..."

@@ -1,0 +1,161 @@
+"""LAMMPS as the engine: open it, fill it with a packing, gather per-atom values."""
+
+from __future__ import annotations
+
+from ctypes import c_double
+from types import TracebackType
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+from mpi4py import MPI  # before lammps, or liblammps does not find its MPI library
+from numpy.typing import NDArray
+
+from ..common.errors import LammpsError, ParameterError
+from ..io.lammps_commands import SETUP, atom_style
+from ..model.packing import Packing, lattice_vectors
+
+if TYPE_CHECKING:
+    from lammps import lammps
+
+# Thickness exactly 1: volumes are areas, so pressures come out right in two dimensions. Masses set
+# the pace of a minimizer, not where it ends.
+_BOX = """
+region box prism 0 {lx!r} 0 {ly!r} -0.5 0.5 {xy!r} 0 0 units box
+create_box {species} box
+"""
+
+# LAMMPS finds neighbors with the help of bins, which it refuses to make much wider than the box.
+LARGEST_RADIUS = 100.0
+
+
+E = TypeVar("E", bound="Engine")
+
+
+class Engine:
+    """What owns a LAMMPS instance: closed at the end of a `with` block.
+
+    Attributes:
+        lmp: the LAMMPS instance.
+    """
+
+    @property
+    def lmp(self) -> lammps:
+        """The LAMMPS instance."""
+        if self.closed:
+            raise ParameterError(
+                f"this {type(self).__name__} is closed: make a new one, or go on before the end of "
+                "its `with` block"
+            )
+        return self._lmp
+
+    @lmp.setter
+    def lmp(self, lmp: lammps) -> None:
+        self._lmp = lmp
+
+    @property
+    def closed(self) -> bool:
+        """Whether the LAMMPS instance is gone."""
+        return not self._lmp.opened
+
+    def close(self) -> None:
+        """Free the LAMMPS instance."""
+        self._lmp.close()
+
+    def __enter__(self: E) -> E:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def box(self) -> NDArray[np.float64]:
+        """Lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length]."""
+        return lattice(self.lmp)
+
+
+def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
+    """A silent LAMMPS with the particles of a packing: IDs from 1 in order, type = species + 1.
+
+    Particles that have sizes of their own have the style sphere and these radii.
+    """
+    largest = float(packing.radii.max())
+    if largest > LARGEST_RADIUS:
+        raise ParameterError(
+            f"a radius of {largest:g} is too large for a box of thickness 1: choose a length unit "
+            "in which radii are near 1"
+        )
+    lmp = silent_lammps(comm, atom_style(packing))
+    (lx, _), (xy, ly) = packing.box.tolist()
+    run(lmp, _BOX.format(lx=lx, ly=ly, xy=xy, species=len(packing.radii)))
+    n = len(packing)
+    x = np.zeros((n, 3))
+    x[:, :2] = packing.positions
+    lmp.create_atoms(n, range(1, n + 1), (packing.species + 1).tolist(), x.ravel().tolist())
+    if packing.particle_radii is None:
+        run(lmp, "mass * 1")
+    else:
+        run(lmp, "set group all mass 1")
+        lmp.scatter("radius", 1, 1, (c_double * n)(*packing.particle_radii))
+    return lmp
+
+
+def radii_of_atoms(lmp: lammps) -> NDArray[np.float64] | None:
+    """Radius of each particle in the order of their IDs, shape (N,) [length]; None: by species."""
+    return gather(lmp, "radius", 1) if lmp.extract_setting("radius_flag") else None
+
+
+def lattice(lmp: lammps) -> NDArray[np.float64]:
+    """Lattice vectors of the box as rows, ((lx, 0), (xy, ly)) [length]."""
+    low, high, xy, *_ = lmp.extract_box()
+    return np.array([[high[0] - low[0], 0.0], [xy, high[1] - low[1]]])
+
+
+def change_box(lmp: lammps, box: NDArray[np.float64]) -> None:
+    """Give the box other lattice vectors; what is in it follows affinely."""
+    (lx, _), (xy, ly) = lattice_vectors(box).tolist()
+    run(
+        lmp,
+        f"change_box all x final 0 {lx!r} y final 0 {ly!r} xy final {xy!r} remap units box",
+    )
+
+
+def silent_lammps(comm: MPI.Comm, style: str = "atomic") -> lammps:
+    """A LAMMPS without output, set up for two-dimensional periodic packings."""
+    from lammps import lammps
+
+    lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"], comm=comm)
+    run(lmp, SETUP.format(style=style))
+    return lmp
+
+
+def run(lmp: lammps, commands: str) -> None:
+    """Run LAMMPS commands, one a line.
+
+    Raises:
+        LammpsError: LAMMPS refused one; its message, without source lines and echoes.
+    """
+    for command in commands.strip().splitlines():
+        try:
+            lmp.command(command)
+        except Exception as error:  # the lammps module raises bare Exception
+            line = str(error).splitlines()[0].rsplit(" (/", 1)[0].rsplit(" (src/", 1)[0]
+            raise LammpsError(f"LAMMPS: {line.partition(': ')[2] or line}") from None
+
+
+def gather(lmp: lammps, name: str, columns: int) -> NDArray[np.float64]:
+    """A per-atom property of all particles, in the order of their IDs, on every rank."""
+    values = np.array(lmp.gather(name, 1, columns))
+    return values.reshape(-1, columns) if columns > 1 else values
+
+
+def local_array(lmp: lammps, compute: str, columns: int) -> NDArray[np.float64]:
+    """The rows of a local compute on this rank, shape (M, columns)."""
+    from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY
+
+    rows = lmp.numpy.extract_compute(compute, LMP_STYLE_LOCAL, LMP_TYPE_ARRAY)
+    return np.empty((0, columns)) if rows is None else np.array(rows).reshape(-1, columns)

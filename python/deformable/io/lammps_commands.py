@@ -1,0 +1,80 @@
+"""What LAMMPS is told about a packing and its contact law, as text."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..model.laws import Law, Ring
+from ..model.packing import Packing
+
+SETUP = """
+units lj
+dimension 2
+boundary p p p
+atom_style {style}
+atom_modify map yes
+newton on
+box tilt large
+"""
+
+_LAW = """
+pair_style {style} {arguments} radius {whose}
+pair_coeff * * "{file}" {names}
+
+neighbor {skin!r} bin
+neigh_modify delay 0 every 1 check yes
+min_style fire
+min_modify dmax {dmax!r} norm max
+"""
+
+
+def atom_style(packing: Packing) -> str:
+    """The style of atoms that have what a packing tells of its particles."""
+    return "atomic" if packing.particle_radii is None else "sphere"
+
+
+def pair_style(law: Law) -> str:
+    """Name of the pair style of a contact law."""
+    return "deformable/ring" if isinstance(law, Ring) else "deformable/sector"
+
+
+def pair_style_arguments(law: Law) -> str:
+    """Arguments of the pair style."""
+    return f"contact {law.contact} reach {law.reach!r}" if isinstance(law, Ring) else ""
+
+
+def species_file(law: Law, radii: Sequence[float]) -> str:
+    """Text of the species file for species of these radii [length], named s1, s2, ...
+
+    Raises:
+        ParameterError: see `Ring.species`.
+    """
+    lines = [
+        "# UNITS: lj CONTRIBUTOR: written by lammps-deformable",
+        "# name radius[length] kA[energy/length^4] kP[energy/length^2] skin[length]",
+    ]
+    lines += [
+        " ".join([f"s{n}", *(repr(float(value)) for value in (radius, *values))])
+        for n, (radius, values) in enumerate(zip(radii, law.species(radii), strict=True), start=1)
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def law_commands(packing: Packing, law: Law, file: str) -> str:
+    """What LAMMPS is told once it has the particles: the law, and settings for their sizes.
+
+    Args:
+        packing: the particles.
+        law: the contact law.
+        file: its species file.
+    """
+    smallest = float(packing.radius.min())
+    return _LAW.format(
+        style=pair_style(law),
+        arguments=pair_style_arguments(law),
+        whose="type" if packing.particle_radii is None else "atom",
+        file=file,
+        names=" ".join(f"s{n}" for n in range(1, len(packing.radii) + 1)),
+        skin=0.1 * smallest,
+        dmax=0.005 * smallest,
+    )

@@ -1,0 +1,169 @@
+"""Rings of beads as settings: the deformable-polygon model that the contact laws stand in for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import ParameterError
+from ..common.validate import positive, shown
+from .laws import one_or_each, per_species
+
+# Least spacing of beads over their radius p. LAMMPS lists at most 2000 neighbors of a bead, from
+# within 2.5 p of it. What a ring has there is convex and thus no longer than 5 pi p, 262 beads; and
+# particles have radii above 2 p, so that no more than 7 of them reach there.
+_LEAST_SPACING = 0.06
+
+
+@dataclass(frozen=True)
+class Beads:
+    """The deformable-polygon model: rings of beads, joined by springs around a soft area.
+
+        U = kL/2 sum (L - L0)^2 + kA/2 sum (A - A0)^2 + kr/2 sum (2p - |v - v'|)^2
+
+    over all springs, all rings, and all overlapping beads of different rings. At rest a particle
+    of radius R is a regular polygon of circumradius R - p, so that its beads reach out to R.
+    Stiffnesses of springs and areas are numbers, or sequences of a number a species.
+
+    Args:
+        number: beads on a ring of the smallest species; larger ones get more, N_v ~ R - p. Or a
+            number for each species.
+        radius: p, of a bead [length].
+        kL: stiffness of a spring [energy/length^2]; the perimeter of a ring has kP = kL/N_v.
+        kA: stiffness of the area of a ring [energy/length^4].
+        kr: stiffness of the contact of two beads [energy/length^2].
+
+    Raises:
+        ParameterError: a value is not positive and finite, or a ring has fewer than 3 beads.
+
+    Source: Boromand et al., Phys. Rev. Lett. 121, 248003 (2018); R. Maharana, "Efficient
+    Simulation of Deformable Particles", whose rest area lacks a factor cos(pi/N_v).
+    """
+
+    number: int | Sequence[int] = 50
+    radius: float = 0.05
+    kL: float | Sequence[float] = 300.0
+    kA: float | Sequence[float] = 1.0
+    kr: float = 30.0
+
+    def __post_init__(self) -> None:
+        for name in ("radius", "kr"):
+            object.__setattr__(self, name, positive(name, getattr(self, name)))
+        for name in ("kL", "kA"):
+            object.__setattr__(self, name, one_or_each(name, getattr(self, name)))
+            values = np.asarray(getattr(self, name))
+            if not ((values > 0.0) & np.isfinite(values)).all():
+                raise ParameterError(f"{name} must be positive and finite, not {shown(values)}")
+        try:
+            counts = np.atleast_1d(np.asarray(self.number))
+        except ValueError:  # rows of unequal length
+            counts = np.empty(0)
+        whole = counts.ndim == 1 and counts.dtype.kind in "iuf" and np.isfinite(counts).all()
+        whole = whole and counts.size > 0
+        if not (whole and (counts == np.rint(counts)).all() and (counts >= 3).all()):
+            raise ParameterError(
+                f"a ring needs a whole number of beads, at least 3, not {self.number}"
+            )
+
+    def rings(self, radii: NDArray[np.float64]) -> Rings:
+        """The undeformed rings of species of these radii [length].
+
+        Raises:
+            ParameterError: beads too large for a particle, so few that others slip through between
+                them, or so many that LAMMPS cannot list their neighbors; numbers or stiffnesses
+                for another number of species.
+        """
+        ring = radii - self.radius
+        if not (ring > self.radius).all():
+            raise ParameterError(
+                f"beads of radius {self.radius:g} are too large for a particle of radius "
+                f"{radii.min():g}: take less than half of that"
+            )
+        one = np.ndim(self.number) == 0
+        if not one and len(np.asarray(self.number)) != len(radii):
+            raise ParameterError(
+                f"number must be one, or one a species ({len(radii)}), not {self.number}"
+            )
+        share = ring / ring.min() if one else np.ones_like(ring)
+        number = np.rint(np.asarray(self.number, dtype=np.float64) * share)
+        spacing = 2.0 * ring * np.sin(np.pi / number)
+        widest, closest = int(spacing.argmax()), int(spacing.argmin())
+        if spacing[widest] >= 4.0 * self.radius:
+            enough = np.floor(_beads_at(4.0 * self.radius, ring)) + 1.0
+            # of the smallest species, so that n share rounds to enough for each
+            least = (np.floor((enough - 0.5) / share) + 1.0).max() if one else enough[widest]
+            raise ParameterError(
+                f"{number[widest]:g} beads of radius {self.radius:g} are too few for a particle of "
+                f"radius {radii[widest]:g}, others slip through between them: take "
+                f"{'number = ' if one else ''}{least:g} or more"
+            )
+        if spacing[closest] < _LEAST_SPACING * self.radius:
+            room = np.floor(_beads_at(_LEAST_SPACING * self.radius, ring))
+            most = (np.ceil((room + 0.5) / share) - 1.0).min() if one else room[closest]
+            raise ParameterError(
+                f"{number[closest]:g} beads of radius {self.radius:g} are too many for a particle "
+                f"of radius {radii[closest]:g}, LAMMPS cannot list so many neighbors: take "
+                f"{'number = ' if one else ''}{most:g} or fewer"
+            )
+        return Rings(
+            number=number.astype(np.int64),
+            radius=ring,
+            spacing=spacing,
+            area=0.5 * number * ring**2 * np.sin(2.0 * np.pi / number),
+            effective_radius=ring + 0.5 * np.sqrt(4.0 * self.radius**2 - 0.25 * spacing**2),
+            kL=np.array(per_species(self.kL, len(radii))),
+            kA=np.array(per_species(self.kA, len(radii))),
+        )
+
+
+def _beads_at(spacing: float, ring: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How many beads on circles of these radii have this spacing, pi/arcsin(spacing/2r)."""
+    return np.asarray(np.pi / np.arcsin(np.minimum(0.5 * spacing / ring, 1.0)))
+
+
+@dataclass(frozen=True, eq=False)
+class Rings:
+    """Undeformed rings, one a species, each array of shape (number of species,).
+
+    Attributes:
+        number: of beads, N_v.
+        radius: of the circle through the beads, R - p [length].
+        spacing: rest length of the springs, L0 = 2 (R - p) sin(pi/N_v) [length].
+        area: rest area, A0 = N_v/2 (R - p)^2 sin(2 pi/N_v) [length^2].
+        effective_radius: of the smooth particle that a ring is to other rings,
+            R - p + sqrt(4p^2 - L0^2/4)/2 [length]: facing rows of beads interlock. A smooth wall
+            meets the radius R.
+        kL: stiffness of the springs [energy/length^2].
+        kA: stiffness of the area [energy/length^4].
+    """
+
+    number: NDArray[np.int64]
+    radius: NDArray[np.float64]
+    spacing: NDArray[np.float64]
+    area: NDArray[np.float64]
+    effective_radius: NDArray[np.float64]
+    kL: NDArray[np.float64]
+    kA: NDArray[np.float64]
+
+    @property
+    def kP(self) -> NDArray[np.float64]:
+        """Stiffness of the perimeter, kL/N_v: what a uniform stretch meets [energy/length^2]."""
+        return self.kL / self.number
+
+    @property
+    def skin(self) -> NDArray[np.float64]:
+        """Thickness of what the beads add to the ring, `effective_radius - radius` [length]."""
+        return self.effective_radius - self.radius
+
+    def fastest_frequency(self, kr: float) -> float:
+        """Above the frequencies of beads of mass 1 with contacts of stiffness kr.
+
+            omega^2 = 4 kL + 4 kr + kA N_v L0^2
+
+        A row of springs, one of contacts, and the area, whose derivative by a bead is L0 at most.
+        """
+        area = self.kA * self.number * self.spacing**2
+        return float(np.sqrt((4.0 * (self.kL + kr) + area).max()))

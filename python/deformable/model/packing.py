@@ -1,0 +1,260 @@
+"""Packings: where undeformed disks of any sizes sit in a periodic box."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..common.errors import ParameterError
+from ..common.renamed import FormerAttributes, former_arguments
+from ..common.validate import finite, numbers, positive, shown, whole
+
+# Atoms that LAMMPS can count.
+_MOST = 2**31 - 1
+
+
+# LAMMPS brings particles back into a periodic box by one length at a time.
+_FARTHEST = 1e6
+
+
+@dataclass(frozen=True, eq=False)
+class Packing(FormerAttributes):
+    """Disks in a periodic two-dimensional box.
+
+    Attributes:
+        positions: centers, shape (N, 2) [length].
+        species: species of each particle, counted from 0, shape (N,).
+        radii: undeformed radius of each species, shape (number of species,) [length].
+        box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
+        particle_radii: undeformed radius of each particle, shape (N,) [length], or None: the radius
+            of its species. If given, `radii` are the largest radii that a species allows.
+
+    Raises:
+        ParameterError: shapes disagree, a number is not finite, a radius or box length is not
+            positive, a species has no radius, or a particle is larger than its species allows.
+    """
+
+    _FORMER: ClassVar[dict[str, str]] = {"sizes": "particle_radii"}
+
+    positions: NDArray[np.float64]
+    species: NDArray[np.int64]
+    radii: NDArray[np.float64]
+    box: NDArray[np.float64]
+    particle_radii: NDArray[np.float64] | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("positions", "species", "radii", "particle_radii"):
+            if name == "particle_radii" and self.particle_radii is None:
+                continue
+            array: NDArray[np.generic] = numbers(name, getattr(self, name))
+            if name == "species":
+                if not np.array_equal(array, np.rint(array)):
+                    raise ParameterError("species must be whole numbers")
+                array = array.astype(np.int64)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        object.__setattr__(self, "box", lattice_vectors(self.box))
+        n = self.species.size
+        if n == 0 or self.positions.shape != (n, 2) or self.species.shape != (n,):
+            raise ParameterError(
+                f"positions must have shape (N, 2) and species (N,) with N > 0, "
+                f"not {self.positions.shape} and {self.species.shape}"
+            )
+        boxes = np.abs(np.linalg.solve(self.box.T, self.positions.T)).max(axis=0)
+        if boxes.max() > _FARTHEST:
+            far = int(boxes.argmax())
+            raise ParameterError(
+                f"positions of particle {far}, {self.positions[far].tolist()}, are "
+                f"{boxes[far]:.2g} boxes away: bring it back into the box"
+            )
+        if self.radii.ndim != 1 or not (self.radii > 0.0).all():
+            raise ParameterError(f"radii must be positive, not {self.radii.tolist()}")
+        if self.species.min() < 0 or self.species.max() >= len(self.radii):
+            raise ParameterError(
+                f"species must lie in 0..{len(self.radii) - 1}, one radius each, "
+                f"not {self.species.min()}..{self.species.max()}"
+            )
+        if self.particle_radii is not None:
+            self._check_particle_radii(self.particle_radii)
+
+    def _check_particle_radii(self, particle_radii: NDArray[np.float64]) -> None:
+        if particle_radii.shape != self.species.shape:
+            raise ParameterError(
+                f"particle_radii must have shape {self.species.shape}, not {particle_radii.shape}"
+            )
+        most = self.radii[self.species]
+        # data files of LAMMPS keep 16 digits
+        wrong = np.flatnonzero(~((particle_radii > 0.0) & (particle_radii <= most * (1.0 + 1e-12))))
+        if len(wrong) > 0:
+            n = int(wrong[0])
+            raise ParameterError(
+                "particle_radii must be positive and at most the radius of the species, "
+                f"{most[n]:g} for particle {n}, not {particle_radii[n]:g}"
+            )
+
+    def __len__(self) -> int:
+        return len(self.species)
+
+    @property
+    def radius(self) -> NDArray[np.float64]:
+        """Undeformed radius of each particle, shape (N,) [length]."""
+        return self.radii[self.species] if self.particle_radii is None else self.particle_radii
+
+    @property
+    def phi(self) -> float:
+        """Packing fraction of the undeformed disks, sum pi R^2 / box area; overlaps count twice."""
+        return float(np.pi * np.sum(self.radius**2) / np.prod(self.box.diagonal()))
+
+    def at(self, phi: float) -> Packing:
+        """The same packing, box and centers scaled alike to another packing fraction."""
+        factor = np.sqrt(self.phi / positive("phi", phi))
+        return replace(self, positions=self.positions * factor, box=self.box * factor)
+
+
+# dataclasses have no aliases of arguments
+Packing.__init__ = former_arguments(**Packing._FORMER)(Packing.__init__)  # type: ignore[method-assign]
+
+
+def lattice_vectors(box: ArrayLike) -> NDArray[np.float64]:
+    """The box, if it is ((lx, 0), (xy, ly)) with finite numbers and lx, ly above zero."""
+    vectors = numbers("box", box)
+    if vectors.shape != (2, 2) or vectors[0, 1] != 0.0 or not (vectors.diagonal() > 0.0).all():
+        raise ParameterError(
+            f"box must be ((lx, 0), (xy, ly)) with lx, ly > 0, not {shown(vectors.tolist())}"
+        )
+    vectors.setflags(write=False)
+    return vectors
+
+
+def bidisperse(
+    number: int,
+    radii: Sequence[float] | None = None,
+    fraction: float = 0.5,
+    phi: float = 0.3,
+    aspect: float = 1.0,
+    tilt: float = 0.0,
+    seed: int = 1,
+    ratio: float | None = None,
+) -> Packing:
+    """Disks of two sizes at random places, overlaps allowed: the start of a jamming run.
+
+    Args:
+        number: number of particles N.
+        radii: radius of the small (species 0) and the large particles (species 1) [length];
+            (0.5, 0.7) if neither these nor a ratio are given.
+        fraction: number fraction of large particles, in [0, 1].
+        phi: packing fraction, sum pi R^2 / box area.
+        aspect: height over width of the box, ly / lx.
+        tilt: shear of the box, xy / ly; 0 is a rectangle.
+        seed: seed of numpy's default generator; the same seed gives the same packing anywhere.
+        ratio: of the large to the small radius, in place of radii; the small radius is then 0.5.
+
+    Returns:
+        The packing; large particles come last.
+
+    Raises:
+        ParameterError: a value is out of range.
+    """
+    number, fraction = whole("number", number), finite("fraction", fraction)
+    if ratio is not None and radii is not None:
+        raise ParameterError(f"give radii or a ratio, not both: {shown(radii)} and {shown(ratio)}")
+    if radii is None:
+        radii = (0.5, 0.7) if ratio is None else (0.5, 0.5 * positive("ratio", ratio))
+    pair = numbers("radii", radii)
+    if pair.shape != (2,):
+        raise ParameterError(f"radii must be two numbers, not {shown(radii)}")
+    if not 0.0 <= fraction <= 1.0:
+        raise ParameterError(f"fraction must lie between 0 and 1, not {fraction}")
+    places = _random_places(number, _generator(seed))
+    small, large = (positive("radii", radius) for radius in pair)
+    species = (np.arange(number) >= number - round(fraction * number)).astype(np.int64)
+    box = _box(np.where(species == 1, large, small), phi, aspect, tilt)
+    return Packing(places @ box, species, np.array([small, large]), box)
+
+
+class Distribution(Protocol):
+    """What scipy.stats calls a frozen distribution."""
+
+    def rvs(self, *, size: int, random_state: np.random.Generator) -> Any: ...
+
+
+def polydisperse(
+    number: int,
+    radii: ArrayLike | Distribution | Callable[[np.random.Generator], ArrayLike],
+    phi: float = 0.3,
+    aspect: float = 1.0,
+    tilt: float = 0.0,
+    seed: int = 1,
+) -> Packing:
+    """Disks of any sizes at random places, overlaps allowed: the start of a jamming run.
+
+        polydisperse(64, scipy.stats.lognorm(0.1, scale=0.5))
+        polydisperse(64, lambda rng: rng.uniform(0.4, 0.6, 64))
+
+    Args:
+        number: number of particles N.
+        radii: of all particles, shape (N,) [length]; or a distribution to draw them from, one of
+            scipy.stats or a function of a generator that returns all of them.
+        phi: packing fraction, sum pi R^2 / box area.
+        aspect: height over width of the box, ly / lx.
+        tilt: shear of the box, xy / ly; 0 is a rectangle.
+        seed: seed of numpy's default generator, for places first and radii after them.
+
+    Returns:
+        The packing, of one species; particles are in the order of their radii as given or drawn.
+
+    Raises:
+        ParameterError: a value is out of range, e.g. a radius that was drawn is not positive.
+    """
+    number, rng = whole("number", number), _generator(seed)
+    places = _random_places(number, rng)
+    drawn: Any = radii
+    if hasattr(radii, "rvs"):
+        drawn = radii.rvs(size=number, random_state=rng)
+    elif callable(radii):
+        drawn = radii(rng)
+    particle_radii = numbers("radii", drawn)
+    if particle_radii.shape != (number,):
+        raise ParameterError(
+            f"radii must be {number} numbers, shape ({number},), not {particle_radii.shape}"
+        )
+    wrong = particle_radii[particle_radii <= 0.0]
+    if len(wrong) > 0:
+        raise ParameterError(
+            f"radii must be positive, but {len(wrong)} of {number} are not, such as {wrong[0]:g}: "
+            "give them, or draw them from, a distribution above zero"
+        )
+    box = _box(particle_radii, phi, aspect, tilt)
+    species = np.zeros(number, dtype=np.int64)
+    return Packing(places @ box, species, np.array([particle_radii.max()]), box, particle_radii)
+
+
+def _generator(seed: int) -> np.random.Generator:
+    seed = whole("seed", seed)
+    if seed < 0:
+        raise ParameterError(f"seed must not be negative, not {seed}")
+    return np.random.default_rng(seed)
+
+
+def _random_places(number: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Places in a unit square, shape (N, 2)."""
+    if number < 1:
+        raise ParameterError(f"number must be at least 1, not {number}")
+    if number > _MOST:
+        raise ParameterError(f"number must be at most {_MOST}, not {shown(number)}: LAMMPS' limit")
+    return rng.random((number, 2))
+
+
+def _box(
+    radius: NDArray[np.float64], phi: float, aspect: float, tilt: float
+) -> NDArray[np.float64]:
+    """Lattice vectors of the box that disks of these radii fill to phi, shape (2, 2) [length]."""
+    tilt = finite("tilt", tilt)
+    area = np.pi * np.sum(radius**2) / positive("phi", phi)
+    lx = np.sqrt(area / positive("aspect", aspect))
+    ly = aspect * lx
+    return np.array([[lx, 0.0], [tilt * ly, ly]])

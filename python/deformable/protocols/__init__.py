@@ -1,0 +1,1 @@
+"""What is done to a packing: jamming, compression, shear, moduli, motion."""

@@ -1,0 +1,88 @@
+"""Quasistatic compression: shrink the box a little, relax, again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import ParameterError
+from ..common.progress import progress
+from ..common.validate import expect, finite, whole
+from ..engine.bead_reference import BeadReference
+from ..engine.disks import Disks
+from ..engine.simulation import Simulation
+
+
+class Snapshot(Protocol):
+    """What the progress bar shows of a state."""
+
+    @property
+    def phi(self) -> float: ...
+    @property
+    def pressure(self) -> float: ...
+
+
+S = TypeVar("S", bound=Snapshot)
+S_co = TypeVar("S_co", bound=Snapshot, covariant=True)
+
+
+class Compressible(Protocol[S_co]):
+    """A simulation in a periodic box: `Simulation`, or `BeadReference`."""
+
+    @property
+    def box(self) -> NDArray[np.float64]: ...
+    def deform(self, box: NDArray[np.float64]) -> None: ...
+    def relax(self, tolerance: float = ...) -> S_co: ...
+
+
+def compress(
+    sim: Compressible[S], strain: float, steps: int, tolerance: float | None = None
+) -> Iterator[S]:
+    """Compress isotropically in equal steps, relaxing after each one.
+
+    After step n each length of the box is 1 - strain n / steps of what it was at the call.
+
+    Args:
+        sim: a `Simulation` or a `BeadReference`; it ends in the last state.
+        strain: linear strain in all, below 1; negative expands.
+        steps: number of steps.
+        tolerance: of each relaxation, see `relax` of the simulation, whose default it is.
+
+    Yields:
+        The relaxed state after each step.
+
+    Raises:
+        ParameterError: a value is out of range.
+    """
+    expect("sim", sim, Simulation, Disks, BeadReference)
+    check_protocol(strain, steps)
+    return go_on(sim, sim.box, strain, int(steps), 0, tolerance)
+
+
+def check_protocol(strain: float, steps: int) -> None:
+    """Refuse what `compress` cannot do."""
+    if not -1.0 < finite("strain", strain) < 1.0:
+        raise ParameterError(f"strain must lie between -1 and 1, not {strain}")
+    if whole("steps", steps) < 1:
+        raise ParameterError(f"steps must be at least 1, not {steps}")
+
+
+def go_on(
+    sim: Compressible[S],
+    box: NDArray[np.float64],
+    strain: float,
+    steps: int,
+    done: int,
+    tolerance: float | None,
+) -> Iterator[S]:
+    """The steps of a compression that are left, `done` of them being behind, from its first box."""
+    with progress("compressing", unit="step", total=steps, initial=done) as bar:
+        for n in range(done + 1, steps + 1):
+            sim.deform(box * (1.0 - strain * n / steps))
+            state = sim.relax() if tolerance is None else sim.relax(tolerance)
+            bar.set_postfix(phi=f"{state.phi:.4f}", pressure=f"{state.pressure:.3g}")
+            bar.update()
+            yield state

@@ -1,0 +1,113 @@
+"""Shear and bulk modulus of a packing, from its answer to small strains."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.validate import expect, positive
+from ..state.disk_state import DiskState
+from ..state.state import State
+from .jamming import simulate
+from .shear import sheared
+
+# Values at two strains, one twice the other, agree if they differ by no more than this part of the
+# modulus, or of the pressure, below which a modulus is none.
+_AGREEMENT = 0.01
+
+# How often the strain is halved before the answer counts as not linear.
+_HALVINGS = 6
+
+
+@dataclass(frozen=True)
+class Modulus:
+    """A modulus of linear response.
+
+    Attributes:
+        value: the modulus at the smallest strain [energy/length^2].
+        strain: that strain.
+        error: how far it is from the value at twice the strain [energy/length^2].
+        linear: the two agree to 1 %.
+    """
+
+    value: float
+    strain: float
+    error: float
+    linear: bool
+
+
+def shear_modulus(
+    state: State | DiskState, strain: float, tolerance: float = 1e-8, pure: bool = False
+) -> Modulus:
+    """G = d(shear stress)/d(shear strain) of a relaxed state, which stays as it is.
+
+    The packing is sheared by the strain and its opposite and relaxed, which leaves out stresses
+    that were there before. The strain is halved until two values agree.
+
+    Args:
+        state: of a `Simulation` or of `Disks`, relaxed; it bears a pressure.
+        strain: to begin with. Contacts change at strains of some part of phi - phi_J, so that a
+            hundredth of that is a good start.
+        tolerance: of the relaxations: their largest force over the mean contact force. What is left
+            is an error of the stress.
+        pure: stretch along x and shrink along y, at constant area, instead of simple shear along x.
+            A small packing is not isotropic: its modulus varies as the sine of four times the
+            direction, and the mean of these two is that over all directions.
+
+    Returns:
+        The modulus; negative where a packing is held only by its box, as some at their onset are.
+
+    Raises:
+        ParameterError: a value is out of range.
+    """
+    if not pure:
+        return _modulus(state, strain, tolerance, sheared, lambda stress: -float(stress[0, 1]))
+    return _modulus(
+        state,
+        strain,
+        tolerance,
+        lambda box, gamma: box * [1.0 + gamma / 2.0, 1.0 / (1.0 + gamma / 2.0)],
+        lambda stress: float(stress[1, 1] - stress[0, 0]) / 2.0,
+    )
+
+
+def bulk_modulus(state: State | DiskState, strain: float, tolerance: float = 1e-8) -> Modulus:
+    """K = d(pressure)/d(compressive strain of the area) of a relaxed state; as `shear_modulus`."""
+    return _modulus(
+        state,
+        strain,
+        tolerance,
+        lambda box, compression: box * np.sqrt(1.0 - compression),
+        lambda stress: float(np.trace(stress) / 2.0),
+    )
+
+
+def _modulus(
+    state: State | DiskState,
+    strain: float,
+    tolerance: float,
+    deformed: Callable[[NDArray[np.float64], float], NDArray[np.float64]],
+    component: Callable[[NDArray[np.float64]], float],
+) -> Modulus:
+    """Half the difference of a component of stress at two opposite strains, over the strain."""
+    expect("state", state, State, DiskState)
+    positive("strain", strain)
+    before, none = np.inf, _AGREEMENT * state.pressure
+    for halving in range(_HALVINGS + 1):
+        ends, stalled = [], False
+        for sign in (1.0, -1.0):
+            with simulate(state.packing, state.law) as sim:
+                sim.deform(deformed(sim.box, sign * strain))
+                end = sim.relax(tolerance)
+            ends.append(component(end.stress))
+            stalled |= end.stalled
+        value = (ends[0] - ends[1]) / (2.0 * strain)
+        error = abs(value - before)
+        linear = error <= max(_AGREEMENT * abs(value), none) and not stalled
+        if linear or stalled or halving == _HALVINGS:
+            break
+        before, strain = value, strain / 2.0
+    return Modulus(value, strain, error, linear)

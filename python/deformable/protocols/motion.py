@@ -1,0 +1,151 @@
+"""Motion in time: at constant energy, in a heat bath, or damped."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from ..common.errors import LammpsError, ParameterError
+from ..common.progress import progress
+from ..common.validate import expect, finite, positive, shown, whole
+from ..engine.lammps import run
+from ..engine.simulation import Simulation
+from ..model.laws import Sector
+from ..model.timestep import accurate_step, longest_step
+from ..state.state import State
+
+# Steps from state to state in a long motion.
+_EVERY = 100
+
+# The integrator of the heat bath: Gronbech-Jensen and Farago's keeps positions and half-step
+# velocities of an oscillator at their temperature for any time step, and does not draw its forces
+# anew where a run begins, as fix langevin does. But it shakes particles along z too, by far less
+# than a radius in _FLATTENED steps: forces do not feel that, the search for neighbors would in the
+# end.
+_BATH = "fix move all gjf {temperature!r} {temperature!r} {time!r} {seed}"
+_FLATTENED = 1000
+
+
+def move(
+    sim: Simulation,
+    steps: int,
+    timestep: float | None = None,
+    temperature: float | None = None,
+    friction: float = 0.0,
+    every: int | None = None,
+    seed: int = 1,
+) -> Iterator[State]:
+    """Let particles of mass 1 move by their forces F.
+
+        dv/dt = F - friction v + sqrt(2 friction temperature) noise
+
+    Without friction the energy is conserved (velocity Verlet); with friction alone the motion is
+    damped; with both the particles are in a heat bath (Langevin).
+
+    Args:
+        sim: of the law `Ring`; it ends in the last state.
+        steps: number of time steps.
+        timestep: their length [time]; if not given, a fifth of the longest stable one, by the
+            pressure in the particles and by the temperature.
+        temperature: velocities are drawn at it to begin with, with no momentum in all, and with
+            friction it is that of the heat bath [energy]. If not given, the velocities stay what
+            they are: zero after `relax`, and those of the last state after another `move`.
+        friction: rate at which velocities decay [1/time].
+        every: steps from state to state; divides `steps`. If not given 100, or all if fewer.
+        seed: of velocities and noise; the noise depends on the number of ranks as well.
+
+    Yields:
+        The state after each `every` steps, with its `time` and `velocities`.
+
+    Raises:
+        ParameterError: a value is out of range, the time step is too long for the contacts, or the
+            law is `Sector`, whose energy jumps.
+        LammpsError: particles that overlap too much, to begin with (`push_off` helps) or later.
+
+    Source: heat bath: Gronbech-Jensen and Farago, Mol. Phys. 111, 983 (2013), and Jensen and
+    Gronbech-Jensen, Mol. Phys. 117, 2511 (2019); velocity Verlet: Swope et al., J. Chem. Phys. 76,
+    637 (1982).
+    """
+    expect("sim", sim, Simulation)
+    if isinstance(sim.law, Sector):
+        raise ParameterError(
+            "the energy of Sector jumps where contacts appear, so its motion neither keeps nor "
+            "loses energy as it should: take Ring"
+        )
+    if timestep is not None:
+        timestep = positive("timestep", timestep)
+    if temperature is not None:
+        temperature = _zero_or_more("temperature", temperature)
+    friction = _zero_or_more("friction", friction)
+    steps, seed = whole("steps", steps), whole("seed", seed)
+    every = min(steps, _EVERY) if every is None else whole("every", every)
+    if temperature and sim.lmp.get_natoms() < 2:
+        raise ParameterError("one particle alone has no temperature: take two at least")
+    if every < 1 or steps < 1 or steps % every:
+        raise ParameterError(
+            f"steps must be a multiple of every, both at least 1, not {steps} and {every}: give "
+            "another every"
+        )
+    if not 0 < seed < 2**31:
+        raise ParameterError(f"seed must lie between 1 and 2^31 - 1, not {seed}")
+    return _move(sim, steps, timestep, temperature, friction, every, seed)
+
+
+def _zero_or_more(name: str, value: float) -> float:
+    """The value, if it is a finite number not below zero."""
+    number = finite(name, value)
+    if number < 0.0:
+        raise ParameterError(f"{name} must not be negative, not {shown(value)}")
+    return number
+
+
+def _move(
+    sim: Simulation,
+    steps: int,
+    timestep: float | None,
+    temperature: float | None,
+    friction: float,
+    every: int,
+    seed: int,
+) -> Iterator[State]:
+    if temperature is not None:
+        run(sim.lmp, f"velocity all create {temperature!r} {seed} loop all mom yes")
+    state = sim.state()
+    dt = accurate_step(*state.hardest()) if timestep is None else timestep
+    bath = _BATH.format(temperature=temperature or 0.0, time=1.0 / (friction or 1.0), seed=seed)
+    run(
+        sim.lmp,
+        f"{bath if friction else 'fix move all nve'}\nfix plane all enforce2d",
+    )
+    try:
+        with progress("moving", unit="state", total=steps // every) as bar:
+            for n in range(every, steps + 1, every):
+                _check(state, dt)
+                state = replace(_advance(sim, every, dt, bool(temperature)), time=n * dt)
+                bar.set_postfix(temperature=f"{state.temperature:.3g}")
+                bar.update()
+                yield state
+    finally:
+        if not sim.closed:  # an abandoned motion may outlive its simulation
+            run(sim.lmp, "unfix move\nunfix plane")
+
+
+def _advance(sim: Simulation, steps: int, timestep: float, hot: bool) -> State:
+    motion = f'run {steps} post no every {_FLATTENED} "set group all z 0.0"'
+    try:
+        run(sim.lmp, f"timestep {timestep!r}\n{motion}")  # `relax` between states has its own
+        return sim.state()
+    except LammpsError as error:
+        raise LammpsError(f"{error}; or lower the temperature" if hot else str(error)) from None
+
+
+def _check(state: State, timestep: float) -> None:
+    """Refuse a time step at which contacts are unstable."""
+    longest = longest_step(*state.hardest())
+    if timestep > longest:
+        hardest = int(state.particle_pressure.argmax())
+        raise ParameterError(
+            f"timestep = {timestep:g} is too long for particle {hardest}, whose pressure is "
+            f"{state.particle_pressure[hardest]:.3g}, at temperature {state.temperature:.3g}: take "
+            f"at most {longest:.2g}, or leave it out"
+        )

@@ -1,0 +1,71 @@
+"""Quasistatic simple shear: tilt the box a little, relax, again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import ParameterError
+from ..common.progress import progress
+from ..common.validate import expect, finite, whole
+from ..engine.disks import Disks
+from ..engine.lammps import run
+from ..engine.simulation import Simulation
+from ..state.disk_state import DiskState
+from ..state.state import State
+
+
+def shear(
+    sim: Simulation | Disks, strain: float, steps: int, tolerance: float | None = None
+) -> Iterator[State | DiskState]:
+    """Shear in equal steps, relaxing after each one; the area of the box stays.
+
+    After step n the upper side of the box has moved by strain n / steps of its height along x. The
+    shear stress that resists is -stress[0, 1] of the state. A box that leans over by more than half
+    its width is replaced by the equivalent one that leans less, so that strains may be large.
+
+    Args:
+        sim: it ends in the last state.
+        strain: shear strain gamma in all; negative shears the other way.
+        steps: number of steps.
+        tolerance: of each relaxation, see `Simulation.relax`, whose default it is.
+
+    Yields:
+        The relaxed state after each step.
+
+    Raises:
+        ParameterError: a value is out of range.
+    """
+    expect("sim", sim, Simulation, Disks)
+    strain, steps = finite("strain", strain), whole("steps", steps)
+    if steps < 1:
+        raise ParameterError(f"steps must be at least 1, not {steps}")
+    return _shear(sim, strain / steps, steps, tolerance)
+
+
+def _shear(
+    sim: Simulation | Disks, step: float, steps: int, tolerance: float | None
+) -> Iterator[State | DiskState]:
+    with progress("shearing", unit="step", total=steps) as bar:
+        for _ in range(steps):
+            straighten(sim)
+            sim.deform(sheared(sim.box, step))
+            state = sim.relax() if tolerance is None else sim.relax(tolerance)
+            bar.set_postfix(stress=f"{-state.stress[0, 1]:.3g}")
+            bar.update()
+            yield state
+
+
+def sheared(box: NDArray[np.float64], strain: float) -> NDArray[np.float64]:
+    """A box, lattice vectors as rows, after simple shear along x, shape (2, 2) [length]."""
+    return box @ np.array([[1.0, 0.0], [strain, 1.0]])
+
+
+def straighten(sim: Simulation | Disks) -> None:
+    """Replace the box by the equivalent one that leans over least; the particles stay."""
+    (lx, _), (xy, _) = sim.box.tolist()
+    turns = round(xy / lx)
+    if turns:
+        run(sim.lmp, f"change_box all xy final {xy - turns * lx!r} units box")

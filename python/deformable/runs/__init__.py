@@ -1,0 +1,1 @@
+"""What happens to a folder of results: record, resume, replay, movie."""

@@ -1,0 +1,1 @@
+"""Snapshots of a simulation, their contacts, and their pictures."""

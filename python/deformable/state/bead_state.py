@@ -1,0 +1,108 @@
+"""One state of a simulation of bead rings, and what a contact law makes of the same centers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.beads import Beads, Rings
+from ..model.packing import Packing
+
+
+@dataclass(frozen=True, eq=False)
+class RingContacts:
+    """Rings whose beads overlap, each pair once.
+
+    Attributes:
+        i: ring, shape (M,).
+        j: the other ring, above i, shape (M,).
+        image: periodic image of j that is met, in lattice vectors, shape (M, 2).
+        force: on i, shape (M, 2) [energy/length].
+    """
+
+    i: NDArray[np.int64]
+    j: NDArray[np.int64]
+    image: NDArray[np.int64]
+    force: NDArray[np.float64]
+
+
+def sum_contacts(
+    beads: NDArray[np.float64],
+    first: NDArray[np.int64],
+    pairs: NDArray[np.float64],
+    overlaps: NDArray[np.float64],
+    box: NDArray[np.float64],
+) -> RingContacts:
+    """Sum the forces of overlapping beads by pairs of rings.
+
+    Args:
+        beads: of all rings, each ring unwrapped, shape (number of beads, 2) [length].
+        first: the beads of ring m are first[m] to first[m + 1] - 1, shape (N + 1,).
+        pairs: numbers, from 1, of two beads that overlap, shape (K, 2).
+        overlaps: vector from the second to the first of them and force on the first, shape (K, 4).
+        box: lattice vectors as rows, shape (2, 2) [length].
+    """
+    a, b = pairs.astype(np.int64).T - 1
+    # an exact integer, the same for all beads of a contact whatever their rounding
+    image = np.rint((beads[a] - overlaps[:, :2] - beads[b]) @ np.linalg.inv(box)).astype(np.int64)
+    i, j = (np.searchsorted(first, bead, side="right") - 1 for bead in (a, b))
+    sign = np.where(i > j, -1, 1)[:, None]  # each pair of rings once, from its lower number
+    ends = np.column_stack([np.minimum(i, j), np.maximum(i, j), sign * image])
+    contacts, which = np.unique(ends, axis=0, return_inverse=True)
+    force = np.zeros((len(contacts), 2))
+    np.add.at(force, which.ravel(), sign * overlaps[:, 2:])
+    return RingContacts(i=contacts[:, 0], j=contacts[:, 1], image=contacts[:, 2:], force=force)
+
+
+@dataclass(frozen=True, eq=False)
+class BeadState:
+    """A snapshot, the same on every rank. Rings are numbered from 0.
+
+    Attributes:
+        packing: centers of mass (mean of the beads), species, radii and box.
+        beads: the settings.
+        rings: the undeformed rings.
+        outlines: beads of each ring, unwrapped around its center, arrays (N_v, 2) [length].
+        area: of the polygons, shape (N,) [length^2].
+        perimeter: of the polygons, shape (N,) [length].
+        contacts: rings that touch, with their forces.
+        energy: of all rings [energy].
+        stress: pressure tensor, compression positive, shape (2, 2) [energy/length^2].
+        residual: largest force on a bead over what a bead in a contact bears, the mean of
+            kA max(A0 - A, 0) L0 over the rings; 0 where no more than rounding is left.
+        stalled: the relaxation stopped before its tolerance.
+    """
+
+    packing: Packing
+    beads: Beads
+    rings: Rings
+    outlines: list[NDArray[np.float64]]
+    area: NDArray[np.float64]
+    perimeter: NDArray[np.float64]
+    contacts: RingContacts
+    energy: float
+    stress: NDArray[np.float64]
+    residual: float
+    stalled: bool
+
+    @property
+    def phi(self) -> float:
+        """Packing fraction, sum of the polygons' areas over the area of the box."""
+        return float(np.sum(self.area) / np.prod(self.packing.box.diagonal()))
+
+    @property
+    def pressure(self) -> float:
+        """Pressure of the packing, half the trace of `stress` [energy/length^2]."""
+        return float(np.trace(self.stress) / 2.0)
+
+    @property
+    def area_deficit(self) -> NDArray[np.float64]:
+        """S = A0 - A of each ring, shape (N,) [length^2]."""
+        return self.rings.area[self.packing.species] - self.area
+
+    @property
+    def coordination(self) -> float:
+        """Mean number of rings that a ring touches."""
+        return 2.0 * len(self.contacts.i) / len(self.packing)

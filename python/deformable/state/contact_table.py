@@ -1,0 +1,81 @@
+"""Who touches whom: the contacts of a state, from compute deformable/contact."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from ..model.packing import Packing
+
+# Each contact stands twice, as either particle sees it; one with a wall stands once, with j = -1.
+COLUMNS = np.dtype(
+    [
+        ("i", np.int64),
+        ("j", np.int64),
+        ("image", np.int64, 2),  # periodic image of j that is met, in lattice vectors
+        ("angle", float),  # direction from i to j [rad]
+        ("distance", float),  # of the centers, or of i from the wall [length]
+        ("indentation", float),  # of i [length]
+        ("length", float),  # of the contact on i [length]
+        ("force", float),  # with which i presses, dU_i/da [energy/length]
+        ("position", float, 2),  # of the contact line, nearest to i, around where i is [length]
+    ]
+)
+
+ContactTable = NDArray[np.void]
+
+
+def contact_table(rows: NDArray[np.float64], packing: Packing, comm: MPI.Comm) -> ContactTable:
+    """All contacts, sorted by (i, j, image), the same on every rank.
+
+    Args:
+        rows: of compute deformable/contact on this rank, shape (M, 9).
+        packing: centers and box at the same time.
+        comm: who has the other rows.
+
+    Returns:
+        Structured array of `COLUMNS`, both sides of each pair. A side that does not press has no
+        row in LAMMPS; here it has one with length and force 0, and the rest of the overlap.
+    """
+    rows = np.concatenate(comm.allgather(rows))
+    table = np.zeros(len(rows), COLUMNS)
+    table["i"], table["j"] = rows[:, 0] - 1, rows[:, 1] - 1
+    names = ("indentation", "length", "force")
+    for name, column in (
+        *zip(names, rows.T[2:5], strict=True),
+        *zip(("angle", "distance"), rows.T[7:], strict=True),
+    ):
+        table[name] = column
+    table["position"] = rows[:, 5:7]
+    pair = table["j"] >= 0
+    # an exact integer: both sides agree on it whatever their rounding
+    i, j = table["i"][pair], table["j"][pair]
+    angle = table["angle"][pair]
+    out = np.column_stack([np.cos(angle), np.sin(angle)])
+    apart = packing.positions[i] + table["distance"][pair, None] * out - packing.positions[j]
+    table["image"][pair] = np.rint(apart @ np.linalg.inv(packing.box)).astype(np.int64)
+    table = np.concatenate([table, _missing_sides(table[pair], packing)])
+    return table[np.lexsort((table["image"][:, 1], table["image"][:, 0], table["j"], table["i"]))]
+
+
+def _missing_sides(pairs: ContactTable, packing: Packing) -> ContactTable:
+    """The other side of each contact that presses on one only."""
+    there = {_key(row["i"], row["j"], row["image"]) for row in pairs}
+    sides = np.array(
+        [row for row in pairs if _key(row["j"], row["i"], -row["image"]) not in there], COLUMNS
+    )
+    overlap = packing.radius[sides["i"]] + packing.radius[sides["j"]] - sides["distance"]
+    sides["i"], sides["j"] = sides["j"].copy(), sides["i"].copy()
+    sides["image"] *= -1
+    sides["angle"] += np.where(sides["angle"] > 0.0, -np.pi, np.pi)
+    sides["indentation"] = overlap - sides["indentation"]
+    sides["position"] += sides["image"] @ packing.box
+    sides["length"] = sides["force"] = 0.0
+    return sides
+
+
+def _key(i: Any, j: Any, image: Any) -> tuple[int, int, int, int]:
+    return int(i), int(j), int(image[0]), int(image[1])

@@ -1,0 +1,49 @@
+"""One state of soft disks: a snapshot that stays as it is while the simulation goes on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.packing import Packing
+from .contact_network import ContactNetwork
+
+
+@dataclass(frozen=True, eq=False)
+class DiskState(ContactNetwork):
+    """A snapshot of soft disks of contact stiffness k. Particles are numbered from 0.
+
+    Attributes:
+        packing: centres, species, radii and box.
+        law: None, which stands for soft disks.
+        energy: of all particles [k length^2].
+        stress: pressure tensor of the packing, compression positive, shape (2, 2) [k].
+        pairs: who overlaps, each pair once, shape (M, 2).
+        residual: largest force on a particle over the mean contact force; 0 without contacts.
+        stalled: the relaxation stopped before its tolerance.
+    """
+
+    packing: Packing
+    law: None
+    energy: float
+    stress: NDArray[np.float64]
+    pairs: NDArray[np.int64]
+    residual: float
+    stalled: bool
+
+    @property
+    def phi(self) -> float:
+        """Packing fraction, sum pi R^2 / box area; overlaps count twice."""
+        return self.packing.phi
+
+    @property
+    def pressure(self) -> float:
+        """Pressure of the packing, half the trace of `stress` [k]."""
+        return float(np.trace(self.stress) / 2.0)
+
+    @property
+    def _ends(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        i, j = self.pairs.T
+        return np.concatenate([i, j]), np.concatenate([j, i])

@@ -1,0 +1,169 @@
+"""The picture of a state."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.patches import Polygon
+from numpy.typing import NDArray
+
+from ..model.packing import Packing
+from .contact_table import ContactTable
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_LABELS = {
+    "particle_pressure": "pressure in the particle",
+    "area_deficit": "area deficit $A_0 - A$",
+    "arc_radius": "smallest radius of curvature",
+    "shape_parameter": r"shape parameter $P^2 / 4 \pi A$",
+}
+
+# Values of circles, where scales of color begin; 0 if not here.
+_ROUND = {"shape_parameter": 1.0}
+
+# Width of the line of the largest force [points].
+_WIDEST = 5.0
+
+# Points of an outline this near to a contact line, over R, lie on it: rounding is less, and an arc
+# has left the line within 1e-4 R.
+_ON_LINE = 1e-9
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What colors and widths stand for.
+
+    Attributes:
+        low: value of the first color.
+        high: value of the last one.
+        force: of the widest line.
+    """
+
+    low: float
+    high: float
+    force: float
+
+
+def scale(
+    values: Sequence[NDArray[np.float64]], forces: Sequence[NDArray[np.float64]], color_by: str
+) -> Scale:
+    """The scale on which several pictures fit: values of the particles and forces of each."""
+    begin = _ROUND.get(color_by, 0.0)
+    low = min(begin, *(each.min() for each in values))
+    high = max(begin, *(each.max() for each in values))
+    force = max(each.max(initial=0.0) for each in forces)
+    return Scale(low, high if high > low else low + 1.0, force or 1.0)
+
+
+def draw(
+    packing: Packing,
+    outlines: Sequence[NDArray[np.float64]],
+    contacts: Sequence[ContactTable],
+    values: NDArray[np.float64],
+    color_by: str,
+    title: str,
+    on: Scale,
+    ax: Axes | None = None,
+    flat: bool = False,
+    forces: bool = False,
+) -> Axes:
+    """Draw outlines with all periodic images that reach into the box.
+
+    Args:
+        packing: centers and box.
+        outlines: of the particles.
+        contacts: of each particle.
+        values: that colors stand for, shape (N,).
+        color_by: name of the values.
+        title: of the picture.
+        on: scale of colors and forces.
+        ax: axes to draw into; a new figure without.
+        flat: draw the contacts, the straight parts of either outline, on top.
+        forces: draw the force chains on top.
+    """
+    if ax is None:
+        _, ax = plt.subplots(figsize=(6.4, 5.6), layout="constrained")
+
+    box = packing.box
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) @ box
+    frame = Polygon(corners, closed=True, fill=False, edgecolor="0.25", linewidth=1.0, zorder=3)
+    ax.add_patch(frame)
+
+    images, colors, flats, halves, widths = [], [], [], [], []
+    to_fraction = np.linalg.inv(box)
+    pressed = _flats(outlines, packing.radius, contacts) if flat else [[]] * len(values)
+    for outline, value, pressed_here, center, seen in zip(
+        outlines,
+        values,
+        pressed,
+        packing.positions,
+        contacts,
+        strict=True,
+    ):
+        fraction = outline @ to_fraction
+        low = np.floor(fraction.min(axis=0)).astype(int)
+        high = np.floor(fraction.max(axis=0)).astype(int)
+        for a in range(low[0], high[0] + 1):  # as many images as reach into the box
+            for b in range(low[1], high[1] + 1):
+                shift = np.array([a, b]) @ box
+                images.append(outline - shift)
+                colors.append(value)
+                flats += [flat - shift for flat in pressed_here]
+                if forces:  # each particle draws the half within its outline
+                    halves += [np.array([center, met]) - shift for met in seen["position"]]
+                    widths += (_WIDEST * seen["force"] / on.force).tolist()
+    particles = PolyCollection(
+        images, array=np.array(colors), cmap="YlGnBu", edgecolors="0.2", linewidths=0.6
+    )
+    particles.set_clim(on.low, on.high)
+    ax.add_collection(particles)
+    particles.set_clip_path(frame)
+    for lines in (
+        *([LineCollection(flats, colors="tab:red", linewidths=1.8, capstyle="butt")] * flat),
+        *(
+            [LineCollection(halves, colors="orangered", linewidths=widths, capstyle="round")]
+            * forces
+        ),
+    ):
+        ax.add_collection(lines)
+        lines.set_clip_path(frame)
+
+    ax.figure.colorbar(particles, ax=ax, label=_LABELS.get(color_by, color_by), shrink=0.85)
+    ax.set_title(title, fontsize=11)
+    margin = 0.01 * np.ptp(corners, axis=0)
+    ax.set(
+        xlim=(corners[:, 0].min() - margin[0], corners[:, 0].max() + margin[0]),
+        ylim=(corners[:, 1].min() - margin[1], corners[:, 1].max() + margin[1]),
+        aspect="equal",
+    )
+    ax.set_axis_off()
+    return ax
+
+
+def _flats(
+    outlines: Sequence[NDArray[np.float64]],
+    radii: NDArray[np.float64],
+    contacts: Sequence[ContactTable],
+) -> list[list[NDArray[np.float64]]]:
+    """The straight parts of each outline, where its contacts are, arrays of two ends (2, 2)."""
+    flats = []
+    for outline, radius, seen in zip(outlines, radii, contacts, strict=True):
+        seen = seen[seen["length"] > 0.0]
+        out = np.column_stack([np.cos(seen["angle"]), np.sin(seen["angle"])])
+        beyond = np.sum(seen["position"] * out, axis=1) - outline @ out.T
+        along = outline @ (out[:, ::-1] * [-1.0, 1.0]).T
+        on = [np.flatnonzero(column <= _ON_LINE * radius) for column in beyond.T]
+        flats.append(
+            [
+                outline[points[[column[points].argmin(), column[points].argmax()]]]
+                for points, column in zip(on, along.T, strict=True)
+            ]
+        )
+    return flats

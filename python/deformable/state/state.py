@@ -1,0 +1,261 @@
+"""One state of a simulation: a snapshot that stays as it is while the simulation goes on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import ParameterError
+from ..io.store import save
+from ..model.laws import Law
+from ..model.packing import Packing
+from ..model.timestep import accurate_step
+from .contact_network import ContactNetwork
+from .contact_table import ContactTable
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from matplotlib.axes import Axes
+
+    from .plot import Scale
+
+
+@dataclass(frozen=True, eq=False)
+class State(ContactNetwork):
+    """A snapshot, the same on every rank. Particles are numbered from 0.
+
+    Attributes:
+        packing: centers, species, undeformed radii and box.
+        law: contact law with its stiffness.
+        area: of each particle, within its skin if it has one, shape (N,) [length^2].
+        perimeter: of each particle, likewise, shape (N,) [length].
+        contacts: number of contacts that bear force on each particle, shape (N,).
+        particle_pressure: inside each particle, shape (N,) [energy/length^2].
+        arc_radius: smallest radius of curvature of the free outline, shape (N,) [length].
+        energy: of all particles [energy].
+        stress: pressure tensor of the contacts, compression positive, shape (2, 2)
+            [energy/length^2]; motion adds N T / box area to its diagonal.
+        residual: largest force on a particle over the mean contact force; 0 without contacts.
+        stalled: the relaxation stopped before its tolerance.
+        beyond: number of particles that the model does not describe (negative radius of curvature).
+        velocities: of the centers, zero after a relaxation, shape (N, 2) [length/time].
+        contact_table: contacts with a length or a force, as either side sees them, sorted by
+            (i, j, image): structured array with the fields i, j (-1 for a wall), image (2,), angle,
+            distance, indentation, length, force, position (2,), see `contact_table.COLUMNS`.
+        root: this process writes the files (rank 0 of the run).
+        time: since `move` began, 0 without motion [time].
+    """
+
+    packing: Packing
+    law: Law
+    area: NDArray[np.float64]
+    perimeter: NDArray[np.float64]
+    contacts: NDArray[np.int64]
+    particle_pressure: NDArray[np.float64]
+    arc_radius: NDArray[np.float64]
+    energy: float
+    stress: NDArray[np.float64]
+    residual: float
+    stalled: bool
+    beyond: int
+    velocities: NDArray[np.float64]
+    contact_table: ContactTable
+    root: bool
+    time: float = 0.0
+
+    def __post_init__(self) -> None:
+        for array in (value for value in vars(self).values() if isinstance(value, np.ndarray)):
+            array.setflags(write=False)
+
+    @property
+    def phi(self) -> float:
+        """Packing fraction, sum of the deformed areas, skins included, over the area of the box."""
+        skin = self._skin
+        filled = self.area + skin * self.perimeter + np.pi * skin**2
+        return float(np.sum(filled) / np.prod(self.packing.box.diagonal()))
+
+    @property
+    def pressure(self) -> float:
+        """Pressure of the packing, half the trace of `stress` [energy/length^2]."""
+        return float(np.trace(self.stress) / 2.0)
+
+    @property
+    def area_deficit(self) -> NDArray[np.float64]:
+        """S = A0 - A of each particle, shape (N,) [length^2]."""
+        return np.pi * (self.packing.radius - self._skin) ** 2 - self.area
+
+    @property
+    def shape_parameter(self) -> NDArray[np.float64]:
+        """P^2 / (4 pi A) of each particle, 1 for a circle, shape (N,)."""
+        return self.perimeter**2 / (4.0 * np.pi * self.area)
+
+    @property
+    def kinetic_energy(self) -> float:
+        """Sum of v^2/2, as masses are 1 [energy]."""
+        return float(np.sum(self.velocities**2) / 2.0)
+
+    @property
+    def temperature(self) -> float:
+        """Temperature of the motion, masses and k_B being 1 [energy].
+
+        sum (v - mean v)^2 / (2 N - 2), as many degrees of freedom as the common motion leaves.
+        """
+        apart = self.velocities - self.velocities.mean(axis=0)
+        return float(np.sum(apart**2) / (2.0 * max(len(apart) - 1, 1)))
+
+    @property
+    def _skin(self) -> NDArray[np.float64]:
+        """Thickness of the rigid skin of each particle, shape (N,) [length]."""
+        return self.law.skins(len(self.packing.radii))[self.packing.species]
+
+    @property
+    def _ends(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        return self.contact_table["i"], self.contact_table["j"]
+
+    @cached_property
+    def outlines(self) -> list[NDArray[np.float64]]:
+        """Exact outline of each particle, closed polygons of shape (m, 2) [length]."""
+        return [
+            center + outline
+            for center, outline in zip(self.packing.positions, self.parallels(), strict=True)
+        ]
+
+    def parallels(
+        self, inset: NDArray[np.float64] | None = None, points: int = 180
+    ) -> list[NDArray[np.float64]]:
+        """Lines within the outlines, each about its particle's center, arrays (m, 2) [length].
+
+        Args:
+            inset: distance from each outline, shape (N,) [length]; none gives the outlines.
+            points: how finely a whole turn is divided.
+        """
+        inset = np.zeros(len(self.packing)) if inset is None else inset
+        return [
+            self.law.outline(kind, radius, seen["angle"], seen["indentation"], within, points)
+            for kind, radius, within, seen in zip(
+                self.packing.species,
+                self.packing.radius,
+                inset,
+                self.particle_contacts,
+                strict=True,
+            )
+        ]
+
+    @cached_property
+    def particle_contacts(self) -> list[ContactTable]:
+        """The rows of `contact_table` of each particle."""
+        first = np.searchsorted(self.contact_table["i"], np.arange(1, len(self.packing)))
+        return np.split(self.contact_table, first)
+
+    def plot(
+        self,
+        ax: Axes | None = None,
+        color_by: str = "particle_pressure",
+        contacts: bool = False,
+        forces: bool = False,
+        scale: Scale | None = None,
+    ) -> Axes:
+        """Draw the outlines, colored by a value of each particle; returns the axes.
+
+        Args:
+            ax: axes to draw into; a new figure without.
+            color_by: name of an attribute with one number a particle, e.g. `area_deficit`.
+            contacts: draw the contacts, the straight parts of either outline, on top.
+            forces: draw the force chains on top, lines from center to center as wide as the force
+                on them is large.
+            scale: of colors and forces, for several pictures on one scale, see `plot.scale`.
+
+        Raises:
+            ParameterError: `color_by` is no such attribute.
+            ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
+        """
+        from . import plot
+
+        values, forces_here = self.values(color_by), self.contact_table["force"]
+        return plot.draw(
+            self.packing,
+            self.outlines,
+            self.particle_contacts,
+            values,
+            color_by,
+            f"$\\phi$ = {self.phi:.4f},  $p$ = {self.pressure:.3g}",
+            scale or plot.scale([values], [forces_here], color_by),
+            ax,
+            contacts,
+            forces,
+        )
+
+    def values(self, name: str) -> NDArray[np.float64]:
+        """An attribute with one number a particle, shape (N,).
+
+        Raises:
+            ParameterError: there is no such attribute.
+        """
+        values = np.asarray(getattr(self, name, None))
+        if values.shape != (len(self.packing),) or values.dtype.kind not in "bif":
+            raise ParameterError(
+                f"color_by must name an attribute with one number a particle, not '{name}'"
+            )
+        return values.astype(float)
+
+    def save(
+        self,
+        folder: str | Path,
+        parameters: Mapping[str, Any] | None = None,
+        frames: int | None = None,
+    ) -> None:
+        """Write the state for `deformable.load`, and for LAMMPS with the script `in.lammps`.
+
+        Args:
+            folder: made if missing; an older state there is replaced.
+            parameters: anything JSON that belongs into the summary, e.g. seed and protocol.
+            frames: on record up to this state, see `record`.
+        """
+        if self.root:
+            step = accurate_step(*self.hardest())
+            save(folder, self.packing, self.law, step, self.numbers(), parameters, frames)
+
+    def numbers(self) -> dict[str, Any]:
+        """The state in numbers, by name."""
+        (lx, _), (xy, ly) = self.packing.box.tolist()
+        return {
+            "particles": len(self.packing),
+            "lx": lx,
+            "ly": ly,
+            "xy": xy,
+            "phi": self.phi,
+            "pressure": self.pressure,
+            "shear_stress": -float(self.stress[0, 1]),  # as `shear` has it: resists shear along x
+            "energy": self.energy,
+            "temperature": self.temperature,
+            "time": self.time,
+            "coordination": self.coordination,
+            "rattlers": int(np.sum(self.rattlers)),
+            "beyond": self.beyond,
+            "residual": self.residual,
+            "stalled": self.stalled,
+        }
+
+    def particle_values(self) -> dict[str, NDArray[Any]]:
+        """Values of the particles by name, as they stand in a trajectory, arrays of shape (N,)."""
+        return {
+            "radius": self.packing.radius,
+            "area": self.area,
+            "perimeter": self.perimeter,
+            "pressure": self.particle_pressure,
+            "contacts": self.contacts,
+            "arc_radius": self.arc_radius,
+            "rattler": self.rattlers.astype(int),
+            "vx": self.velocities[:, 0],
+            "vy": self.velocities[:, 1],
+        }
+
+    def hardest(self) -> tuple[Packing, Law, float, float]:
+        """What limits the time step, see `longest_step`."""
+        return self.packing, self.law, float(self.particle_pressure.max()), self.temperature

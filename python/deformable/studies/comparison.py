@@ -1,0 +1,108 @@
+"""What a contact law says about the centers of bead rings, and how far off it is."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from ..common.errors import ParameterError
+from ..common.renamed import former_arguments
+from ..engine.simulation import Simulation
+from ..model.laws import Law
+from ..state.bead_state import BeadState
+from ..state.state import State
+from .shape_error import shape_error
+
+# Corners of an outline: the polygon is nearer to the curve than 2e-6 of its radius.
+_POINTS = 1440
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A contact law against bead rings with the same centers.
+
+    Attributes:
+        beads: the bead rings.
+        state: the law's particles, with the effective radii of the rings; not relaxed.
+        shape_error: I of each particle, see `shape_error`, shape (N,).
+    """
+
+    beads: BeadState
+    state: State
+    shape_error: NDArray[np.float64]
+
+    @property
+    def area_deficit_error(self) -> float:
+        """Root mean square of S - S_beads over that of S_beads; inf where there is none."""
+        exact = self.beads.area_deficit
+        wrong = self.state.area_deficit - exact
+        return _over(float(np.linalg.norm(wrong)), float(np.linalg.norm(exact)))
+
+    @property
+    def energy_ratio(self) -> float:
+        """Energy of the law over that of the beads; inf where they bear none."""
+        return _over(self.state.energy, self.beads.energy)
+
+    @property
+    def pressure_ratio(self) -> float:
+        """Pressure of the law over that of the beads; inf where they bear none."""
+        return _over(self.state.pressure, self.beads.pressure)
+
+
+def _over(ours: float, exact: float) -> float:
+    """A ratio, inf where it has no denominator."""
+    return ours / exact if exact else math.inf
+
+
+@former_arguments(model="law")
+def predict(beads: BeadState, law: Law, comm: MPI.Comm | None = None) -> State:
+    """The state that a contact law gives particles at the centers of bead rings, not relaxed.
+
+    Their radius is the effective one of the rings, `Rings.effective_radius`.
+    """
+    packing = replace(beads.packing, radii=beads.rings.effective_radius)
+    with Simulation(packing, law, comm) as sim:
+        return sim.state()
+
+
+@former_arguments(model="law")
+def compare(beads: BeadState, law: Law, comm: MPI.Comm | None = None) -> Comparison:
+    """Compare a contact law with bead rings, both with the same centers."""
+    state = predict(beads, law, comm)
+    return Comparison(beads, state, shape_errors(beads, state))
+
+
+def ring_outlines(beads: BeadState, state: State) -> list[NDArray[np.float64]]:
+    """The lines that a law has the beads draw, about each particle's own center, arrays (m, 2)."""
+    rings = beads.rings.radius[beads.packing.species]
+    return state.parallels(state.packing.radius - rings, _POINTS)
+
+
+def shape_errors(beads: BeadState, state: State) -> NDArray[np.float64]:
+    """I of each particle, shape (N,): the outlines of a state against the beads.
+
+    Raises:
+        ParameterError: an outline folds, as of particles beyond the model.
+    """
+    errors = np.zeros(len(beads.packing))
+    for n, (ring, center, outline, radius) in enumerate(
+        zip(
+            beads.outlines,
+            beads.packing.positions,
+            ring_outlines(beads, state),
+            beads.packing.radius,
+            strict=True,
+        )
+    ):
+        try:
+            errors[n] = shape_error(ring - center, outline, radius)
+        except ParameterError:
+            raise ParameterError(
+                f"the outline of particle {n} folds in the {state.law.name} law, which no longer "
+                "describes it: compress less"
+            ) from None
+    return errors

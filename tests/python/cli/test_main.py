@@ -1,0 +1,213 @@
+"""The command line, as a user sees it."""
+
+import csv
+import json
+import math
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from deformable.cli import main as cli
+from deformable.report import packings
+
+COMMAND = str(Path(sys.executable).parent / "deformable")
+
+
+def run(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    result = subprocess.run(
+        [COMMAND, *arguments], cwd=cwd, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert "Traceback" not in result.stdout + result.stderr
+    return result
+
+
+def test_compress_writes_everything_and_goes_further(tmp_path: Path) -> None:
+    options = ("--number", "24", "--strain", "0.01", "--steps", "2", "--seed", "3", "--out", "run")
+    result = run("compress", *options, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert result.stderr == ""
+    assert "jammed at phi = 0.8" in result.stdout
+    out = tmp_path / "run"
+    assert {"packing.data", "summary.json", "series.csv", "trajectory.lammpstrj"} <= {
+        file.name for file in out.iterdir()
+    }
+    pytest.importorskip("matplotlib")
+    assert (out / "packing.png").stat().st_size > 10_000
+
+    result = run("compress", "--further", "--out", "run", "--steps", "1", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    with (out / "series.csv").open() as file:
+        phi = [float(row["phi"]) for row in csv.DictReader(file)]
+    assert len(phi) == 3
+    assert phi == sorted(phi)
+    parameters = json.loads((out / "summary.json").read_text())["parameters"]
+    assert parameters["before"]["seed"] == 3
+
+
+def test_balanced_contacts(tmp_path: Path) -> None:
+    options = ("--number", "12", "--contact", "balanced", "--kP", "5", "--steps", "1")
+    result = run("compress", *options, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    law = json.loads((tmp_path / "compress" / "summary.json").read_text())["law"]
+    assert (law["contact"], law["kP"]) == ("balanced", 5.0)
+    result = run("compress", "--law", "sector", *options[:4], "--out", "sector", cwd=tmp_path)
+    assert result.returncode == 2
+    assert result.stderr == "error: contacts of the sector law are radical, not balanced\n"
+
+
+def test_sector_warns_on_one_line(tmp_path: Path) -> None:
+    options = ("--number", "16", "--law", "sector", "--strain", "0.02", "--steps", "1")
+    result = run("compress", *options, cwd=tmp_path)
+    assert result.returncode == 0
+    assert result.stderr.startswith("warning: relaxation stalled at phi = 0.")
+    assert result.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--number", "0"], "error: number must be at least 1, not 0"),
+        (["--strain", "2"], "error: strain must lie between -1 and 1, not 2.0"),
+        (["--kP", "0"], "error: kP must be positive, not 0.0"),
+        (["--kA", "inf"], "error: a ring must change its area or its perimeter"),
+        (["--law", "sector", "--kP", "1"], "error: Sector needs one positive stiffness"),
+        (["--resume", "--out", "nowhere"], "error: no saved run in 'nowhere'"),
+        (["--further", "--out", "nowhere"], "error: no saved run in 'nowhere'"),
+        (["--resume", "--further"], "error: give one of --resume, --further and --overwrite"),
+        (["--tolerance", "0"], "error: tolerance must be a positive number, not 0.0"),
+        (["--tolerance", "2"], "error: tolerance must be at most 0.01, not 2.0"),
+        (
+            ["--aspect", "1000"],
+            "error: aspect must lie between 0.253 and 3.95 for 8 particles, not 1000: the box "
+            "would be thinner than two of the largest\n",
+        ),
+        (["--aspect", "0.2"], "error: aspect must lie between 0.253 and 3.95 for 8 particles, not"),
+        (["--out", ""], "error: a folder needs a name, not ''"),
+        (["--steps", "0"], "error: steps must be at least 1, not 0"),
+        (["--out", "/dev/null/run"], "error: '/dev/null' is a file, not a folder: name another"),
+        (["--number", "many"], "Invalid value for '--number'"),
+        (["--bubbles", "3"], "No such option"),
+    ],
+)
+def test_errors_are_one_line(arguments: list[str], message: str, tmp_path: Path) -> None:
+    result = run("compress", "--number", "8", *arguments, cwd=tmp_path)
+    assert result.returncode == 2
+    assert message in result.stderr
+    assert result.stdout == ""  # before any work
+    assert not list(tmp_path.iterdir())
+    if message.startswith("error"):
+        assert result.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("law", ["ring", "sector"])
+def test_soft_perimeters(law: str, tmp_path: Path) -> None:
+    options = ("--number", "12", "--law", law, "--kA", "inf", "--kP", "2", "--steps", "1")
+    result = run("compress", *options, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    law = json.loads((tmp_path / "compress" / "summary.json").read_text())["law"]
+    assert (float(law["kA"]), law["kP"]) == (math.inf, 2.0)
+
+
+def table(output: str) -> dict[str, list[str]]:
+    """The rows of `compare` by name, cut at the columns of its head."""
+    lines = output.splitlines()
+    head = next(n for n, line in enumerate(lines) if line.startswith("model "))
+    rows = [line for line in lines[head + 1 :] if not line.startswith("no law")]
+    ends = [match.end() for match in re.finditer(r"\S+", lines[head])]
+    name = ends[0] + 4  # wider than its title
+    return {line[:name].strip(): line[name:].split(maxsplit=4) for line in rows}
+
+
+def test_compare_has_a_row_a_law(tmp_path: Path) -> None:
+    options = ("--number", "8", "--beads", "20", "--strain", "0.03")
+    result = run("compare", *options, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    rows = table(result.stdout)
+    assert list(rows) == ["beads", "disk", "sector", "ring", "soft ring", "balanced"]
+    assert rows["disk"][2] == "-"
+    for name in ("sector", "ring", "soft ring", "balanced"):
+        assert 0.0 < float(rows[name][0]) < 0.02
+        assert float(rows[name][2]) > 0.0
+    assert float(rows["ring"][4]) > 1.0
+    assert "interlock" not in result.stdout
+
+
+def test_compare_says_that_rings_interlock(tmp_path: Path) -> None:
+    options = ("--number", "8", "--beads", "20", "--strain", "1e-7")
+    result = run("compare", *options, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert "the rings interlock, strain more or take more beads" in result.stdout.splitlines()[-1]
+
+
+def test_compare_marks_what_failed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    common = {"I": 0.01, "S_rms": 0.5, "seconds_beads": 4.0, "seconds": 2.0}
+    rows = [
+        common | {"law": "disk", "energy_ratio": None, "residual": None},
+        common | {"law": "sector", "energy_ratio": 0.5, "residual": 2e-6},
+        common | {"law": "ring", "energy_ratio": None, "residual": 1e-6},
+    ]
+    monkeypatch.setattr(packings, "packing_rows", lambda *arguments: (rows, []))
+    cli.compare()
+    shown = table(capsys.readouterr().out)
+    assert shown["disk"][2:] == ["-", "2", "2"]
+    assert shown["sector"][2:] == ["0.5", "2", "did not converge"]
+    assert shown["ring"][2:] == ["-", "2", "2"]
+
+
+@pytest.mark.parametrize("strain", ["0", "-0.01", "1", "nan"])
+def test_compare_compresses(strain: str, tmp_path: Path) -> None:
+    result = run("compare", "--strain", strain, cwd=tmp_path)
+    assert result.returncode == 2
+    assert result.stderr == (f"error: strain must lie between 0 and 1, not {float(strain)}\n")
+
+
+@pytest.mark.parametrize("command", ["compare", "report"])
+def test_ranks_are_refused(command: str, tmp_path: Path) -> None:
+    result = launch(command, cwd=tmp_path)
+    assert result.returncode != 0
+    (line,) = [line for line in result.stderr.splitlines() if line.startswith("error")]
+    assert line.startswith(f"error: {command} ")
+    assert line.endswith(": start it without mpiexec")
+    assert "Traceback" not in result.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_report_says_what_it_does(tmp_path: Path) -> None:
+    result = run("report", "--help", cwd=tmp_path)
+    assert result.returncode == 0
+    for word in ("--quick", "--out", "index.html", "report.json"):
+        assert word in result.stdout
+
+
+def launch(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """The command on two ranks."""
+    mpiexec = str(Path(sys.executable).parent / "mpiexec")
+    return subprocess.run(
+        [mpiexec, "-n", "2", COMMAND, *arguments],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+def test_error_on_one_rank_ends_all(tmp_path: Path) -> None:
+    """Only rank 0 makes the folder: the other one must not wait for it for ever."""
+    result = launch("compress", "--number", "8", "--out", "/proc/run", cwd=tmp_path)
+    assert result.returncode != 0
+    assert "error: [Errno " in result.stderr
+    assert "'/proc/run'" in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_info_says_that_all_is_well(tmp_path: Path) -> None:
+    result = run("info", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    for style in ("ring", "sector", "wall", "polygon", "stick"):
+        assert f"deformable/{style}: registered" in result.stdout
+    assert "the same" in result.stdout

@@ -1,0 +1,96 @@
+"""Calls in processes of their own."""
+
+import math
+import os
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+import pytest
+from deformable import ParameterError, squeeze
+from deformable.cli import main as cli
+from deformable.common.parallel import parallel_map
+from deformable.common.versions import machine
+from deformable.studies.paper import ring_in_walls
+from deformable.studies.single import regular
+
+LAUNCHED = """
+import os
+from deformable.common.parallel import farm
+assert farm(os.getpid, [()] * 3, workers=2) == [os.getpid()] * 3
+"""
+
+UNGUARDED = """
+import math
+from deformable.common.parallel import farm
+farm(math.sqrt, [(1.0,), (4.0,)], workers=2)
+"""
+
+
+def test_results_keep_their_order() -> None:
+    assert parallel_map(math.sqrt, [(n * n,) for n in range(20)], workers=2) == list(range(20))
+    assert parallel_map(math.sqrt, [(4.0,)]) == [2.0]
+    assert parallel_map(math.sqrt, []) == []
+
+
+def test_processes_run_lammps_and_use_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("OMP_NUM_THREADS", "7")
+    run = (regular(4), [0.02], ring_in_walls(24, 100.0), False)
+    here = squeeze(*run)[0]
+    for [there] in parallel_map(squeeze, [run, run], workers=2):
+        assert there.shape_error("ring") == here.shape_error("ring")
+    assert set(parallel_map(os.getenv, [("OMP_NUM_THREADS",)] * 2, workers=2)) == {"1"}
+    assert os.environ["OMP_NUM_THREADS"] == "7"
+    assert os.getpid() not in parallel_map(os.getpid, [()] * 2, workers=2)
+
+
+def test_one_worker_is_this_process() -> None:
+    assert parallel_map(os.getpid, [()] * 2, workers=1) == [os.getpid()] * 2
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_errors_come_through(workers: int) -> None:
+    with pytest.raises(ValueError, match="math domain error"):
+        parallel_map(math.sqrt, [(1.0,), (-1.0,), (4.0,)], workers)
+
+
+def test_no_more_processes_than_cores_that_may_be_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda pid: {3})
+    assert parallel_map(os.getpid, [()] * 2) == [os.getpid()] * 2
+    assert machine()["cores"] == 1
+
+
+def test_a_process_that_dies_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(cli, "app", lambda: parallel_map(os._exit, [(1,)] * 2, workers=2))
+    monkeypatch.setattr(warnings, "showwarning", warnings.showwarning)  # main replaces it
+    with warnings.catch_warnings(), pytest.raises(SystemExit):
+        cli.main()
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert last.startswith("error: a process of _exit died, killed or for want of memory")
+
+
+def test_no_workers() -> None:
+    with pytest.raises(ParameterError, match="at least 1, not 0"):
+        parallel_map(math.sqrt, [(1.0,)], workers=0)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_ranks_do_not_farm(tmp_path: Path, ranks: int) -> None:
+    (tmp_path / "script.py").write_text(LAUNCHED)
+    mpiexec = Path(sys.executable).with_name("mpiexec")
+    command = [str(mpiexec), "-n", str(ranks), sys.executable, "-m", "mpi4py", "script.py"]
+    subprocess.run(command, cwd=tmp_path, check=True, timeout=60)
+
+
+def test_a_script_without_guard_is_told(tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(UNGUARDED)
+    run = subprocess.run(
+        [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=60
+    )
+    assert run.returncode != 0
+    # multiprocessing may have a word on semaphores of the processes that were ended after it
+    (line,) = [line for line in run.stderr.splitlines() if "a process of sqrt died" in line]
+    assert "workers=1" in line

@@ -1,0 +1,492 @@
+"""Rings of beads in LAMMPS against their energy written down in numpy, and what they refuse."""
+
+import itertools
+import json
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import deformable
+import numpy as np
+import pytest
+from deformable.engine import bead_reference
+from deformable.engine.lammps import gather
+from test_mpi import python
+
+SOFT = deformable.Beads(number=14, radius=0.08, kL=[7.0, 20.0], kA=[3.0, 0.5], kr=11.0)
+SCENES = [{"number": 5, "seed": 2}, {"number": 4, "seed": 1, "tilt": 0.6, "aspect": 0.7}]
+
+
+@pytest.fixture(autouse=True)
+def _strict() -> Iterator[None]:
+    """A warning that a test does not expect is a failure."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        yield
+
+
+def area(ring: np.ndarray) -> float:
+    x, y = ring.T
+    return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+
+
+@dataclass
+class Naive:
+    """U = kL/2 sum (L - L0)^2 + kA/2 sum (A - A0)^2 + kr/2 sum (2p - |v - v'|)^2, term by term."""
+
+    energy: float
+    force: list[np.ndarray]
+    contacts: dict[tuple[int, int, int, int], np.ndarray]
+
+
+def naive(state: deformable.BeadState, rings: list[np.ndarray], box: np.ndarray) -> Naive:
+    """Energy, forces on beads and forces of ring j's image on ring i, for these beads."""
+    beads, rest, kinds = state.beads, state.rings, state.packing.species
+    energy, force, contacts = 0.0, [np.zeros_like(ring) for ring in rings], {}
+    for ring, f, kind in zip(rings, force, kinds, strict=True):
+        count = len(ring)
+        radius = state.packing.radii[kind] - beads.radius
+        rest_length = 2.0 * radius * np.sin(np.pi / count)
+        rest_area = 0.5 * count * radius**2 * np.sin(2.0 * np.pi / count)
+        kA, kL = rest.kA[kind], rest.kL[kind]
+        pressure = kA * (rest_area - area(ring))
+        energy += 0.5 * kA * (rest_area - area(ring)) ** 2
+        for n in range(count):
+            before, after = ring[n - 1], ring[(n + 1) % count]
+            bond = after - ring[n]
+            length = np.hypot(*bond)
+            energy += 0.5 * kL * (length - rest_length) ** 2
+            tension = kL * (length - rest_length) * bond / length
+            f[n] += tension
+            f[(n + 1) % count] -= tension
+            f[n] += 0.5 * pressure * np.array([after[1] - before[1], before[0] - after[0]])
+    for i, j in itertools.combinations(range(len(rings)), 2):
+        for a, b in itertools.product(range(-3, 4), repeat=2):
+            apart = rings[i][:, None] - rings[j] - np.array([a, b]) @ box
+            distance = np.hypot(apart[..., 0], apart[..., 1])
+            overlap = np.maximum(2.0 * beads.radius - distance, 0.0)
+            push = (beads.kr * overlap / distance)[..., None] * apart
+            if overlap.any():
+                energy += 0.5 * beads.kr * float(np.sum(overlap**2))
+                force[i] += push.sum(axis=1)
+                force[j] -= push.sum(axis=0)
+                contacts[i, j, a, b] = push.sum(axis=(0, 1))
+    return Naive(energy, force, contacts)
+
+
+@pytest.fixture(params=SCENES, ids=["square", "tilted"])
+def crumpled(request: pytest.FixtureRequest) -> Iterator[deformable.BeadReference]:
+    """Rings squeezed together, their beads displaced at random."""
+    jammed = deformable.jam(deformable.bidisperse(**request.param))
+    with deformable.BeadReference(jammed, SOFT) as rings:
+        rings.deform(0.96 * rings.box)
+        rings.lmp.command("displace_atoms all random 0.01 0.01 0 5 units box")
+        yield rings
+
+
+def test_energy_and_forces_are_the_formula(crumpled: deformable.BeadReference) -> None:
+    state = crumpled.state()
+    exact = naive(state, state.outlines, state.packing.box)
+    force = gather(crumpled.lmp, "f", 3)
+    assert state.energy == pytest.approx(exact.energy, rel=1e-12)
+    assert force[:, :2] == pytest.approx(np.vstack(exact.force), abs=1e-12)
+    assert not force[:, 2].any()
+
+
+def test_contacts_are_those_of_the_beads(crumpled: deformable.BeadReference) -> None:
+    state = crumpled.state()
+    contacts = state.contacts
+    exact = naive(state, state.outlines, state.packing.box).contacts
+    keys = zip(contacts.i, contacts.j, *contacts.image.T, strict=True)
+    seen = dict(zip([tuple(map(int, key)) for key in keys], contacts.force, strict=True))
+    assert seen.keys() == exact.keys()
+    assert all(seen[key] == pytest.approx(exact[key], abs=1e-12) for key in seen)
+    assert state.coordination == 2.0 * len(exact) / len(state.packing)
+    # springs and areas put no force on a whole ring
+    total = np.zeros((len(state.packing), 2))
+    np.add.at(total, contacts.i, contacts.force)
+    np.add.at(total, contacts.j, -contacts.force)
+    force = np.split(
+        gather(crumpled.lmp, "f", 3)[:, :2],
+        np.cumsum(state.rings.number[state.packing.species])[:-1],
+    )
+    assert total == pytest.approx(np.array([f.sum(axis=0) for f in force]), abs=1e-12)
+
+
+def test_stress_is_the_derivative_of_the_energy(crumpled: deformable.BeadReference) -> None:
+    state = crumpled.state()
+    volume = np.prod(state.packing.box.diagonal())
+    step = 1e-6
+    for a, b in ((0, 0), (1, 1), (1, 0)):
+        energy = []
+        for sign in (-1.0, 1.0):
+            stretch = np.eye(2)
+            stretch[a, b] += sign * step  # rows are positions: x' = x + sign step y for (1, 0)
+            moved = [ring @ stretch for ring in state.outlines]
+            energy.append(naive(state, moved, state.packing.box @ stretch).energy)
+        slope = (energy[1] - energy[0]) / (2.0 * step)
+        # truncation by step^2 and rounding by eps/step leave 1e-8 of the largest term
+        assert state.stress[a, b] == pytest.approx(-slope / volume, rel=1e-6, abs=1e-9)
+    assert state.pressure == pytest.approx(np.trace(state.stress) / 2.0)
+
+
+def test_areas_perimeters_and_centers(crumpled: deformable.BeadReference) -> None:
+    state = crumpled.state()
+    assert state.area == pytest.approx([area(ring) for ring in state.outlines], rel=1e-12)
+    sides = [ring - np.roll(ring, 1, axis=0) for ring in state.outlines]
+    assert state.perimeter == pytest.approx([np.hypot(*side.T).sum() for side in sides], rel=1e-12)
+    assert max(np.hypot(*side.T).max() for side in sides) < 0.4  # rings are whole
+    centers = [ring.mean(axis=0) for ring in state.outlines]
+    assert state.packing.positions == pytest.approx(np.array(centers))
+    assert state.phi == pytest.approx(state.area.sum() / np.prod(state.packing.box.diagonal()))
+    rest = state.rings.area[state.packing.species]
+    assert state.area_deficit == pytest.approx(rest - state.area)
+
+
+def test_undeformed_rings_are_at_rest() -> None:
+    loose = deformable.bidisperse(2, phi=0.05, tilt=0.3)
+    with deformable.BeadReference(loose, SOFT) as rings:
+        state = rings.state()
+        # lengths are off by roundings of coordinates below 8: 14 and 23 springs, (8 eps)^2 each
+        stiffness = state.rings.number @ state.rings.kL
+        assert state.energy < 0.5 * stiffness * (8 * np.finfo(float).eps) ** 2
+        assert len(state.contacts.i) == 0
+        assert (state.residual, state.coordination) == (0.0, 0.0)
+        assert state.packing.positions == pytest.approx(loose.positions, abs=1e-14)
+        e = 0.01
+        rings.deform((1.0 + e) * rings.box)
+        stretched = rings.state()
+    of_each, rest = loose.species, state.perimeter
+    number = state.rings.number[of_each]
+    assert rest == pytest.approx(number * state.rings.spacing[of_each], rel=1e-13)
+    assert stretched.perimeter == pytest.approx((1.0 + e) * rest, rel=1e-12)
+    kP, kA = np.array([7.0, 20.0])[of_each] / number, np.array([3.0, 0.5])[of_each]
+    perimeter = 0.5 * kP * (stretched.perimeter - rest) ** 2
+    assert stretched.energy == pytest.approx(
+        np.sum(perimeter + 0.5 * kA * stretched.area_deficit**2), rel=1e-11
+    )
+
+
+def pair(width: float) -> deformable.Packing:
+    """Two equal particles that meet each other through four images, 45 degrees off the axes."""
+    return deformable.Packing(
+        [[0.0, 0.0], [0.5 * width, 0.5 * width]], [0, 0], [0.5], width * np.eye(2)
+    )
+
+
+def test_rings_that_meet_through_several_images() -> None:
+    with deformable.BeadReference(pair(1.4), deformable.Beads(number=24)) as rings:
+        state = rings.relax(0.01)
+    assert state.residual <= 0.01
+    assert state.contacts.i.tolist() == [0] * 4
+    assert state.contacts.j.tolist() == [1] * 4
+    images = {tuple(image) for image in state.contacts.image.tolist()}
+    assert images == {(-1, -1), (-1, 0), (0, -1), (0, 0)}
+    along = (state.contacts.image + 0.5) / np.sqrt(0.5)  # unit vectors from 0 to 1
+    pushed = -np.sum(state.contacts.force * along, axis=1)
+    assert pushed == pytest.approx(np.full(4, pushed.mean()), rel=0.02)
+    assert state.contacts.force.sum(axis=0) == pytest.approx([0.0, 0.0], abs=0.02 * pushed.mean())
+
+
+def test_rings_touch_where_the_effective_radius_says() -> None:
+    """Flat contacts of nine beads a side: facing rows interlock."""
+    beads = deformable.Beads(number=152, radius=0.01, kr=1000.0)
+    width = 2.0**0.5
+    with deformable.BeadReference(pair(width), beads) as rings:
+        # the rings start bead on bead: turn one by 0.3 spacings, they find the rest themselves
+        rings.lmp.command("group turned molecule 2")
+        turn = f"{0.5 * width!r} {0.5 * width!r} 0 0 0 1 {0.3 * 360.0 / 152}"
+        rings.lmp.command(f"displace_atoms turned rotate {turn} units box")
+        for strain in (0.02, 0.04):
+            rings.deform((1.0 - strain) * width * np.eye(2))
+            state = rings.relax(0.01)
+    (radius,), (spacing,) = state.rings.radius, state.rings.spacing
+    normal, tangent = np.array([1.0, 1.0]) / np.sqrt(2.0), np.array([-1.0, 1.0]) / np.sqrt(2.0)
+    middle = state.packing.positions.mean(axis=0)
+    rows = []
+    for side, ring in zip((-1.0, 1.0), state.outlines, strict=True):
+        t, n = (ring - middle) @ tangent, (ring - middle) @ normal
+        rows.append(n[(np.abs(t) < 2.0 * spacing) & (side * n < 0.5 * radius)])
+    gap = rows[1].mean() - rows[0].mean()
+    roughness = 2.0 * beads.radius - np.sqrt(4.0 * beads.radius**2 - 0.25 * spacing**2)
+    predicted = 2.0 * (state.rings.effective_radius[0] - radius)
+    assert predicted == pytest.approx(2.0 * beads.radius - roughness)
+    # beads give way by kA S L0 / kr < 1e-4 of it, springs by less; 1 % is for the residual
+    assert abs(gap - predicted) < 0.01 * roughness
+
+
+@pytest.mark.parametrize("kA", [1.0, (2.0, 20.0)])
+def test_relaxation_ends_at_the_tolerance(kA: Any) -> None:
+    jammed = deformable.jam(deformable.bidisperse(6, seed=1))
+    with deformable.BeadReference(jammed, deformable.Beads(number=20, kA=kA)) as rings:
+        rings.deform(0.97 * rings.box)
+        state = rings.relax(0.02)
+        force = np.linalg.norm(gather(rings.lmp, "f", 3), axis=1).max()
+        pressure = np.resize(kA, 2)[jammed.species] * np.maximum(state.area_deficit, 0.0)
+        borne = np.mean(pressure * state.rings.spacing[jammed.species])
+        assert 0.0 < force <= 0.02 * borne
+        assert state.residual == pytest.approx(force / borne)
+        assert not state.stalled
+
+
+def test_stiff_areas_of_soft_rings_relax() -> None:
+    """The whole ring then swings faster than any spring, and the time step follows."""
+    beads = deformable.Beads(number=20, kL=1.0, kA=[1.0, 1e3], kr=1.0)
+    jammed = deformable.jam(deformable.bidisperse(6, seed=1))
+    with deformable.BeadReference(jammed, beads) as rings:
+        rings.deform(0.97 * rings.box)
+        state = rings.relax(0.05)
+    assert state.residual <= 0.05
+    assert state.energy > 0.0
+
+
+@pytest.mark.parametrize("change", [0.0, -0.002, 0.02])
+def test_loose_rings_relax_at_once(change: float) -> None:
+    jammed = deformable.jam(deformable.bidisperse(6, seed=1))
+    with deformable.BeadReference(jammed.at(jammed.phi - 0.02), deformable.Beads(30)) as rings:
+        rings.deform((1.0 + change) * rings.box)
+        assert np.isfinite(rings.state().residual)
+        state = rings.relax()
+        assert rings.lmp.extract_global("ntimestep") < 5000
+    assert (state.residual, state.stalled) == (0.0, False)
+    assert state.energy < 1e-20
+    assert len(state.contacts.i) == 0
+
+
+def test_compress_yields_states() -> None:
+    jammed = deformable.jam(deformable.bidisperse(6, seed=1))
+    with deformable.BeadReference(jammed, deformable.Beads(number=20)) as rings:
+        states = list(deformable.compress(rings, strain=0.04, steps=2, tolerance=0.05))
+        assert rings.box == pytest.approx(0.96 * jammed.box)
+    assert [type(state) for state in states] == [deformable.BeadState] * 2
+    assert 0.0 < states[0].energy < states[1].energy
+    assert 0.0 < states[0].pressure < states[1].pressure
+    assert states[0].packing.box == pytest.approx(0.98 * jammed.box)
+
+
+def test_a_stalled_relaxation_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bead_reference, "_ITERATIONS", 10)
+    monkeypatch.setattr(bead_reference, "_PATIENCE", 20)
+    jammed = deformable.jam(deformable.bidisperse(6, seed=1))
+    with deformable.BeadReference(jammed, deformable.Beads(number=20)) as rings:
+        rings.deform(0.97 * rings.box)
+        with pytest.warns(deformable.StalledWarning, match=r"stalled: the largest force is .* not"):
+            state = rings.relax(1e-9)
+    assert state.stalled
+    assert state.residual > 1e-9
+
+
+RANKS = """
+import json
+from mpi4py import MPI
+import deformable
+
+jammed = deformable.jam(deformable.bidisperse(6, seed=3, tilt=0.2))
+with deformable.BeadReference(jammed, deformable.Beads(number=20)) as rings:
+    rings.deform(0.97 * rings.box)
+    rings.lmp.command("minimize 0 0 100 200")
+    state = rings.state()
+contacts = state.contacts
+seen = [
+    state.energy, state.residual, *state.stress.ravel(), *state.area, *state.perimeter,
+    *state.packing.positions.ravel(), *contacts.force.ravel(),
+]
+table = [contacts.i.tolist(), contacts.j.tolist(), contacts.image.tolist()]
+assert MPI.COMM_WORLD.allgather((seen, table)) == [(seen, table)] * MPI.COMM_WORLD.size
+if MPI.COMM_WORLD.rank == 0:
+    print(json.dumps([seen, table]))
+"""
+
+
+def test_two_ranks_give_the_serial_answer(tmp_path: Path) -> None:
+    (seen, table), (shared, shared_table) = (
+        json.loads(python(RANKS, cwd=tmp_path, ranks=ranks)) for ranks in (1, 2)
+    )
+    assert shared_table == table
+    assert shared == pytest.approx(seen, rel=1e-9, abs=1e-12)  # roundings, grown in 100 steps
+
+
+# ---- walls ----
+
+
+def square(height: float, stick: bool = False) -> deformable.Walls:
+    return deformable.Walls(0.3 + np.arange(4) * np.pi / 2.0, np.full(4, height), stick)
+
+
+ALONE = deformable.Packing(np.zeros((1, 2)), [0], [0.5], 3.0 * np.eye(2))
+LONE_BEADS = deformable.Beads(number=40, radius=0.03)
+
+
+def test_walls_press_like_beads() -> None:
+    with deformable.BeadReference(ALONE, LONE_BEADS, square(0.5)) as ring:
+        assert ring.state().residual == 0.0
+        ring.confine(square(0.49))
+        state = ring.relax(0.01)
+        force = gather(ring.lmp, "f", 3)[:, :2]
+    (beads,) = state.outlines
+    exact = naive(state, [beads], state.packing.box)
+    walls = square(0.49)
+    overlap = np.maximum(LONE_BEADS.radius - (walls.height - beads @ walls.normal.T), 0.0)
+    assert overlap.any(axis=0).all()
+    energy = exact.energy + 0.5 * LONE_BEADS.kr * np.sum(overlap**2)
+    assert state.energy == pytest.approx(energy, rel=1e-10)
+    pushed = exact.force[0] - LONE_BEADS.kr * overlap @ walls.normal
+    assert force == pytest.approx(pushed, abs=1e-12)
+    assert state.residual <= 0.01
+    assert state.contacts.i.size == 0
+
+
+def test_beads_keep_their_place_on_walls_that_stick() -> None:
+    slides = {}
+    for stick in (True, False):
+        angle = np.array([0.0, 1.8, 3.9])
+        with deformable.BeadReference(
+            ALONE, LONE_BEADS, deformable.Walls(angle, np.full(3, 0.5), stick)
+        ) as ring:
+            for height in (0.49, 0.48):
+                ring.confine(deformable.Walls(angle, np.full(3, height), stick))
+                before = ring.state().outlines[0]
+                state = ring.relax(0.01)
+                assert ring.walls is not None
+                assert ring.walls.height == pytest.approx(np.full(3, height))
+        after = state.outlines[0]
+        touching = before @ ring.walls.normal[0] > 0.48 - LONE_BEADS.radius
+        assert touching.any()
+        slides[stick] = np.abs(after - before)[touching, 1].max()
+    assert slides[True] < 0.2 * slides[False]
+
+
+def test_walls_do_not_jump_over_beads() -> None:
+    with deformable.BeadReference(ALONE, LONE_BEADS, square(0.5)) as ring:
+        with pytest.raises(
+            deformable.ParameterError, match=r"a step of 0\.04 puts beads .* wall .* a bead, 0\.03"
+        ):
+            ring.confine(square(0.46))
+        assert ring.walls is not None
+        assert ring.walls.height[0] == 0.5
+        ring.confine(square(0.48))
+        assert ring.state().energy > 0.0
+
+
+@pytest.mark.parametrize(
+    "walls",
+    [
+        deformable.Walls([0.0, 2.0, 4.0], np.full(3, 0.5)),
+        deformable.Walls(np.arange(4) * np.pi / 2.0, np.full(4, 0.5), stick=True),
+    ],
+)
+def test_confine_moves_the_walls_that_are_there(walls: deformable.Walls) -> None:
+    with (
+        deformable.BeadReference(ALONE, LONE_BEADS, square(0.5)) as ring,
+        pytest.raises(deformable.ParameterError, match="their number and kind stay"),
+    ):
+        ring.confine(walls)
+
+
+def test_confine_needs_walls() -> None:
+    with (
+        deformable.BeadReference(ALONE, LONE_BEADS) as ring,
+        pytest.raises(deformable.ParameterError, match="their number and kind stay"),
+    ):
+        ring.confine(square(0.5))
+
+
+def test_walls_do_not_follow_the_box() -> None:
+    with deformable.BeadReference(ALONE, LONE_BEADS, square(0.5)) as ring:
+        with pytest.raises(deformable.ParameterError, match="confine"):
+            ring.deform(2.0 * np.eye(2))
+        assert ring.box == pytest.approx(3.0 * np.eye(2))
+
+
+@pytest.mark.parametrize(
+    ("packing", "height", "message"),
+    [
+        (pair(2.0), 0.5, "single particle at the origin"),
+        (deformable.Packing([[0.1, 0.0]], [0], [0.5], 3.0 * np.eye(2)), 0.5, "at the origin"),
+        (deformable.Packing([[0.0, 0.0]], [0], [0.5], np.eye(2)), 0.5, "wider than the particle"),
+        (ALONE, 0.47, r"a wall at 0\.47 cuts through the particle of radius 0\.5"),
+    ],
+)
+def test_walls_are_around_one_particle(
+    packing: deformable.Packing, height: float, message: str
+) -> None:
+    with pytest.raises(deformable.ParameterError, match=message):
+        deformable.BeadReference(packing, LONE_BEADS, square(height))
+
+
+@pytest.mark.parametrize(
+    ("angle", "height", "message"),
+    [
+        ([0.0, 3.0], [1.0, 1.0], "less than half a turn"),
+        ([0.0, 1.0, 2.0], [1.0, 1.0, 1.0], "less than half a turn"),
+        ([0.0, 4.0, 2.0], [1.0, 1.0, 1.0], "must rise through one turn"),
+        ([0.0, np.nan, 4.0], [1.0, 1.0, 1.0], "angle of walls must be finite numbers"),
+        (None, None, "angle of walls must be finite numbers"),
+        ([], [], "must rise"),
+        ([0.0, 2.0, 4.0], "high", "height of walls must be finite numbers, not 'high'"),
+        ([0.0, [2.0, 4.0]], [1.0, 1.0, 1.0], "angle of walls must be finite numbers"),
+        ([0.0, 2.0, 4.0], [1.0, 1.0], "3 positive numbers"),
+        ([0.0, 2.0, 4.0], [1.0, 0.0, 1.0], "3 positive numbers"),
+    ],
+)
+def test_walls_are_a_polygon(angle: Any, height: Any, message: str) -> None:
+    with pytest.raises(deformable.ParameterError, match=message):
+        deformable.Walls(angle, height)
+
+
+# ---- what packings of rings refuse ----
+
+
+def test_rings_do_not_start_in_each_other() -> None:
+    deformable.BeadReference(pair(1.4), deformable.Beads(20)).close()  # by 0.01
+    with pytest.raises(
+        deformable.ParameterError, match=r"particles 0 and 1 overlap by 0\.0808.*at jamming"
+    ):
+        deformable.BeadReference(pair(1.3), deformable.Beads(20))
+
+
+def test_overlaps_are_seen_in_any_cell_of_the_lattice() -> None:
+    for shear in (2.0, 42.0, -38.0):  # one lattice
+        packing = deformable.Packing(
+            [[0.0, 0.0], [0.0, 0.65]], [0, 0], [0.5], [[4.0, 0.0], [shear, 1.2]]
+        )
+        with pytest.raises(deformable.ParameterError, match=r"0 and 1 overlap by 0\.35"):
+            deformable.BeadReference(packing, deformable.Beads(20))
+
+
+def test_a_ring_does_not_meet_itself() -> None:
+    message = r"particle 0 reaches its own image, 0\.98 away.*repeat the packing"
+    lone = deformable.Packing([[0.0, 0.0]], [0], [0.5], [[0.98, 0.0], [0.0, 2.0]])
+    with pytest.raises(deformable.ParameterError, match=message):
+        deformable.BeadReference(lone, deformable.Beads(20))
+    with deformable.BeadReference(pair(1.5), deformable.Beads(20)) as rings:
+        rings.deform(np.diag([0.9, 2.5]))
+        with pytest.raises(deformable.ParameterError, match=r"reaches its own image, 0\.9 away"):
+            rings.relax(0.01)
+
+
+def test_errors_of_lammps_come_as_one_line() -> None:
+    with deformable.BeadReference(pair(1.42), deformable.Beads(20)) as rings:
+        rings.lmp.command("displace_atoms all random 3 3 0 1 units box")
+        with pytest.raises(deformable.LammpsError, match=r"atoms .* apart|[Bb]ond atoms") as caught:
+            rings.relax()
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1.0, float("nan")])
+def test_tolerances_are_positive(tolerance: float) -> None:
+    with (
+        deformable.BeadReference(pair(1.42), deformable.Beads(20)) as rings,
+        pytest.raises(deformable.ParameterError, match="tolerance"),
+    ):
+        rings.relax(tolerance)
+
+
+@pytest.mark.parametrize("box", [[[-5, 0], [0, 5]], [[5, 1], [0, 5]], [[5, 0], [np.nan, 5]]])
+def test_bad_boxes_change_nothing(box: list[list[float]]) -> None:
+    with deformable.BeadReference(pair(1.42), deformable.Beads(20)) as rings:
+        with pytest.raises(deformable.ParameterError, match="box must be"):
+            rings.deform(np.array(box))
+        assert rings.box == pytest.approx(1.42 * np.eye(2))

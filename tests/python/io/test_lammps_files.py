@@ -1,0 +1,100 @@
+"""A saved state is one that LAMMPS takes up by itself."""
+
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+
+LMP = Path(sys.executable).parent / "lmp"
+
+LAWS = {
+    "balanced": deformable.Ring(kA=(2.0, 0.3), kP=5.0, skin=0.01),
+    "radical": deformable.Ring(kA=1.0 / 3.0, contact="radical"),
+    "sector": deformable.Sector(),
+    "area sector": deformable.Sector(kP=0.7),
+}
+
+
+def lammps(folder: Path) -> str:
+    """What `in.lammps` prints."""
+    result = subprocess.run(
+        [str(LMP), "-in", "in.lammps", "-log", "none"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert result.returncode == 0, result.stdout + result.stderr
+    return result.stdout
+
+
+def row(output: str) -> list[float]:
+    """The first row of thermo output."""
+    lines = output.splitlines()
+    heads = [n for n, line in enumerate(lines) if line.split()[:2] == ["Step", "PotEng"]]
+    return [float(word) for word in lines[heads[0] + 1].split()]
+
+
+def saved(packing: deformable.Packing, law: str, folder: Path) -> deformable.State:
+    with deformable.Simulation(packing, LAWS[law]) as sim:
+        state = sim.state()
+    state.save(folder)
+    assert state.energy > 0.0
+    return state
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_lammps_has_the_saved_energy(law: str, jammed: deformable.Packing, tmp_path: Path) -> None:
+    state = saved(jammed.at(0.87), law, tmp_path)
+    step, energy, _, pressure = row(lammps(tmp_path))
+    assert step == 0
+    assert energy == pytest.approx(state.energy, rel=1e-12)
+    assert pressure == pytest.approx(state.pressure, rel=1e-12)
+
+
+@pytest.mark.parametrize("law", ["radical", "sector"])
+def test_lammps_has_the_energy_of_sizes_and_small_units(law: str, tmp_path: Path) -> None:
+    """Radii of a thousandth: settings that suit radii near 1 would find too many neighbors."""
+    start = deformable.polydisperse(24, np.linspace(0.4, 0.6, 24), tilt=0.3, seed=4)
+    jammed = deformable.jam(start).at(0.87)
+    small = replace(
+        jammed,
+        positions=1e-3 * jammed.positions,
+        box=1e-3 * jammed.box,
+        radii=1e-3 * jammed.radii,
+        particle_radii=1e-3 * jammed.radius,
+    )
+    state = saved(small, law, tmp_path)
+    _, energy, _, pressure = row(lammps(tmp_path))
+    assert energy == pytest.approx(state.energy, rel=1e-12)
+    assert pressure == pytest.approx(state.pressure, rel=1e-12)
+
+
+def test_the_commands_to_go_on_do_so(state: deformable.State, tmp_path: Path) -> None:
+    """Once their marks of comment are gone: rest stays rest, and motion keeps its energy."""
+    state.save(tmp_path)
+    script = tmp_path / "in.lammps"
+    commands = ("minimize", "velocity", "fix", "thermo", "run")
+    lines = script.read_text().splitlines()
+    script.write_text(
+        "\n".join(
+            line[2:] if line[:2] == "# " and line[2:].split()[0] in commands else line
+            for line in lines
+        )
+        + "\n"
+    )
+    rows = [
+        [float(word) for word in line.split()]
+        for line in lammps(tmp_path).splitlines()
+        if len(line.split()) == 4 and line.split()[0].isdigit()
+    ]
+    first, last = np.array(rows[0]), np.array(rows[-1])
+    assert last[0] >= 1000
+    assert last[2] > 0.0
+    # 32 particles at 1e-8 have 31e-8 in all, of which a time step of this length may lose 2 %
+    assert last[1] + last[2] == pytest.approx(first[1] + 31e-8, abs=0.02 * 31e-8)

@@ -1,0 +1,133 @@
+"""A folder is known by what is in it, and no command spoils what another one has written."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import deformable
+import pytest
+from deformable import report
+from deformable.cli import main as cli
+from deformable.io.run_folder import holds, refuse
+
+COMMAND = str(Path(sys.executable).parent / "deformable")
+
+
+def run(*arguments: str, cwd: Path) -> str:
+    """The one line of error with which a command ends."""
+    result = subprocess.run(
+        [COMMAND, *arguments], cwd=cwd, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert (result.returncode, result.stdout, result.stderr.count("\n")) == (2, "", 1)
+    return result.stderr
+
+
+@pytest.fixture(scope="module")
+def jam_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    cwd = tmp_path_factory.mktemp("jammed")
+    ask = ("jam", "--number", "8", "--seeds", "1", "--law", "disk", "--workers", "1")
+    subprocess.run([COMMAND, *ask], cwd=cwd, capture_output=True, timeout=60, check=True)
+    return cwd / "jam"
+
+
+@pytest.fixture
+def no_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A report that is not refused takes minutes."""
+    monkeypatch.setattr(report, "_measure", lambda *_: pytest.fail("the report has begun"))
+
+
+def test_each_command_leaves_its_mark(
+    state: deformable.State, jam_folder: Path, tmp_path: Path
+) -> None:
+    assert holds(jam_folder) == "jamming"
+    for name in ("missing", "empty", "saved", "finished", "begun", "other"):
+        if name != "missing":
+            (tmp_path / name).mkdir()
+    state.save(tmp_path / "saved")
+    (tmp_path / "finished" / "report.json").write_text("{}")
+    (tmp_path / "begun" / "parts").mkdir()
+    assert holds(tmp_path / "begun") is None
+    (tmp_path / "begun" / "parts" / "shapes.pickle").write_text("")
+    (tmp_path / "other" / "summary.json").write_text('["onset"]')
+    assert {folder.name: holds(folder) for folder in sorted(tmp_path.iterdir())} == {
+        "begun": "report",
+        "empty": None,
+        "finished": "report",
+        "other": None,
+        "saved": "compression",
+    }
+    assert holds(tmp_path / "missing") is None
+    (tmp_path / "empty" / "table.csv").write_text("")  # before there is a summary
+    assert holds(tmp_path / "empty") == "jamming"
+
+
+def test_no_run_in_a_jam_folder(
+    state: deformable.State,
+    jam_folder: Path,
+    no_measurements: None,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    before = {file.name: file.read_bytes() for file in jam_folder.iterdir()}
+    message = "holds onsets of jamming from `deformable jam`: name another folder"
+    monkeypatch.chdir(jam_folder.parent)
+    for options in (
+        ("compress", "--number", "8", "--out", "jam"),
+        ("compress", "--number", "8", "--out", "jam", "--overwrite"),
+        ("compress", "--out", "jam", "--resume"),
+        ("compress", "--out", "jam", "--further"),
+        ("movie", "jam"),
+        ("report", "--quick", "--out", "jam"),
+    ):
+        with pytest.raises(deformable.FileError) as error:
+            cli.app(options, standalone_mode=False)
+        assert str(error.value) == f"'jam' {message}"
+    with deformable.Simulation(state.packing, state.law) as sim:
+        for call in (
+            lambda: deformable.load(jam_folder),
+            lambda: deformable.resume(jam_folder),
+            lambda: deformable.compress_in(jam_folder, sim, 0.01, 1, overwrite=True),
+            lambda: deformable.compress_in(jam_folder, sim, 0.01, 1, append=True),
+        ):
+            with pytest.raises(deformable.FileError, match=r"holds onsets of jamming from"):
+                call()
+    assert {file.name: file.read_bytes() for file in jam_folder.iterdir()} == before
+
+
+def test_no_report_in_a_run_nor_the_reverse(
+    state: deformable.State, tmp_path: Path, no_measurements: None
+) -> None:
+    state.save(tmp_path / "run")
+    for resume in (False, True):
+        with pytest.raises(deformable.FileError, match=r"'.*run' holds a run: name another folder"):
+            report.write_report(tmp_path / "run", quick=True, resume=resume)
+    (tmp_path / "report").mkdir()
+    (tmp_path / "report" / "report.json").write_text(json.dumps({}))
+    line = run("compress", "--out", "report", "--overwrite", cwd=tmp_path)
+    assert line == "error: 'report' holds a report: name another folder\n"
+    line = run("report", "--resume", "--out", "report", cwd=tmp_path)
+    assert line == "error: nothing to resume: 'report' holds no parts of a report\n"
+    assert refuse(tmp_path / "report", but="report") == tmp_path / "report"
+
+
+def test_a_folder_is_no_file(
+    state: deformable.State, tmp_path: Path, no_measurements: None
+) -> None:
+    file = tmp_path / "file"
+    file.write_text("kept")
+    with deformable.Simulation(state.packing, state.law) as sim:
+        for call in (
+            lambda path: deformable.load(path),
+            lambda path: deformable.resume(path),
+            lambda path: deformable.compress_in(path, sim, 0.01, 1),
+            lambda path: report.write_report(path),
+        ):
+            for path in (file, file / "within"):
+                with pytest.raises(deformable.FileError, match=f"'{file}' is a file, not a folder"):
+                    call(path)
+        with pytest.raises(deformable.ParameterError, match="a folder needs a name, not ''"):
+            deformable.compress_in("", sim, 0.01, 1)
+    for options in ((), ("--resume",), ("--overwrite",)):
+        line = run("compress", "--out", "file", *options, cwd=tmp_path)
+        assert line == "error: 'file' is a file, not a folder: name another folder\n"
+    assert file.read_text() == "kept"

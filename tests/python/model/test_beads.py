@@ -1,0 +1,152 @@
+"""Numbers of beads, rest values and effective radii of rings, and the settings they refuse."""
+
+from typing import Any
+
+import deformable
+import numpy as np
+import pytest
+
+RADII = np.array([0.5, 0.7])
+
+
+def test_numbers_of_the_paper() -> None:
+    rings = deformable.Beads(number=50, radius=0.05).rings(RADII)
+    assert rings.number.tolist() == [50, 72]
+    assert rings.radius == pytest.approx([0.45, 0.65])
+    assert rings.effective_radius == pytest.approx(RADII - 0.00205, abs=2e-5)
+
+
+def test_rest_values_are_those_of_a_regular_polygon() -> None:
+    rings = deformable.Beads(number=[5, 11], radius=0.1).rings(np.array([0.4, 0.3]))
+    for n, radius, spacing, area in zip(
+        rings.number, (0.3, 0.2), rings.spacing, rings.area, strict=True
+    ):
+        turn = 2.0 * np.pi * np.arange(n) / n
+        x, y = radius * np.cos(turn), radius * np.sin(turn)
+        sides = np.hypot(x - np.roll(x, 1), y - np.roll(y, 1))
+        assert sides == pytest.approx(np.full(n, spacing), rel=1e-14)
+        assert area == pytest.approx(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+
+
+@pytest.mark.parametrize("number", [[50, 80], (50, 80), np.array([50, 80]), np.array([50.0, 80.0])])
+def test_numbers_of_each_species(number: object) -> None:
+    assert deformable.Beads(number=number).rings(RADII).number.tolist() == [50, 80]
+
+
+@pytest.mark.parametrize("number", [50, np.int64(50), np.float64(50.0)])
+def test_one_number_is_of_the_smallest(number: int) -> None:
+    assert deformable.Beads(number).rings(RADII[::-1]).number.tolist() == [72, 50]
+
+
+@pytest.mark.parametrize(
+    "number",
+    [2, 0, -5, 50.5, float("nan"), float("inf"), "many", [50, 2], [[50, 60]], [50, [1]], [], None],
+)
+def test_numbers_of_beads_are_whole_and_three_or_more(number: object) -> None:
+    with pytest.raises(deformable.ParameterError, match="whole number of beads, at least 3, not"):
+        deformable.Beads(number=number)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["radius", "kr"])
+@pytest.mark.parametrize(
+    "value", [0.0, -1.0, float("nan"), float("inf"), "a", "1", None, [1.0, 2.0], 10**400]
+)
+def test_settings_are_positive(name: str, value: Any) -> None:
+    with pytest.raises(deformable.ParameterError, match=f"{name} must be a positive number"):
+        deformable.Beads(**{name: value})
+
+
+@pytest.mark.parametrize("name", ["kL", "kA"])
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        (0.0, r"be positive and finite, not 0\.0"),
+        (-1.0, r"be positive and finite, not -1\.0"),
+        (float("nan"), "be positive and finite, not nan"),
+        ([1.0, float("inf")], r"be positive and finite, not \[1\.0, inf\]"),
+        ((1.0, 0.0), r"be positive and finite, not \[1\.0, 0\.0\]"),
+        ("1", "be a number, or one number a species, not '1'"),
+        (None, "be a number, or one number a species, not None"),
+        ([], r"be a number, or one number a species, not \[\]"),
+        ([1.0, [2.0]], r"be a number, or one number a species, not \[1\.0, \[2\.0\]\]"),
+        (10**400, "be a number, or one number a species, not 1000"),
+    ],
+)
+def test_stiffnesses_are_positive(name: str, value: Any, message: str) -> None:
+    with pytest.raises(deformable.ParameterError, match=f"{name} must {message}"):
+        deformable.Beads(**{name: value})
+
+
+@pytest.mark.parametrize("kind", [list, tuple, np.array])
+def test_stiffnesses_of_each_species(kind: Any) -> None:
+    beads = deformable.Beads(number=[50, 80], kL=kind([1, 2]), kA=3)
+    assert beads == deformable.Beads(number=[50, 80], kL=(1.0, 2.0), kA=3.0)
+    rings = beads.rings(RADII)
+    assert rings.kL.tolist() == [1.0, 2.0]
+    assert rings.kA.tolist() == [3.0, 3.0]
+    assert rings.kP.tolist() == [1.0 / 50, 2.0 / 80]
+    assert (rings.radius + rings.skin).tolist() == rings.effective_radius.tolist()
+
+
+@pytest.mark.parametrize("name", ["kL", "kA"])
+@pytest.mark.parametrize("values", [[1.0], [1.0, 2.0, 3.0]])
+def test_one_stiffness_a_species(name: str, values: Any) -> None:
+    message = r"there are 2 species, so \[1\.0.*\] must have as many numbers"
+    with pytest.raises(deformable.ParameterError, match=message):
+        deformable.Beads(**{name: values}).rings(RADII)
+
+
+def test_settings_may_be_numpy_numbers() -> None:
+    beads = deformable.Beads(number=np.int64(12), radius=np.float64(0.1), kL=np.float32(8), kA=2)
+    with deformable.BeadReference(deformable.bidisperse(2, phi=0.1), beads) as rings:
+        assert rings.state().residual == 0.0
+
+
+@pytest.mark.parametrize("number", [[50], [50, 60, 70]])
+def test_one_number_a_species(number: list[int]) -> None:
+    with pytest.raises(deformable.ParameterError, match=r"one a species \(2\), not \["):
+        deformable.Beads(number=number).rings(RADII)
+
+
+@pytest.mark.parametrize("radius", [0.25, 0.5, 3.0])
+def test_beads_are_smaller_than_the_ring(radius: float) -> None:
+    with pytest.raises(deformable.ParameterError, match=r"too large for a particle of radius 0\.5"):
+        deformable.Beads(radius=radius).rings(RADII)
+
+
+def test_no_bead_slips_through_between_others() -> None:
+    with pytest.raises(
+        deformable.ParameterError, match=r"20 beads .* radius 0\.7, .* take 21 or more"
+    ):
+        deformable.Beads(number=[40, 20], radius=0.05).rings(RADII)
+    enough = deformable.Beads(number=[40, 21], radius=0.05).rings(RADII)
+    assert enough.spacing[1] < 4.0 * 0.05 < 2.0 * 0.65 * np.sin(np.pi / 20)
+    assert np.isfinite(enough.effective_radius).all()
+
+
+@pytest.mark.parametrize("radii", [RADII, np.array([0.5, 0.55, 0.9]), np.array([0.15, 0.26])])
+@pytest.mark.parametrize(("number", "way_out", "step"), [(3, "more", -1), (1e300, "fewer", 1)])
+def test_the_number_that_is_asked_for_suffices(
+    radii: np.ndarray, number: float, way_out: str, step: int
+) -> None:
+    """One number is that of the smallest species, though a larger one may be what it fails for."""
+    message = rf"take number = \d+ or {way_out}$"
+    with pytest.raises(deformable.ParameterError, match=message) as error:
+        deformable.Beads(number).rings(radii)
+    limit = int(str(error.value).split()[-3])
+    deformable.Beads(limit).rings(radii)
+    with pytest.raises(deformable.ParameterError, match=message):
+        deformable.Beads(limit + step).rings(radii)
+
+
+def test_lammps_lists_the_neighbors_of_the_closest_beads() -> None:
+    with pytest.raises(
+        deformable.ParameterError, match=r"5000 .* radius 0\.7, .* take 1361 or fewer"
+    ):
+        deformable.Beads(number=[50, 5000]).rings(RADII)
+    jammed = deformable.jam(deformable.bidisperse(8, seed=1))
+    beads = deformable.Beads(number=244, radius=0.15)
+    with deformable.BeadReference(jammed, beads) as rings:
+        assert rings.rings.spacing == pytest.approx(0.06 * 0.15, rel=1e-2)
+        rings.deform(rings.box * 0.97)
+        assert rings.state().energy > 0.0

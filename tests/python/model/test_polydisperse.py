@@ -1,0 +1,259 @@
+"""Particles with radii of their own, from the onset of jamming to the files."""
+
+import json
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from deformable import core
+from deformable.engine.disks import open_disks
+from deformable.engine.lammps import gather
+from deformable.engine.lammps import run as run_lammps
+from scipy import stats
+from test_cli import run
+from test_simulation import brute_force_contacts, shapes
+
+RADICAL = deformable.Ring(kA=2.0, contact="radical")
+
+
+@pytest.fixture(scope="module")
+def start() -> deformable.Packing:
+    return deformable.polydisperse(24, lambda rng: rng.lognormal(-0.7, 0.15, 24), tilt=0.3, seed=4)
+
+
+@pytest.fixture(scope="module")
+def jammed(start: deformable.Packing) -> deformable.Packing:
+    return deformable.jam(start)
+
+
+@pytest.fixture(scope="module")
+def state(jammed: deformable.Packing) -> deformable.State:
+    with deformable.Simulation(jammed, RADICAL) as sim:
+        (last,) = deformable.compress(sim, strain=0.01, steps=1)
+    return last
+
+
+# ---- jamming ----
+
+
+def test_two_sizes_jam_as_two_species_do() -> None:
+    """The same onset, in another style of LAMMPS."""
+    two = deformable.bidisperse(32, seed=3)
+    many = deformable.polydisperse(32, two.radius, seed=3)
+    expected, found = deformable.jam(two), deformable.jam(many)
+    # the pressure is 1 to 2e-6 there and rises by 0.3 or so per phi
+    assert found.phi == pytest.approx(expected.phi, abs=1e-5)
+
+
+def test_disks_are_the_same_in_both_styles() -> None:
+    """Forces and pressure of overlapping disks, which both styles sum in an order of their own."""
+    two = deformable.bidisperse(32, phi=0.8, tilt=0.2, seed=3)
+    found = []
+    for packing in (two, replace(two, particle_radii=two.radius)):
+        lmp = open_disks(packing)
+        run_lammps(lmp, "run 0")
+        found.append((gather(lmp, "f", 3), lmp.get_thermo("c_virial")))
+        lmp.close()
+    (expected, pressure), (force, same) = found
+    assert np.abs(expected).max() > 0.1
+    # places within a box of 6 are known to 1e-15
+    np.testing.assert_allclose(force, expected, rtol=0, atol=1e-14)
+    assert same == pytest.approx(pressure, rel=1e-13)
+
+
+def test_packing_is_at_the_onset(jammed: deformable.Packing) -> None:
+    apart = jammed.positions[:, None] - jammed.positions
+    fraction = apart @ np.linalg.inv(jammed.box)
+    distance = np.linalg.norm((fraction - np.rint(fraction)) @ jammed.box, axis=2)
+    distance[np.diag_indices(24)] = np.inf
+    overlap = (jammed.radius[:, None] + jammed.radius - distance)[np.triu_indices(24)]
+    assert 0.0 < overlap.max() < 1e-4
+    assert (overlap > 0).sum() > 1.7 * 20
+    assert 0.8 < jammed.phi < 0.87
+
+
+# ---- deformable particles ----
+
+
+def test_two_sizes_are_two_species() -> None:
+    """Energy, stress, shapes and contacts of the same packing, told in both ways."""
+    two = deformable.jam(deformable.bidisperse(24, seed=2))
+    two = two.at(1.02 * two.phi)
+    many = replace(two, particle_radii=two.radius)
+    for law in (RADICAL, deformable.Ring(kP=5.0, skin=0.02), deformable.Sector()):
+        states = []
+        for packing in (two, many):
+            with deformable.Simulation(packing, law) as sim:
+                states.append(sim.state())
+        expected, found = states
+        assert found.energy == expected.energy
+        assert np.array_equal(found.stress, expected.stress)
+        assert np.array_equal(found.contact_table, expected.contact_table)
+        for name in ("area", "area_deficit", "perimeter", "arc_radius", "particle_pressure"):
+            assert np.array_equal(getattr(found, name), getattr(expected, name)), name
+
+
+def test_relaxed_state_is_that_of_the_kernel(state: deformable.State) -> None:
+    assert len(np.unique(state.packing.radius)) == 24
+    assert state.residual <= 1e-6
+    assert state.energy > 0.0
+    deficit = np.array([shape.area_deficit for shape in shapes(state)])
+    assert state.area_deficit == pytest.approx(deficit, rel=1e-9, abs=1e-15)
+    assert state.energy == pytest.approx(np.sum(deficit**2), rel=1e-9)
+    assert state.phi == pytest.approx(state.area.sum() / np.prod(state.packing.box.diagonal()))
+    table, contacts = state.contact_table, brute_force_contacts(state)
+    seen = zip(table["i"], table["j"], *table["image"].T, strict=True)
+    assert {tuple(map(int, key)) for key in seen} == {key for key, c in contacts.items() if c}
+    height = state.packing.radius[table["i"]] - table["indentation"]
+    out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
+    foot = state.packing.positions[table["i"]] + height[:, None] * out
+    np.testing.assert_allclose(foot, table["position"], rtol=0, atol=1e-13)
+
+
+def test_loose_particles_relax_to_nothing(jammed: deformable.Packing) -> None:
+    """Each is as round as its own radius says."""
+    loose = jammed.at(jammed.phi - 0.03)
+    with warnings.catch_warnings(), deformable.Simulation(loose, RADICAL) as sim:
+        warnings.simplefilter("error")
+        state = sim.relax()
+    assert (state.residual, state.stalled) == (0.0, False)
+    assert state.rattlers.all()
+
+
+def test_outlines_have_the_areas(state: deformable.State) -> None:
+    for outline, area in zip(state.outlines, state.area, strict=True):
+        x, y = outline.T
+        polygon = 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)
+        assert polygon == pytest.approx(area, rel=1e-3)
+
+
+def test_particles_may_grow_up_to_their_species(state: deformable.State) -> None:
+    """Other commands of LAMMPS change radii; states tell them."""
+    room = replace(state.packing, radii=2.0 * state.packing.radii)
+    with deformable.Simulation(room, RADICAL) as sim:
+        assert sim.state().energy == pytest.approx(state.energy, rel=1e-9)
+        sim.lmp.command("set atom 3 diameter 0.4")
+        assert sim.state().packing.radius[2] == 0.2
+        sim.lmp.command(f"set atom 3 diameter {5.0 * float(state.packing.radii[0])}")
+        with pytest.raises(deformable.LammpsError, match=r"Atom 3 has a radius of .* at most"):
+            sim.state()
+
+
+def test_pressure_is_the_derivative_of_the_energy(jammed: deformable.Packing) -> None:
+    squeezed = jammed.at(jammed.phi * 1.05)
+    energy = []
+    for factor in (1.0 - 1e-6, 1.0 + 1e-6):
+        scaled = replace(squeezed, positions=squeezed.positions * factor, box=squeezed.box * factor)
+        with deformable.Simulation(scaled, deformable.Ring()) as sim:
+            energy.append(sim.state().energy)
+    with deformable.Simulation(squeezed, deformable.Ring()) as sim:
+        pressure = sim.state().pressure
+    area = np.prod(squeezed.box.diagonal())
+    assert pressure == pytest.approx(-(energy[1] - energy[0]) / (4e-6 * area), rel=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("contact", ["radical", "balanced"])
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("width", [0.1, 0.3, 0.5])
+def test_wide_distributions_reach_the_tolerance(width: float, seed: int, contact: str) -> None:
+    """Radii up to 12 times as large as others."""
+    start = deformable.polydisperse(64, stats.lognorm(width, scale=0.5), seed=seed)
+    with deformable.Simulation(deformable.jam(start), deformable.Ring(contact=contact)) as sim:
+        for state in deformable.compress(sim, strain=0.02, steps=2):
+            assert not state.stalled
+            assert state.residual <= 1e-6
+            assert state.energy > 0.0
+
+
+# ---- files ----
+
+
+@pytest.mark.parametrize("law", [RADICAL, deformable.Ring(), deformable.Sector()])
+def test_saved_state_goes_on_as_it_was(
+    state: deformable.State, law: deformable.Ring | deformable.Sector, tmp_path: Path
+) -> None:
+    with deformable.Simulation(state.packing, law) as sim:
+        sim.state().save(tmp_path)
+        expected = sim.state()
+    with deformable.load(tmp_path) as sim:
+        again = sim.state()
+        masses = np.array(sim.lmp.gather("rmass", 1, 1))
+    assert np.array_equal(again.packing.radius, state.packing.radius)
+    assert np.array_equal(again.packing.radii, state.packing.radii)
+    assert again.energy == pytest.approx(expected.energy, rel=1e-12)
+    assert masses == pytest.approx(np.ones(24))
+
+
+def test_trajectory_has_the_radii(jammed: deformable.Packing, tmp_path: Path) -> None:
+    import MDAnalysis
+
+    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+        list(deformable.record(deformable.compress(sim, strain=0.01, steps=2), tmp_path))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of MDAnalysis
+        universe = MDAnalysis.Universe(
+            str(tmp_path / "trajectory.lammpstrj"),
+            format="LAMMPSDUMP",
+            topology_format="LAMMPSDUMP",
+            additional_columns=True,
+            dt=1.0,
+        )
+        radii = [frame.data["radius"].copy() for frame in universe.trajectory]
+    assert len(radii) == 2
+    np.testing.assert_allclose(radii, [jammed.radius] * 2, rtol=1e-12)
+
+
+def test_picture(state: deformable.State) -> None:
+    pytest.importorskip("matplotlib")
+    axes = state.plot(color_by="area_deficit")
+    assert len(axes.collections[0].get_paths()) >= 24
+
+
+def test_command_line(tmp_path: Path) -> None:
+    options = ("--number", "16", "--polydispersity", "0.1", "--steps", "1", "--seed", "2")
+    result = run("compress", *options, cwd=tmp_path)
+    assert (result.returncode, result.stderr) == (0, "")
+    summary = json.loads((tmp_path / "compress" / "summary.json").read_text())
+    assert summary["parameters"]["polydispersity"] == 0.1
+    with deformable.load(tmp_path / "compress") as sim:
+        radius = sim.state().packing.radius
+    assert len(np.unique(radius)) == 16
+    # mean 0.5 and standard deviation 0.05 are known to 0.05/sqrt(16) and less
+    assert radius.mean() == pytest.approx(0.5, abs=0.05)
+    assert radius.std() == pytest.approx(0.05, abs=0.03)
+    result = run("compress", "--further", "--steps", "1", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--polydispersity", "0"), "error: polydispersity must be a positive number, not 0.0\n"),
+        (
+            ("--polydispersity", "0.1", "--fraction", "0.3"),
+            "error: give a polydispersity, or radii and fraction of two sizes\n",
+        ),
+    ],
+)
+def test_command_line_refuses(options: tuple[str, ...], message: str, tmp_path: Path) -> None:
+    result = run("compress", *options, cwd=tmp_path)
+    assert (result.returncode, result.stderr) == (2, message)
+
+
+def test_rings_of_beads_refuse(jammed: deformable.Packing) -> None:
+    with pytest.raises(deformable.ParameterError, match="rings of beads have the sizes of their"):
+        deformable.BeadReference(jammed)
+
+
+def test_outline_is_of_the_radius_of_its_own(state: deformable.State) -> None:
+    """Not of that of its species."""
+    n = int(state.packing.radius.argmin())
+    seen = state.particle_contacts[n]
+    expected = core.outline(
+        "ring", state.packing.radius[n], seen["angle"], seen["indentation"], 180
+    )
+    assert np.array_equal(state.outlines[n], state.packing.positions[n] + expected)

@@ -1,0 +1,62 @@
+"""Equal particles on a triangular lattice, from their onset to confluence."""
+
+import deformable
+import numpy as np
+import pytest
+from crystal import RADIUS, crystal
+
+# A hexagon of inradius h has the perimeter 2 A6 h and the area A6 h^2.
+A6 = 6.0 * np.tan(np.pi / 6.0)
+CONFLUENCE = 1.0 - np.pi / A6  # a/R where the perimeter 2 pi R is that of the hexagon
+
+
+def lattice_state(indentation: float) -> deformable.State:
+    with deformable.Simulation(crystal(indentation), deformable.Ring()) as sim:
+        return sim.state()
+
+
+def test_confluence_is_where_the_arcs_vanish() -> None:
+    assert pytest.approx(0.0931, abs=5e-5) == CONFLUENCE
+    for part in (-1e-6, 1e-6):
+        state = lattice_state(CONFLUENCE + part)
+        assert state.beyond == (16 if part > 0.0 else 0)
+        assert state.arc_radius == pytest.approx(-A6 / (A6 - np.pi) * part * RADIUS, rel=1e-6)
+
+
+def test_particles_are_hexagons_at_confluence() -> None:
+    state = lattice_state(CONFLUENCE * (1.0 - 1e-12))
+    h = np.pi * RADIUS / A6
+    assert state.area == pytest.approx(A6 * h**2, rel=1e-10)
+    shape = state.perimeter**2 / (4.0 * np.pi * state.area)
+    assert shape == pytest.approx(A6 / np.pi, rel=1e-10)
+    assert shape == pytest.approx(1.1027, abs=5e-5)
+    assert state.phi == pytest.approx(1.0, rel=1e-10)
+
+
+def test_energy_and_pressure_at_confluence_are_those_of_the_polygon() -> None:
+    """The hexagon lacks D = pi R^2 - A6 h^2, and each side of length L = 2 h tan(pi/6) bears D L.
+
+    The sides of a cell bear its pressure D, and nothing else does: p = D.
+    """
+    state = lattice_state(CONFLUENCE * (1.0 - 1e-12))
+    deficit = np.pi * RADIUS**2 - (np.pi * RADIUS) ** 2 / A6
+    assert state.energy == pytest.approx(16 * deficit**2 / 2.0, rel=1e-9)
+    assert state.pressure == pytest.approx(deficit, rel=1e-9)
+    minimum_contact_force = state.contact_table["force"] > 0.0
+    assert np.sum(minimum_contact_force) == 16 * 6
+    side = 2.0 * np.pi * RADIUS / A6 * np.tan(np.pi / 6.0)
+    assert state.contact_table["force"][minimum_contact_force] == pytest.approx(
+        deficit * side, rel=1e-9
+    )
+
+
+@pytest.mark.parametrize("part", [1e-3, 0.1, 0.5, 0.9, 1.0 - 1e-9])
+def test_pressure_up_to_confluence_is_the_closed_form(part: float) -> None:
+    """S = K a^2 with K = pi A6/(A6 - pi), p = -dU/dV with V = A6 h^2 of a cell."""
+    a = part * CONFLUENCE * RADIUS
+    stiffness = np.pi * A6 / (A6 - np.pi)
+    state = lattice_state(part * CONFLUENCE)
+    assert state.energy == pytest.approx(16 * (stiffness * a**2) ** 2 / 2.0, rel=1e-9)
+    pressure = 2.0 * stiffness**2 * a**3 / (2.0 * A6 * (RADIUS - a))
+    assert state.stress == pytest.approx(pressure * np.eye(2), rel=1e-9, abs=1e-9 * pressure)
+    assert (state.coordination, state.network_contacts) == (6.0, 48)

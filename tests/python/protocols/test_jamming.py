@@ -1,0 +1,159 @@
+"""Jamming: the onset of rigidity of soft disks and of deformable particles."""
+
+import warnings
+
+import deformable
+import numpy as np
+import pytest
+from deformable.protocols.jamming import natural_pressure, simulate
+
+RADICAL, BALANCED = (deformable.Ring(contact=contact) for contact in ("radical", "balanced"))
+ONSETS = [
+    (None, 1e-7),
+    (RADICAL, 1e-16),
+    (deformable.Ring(kA=[4.0, 1.0], kP=2.0), 1e-16),
+    (BALANCED, 1e-13),
+]
+
+
+def onset(
+    packing: deformable.Packing, law: deformable.Ring | None
+) -> deformable.State | deformable.DiskState:
+    with simulate(packing, law) as sim:
+        return sim.state()
+
+
+def pairs(state: deformable.State | deformable.DiskState) -> set[tuple[int, int]]:
+    """Who touches whom, rattlers apart."""
+    held = ~state.rattlers
+    i, j = (ends[held[state._ends[0]] & held[state._ends[1]]] for ends in state._ends)
+    return set(zip(i.tolist(), j.tolist(), strict=True))
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_equal_mixture_jams_near_084(seed: int) -> None:
+    jammed = deformable.jam(deformable.bidisperse(128, seed=seed))
+    assert 0.825 < jammed.phi < 0.855
+
+
+def test_packing_is_at_the_onset() -> None:
+    jammed = deformable.jam(deformable.bidisperse(32, aspect=1.5, tilt=0.3, seed=3))
+    apart = jammed.positions[:, None] - jammed.positions
+    fraction = apart @ np.linalg.inv(jammed.box)
+    distance = np.linalg.norm((fraction - np.rint(fraction)) @ jammed.box, axis=2)
+    distance[np.diag_indices(32)] = np.inf
+    overlap = (jammed.radius[:, None] + jammed.radius - distance)[np.triu_indices(32)]
+    assert overlap.max() < 1e-4  # hardly more than touching ...
+    assert (overlap > 0).sum() > 1.7 * 28  # ... but about 2N contacts, some rattlers apart
+
+
+def test_same_seed_same_packing() -> None:
+    first, again = (deformable.jam(deformable.bidisperse(16, seed=5)) for _ in range(2))
+    assert np.array_equal(first.positions, again.positions)
+
+
+def test_one_particle_jams_against_its_images() -> None:
+    assert deformable.jam(deformable.bidisperse(1)).phi == pytest.approx(np.pi / 4, rel=1e-4)
+
+
+@pytest.mark.parametrize(("law", "window"), ONSETS)
+@pytest.mark.parametrize("seed", [1, 2])
+def test_onset_is_isostatic_and_in_its_window(
+    law: deformable.Ring | None, window: float, seed: int
+) -> None:
+    """Relaxed to 1e-6, N' particles have 2N' - 1 contacts, one more than modes of motion."""
+    packing = deformable.bidisperse(16, seed=seed)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        jammed = deformable.jam(packing, law, pressure=window, tolerance=1e-6)
+    state = onset(jammed, law)
+    assert window < state.pressure / natural_pressure(jammed, law) <= 2.0 * window
+    # disks are relaxed to 1e-6 of the threshold; rounding of the box length moves them a little
+    assert state.residual <= 1.5e-6
+    held = int(np.sum(~state.rattlers))
+    assert state.network_contacts == state.isostatic_contacts == 2 * held - 1
+    assert state.coordination == pytest.approx(2 * (2 * held - 1) / held)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 4])
+def test_rings_jam_where_disks_do(seed: int) -> None:
+    """Neither has an energy before circles overlap, so from one loose packing both jam in one way.
+
+    Thresholds put disks 3e-7 beyond phi_J (p = 0.4 dphi), rings 4e-6 (p = 4 dphi^3).
+    """
+    packing = deformable.bidisperse(16, seed=seed)
+    disks = deformable.jam(packing, pressure=1e-7, tolerance=1e-6)
+    loose = disks.at(disks.phi - 1e-3)
+    rings = deformable.jam(loose, RADICAL, pressure=1e-16, step=1e-3, tolerance=1e-6)
+    assert rings.phi == pytest.approx(disks.phi, abs=1e-5)
+    assert pairs(onset(rings, RADICAL)) == pairs(onset(disks, None))
+
+
+def test_natural_pressure() -> None:
+    packing = deformable.bidisperse(4, radii=(0.5, 1.5))  # R0 = 1
+    for law, unit in (
+        (None, 1.0),
+        (deformable.Ring(kA=3.0), 3.0),
+        (deformable.Ring(kA=np.inf, kP=5.0), 5.0),
+        (deformable.Ring(kA=3.0, kP=6.0), 2.0),
+        (deformable.Ring(kA=[3.0, 1.0]), 2.0),
+        (deformable.Sector(kA=3.0), 3.0),
+    ):
+        assert natural_pressure(packing, law) == pytest.approx(unit)
+    small = deformable.bidisperse(4, radii=(0.25, 0.75))
+    assert natural_pressure(small, deformable.Ring(kA=3.0)) == pytest.approx(0.75)
+
+
+def test_sector_says_that_it_has_no_onset() -> None:
+    with pytest.warns(deformable.StalledWarning, match="the onset of jamming is uncertain"):
+        deformable.jam(deformable.bidisperse(8, seed=1), deformable.Sector(), pressure=1e-4)
+
+
+def test_rattlers_fall_one_after_another() -> None:
+    """Four particles hold each other; 5 and 6 have two contacts each, and 4 is left with one."""
+    packing = deformable.bidisperse(7)
+    ends = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3), (0, 4)]
+    ends += [(4, 5), (4, 6), (5, 6)]
+    state = deformable.DiskState(
+        packing, None, 0.0, np.zeros((2, 2)), np.array(ends), residual=0.0, stalled=False
+    )
+    assert state.rattlers.tolist() == [False] * 4 + [True] * 3
+    assert (state.network_contacts, state.isostatic_contacts) == (6, 7)
+    assert state.coordination == 3.0
+
+
+def test_rigid_start_is_refused() -> None:
+    with pytest.raises(deformable.ParameterError, match=r"rigid already at phi = 1\.1000"):
+        deformable.jam(deformable.bidisperse(32, phi=1.1))
+    with pytest.raises(deformable.ParameterError, match="pressure must be a positive number"):
+        deformable.jam(deformable.bidisperse(8), pressure=0.0)
+
+
+def in_one_place(number: int, particle_radii: np.ndarray | None = None) -> deformable.Packing:
+    """Disks in a corner of a tilted box, seen from all four cells around it."""
+    box = np.array([[4.0, 0.0], [1.0, 4.0]])
+    cells = np.array([[0, 0], [1, 0], [0, 1], [1, 1], [0, 0]])[:number]
+    return deformable.Packing(cells @ box, np.zeros(number), np.array([0.5]), box, particle_radii)
+
+
+@pytest.mark.parametrize("number", [2, 5])
+@pytest.mark.parametrize("sizes", [False, True])
+def test_centers_in_one_place_are_pushed_apart(number: int, particle_radii: bool) -> None:
+    packing = in_one_place(number, np.full(number, 0.5) if particle_radii else None)
+    apart, again = deformable.push_off(packing), deformable.push_off(packing)
+    assert np.array_equal(apart.positions, again.positions)
+    fraction = (apart.positions[:, None] - apart.positions) @ np.linalg.inv(apart.box)
+    distance = np.linalg.norm((fraction - np.rint(fraction)) @ apart.box, axis=2)
+    # forces end at 1e-3 of a pressure of 1e-3 times R, and overlaps are forces; a disk has up to 5
+    assert distance[np.triu_indices(number, 1)].min() > 1.0 - 5 * 0.5e-6
+    # small boxes jam early, and no disks of one size beyond the triangular lattice
+    assert packing.phi + 0.1 < deformable.jam(packing).phi < 0.907
+
+
+def test_other_centers_stay_when_some_are_parted() -> None:
+    packing = in_one_place(3)
+    alone = np.vstack([packing.positions, [2.5, 2.0]])
+    (x, y) = deformable.push_off(
+        deformable.Packing(alone, np.zeros(4), packing.radii, packing.box)
+    ).positions[3]
+    assert (x, y) == pytest.approx((2.5, 2.0), abs=1e-12)

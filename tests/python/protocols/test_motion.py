@@ -1,0 +1,284 @@
+"""Motion in time: temperature, energy, what a time step may be, and starts from anywhere."""
+
+import deformable
+import numpy as np
+import pytest
+from deformable.protocols.motion import move
+
+SOFT = deformable.Ring(kP=0.3)
+
+
+@pytest.fixture(scope="module")
+def dense() -> deformable.Packing:
+    """From random places far above jamming."""
+    return deformable.push_off(deformable.bidisperse(32, phi=0.95, seed=3))
+
+
+@pytest.fixture(scope="module")
+def loose() -> deformable.Packing:
+    return deformable.push_off(deformable.bidisperse(64, phi=0.6, seed=3))
+
+
+def scatter(particles: float, friction: float, time: float) -> float:
+    """Standard error of a mean kinetic temperature over its value.
+
+    With f = 2 (N - 1) degrees of freedom the kinetic energy varies by (2/f)^(1/2) and forgets at
+    the rate 2 friction: (2/f)/(friction time) is the square of the error of its mean.
+    """
+    return (1.0 / ((particles - 1) * friction * time)) ** 0.5
+
+
+def test_random_places_are_a_start_after_push_off(dense: deformable.Packing) -> None:
+    assert dense.phi == pytest.approx(0.95)
+    with deformable.Simulation(dense, deformable.Ring()) as sim:
+        assert sim.relax().coordination > 4.0
+    random = deformable.bidisperse(32, phi=0.95, seed=3)
+    with (
+        deformable.Simulation(random, deformable.Ring()) as sim,
+        pytest.raises(deformable.LammpsError, match=r"of atoms \d+ and \d+ .*push_off"),
+    ):
+        next(move(sim, 100))
+
+
+@pytest.mark.parametrize("law", [deformable.Ring(contact="radical"), SOFT])
+def test_temperature_of_a_heat_bath(loose: deformable.Packing, law: deformable.Ring) -> None:
+    """Kinetic, of all particles, of either size and along either axis: to 1 % at four sigma."""
+    temperature, friction, steps = 1e-5, 1.0, 14_000
+    with deformable.Simulation(loose, law) as sim:
+        states = list(move(sim, steps, None, temperature, friction, every=20))
+    error = scatter(len(loose), friction, states[-1].time)
+    assert 4.0 * error < 0.01
+    found = np.mean([state.temperature for state in states])
+    assert found == pytest.approx(temperature, rel=4.0 * error)
+    energy = np.mean([state.velocities**2 for state in states], axis=0)
+    for part in (
+        energy[:, 0],
+        energy[:, 1],
+        energy[loose.species == 0],
+        energy[loose.species == 1],
+    ):
+        assert part.mean() == pytest.approx(temperature, rel=4.0 * np.sqrt(2.0) * error)
+    assert max(state.contacts.max() for state in states) > 1  # they met
+
+
+def test_heat_bath_knows_no_ends_of_runs() -> None:
+    """Forces drawn anew at each state would halve the temperature, as fix langevin does."""
+    gas = deformable.push_off(deformable.bidisperse(64, phi=0.05, seed=3))
+    with deformable.Simulation(gas, deformable.Ring()) as sim:
+        states = list(move(sim, 400, 0.5, 1e-6, friction=1.0, every=1))
+    error = scatter(len(gas), 1.0, states[-1].time)
+    found = np.mean([state.temperature for state in states])
+    assert found == pytest.approx(1e-6, rel=4.0 * error)
+
+
+def test_potential_energy_has_its_share(dense: deformable.Packing) -> None:
+    """(N - 1) T in all, where the packing is a solid without rattlers and T is small."""
+    temperature, friction = 1e-9, 0.1
+    with deformable.Simulation(dense, deformable.Ring(contact="radical")) as sim:
+        lowest = sim.relax(1e-8)
+        assert not lowest.rattlers.any()
+        *_, _ = move(sim, 1000, None, temperature, friction, every=1000)
+        states = list(move(sim, 10_000, None, temperature, friction, every=20, seed=2))
+    share = np.mean([state.energy - lowest.energy for state in states])
+    # the energy of an oscillator forgets at the rate `friction`, half that of a free velocity
+    error = np.sqrt(2.0) * scatter(len(dense), friction, states[-1].time)
+    assert share == pytest.approx((len(dense) - 1) * temperature, rel=4.0 * error)
+
+
+@pytest.mark.parametrize("phi", [0.6, 0.9])
+def test_energy_error_falls_with_the_square_of_the_time_step(phi: float) -> None:
+    packing = deformable.push_off(deformable.bidisperse(16, phi=phi, seed=1))
+    errors, steps = [], np.array([0.8, 0.4, 0.2])
+    for step in steps:
+        with deformable.Simulation(packing, deformable.Ring()) as sim:
+            sim.relax()
+            states = list(move(sim, round(160 / step), float(step), 1e-6, every=round(4 / step)))
+        total = [state.energy + state.kinetic_energy for state in states]
+        errors.append(np.std(total))
+        momentum = states[-1].velocities.sum(axis=0)
+        assert np.abs(momentum).max() < 1e-13
+    # three points of a chaotic trajectory scatter about 2
+    assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(2.0, abs=0.4)
+    assert errors[-1] < 1e-3 * states[-1].kinetic_energy
+
+
+def test_relaxing_on_the_way_leaves_the_time_step(dense: deformable.Packing) -> None:
+    """FIRE has a time step of its own, which must not become that of the motion."""
+    with deformable.Simulation(dense, deformable.Ring()) as sim:
+        motion = deformable.move(sim, 4, 0.01, temperature=1e-6, every=2)
+        next(motion)
+        sim.relax()
+        assert sim.lmp.extract_global("dt") != 0.01
+        next(motion)
+        assert sim.lmp.extract_global("dt") == 0.01
+
+
+def test_damped_motion_comes_to_rest(dense: deformable.Packing) -> None:
+    with deformable.Simulation(dense, deformable.Ring()) as sim:
+        states = list(move(sim, 4000, friction=0.05, every=200))
+    total = np.array([state.energy + state.kinetic_energy for state in states])
+    assert (np.diff(total) < 1e-9 * total[0]).all()
+    assert states[-1].kinetic_energy < 1e-3 * max(state.kinetic_energy for state in states)
+    assert states[-1].residual < 0.1 * states[0].residual
+
+
+def test_velocities_decay_at_the_rate_of_friction() -> None:
+    """Alone, by (1 - x)/(1 + x) a step, x = friction dt/2, which is exp(-2 x) to third order."""
+    gas = deformable.push_off(deformable.bidisperse(16, phi=0.01, seed=3))
+    friction, dt = 0.1, 0.5
+    with deformable.Simulation(gas, deformable.Ring()) as sim:
+        (_,) = move(sim, 1, dt, temperature=1e-6, every=1)
+        first, *_, last = move(sim, 40, dt, friction=friction, every=10)
+    assert not last.contacts.any()
+    decay = np.exp(-friction * (last.time - first.time))
+    third = (friction * dt) ** 2 / 12.0 * friction * last.time
+    assert last.velocities == pytest.approx(decay * first.velocities, rel=third)
+
+
+def test_motion_goes_on_where_it_was(loose: deformable.Packing) -> None:
+    with deformable.Simulation(loose, SOFT) as sim:
+        (whole,) = move(sim, 200, 0.2, 1e-5, every=200)
+    with deformable.Simulation(loose, SOFT) as sim:
+        (half,) = move(sim, 100, 0.2, 1e-5)
+        (other,) = move(sim, 100, 0.2)
+        assert not sim.relax().velocities.any()
+    assert other.time == half.time == pytest.approx(20.0)
+    apart = other.packing.positions - whole.packing.positions
+    assert np.abs(apart).max() < 1e-9
+    assert np.abs(other.velocities - whole.velocities).max() < 1e-9 * np.abs(whole.velocities).max()
+
+
+def test_an_early_end_leaves_no_trace(loose: deformable.Packing) -> None:
+    with deformable.Simulation(loose, SOFT) as sim:
+        motion = move(sim, 3000, temperature=1e-5, friction=1.0, every=1500)
+        next(motion)
+        assert not sim.lmp.numpy.extract_atom("x")[: len(loose), 2].any()  # all in the plane
+        motion.close()
+        assert not sim.lmp.available_ids("fix")
+
+
+@pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
+def test_a_motion_may_outlive_its_simulation(loose: deformable.Packing) -> None:
+    with deformable.Simulation(loose, SOFT) as sim:
+        motion = move(sim, 200, temperature=1e-5)
+        next(motion)
+    motion.close()
+    with pytest.raises(StopIteration):
+        next(motion)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"timestep": 50.0}, r"timestep = 50 is too long for particle \d+, .* take at most 0\.\d+"),
+        ({"timestep": -1.0}, "timestep .* -1"),
+        ({"temperature": -1.0}, "temperature .* -1"),
+        ({"temperature": "warm"}, "temperature .* 'warm'"),
+        ({"friction": float("inf")}, "friction .* inf"),
+        ({"temperature": np.array([1.0])}, r"temperature .* \[1\.0\]"),
+        ({"steps": 100.5}, "steps must be a whole number, not 100.5"),
+        ({"every": 30}, "multiple of every, .* not 100 and 30"),
+        ({"steps": 150}, "multiple of every, .* not 150 and 100: give another every"),
+        ({"steps": 10, "timestep": -1.0, "every": 3}, "timestep .* -1"),
+        ({"seed": 0}, "seed .* not 0"),
+    ],
+)
+def test_refusals(loose: deformable.Packing, values: dict[str, float], message: str) -> None:
+    with (
+        deformable.Simulation(loose, SOFT) as sim,
+        pytest.raises(deformable.ParameterError, match=message),
+    ):
+        next(move(sim, **{"steps": 100, "temperature": 1e-5} | values))
+
+
+def test_a_short_motion_is_one_state(loose: deformable.Packing) -> None:
+    with deformable.Simulation(loose, SOFT) as sim:
+        (state,) = move(sim, 10, 0.01)
+        assert state.time == pytest.approx(0.1)
+        assert len(list(move(sim, 200, 0.01))) == 2
+
+
+def test_sector_is_refused_before_other_values(loose: deformable.Packing) -> None:
+    with (
+        deformable.Simulation(loose, deformable.Sector()) as sim,
+        pytest.raises(deformable.ParameterError, match="take Ring"),
+    ):
+        move(sim, 0, -1.0)
+
+
+def test_steps_that_become_too_long_are_refused(loose: deformable.Packing) -> None:
+    def squeeze(sim: deformable.Simulation) -> None:
+        for state in move(sim, 1000, 2.5, temperature=1e-7, friction=0.1, every=10):
+            assert state.phi < 0.95
+            sim.deform(0.995 * sim.box)
+
+    with (
+        deformable.Simulation(loose, SOFT) as sim,
+        pytest.raises(deformable.ParameterError, match=r"timestep = 2\.5 is too long for particle"),
+    ):
+        squeeze(sim)
+
+
+@pytest.mark.parametrize(("phi", "temperature"), [(0.6, 1e-5), (0.9, 1e-5), (0.95, 1e-8)])
+def test_longest_step_is_stable_and_not_by_far(
+    phi: float, temperature: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The energy of a run at it stays the same to 1 %, eight times as long steps end it."""
+    packing = deformable.push_off(deformable.bidisperse(32, phi=phi, seed=3))
+
+    def motion(sim: deformable.Simulation, timestep: float | None) -> list[deformable.State]:
+        return list(move(sim, 1000, timestep, temperature, every=20))
+
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        sim.relax()
+        longest = motion(sim, None)[0].time / 20 / 0.2  # the default is a fifth of it
+        sim.relax()
+        states = motion(sim, 0.95 * longest)
+        total = [state.energy + state.kinetic_energy for state in states]
+        assert np.std(total) < 0.01 * states[-1].kinetic_energy
+        sim.relax()
+        monkeypatch.setattr("deformable.protocols.motion._check", lambda *_: None)
+        with pytest.raises(deformable.LammpsError):
+            motion(sim, 8.0 * longest)
+
+
+def test_too_hot_is_said(loose: deformable.Packing) -> None:
+    with (
+        deformable.Simulation(loose, SOFT) as sim,
+        pytest.raises(deformable.LammpsError, match=r"atom.* or lower the temperature$"),
+    ):
+        list(move(sim, 5000, temperature=1.0))
+
+
+def test_one_particle_has_no_temperature() -> None:
+    alone = deformable.Packing([[1.0, 1.0]], [0], [0.5], 4.0 * np.eye(2))
+    with deformable.Simulation(alone, SOFT) as sim:
+        with pytest.raises(deformable.ParameterError, match="alone"):
+            next(move(sim, 100, temperature=1e-5))
+        assert next(move(sim, 100)).temperature == 0.0
+
+
+def test_particles_of_any_size_and_stiffness_move() -> None:
+    """Masses are 1 whatever the radii; the stiffest species sets the pace."""
+    radii = np.random.default_rng(2).uniform(0.4, 0.8, 32)
+    packing = deformable.push_off(deformable.polydisperse(32, radii, phi=0.85, seed=2))
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        states = list(move(sim, 4000, temperature=1e-6, every=200))
+    total = [state.energy + state.kinetic_energy for state in states]
+    assert np.std(total) < 1e-3 * states[-1].kinetic_energy
+    mixed = deformable.bidisperse(16, phi=0.3, seed=2)
+    pace = []
+    for kA in ((1.0, 1.0), (1.0, 16.0)):
+        mixture = deformable.Ring(kA=kA, kP=(np.inf, 1.0))
+        with deformable.Simulation(deformable.push_off(mixed), mixture) as sim:
+            pace.append(next(move(sim, 1, temperature=1e-6, every=1)).time)
+    # 1 and kP/R^2 = 1/0.49, to the power of 1/4
+    assert pace[1] / pace[0] == pytest.approx(0.49**0.25)
+
+
+def test_sector_is_refused(loose: deformable.Packing) -> None:
+    with (
+        deformable.Simulation(loose, deformable.Sector()) as sim,
+        pytest.raises(deformable.ParameterError, match="energy of Sector jumps"),
+    ):
+        move(sim, 100, friction=0.1)

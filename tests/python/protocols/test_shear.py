@@ -1,0 +1,128 @@
+"""Simple shear and the moduli of linear response."""
+
+from collections.abc import Callable
+
+import deformable
+import numpy as np
+import pytest
+from crystal import RADIUS, crystal
+from deformable import core
+from deformable.protocols.shear import sheared, straighten
+
+
+def ring_energy(indentation: float, gamma: float, compression: float) -> float:
+    """Energy of one particle of the lattice, strained affinely, by the kernel."""
+    angle = np.arange(6) * np.pi / 3.0
+    spacing = 2.0 * RADIUS * (1.0 - indentation)
+    ends = spacing * np.column_stack([np.cos(angle), np.sin(angle)])
+    ends = sheared(ends, gamma) * np.sqrt(1.0 - compression)
+    distance = np.hypot(*ends.T)
+    shape = core.ring(RADIUS, np.arctan2(*ends.T[::-1]), RADIUS - distance / 2.0)
+    return float(shape.area_deficit**2 / 2.0)
+
+
+def second_derivative(energy: Callable[[float], float], step: float) -> float:
+    """Of fourth order in the step."""
+    values = [energy(n * step) for n in range(-2, 3)]
+    return float(np.dot([-1.0, 16.0, -30.0, 16.0, -1.0], values) / (12.0 * step**2))
+
+
+def test_moduli_of_the_crystal_of_rings() -> None:
+    """One particle a cell: it follows affinely, and its energy gives both moduli.
+
+    G = U''/V over the shear strain; with V' = -V, K = -V dp/dV = (U'' - U')/V over e, V = 1 - e.
+    """
+    indentation = 0.02
+    with deformable.Simulation(crystal(indentation), deformable.Ring()) as sim:
+        state = sim.relax()
+    cell = np.prod(state.packing.box.diagonal()) / len(state.packing)
+    shear = second_derivative(lambda gamma: ring_energy(indentation, gamma, 0.0), 1e-4) / cell
+    for pure in (False, True):
+        found = deformable.shear_modulus(state, 1e-4, pure=pure)
+        assert found.linear
+        # central differences of strains up to 1e-4 over the indentation 0.02: (0.005)^2, a factor
+        assert found.value == pytest.approx(shear, rel=2e-4)
+    bulk = second_derivative(lambda e: ring_energy(indentation, 0.0, e), 1e-4) / cell
+    assert deformable.bulk_modulus(state, 1e-4).value == pytest.approx(bulk, rel=2e-4)
+
+
+def test_moduli_of_the_crystal_of_disks() -> None:
+    """Springs k on a triangular lattice: G = sqrt(3)/4 k, K = sqrt(3)/2 k, up to the prestress."""
+    overlap = 1e-5
+    with deformable.Disks(crystal(overlap)) as sim:
+        state = sim.relax()
+    assert state.coordination == 6.0
+    bulk = deformable.bulk_modulus(state, 0.1 * overlap)
+    for pure in (False, True):
+        shear = deformable.shear_modulus(state, 0.1 * overlap, pure=pure)
+        assert (shear.linear, bulk.linear) == (True, True)
+        assert shear.value == pytest.approx(np.sqrt(3.0) / 4.0, rel=10 * overlap)
+    assert bulk.value == pytest.approx(np.sqrt(3.0) / 2.0, rel=10 * overlap)
+
+
+def test_modulus_halves_a_strain_that_is_too_large() -> None:
+    """Contacts of the crystal open at strains of about the overlap: beyond it is softer."""
+    overlap = 1e-4
+    with deformable.Disks(crystal(overlap)) as sim:
+        state = sim.relax()
+    found = deformable.shear_modulus(state, 8.0 * overlap)
+    assert found.linear
+    assert found.strain < 2.0 * overlap
+    assert found.value == pytest.approx(np.sqrt(3.0) / 4.0, rel=10 * overlap)
+
+
+@pytest.fixture(scope="module", params=["ring", "disk"])
+def sim(request: pytest.FixtureRequest) -> deformable.Simulation | deformable.Disks:
+    packing = deformable.jam(deformable.bidisperse(12, seed=2))
+    squeezed = packing.at(packing.phi + 0.03)
+    if request.param == "disk":
+        return deformable.Disks(squeezed)
+    return deformable.Simulation(squeezed, deformable.Ring())
+
+
+def test_work_is_the_gain_of_energy(sim: deformable.Simulation | deformable.Disks) -> None:
+    """dU = V sigma dgamma, with the trapezium rule over a small step."""
+    before = sim.relax(1e-9)
+    area = np.prod(before.packing.box.diagonal())
+    (after,) = deformable.shear(sim, 1e-4, 1, tolerance=1e-9)
+    stress = -(before.stress[0, 1] + after.stress[0, 1]) / 2.0
+    # relative to the curvature of sigma: (1e-4 / 0.03)^2
+    assert after.energy - before.energy == pytest.approx(area * stress * 1e-4, rel=1e-4)
+
+
+def test_shear_goes_on_in_an_equivalent_box(
+    sim: deformable.Simulation | deformable.Disks,
+) -> None:
+    box = sim.box
+    states = list(deformable.shear(sim, 1.3, 13, tolerance=1e-3))
+    assert all(not state.stalled for state in states)
+    for n, state in enumerate(states, start=1):
+        (lx, _), (xy, ly) = state.packing.box
+        assert (lx, ly) == pytest.approx(box.diagonal())
+        turns = (box[1, 0] + 0.1 * n * ly - xy) / lx
+        assert turns == pytest.approx(round(turns), abs=1e-9)
+        assert abs(xy) <= 0.5 * lx + 0.1 * ly
+
+
+def test_equivalent_box_changes_nothing(sim: deformable.Simulation | deformable.Disks) -> None:
+    (lx, _), (_, ly) = sim.box.tolist()
+    sim.deform(np.array([[lx, 0.0], [0.8 * lx, ly]]))
+    before = sim.state()
+    straighten(sim)
+    after = sim.state()
+    assert after.packing.box[1, 0] == pytest.approx(-0.2 * lx)
+    assert after.energy == pytest.approx(before.energy, rel=1e-9)
+    assert after.stress == pytest.approx(before.stress, rel=1e-9, abs=1e-9 * before.pressure)
+
+
+@pytest.mark.parametrize(
+    ("strain", "steps", "message"),
+    [(np.nan, 1, "strain must be a finite number, not nan"), (0.1, 0, "steps must be at least 1")],
+)
+def test_bad_input(
+    sim: deformable.Simulation | deformable.Disks, strain: float, steps: int, message: str
+) -> None:
+    with pytest.raises(deformable.ParameterError, match=message):
+        deformable.shear(sim, strain, steps)
+    with pytest.raises(deformable.ParameterError, match="strain must be a positive number, not 0"):
+        deformable.shear_modulus(sim.state(), 0.0)

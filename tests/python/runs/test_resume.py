@@ -1,0 +1,303 @@
+"""A compression that is killed and resumed is the one that nobody killed, byte for byte."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from deformable.cli import main as cli
+
+FILES = (
+    *("packing.data", "species.deformable", "in.lammps", "summary.json"),
+    *("series.csv", "trajectory.lammpstrj"),
+)
+
+# Kills itself before the n-th time that it opens for writing, renames or removes a file of the run,
+# or half-way through the n-th piece that it appends.
+VICTIM = """
+import os, signal, sys
+from deformable.cli import main as cli
+from deformable.io import store as files
+
+how, count = sys.argv.pop(1), int(sys.argv.pop(1))
+
+def strike():
+    global count
+    count -= 1
+    if count == 0:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+def watch(event, details):
+    if event not in ("open", "os.rename", "os.remove") or "run/" not in str(details[0]):
+        return
+    if event != "open" or details[2] & (os.O_WRONLY | os.O_RDWR):
+        strike()
+
+def torn(path, text):
+    with path.open("a", newline="") as file:
+        file.write(text[: len(text) // 2])
+        file.flush()
+        strike()
+        file.write(text[len(text) // 2 :])
+
+if how == "before":
+    sys.addaudithook(watch)
+else:
+    files._append = torn
+cli.main()
+"""
+
+# 0.6 % in a step: the packing rearranges on the way, so that other last digits would show
+START = ("--number", "16", "--strain", "0.03", "--steps", "5", "--seed", "5")
+
+
+def compress(*options: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    command = [str(Path(sys.executable).parent / "deformable"), "compress", "--out", "run"]
+    return subprocess.run(
+        [*command, *options], cwd=cwd, capture_output=True, text=True, timeout=120, check=False
+    )
+
+
+def killed(how: str, count: int, *options: str, cwd: Path) -> None:
+    result = subprocess.run(
+        [sys.executable, "-c", VICTIM, how, str(count), "compress", "--out", "run", *options],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert result.returncode == -signal.SIGKILL, result.stderr
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    assert not list(folder.glob("*.part"))
+    return {name: (folder / name).read_bytes() for name in FILES}
+
+
+@pytest.fixture(scope="module")
+def unbroken(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    folder = tmp_path_factory.mktemp("unbroken")
+    result = compress(*START, cwd=folder)
+    assert result.returncode == 0, result.stderr
+    return contents(folder / "run")
+
+
+def test_killed_again_and_again(unbroken: dict[str, bytes], tmp_path: Path) -> None:
+    # the four files of the start are written first, the packing last, each in two moves
+    killed("before", 8, *START, cwd=tmp_path)
+    result = compress("--resume", cwd=tmp_path)  # and there is nothing yet
+    assert (result.returncode, result.stderr.count("\n")) == (2, 1)
+    assert "packing.data is missing" in result.stderr
+
+    killed("before", 10, *START, cwd=tmp_path)  # before the first frame
+    killed("torn", 3, "--resume", cwd=tmp_path)  # within the second
+    killed("torn", 2, "--resume", cwd=tmp_path)  # within the second row
+    killed("before", 23, "--resume", cwd=tmp_path)  # between summary and packing of the third step
+    result = compress("--resume", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert [line.split()[0] for line in result.stdout.splitlines()] == [
+        "step",
+        "3",
+        "4",
+        "5",
+        "wrote",
+    ]
+    assert contents(tmp_path / "run") == unbroken
+
+    for options in ((), START):
+        result = compress(*options, "--resume", cwd=tmp_path)
+        assert (result.returncode, result.stderr) == (0, "")
+        assert result.stdout == "the compression in 'run' is complete\n"
+    assert contents(tmp_path / "run") == unbroken
+    assert list(deformable.resume(tmp_path / "run")) == []
+
+
+def in_process(*options: str) -> None:
+    """The same without a process of its own, for what is refused."""
+    cli.app(["compress", "--out", "run", *options], standalone_mode=False)
+
+
+def test_the_same_command_resumes(
+    unbroken: dict[str, bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And nothing else: neither another option nor a run that goes on from the middle."""
+    monkeypatch.chdir(tmp_path)
+    law = ("--kA", "1", "--kP", "inf", "--radii", "0.5", "0.7", "--law", "ring")
+    killed("torn", 5, *START, *law, cwd=tmp_path)
+    broken = contents(tmp_path / "run")
+    for option, saved, given in (
+        ("--seed", "5", "2"),
+        ("--kP", "inf", "3.0"),
+        ("--radii", "0.5 0.7", "0.5 0.8"),
+        ("--contact", "balanced", "radical"),
+        ("--polydispersity", "none", "0.1"),
+        ("--steps", "5", "2"),
+        ("--tolerance", "1e-06", "1e-08"),
+    ):
+        with pytest.raises(deformable.ParameterError) as error:
+            in_process("--resume", option, *given.split())
+        assert str(error.value) == (
+            f"the run in 'run' was begun with {option} {saved}, not {given}: leave it out, or name "
+            "another folder"
+        )
+    message = (
+        "the compression in 'run' is interrupted at step 2 of 5: finish it first with --resume"
+    )
+    with pytest.raises(deformable.FileError, match=message):
+        in_process("--further", "--steps", "1")
+    with (
+        deformable.load(tmp_path / "run") as sim,
+        pytest.raises(deformable.FileError, match="at step 2 of 5: finish it first"),
+    ):
+        deformable.compress_in(tmp_path / "run", sim, 0.01, 1, append=True)
+    assert contents(tmp_path / "run") == broken
+    result = compress(*START, *law, "--resume", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert contents(tmp_path / "run") == unbroken
+
+    result = compress("--further", "--strain", "0.001", "--steps", "1", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    with pytest.raises(deformable.ParameterError, match="was begun with --seed 5, not 3"):
+        in_process("--further", "--seed", "3")  # by what it went further from
+    in_process("--resume", "--seed", "5", "--steps", "1")
+
+
+def test_a_run_is_not_written_over(unbroken: dict[str, bytes], tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    folder.mkdir()
+    for name, content in unbroken.items():
+        (folder / name).write_bytes(content)
+    result = compress("--number", "8", cwd=tmp_path)
+    assert (result.returncode, result.stdout) == (2, "")
+    assert result.stderr == (
+        "error: 'run' holds a run: finish it with --resume, or compress it further with "
+        "--further, or replace it with --overwrite, or name another folder\n"
+    )
+    with deformable.load(folder) as sim:
+        with pytest.raises(deformable.FileError, match="replace it with overwrite=True, or name"):
+            deformable.compress_in(folder, sim, 0.01, 1)
+        with pytest.raises(deformable.ParameterError, match="further or replaced: not both"):
+            deformable.compress_in(folder, sim, 0.01, 1, append=True, overwrite=True)
+    assert contents(folder) == unbroken
+    result = compress("--number", "8", "--steps", "1", "--overwrite", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert (folder / "series.csv").read_text().count("\n") == 2
+    assert json.loads((folder / "summary.json").read_text())["parameters"]["number"] == 8
+
+
+def spoil(text: str, how: str) -> str | None:
+    """Ways to lose what is on record."""
+    if how == "missing":
+        return None
+    if how == "cut":  # within the last row
+        return text[:-20]
+    if how == "short":
+        return text[: len(text) // 2]
+    return text.replace("ITEM: TIMESTEP\n1\n", "ITEM: TIMESTEP\n7\n").replace("\n1,", "\n7,")
+
+
+@pytest.mark.parametrize("how", ["missing", "cut", "short", "other"])
+@pytest.mark.parametrize("name", ["trajectory.lammpstrj", "series.csv"])
+def test_frames_on_record_are_there(
+    unbroken: dict[str, bytes], tmp_path: Path, name: str, how: str
+) -> None:
+    if (name, how) == ("series.csv", "cut"):
+        how = "short"
+    for file, content in unbroken.items():
+        (tmp_path / file).write_bytes(content)
+    left = spoil((tmp_path / name).read_text(), how)
+    (tmp_path / name).unlink()
+    if left is not None:
+        (tmp_path / name).write_text(left)
+    with (
+        deformable.load(tmp_path) as sim,
+        pytest.raises(deformable.FileError, match=rf"{name} lacks frame \d, of the 5 frames"),
+    ):
+        deformable.compress_in(tmp_path, sim, 0.01, 1, append=True)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    summary["parameters"]["steps"] = 6
+    (tmp_path / "summary.json").write_text(json.dumps(summary))
+    with pytest.raises(deformable.FileError, match=rf"{name} lacks frame \d, of the 5 frames"):
+        deformable.resume(tmp_path)
+
+
+def test_protocols_of_any_numbers_go_on(tmp_path: Path) -> None:
+    """numpy's among them, which JSON does not know."""
+    packing = deformable.jam(deformable.bidisperse(8, seed=1))
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        run = deformable.compress_in(
+            tmp_path, sim, np.float32(0.02), np.int64(3), tolerance=np.float32(1e-6)
+        )
+        next(run)
+        del run
+    assert len(list(deformable.resume(tmp_path))) == 2
+    assert json.loads((tmp_path / "summary.json").read_text())["parameters"]["steps"] == 3
+
+
+def test_killed_from_outside(unbroken: dict[str, bytes], tmp_path: Path) -> None:
+    command = [sys.executable, "-c", "from deformable.cli.main import main; main()", "compress"]
+    process = subprocess.Popen([*command, "--out", "run", *START], cwd=tmp_path)
+    series = tmp_path / "run" / "series.csv"
+    while process.poll() is None and not (series.exists() and series.stat().st_size > 0):
+        time.sleep(0.01)
+    process.kill()
+    process.wait()
+    for _ in deformable.resume(tmp_path / "run"):
+        pass
+    assert contents(tmp_path / "run") == unbroken
+
+
+def test_python_resumes_what_it_began(jammed: deformable.Packing, tmp_path: Path) -> None:
+    """Also in a tilted box, where LAMMPS rounds centers as it wraps them, and behind a run."""
+    tilted = deformable.jam(deformable.bidisperse(12, tilt=0.3, aspect=1.2, seed=2))
+    for name, stop in (("whole", 3), ("broken", 1)):
+        folder = tmp_path / name
+        for packing, how in ((jammed, {}), (tilted, {"overwrite": True}), (None, {"append": True})):
+            sim = (
+                deformable.load(folder)
+                if packing is None
+                else deformable.Simulation(packing, deformable.Ring())
+            )
+            run = deformable.compress_in(folder, sim, 0.02, 3, **how)
+            for _, state in zip(range(stop if "append" in how else 3), run, strict=False):
+                assert state.root
+    states = list(deformable.resume(tmp_path / "broken"))
+    assert len(states) == 2
+    assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
+    parameters = json.loads((tmp_path / "whole" / "summary.json").read_text())["parameters"]
+    assert parameters["start"]["frame"] == 3
+    assert parameters["before"]["start"]["frame"] == 0
+
+
+def test_a_rigid_packing_is_known_to_have_been_rigid(
+    jammed: deformable.Packing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The warning of a packing that lost its rigidity does not get lost with the process."""
+    first = deformable.Simulation(jammed, deformable.Ring())
+    next(deformable.compress_in(tmp_path, first, 0.02, 2))
+    again = []
+    monkeypatch.setattr(
+        "deformable.runs.resume.Simulation",
+        lambda *given: again.append(deformable.Simulation(*given)) or again[0],
+    )
+    deformable.resume(tmp_path)
+    assert again[0]._rigid_phi == first._rigid_phi < 1.0
+
+
+def test_what_cannot_be_resumed(state: deformable.State, tmp_path: Path) -> None:
+    with pytest.raises(deformable.FileError, match=r"summary\.json is missing"):
+        deformable.resume(tmp_path)
+    for _ in deformable.record([state], tmp_path):
+        pass
+    with pytest.raises(deformable.FileError, match="does not say how it was to go on"):
+        deformable.resume(tmp_path)
+    lines = (tmp_path / "packing.data").read_text().splitlines(keepends=True)
+    (tmp_path / "packing.data").write_text("".join(lines[:-2]))
+    with pytest.raises(deformable.FileError, match=r"packing\.data cannot be read: it has 30 of"):
+        deformable.resume(tmp_path)

@@ -1,0 +1,170 @@
+"""Force chains, maps and movies, and the runs that they are drawn from."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+
+matplotlib = pytest.importorskip("matplotlib")
+matplotlib.use("agg")
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[deformable.State]]:
+    """A recorded run: two steps of compression, then motion in a sheared box."""
+    folder = tmp_path_factory.mktemp("run")
+    jammed = deformable.jam(deformable.bidisperse(12, tilt=0.3, seed=2))
+    with deformable.Simulation(jammed, deformable.Ring(kP=2.0, skin=0.02)) as sim:
+        pressed = deformable.compress(sim, strain=0.03, steps=2)
+        states = list(deformable.record(pressed, folder))
+        motion = deformable.move(sim, 60, temperature=1e-5, every=20)
+        states += deformable.record(motion, folder, append=True)
+    return folder, states
+
+
+def test_replay_gives_the_states_again(run: tuple[Path, list[deformable.State]]) -> None:
+    folder, states = run
+    again = list(deformable.replay(folder))
+    assert len(again) == len(states) == 5
+    for one, other in zip(again, states, strict=True):
+        assert one.phi == pytest.approx(other.phi, rel=1e-12)
+        assert one.energy == pytest.approx(other.energy, rel=1e-9)
+        assert np.array_equal(one.velocities, other.velocities)
+        assert len(one.contact_table) == len(other.contact_table)
+    assert states[-1].temperature > 0.0
+
+
+def test_runs_without_velocities_are_replayed(
+    run: tuple[Path, list[deformable.State]], tmp_path: Path
+) -> None:
+    run[1][0].save(tmp_path)
+    frame = (run[0] / "trajectory.lammpstrj").read_text()
+    (tmp_path / "trajectory.lammpstrj").write_text(frame.replace("vx vy", "ux uy"))
+    assert [state.temperature for state in deformable.replay(tmp_path)] == [0.0] * 5
+
+
+@pytest.mark.parametrize(
+    ("broken", "message"),
+    [
+        (None, r"trajectory\.lammpstrj is missing"),
+        (lambda text: text[: len(text) - 700], "frame 4 .* cannot be read"),
+        (lambda text: text.replace("id type x y", "id type a b"), "frame 0 .* cannot be read"),
+    ],
+    ids=["missing", "half", "columns"],
+)
+def test_broken_trajectories_are_named(
+    run: tuple[Path, list[deformable.State]], tmp_path: Path, broken: object, message: str
+) -> None:
+    run[1][0].save(tmp_path)
+    if callable(broken):
+        text = (run[0] / "trajectory.lammpstrj").read_text()
+        (tmp_path / "trajectory.lammpstrj").write_text(broken(text))
+    with pytest.raises(deformable.FileError, match=message):
+        list(deformable.replay(tmp_path))
+
+
+def test_shape_parameter(state: deformable.State) -> None:
+    # a circle, as rattlers are, has the least perimeter
+    assert state.shape_parameter.min() == pytest.approx(1.0, abs=4 * np.finfo(float).eps)
+    # conserved perimeter: P^2 / (4 pi A) = A0 / A
+    expected = np.pi * state.packing.radius**2 / state.area
+    assert state.shape_parameter == pytest.approx(expected, rel=1e-12)
+    map_ = state.plot(color_by="shape_parameter").collections[0]
+    assert map_.get_clim() == pytest.approx((1.0, expected.max()))
+    matplotlib.pyplot.close("all")
+
+
+def test_force_chains_are_as_wide_as_their_forces(state: deformable.State) -> None:
+    """From each center to its contact lines, at every image that reaches into the box."""
+    lines = state.plot(forces=True).collections[1]
+    halves = np.array(lines.get_segments())
+    length = np.linalg.norm(halves[:, 1] - halves[:, 0], axis=1)
+    width = np.array(lines.get_linewidths())
+    table = state.contact_table
+    found = set(zip(length.round(9), (width / width.max()).round(9), strict=True))
+    height = state.packing.radius[table["i"]] - table["indentation"]
+    force = table["force"] / table["force"].max()
+    assert found == set(zip(height.round(9), force.round(9), strict=True))
+    assert len(halves) >= len(table)
+    matplotlib.pyplot.close("all")
+
+
+@pytest.mark.parametrize("source", ["folder", "states"])
+def test_movie_has_a_picture_a_state(
+    run: tuple[Path, list[deformable.State]], tmp_path: Path, source: str
+) -> None:
+    from PIL import Image
+
+    path = tmp_path / "movie.gif"
+    deformable.movie(run[0] if source == "folder" else iter(run[1]), path, forces=True, rate=5)
+    with Image.open(path) as image:
+        assert image.n_frames == len(run[1])
+        assert image.info["duration"] == 200  # ms
+
+
+def test_pictures_of_a_movie_share_one_scale(
+    run: tuple[Path, list[deformable.State]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from deformable.state import plot as plots
+
+    drawn = []
+    draw = plots.draw
+
+    def watched(*arguments: object) -> object:
+        ax = draw(*arguments)
+        colors, forces = ax.collections
+        drawn.append((*colors.get_clim(), max(forces.get_linewidths())))
+        return ax
+
+    monkeypatch.setattr(plots, "draw", watched)
+    states = run[1]
+    deformable.movie(states, tmp_path / "movie.gif", forces=True)
+    pressure = max(state.particle_pressure.max() for state in states)
+    force = [state.contact_table["force"].max() for state in states]
+    expected = [(0.0, pressure, 5.0 * one / max(force)) for one in force]
+    assert np.array(drawn) == pytest.approx(np.array(expected))
+
+
+def test_movies_that_cannot_be(
+    state: deformable.State, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(
+        message: str, states: object = (state,), name: str = "a.gif", **how: object
+    ) -> None:
+        with pytest.raises(deformable.ParameterError, match=message):
+            deformable.movie(states, tmp_path / name, **how)
+
+    refused(r"\.gif or an \.mp4, not '.*a\.avi'", name="a.avi")
+    refused("one state at least", states=())
+    refused("'beauty'", color_by="beauty")
+    refused("rate .* 0", rate=0)
+    refused("rate .* 2.5", rate=2.5)
+    monkeypatch.setattr("matplotlib.animation.writers.is_available", lambda _: False)
+    refused("ffmpeg", name="a.mp4")
+    monkeypatch.setitem(sys.modules, "matplotlib.animation", None)
+    with pytest.raises(ImportError, match=r"pip install lammps-deformable\[plot\]"):
+        deformable.movie([state], tmp_path / "a.gif")
+    assert not list(tmp_path.iterdir())
+
+
+def test_movie_from_the_shell(run: tuple[Path, list[deformable.State]], tmp_path: Path) -> None:
+    def command(*arguments: str) -> subprocess.CompletedProcess[str]:
+        program = str(Path(sys.executable).parent / "deformable")
+        return subprocess.run(
+            [program, "movie", *arguments],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+
+    done = command(str(run[0]), "--forces", "--color-by", "shape_parameter")
+    assert (done.returncode, done.stdout) == (0, "wrote movie.gif\n")
+    assert (tmp_path / "movie.gif").stat().st_size > 10_000
+    failed = command("nowhere")
+    assert failed.returncode == 2
+    assert failed.stderr == "error: no saved run in 'nowhere': nowhere/summary.json is missing\n"

@@ -1,0 +1,309 @@
+"""Secondary contacts: overlaps vanish, perimeters stay, and shapely agrees about both."""
+
+from collections.abc import Iterator
+from itertools import product
+
+import deformable
+import numpy as np
+import pytest
+import shapely
+from deformable import core
+from deformable.state.secondary import SecondaryOutlines, _divided, _overlaps
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def sector_state(packing: deformable.Packing) -> deformable.State:
+    """The sector law on given centers."""
+    with deformable.Simulation(packing, deformable.Sector()) as sim:
+        return sim.state()
+
+
+@pytest.fixture(scope="module", params=[(64, 1, 0.88), (64, 2, 0.95), (40, 5, 0.92)], ids=str)
+def dense(request: pytest.FixtureRequest) -> deformable.State:
+    """The centers of a relaxed packing, in a sheared box the last one."""
+    number, seed, phi = request.param
+    tilt = 0.3 if number == 40 else 0.0
+    jammed = deformable.jam(deformable.bidisperse(number, tilt=tilt, seed=seed))
+    with deformable.Simulation(jammed.at(phi), deformable.Ring()) as sim:
+        return sector_state(sim.relax(1e-3).packing)
+
+
+def column(width: float, radii: list[float], heights: list[float]) -> deformable.State:
+    """Particles above one another that their own images squeeze from both sides."""
+    *y, top = np.cumsum([0.0, *heights])
+    positions = np.column_stack([np.zeros(len(y)), y])
+    box = np.diag([width, top])
+    return sector_state(deformable.Packing(positions, np.arange(len(y)), np.array(radii), box))
+
+
+def flats(arcs: Array) -> tuple[Array, Array]:
+    """From the end of each arc to the next one's beginning: along its tangent, and across."""
+    following = np.roll(arcs, -1, axis=0)
+    n = np.column_stack([np.cos(arcs[:, 4]), np.sin(arcs[:, 4])])
+    step = following[:, :2] - arcs[:, :2] + (following[:, 2] - arcs[:, 2])[:, np.newaxis] * n
+    return step[:, 1] * n[:, 0] - step[:, 0] * n[:, 1], np.sum(step * n, axis=1)
+
+
+def meetings(
+    state: deformable.State, secondary: SecondaryOutlines, points: int = 180
+) -> Iterator[tuple[Array, Array]]:
+    """Outlines of particles that are no primary contacts but overlap, by shapely, images too."""
+    packing = state.packing
+    outlines = [
+        center + core.arc_outline(arcs, points)
+        for center, arcs in zip(packing.positions, secondary.arcs, strict=True)
+    ]
+    images = [np.array(image) @ packing.box for image in product([-1, 0, 1], repeat=2)]
+    moved = [outline + image for image in images for outline in outlines]
+    centers = np.concatenate([packing.positions + image for image in images])
+    polygons = shapely.make_valid([shapely.Polygon(outline) for outline in moved])
+    tree, count = shapely.STRtree(polygons), len(packing)
+    for i in range(count):
+        for n in tree.query(polygons[4 * count + i], predicate="intersects"):
+            distance = np.hypot(*(centers[n] - packing.positions[i]))
+            if distance > packing.radius[i] + packing.radius[n % count]:
+                yield outlines[i], moved[n]
+
+
+def overlap_area(state: deformable.State, secondary: SecondaryOutlines) -> float:
+    return 0.5 * sum(
+        shapely.Polygon(one).intersection(shapely.Polygon(other)).area
+        for one, other in meetings(state, secondary)
+    )
+
+
+def deepest(state: deformable.State, secondary: SecondaryOutlines) -> float:
+    """Largest penetration: the least shift that separates two, which is normal to some edge."""
+    depths = [0.0]
+    for one, other in meetings(state, secondary, points=1000):
+        edges = np.concatenate([np.roll(one, -1, axis=0) - one, other - np.roll(other, -1, axis=0)])
+        edges = edges[np.hypot(*edges.T) > 1e-9]
+        normals = np.array([edges[:, 1], -edges[:, 0]]) / np.hypot(*edges.T)
+        reach = np.max(one @ normals, axis=0) - np.min(other @ normals, axis=0)
+        depths.append(float(np.min(reach)))
+    return max(depths)
+
+
+def test_overlaps_vanish(dense: deformable.State) -> None:
+    steps = [deformable.resolve_secondary(dense, n) for n in range(4)]
+    area = [overlap_area(dense, step) for step in steps]
+    residual = steps[3].residual
+    assert residual[0] > 0.02
+    assert area[0] > 0.01
+    for n in range(3):
+        assert residual[n + 1] < residual[n] or residual[n] == 0.0
+        assert area[n + 1] < 0.1 * area[n] or area[n] < 1e-12
+    # polygons lie within their outlines: what is left is the rounding of the flats they share
+    assert residual[3] == 0.0
+    assert steps[3].overlaps[3] == 0
+    assert area[3] < 1e-12
+    for n, step in enumerate(steps):
+        np.testing.assert_array_equal(step.residual, residual[: n + 1])
+        np.testing.assert_array_equal(step.overlaps, steps[3].overlaps[: n + 1])
+
+
+@pytest.mark.parametrize("iterations", [0, 1, 2])
+def test_residual_is_the_largest_penetration(dense: deformable.State, iterations: int) -> None:
+    secondary = deformable.resolve_secondary(dense, iterations)
+    found = secondary.residual[-1] * dense.packing.radius.mean()
+    # polygons err by up to R (2 pi/1000)^2/8 = 3.5e-6 each
+    assert found == pytest.approx(deepest(dense, secondary), rel=0, abs=7e-6)
+
+
+def test_perimeters_and_tangents_are_kept(dense: deformable.State) -> None:
+    for iterations in (0, 1, 3):
+        secondary = deformable.resolve_secondary(dense, iterations)
+        for radius, arcs in zip(dense.packing.radius, secondary.arcs, strict=True):
+            opening = arcs[:, 4] - arcs[:, 3]
+            length, across = flats(arcs)
+            perimeter = np.sum(arcs[:, 2] * opening) + length.sum()
+            assert perimeter == pytest.approx(2.0 * np.pi * radius, rel=1e-12)
+            # angles up to 8 are rounded to 1e-15, centers of the size R as well
+            assert np.sum(opening) == pytest.approx(2.0 * np.pi, rel=0, abs=2e-15 * len(arcs))
+            turn = np.remainder(np.roll(arcs[:, 3], -1) - arcs[:, 4] + np.pi, 2.0 * np.pi) - np.pi
+            assert np.abs(turn).max() < 1e-14
+            assert np.abs(across).max() < 1e-14 * radius
+
+
+def test_outlines_are_those_of_the_arcs(dense: deformable.State) -> None:
+    secondary = deformable.resolve_secondary(dense)
+    changed = 0
+    for n, outline in enumerate(secondary.outlines):
+        arcs = secondary.arcs[n]
+        assert shapely.Polygon(outline).is_valid
+        if len(arcs) == 1:
+            continue
+        np.testing.assert_array_equal(outline, dense.packing.positions[n] + core.arc_outline(arcs))
+        same = outline.shape == dense.outlines[n].shape and (outline == dense.outlines[n]).all()
+        changed += not same
+    assert changed >= secondary.overlaps[0]  # two a contact, but many have two contacts
+
+
+def test_nothing_to_do() -> None:
+    radius, height = 0.5, 0.5 * np.sqrt(3)
+    crystal = deformable.Packing(
+        np.array([[0.25, 0.25 * height], [0.75, 1.25 * height]]),
+        np.array([0, 0]),
+        np.array([radius]),
+        0.98 * np.array([[1.0, 0.0], [0.0, 2 * height]]),
+    )
+    state = sector_state(crystal)
+    secondary = deformable.resolve_secondary(state)
+    for outline, expected in zip(secondary.outlines, state.outlines, strict=True):
+        np.testing.assert_array_equal(outline, expected)
+    assert secondary.residual.tolist() == [0.0] * 4
+    assert secondary.overlaps.tolist() == [0] * 4
+
+
+def test_particle_that_meets_itself() -> None:
+    """Two walls' worth of contact let it bulge into its image: a rectangle with round corners."""
+    radius, h, half = 1.0, 0.95, 1.01
+    state = column(2 * h, [radius], [2 * half])
+    secondary = deformable.resolve_secondary(state)
+    bulge = (radius - h) * np.pi / 2 + h - half
+    assert secondary.residual == pytest.approx([2 * bulge, 0.0, 0.0, 0.0], abs=1e-14)
+    assert secondary.overlaps.tolist() == [1, 0, 0, 0]
+    (arcs,) = secondary.arcs
+    # 4 (h + half) - (8 - 2 pi) q is the perimeter
+    q = (4 * (h + half) - 2 * np.pi * radius) / (8 - 2 * np.pi)
+    centers = [[x * (h - q), y * (half - q)] for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
+    begin = np.argmin(np.abs(np.remainder(arcs[:, 3] + np.pi, 2 * np.pi) - np.pi))
+    np.testing.assert_allclose(np.roll(arcs, -begin, axis=0)[:, :2], centers, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(arcs[:, 2], q, rtol=0, atol=1e-14)
+
+
+def test_two_arcs() -> None:
+    """Two particles of unequal radius, whose arcs both have the radius h and share the overlap."""
+    h, spacing, radii = 0.95, 2.13, [1.0, 1.1]
+    secondary = deformable.resolve_secondary(column(2 * h, radii, [spacing, spacing]))
+    center = [(radius - h) * np.pi / 2 for radius in radii]  # of the arc above the particle's
+    apart = spacing - sum(center)
+    mean = np.mean(radii)
+    assert secondary.residual == pytest.approx([(2 * h - apart) / mean, 0.0, 0.0, 0.0], abs=1e-14)
+    assert secondary.overlaps.tolist() == [2, 0, 0, 0]
+    for radius, y, arcs in zip(radii, center, secondary.arcs, strict=True):
+        half = y + apart / 2
+        q = (4 * (h + half) - 2 * np.pi * radius) / (8 - 2 * np.pi)
+        np.testing.assert_allclose(arcs[:, 2], q, rtol=0, atol=1e-14)
+
+
+def test_circle_with_one_contact_stays() -> None:
+    """The other yields, and what is left of the overlap is told."""
+    h, large, small = 0.95, 1.1, 0.8
+    top = (large - h) * np.pi / 2 + h
+    state = column(2 * h, [large, small], [top + small - 0.02, top + small + 0.01])
+    secondary = deformable.resolve_secondary(state, 2)
+    np.testing.assert_array_equal(secondary.outlines[1], state.outlines[1])
+    rest = core.contact_line(small + h - 0.02, small, h)
+    mean = np.mean([large, small])
+    assert secondary.residual == pytest.approx([0.02 / mean, *[rest / mean] * 2], abs=1e-14)
+    assert secondary.overlaps.tolist() == [1, 1, 1]
+    assert len(secondary.arcs[0]) == 3
+
+
+def test_circle_with_two_contacts_takes_the_shape_of_the_law() -> None:
+    h, large, small = 0.95, 1.1, 0.8
+    top = (large - h) * np.pi / 2 + h
+    state = column(2 * h, [large, small], [top + small - 0.02, top + small - 0.01])
+    secondary = deformable.resolve_secondary(state)
+    below, above = (core.contact_line(small + h - o, small, h) for o in (0.02, 0.01))
+    expected = core.sector_arcs(small, [np.pi / 2, 3 * np.pi / 2], [above, below])
+    np.testing.assert_allclose(secondary.arcs[1][:, :3], expected[:, :3], rtol=0, atol=1e-14)
+    assert secondary.residual[1:].tolist() == [0.0] * 3
+
+
+def test_circle_keeps_its_contact_until_it_has_two() -> None:
+    """One above and one below it, and a smaller circle whose contact makes the upper one bulge."""
+    h, large, small, tiny = 0.95, 1.1, 0.3, 0.15
+    arc = (large - h) * np.pi / 2
+    y = arc + np.sqrt((h + small - 0.02) ** 2 - 0.5**2)
+    top = y + arc + np.sqrt((h + small + 1e-4) ** 2 - 0.5**2)
+    beside = top - arc - np.sqrt((h + tiny - 0.03) ** 2 - 0.4**2)
+    packing = deformable.Packing(
+        np.array([[0.0, 0.0], [0.0, top], [0.5, y], [-0.4, beside]]),
+        np.array([0, 0, 1, 2]),
+        np.array([large, small, tiny]),
+        np.diag([2 * h, top + 3.0]),
+    )
+    state = sector_state(packing)
+    arcs = [len(deformable.resolve_secondary(state, n).arcs[2]) for n in range(3)]
+    assert arcs == [1, 1, 2]
+
+
+def test_a_primary_contact_is_no_secondary_one() -> None:
+    """A circle with one contact overlaps its partner by the law itself."""
+    secondary = deformable.resolve_secondary(column(1.9, [1.1, 0.8], [1.88, 2.2]))
+    assert secondary.overlaps.tolist() == [0] * 4
+    assert secondary.residual.tolist() == [0.0] * 4
+
+
+def test_beyond_the_model() -> None:
+    state = sector_state(deformable.jam(deformable.bidisperse(32, seed=3)).at(1.2))
+    secondary = deformable.resolve_secondary(state)
+    assert secondary.beyond == sum(np.sum(arcs[:, 2] <= 0.0) for arcs in secondary.arcs) > 0
+    assert 0 < secondary.overlaps[-1] < secondary.overlaps[0]
+    assert all(np.isfinite(arcs).all() for arcs in secondary.arcs)
+
+
+@pytest.mark.parametrize(("radius", "depth"), [(0.05, [0.15]), (-0.05, [])])
+def test_arcs_of_negative_radius_meet_nothing(radius: float, depth: list[float]) -> None:
+    packing = deformable.Packing(
+        np.array([[2.0, 2.0], [4.1, 2.0]]), np.array([0, 0]), np.array([1.0]), 10.0 * np.eye(2)
+    )
+    left = np.array([[0.2, 0.0, 1.0, -1.0, 1.0]])
+    right = np.array([[-1.0, 0.0, radius, np.pi - 1.0, np.pi + 1.0]])
+    found, depths = _overlaps(packing, [left, right])
+    assert depths == pytest.approx(depth)
+    assert len(found) == 2 * len(depth)
+
+
+def test_images_in_a_small_box() -> None:
+    """One box, or four by four of them as one: the same outlines."""
+    small = deformable.bidisperse(3, phi=0.9, tilt=0.4, seed=11)
+    copies = [np.array(image) @ small.box for image in product(range(4), repeat=2)]
+    large = deformable.Packing(
+        np.concatenate([small.positions + shift for shift in copies]),
+        np.tile(small.species, len(copies)),
+        small.radii,
+        4 * small.box,
+    )
+    one, many = (deformable.resolve_secondary(sector_state(p)) for p in (small, large))
+    assert one.residual[0] > 0.0
+    # coordinates of up to 10 are rounded to 1e-15
+    np.testing.assert_allclose(one.residual, many.residual, rtol=0, atol=1e-14)
+    np.testing.assert_array_equal(len(copies) * one.overlaps, many.overlaps)
+
+
+def test_contacts_that_leave_no_arc_are_left_out() -> None:
+    arc = np.array([0.1, 0.2, 1.0, 0.0, 1.0])
+    room = 0.5**2 / 6
+    pressed = _divided(arc, [(0.5, 0.2 * room)])
+    assert len(pressed) == 2
+    for useless in (
+        (0.5, 0.1 * room),  # the same direction, less deep
+        (0.5 + 1e-9, 0.1 * room),
+        (0.52, 0.1 * room),  # too close
+        (1e-9, 1e-12),  # the end of the arc
+        (1.0, 1e-12),
+        (0.3, 1.5),  # behind the center
+        (0.7, -0.1),  # off the arc
+        (0.8, 0.9),  # too deep
+    ):
+        both = _divided(arc, [useless, (0.5, 0.2 * room)])
+        np.testing.assert_array_equal(both, pressed)
+
+
+@pytest.mark.parametrize("law", [deformable.Ring(), deformable.Sector(kP=1.0)])
+def test_other_laws_are_refused(law: deformable.Ring | deformable.Sector) -> None:
+    with deformable.Simulation(deformable.bidisperse(4), law) as sim:
+        state = sim.state()
+    with pytest.raises(deformable.ParameterError, match=f"not {type(law).__name__}"):
+        deformable.resolve_secondary(state)
+
+
+def test_negative_iterations_are_refused() -> None:
+    state = sector_state(deformable.bidisperse(4))
+    with pytest.raises(deformable.ParameterError, match="iterations must not be negative, not -1"):
+        deformable.resolve_secondary(state, -1)

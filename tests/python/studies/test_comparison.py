@@ -1,0 +1,198 @@
+"""Contact laws against bead rings: a packing from an independent code, and small ones of ours."""
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from deformable import core
+from deformable.engine.lammps import gather
+from deformable.studies.comparison import ring_outlines, shape_errors
+from deformable.studies.shape_error import shape_error
+
+# Made by a bead code that shares nothing with this project; coordinates have nine decimals. Its
+# own account of itself is its key `about`.
+REFERENCE = json.loads((Path(__file__).parents[2] / "data" / "bead_packing.json").read_text())
+ROUNDING = 5e-10
+
+
+@pytest.fixture(scope="module")
+def independent() -> deformable.BeadState:
+    """The rings of the independent code in ours, not moved by it."""
+    outlines = [np.array(ring) for ring in REFERENCE["beads"]]
+    radii = np.unique(REFERENCE["radius"])
+    packing = deformable.Packing(
+        [ring.mean(axis=0) for ring in outlines],
+        np.searchsorted(radii, REFERENCE["radius"]),
+        radii,
+        REFERENCE["box"] * np.eye(2),
+    )
+    beads = deformable.Beads(
+        number=[len(outlines[REFERENCE["radius"].index(radius)]) for radius in radii],
+        radius=REFERENCE["bead_radius"],
+        **{name: REFERENCE[name] for name in ("kL", "kA", "kr")},
+    )
+    with deformable.BeadReference(packing, beads) as rings:
+        place(rings, outlines)
+        state = rings.state()
+        force = np.linalg.norm(gather(rings.lmp, "f", 3), axis=1)
+    # stiffness of a bead against its two springs and the beads that it touches
+    assert force.max() < 3e-8 + 4.0 * (beads.kL + beads.kr) * ROUNDING
+    return state
+
+
+def place(rings: deformable.BeadReference, outlines: list[np.ndarray]) -> None:
+    """Put beads where they are told, whole rings, by moving each from where it is."""
+    x = gather(rings.lmp, "x", 3)
+    image = np.array(rings.lmp.gather("image", 0, 3)).reshape(-1, 3)
+    x[:, :2] = np.vstack(outlines) - image[:, :2] @ rings.box
+    values = np.ctypeslib.as_ctypes(x.ravel())
+    rings.lmp.scatter("x", 1, 3, values)
+
+
+def test_the_independent_packing_is_at_rest_here(independent: deformable.BeadState) -> None:
+    area, perimeter = np.array(REFERENCE["area"]), independent.perimeter
+    assert np.abs(independent.area - area).max() < ROUNDING * perimeter.max()
+    rest = independent.rings.area[independent.packing.species]
+    assert rest == pytest.approx(REFERENCE["rest_area"], rel=1e-10)
+    assert independent.energy == pytest.approx(3.378e-6, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("model", "shape", "deficit", "correlation"),
+    [
+        (deformable.Ring(contact="radical"), 2.584e-3, 0.818, 0.732),
+        (deformable.Sector(), 3.610e-3, None, None),
+    ],
+)
+def test_laws_on_the_independent_packing(
+    independent: deformable.BeadState,
+    law: deformable.Ring | deformable.Sector,
+    shape: float,
+    deficit: float | None,
+    correlation: float | None,
+) -> None:
+    seen = deformable.compare(independent, law)
+    assert seen.shape_error.mean() == pytest.approx(shape, abs=1e-6)
+    if deficit is not None:
+        assert seen.area_deficit_error == pytest.approx(deficit, abs=1e-3)
+        both = np.corrcoef(seen.state.area_deficit, independent.area_deficit)
+        assert both[0, 1] == pytest.approx(correlation, abs=1e-3)
+
+
+def test_balanced_law_on_the_independent_packing(independent: deformable.BeadState) -> None:
+    """With the rings' own stiffness and skin: areas to 1 %, energy to 1 %, outlines to 2e-4."""
+    rings = independent.rings
+    kP, skin = 300.0 / rings.number, rings.effective_radius - rings.radius
+    seen = deformable.compare(independent, deformable.Ring(kP=kP, skin=skin, contact="balanced"))
+    assert seen.shape_error.mean() < 2e-4
+    assert seen.area_deficit_error < 0.01
+    assert seen.energy_ratio == pytest.approx(1.0, abs=0.01)
+    # both sides of every contact press alike, to 1e-8 of the largest force
+    table = seen.state.contact_table
+    force = {(r["i"], r["j"], *r["image"].tolist()): r["force"] for r in table}
+    off = [abs(f - force[j, i, -a, -b]) for (i, j, a, b), f in force.items()]
+    assert max(off) < 1e-8 * table["force"].max()
+
+
+def test_circles_on_the_independent_packing(independent: deformable.BeadState) -> None:
+    packing = independent.packing
+    errors = []
+    for ring, center, kind in zip(
+        independent.outlines, packing.positions, packing.species, strict=True
+    ):
+        circle = core.outline("ring", independent.rings.radius[kind], [], [], 1440)
+        errors.append(shape_error(ring - center, circle, packing.radii[kind]))
+    assert np.mean(errors) == pytest.approx(7.690e-3, abs=1e-6)
+
+
+@pytest.fixture(scope="module")
+def small() -> deformable.BeadState:
+    jammed = deformable.jam(deformable.bidisperse(6, seed=3))
+    with deformable.BeadReference(jammed, deformable.Beads(number=40)) as rings:
+        (state,) = deformable.compress(rings, strain=0.02, steps=1, tolerance=0.02)
+    return state
+
+
+def test_predictions_are_for_the_centers_and_effective_radii(small: deformable.BeadState) -> None:
+    state = deformable.predict(small, deformable.Ring(kA=2.0))
+    apart = (state.packing.positions - small.packing.positions) @ np.linalg.inv(small.packing.box)
+    assert apart - np.rint(apart) == pytest.approx(0.0, abs=1e-12)
+    assert state.packing.radii.tolist() == small.rings.effective_radius.tolist()
+    assert state.packing.box == pytest.approx(small.packing.box)
+    assert state.law == deformable.Ring(kA=2.0)
+
+
+def test_measures_of_a_comparison(small: deformable.BeadState) -> None:
+    seen = deformable.compare(small, deformable.Ring())
+    ours, exact = seen.state.area_deficit, small.rings.area[small.packing.species] - small.area
+    assert seen.area_deficit_error == pytest.approx(
+        np.sqrt(np.mean((ours - exact) ** 2) / np.mean(exact**2))
+    )
+    assert seen.energy_ratio == pytest.approx(np.sum(ours**2) / 2.0 / small.energy)
+    assert seen.pressure_ratio == pytest.approx(
+        np.trace(seen.state.stress) / np.trace(small.stress)
+    )
+    assert seen.shape_error.shape == (6,)
+    assert 0.0 < seen.shape_error.mean() < 0.01
+
+
+@pytest.mark.parametrize("law", [deformable.Ring, deformable.Sector])
+def test_beads_on_the_outlines_have_no_error(
+    small: deformable.BeadState, law: Callable[[], deformable.Ring | deformable.Sector]
+) -> None:
+    state = deformable.predict(small, law())
+    outlines = ring_outlines(small, state)
+    centers = small.packing.positions
+    exact = replace(
+        small, outlines=[line + center for line, center in zip(outlines, centers, strict=True)]
+    )
+    assert shape_errors(exact, state).max() < 1e-14
+    pushed = [line * 1.001 for line in outlines]  # each bead 0.001 of its distance too far out
+    beyond = replace(
+        small, outlines=[line + center for line, center in zip(pushed, centers, strict=True)]
+    )
+    distance = [np.hypot(*line.T).mean() for line in outlines]
+    assert shape_errors(beyond, state) == pytest.approx(
+        0.001 * np.array(distance) / small.packing.radius
+    )
+
+
+def test_an_outline_that_folds_is_named(small: deformable.BeadState) -> None:
+    packing = small.packing
+    pressed = replace(small, packing=packing.at(packing.phi / 0.9**2))
+    for law in (deformable.Ring(), deformable.Sector()):
+        with pytest.raises(deformable.ParameterError, match="compress less") as error:
+            deformable.compare(pressed, law)
+        state = deformable.predict(pressed, law)
+        folds = [n for n, line in enumerate(ring_outlines(pressed, state)) if turns_back(line)]
+        assert f"particle {folds[0]} folds in the {law.law} law" in str(error.value)
+
+
+def turns_back(outline: np.ndarray) -> bool:
+    """Whether a walk along an outline goes clockwise anywhere, as seen from its center."""
+    x, y = outline.T
+    return bool((x * np.roll(y, -1) - np.roll(x, -1) * y < -1e-12).any())
+
+
+def test_no_load_no_ratio(small: deformable.BeadState) -> None:
+    idle = replace(small, energy=0.0, stress=np.zeros((2, 2)))
+    seen = deformable.compare(idle, deformable.Ring())
+    assert (seen.energy_ratio, seen.pressure_ratio) == (math.inf, math.inf)
+
+
+def test_outlines_have_the_areas_of_the_law(small: deformable.BeadState) -> None:
+    """Parallel to the particle's outline: the same area deficit, and the radius of the beads."""
+    state = deformable.predict(small, deformable.Ring())
+    radius = small.rings.radius[small.packing.species]
+    for line, deficit, r in zip(
+        ring_outlines(small, state), state.area_deficit, radius, strict=True
+    ):
+        x, y = line.T
+        area = 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)
+        # chords of 1440 sides cut (2 pi)^3 r^2 / (12 1440^2) off a circle
+        assert np.pi * r**2 - area == pytest.approx(deficit, abs=2.2e-5 * r**2 / 2.0)

@@ -1,0 +1,166 @@
+"""The Python examples run as they stand and say what their logs say."""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+BIN = Path(sys.executable).parent
+
+
+def text(*command: str, cwd: Path) -> str:
+    """What a command of this environment prints."""
+    result = subprocess.run(
+        [str(BIN / command[0]), *command[1:]],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert result.returncode == 0, result.stderr
+    return result.stdout
+
+
+def output(*command: str, cwd: Path) -> np.ndarray:
+    """Numbers that a script prints, one row a line of the same form as the last."""
+    return numbers(text(*command, cwd=cwd))
+
+
+def numbers(printed: str) -> np.ndarray:
+    lines = [line for line in printed.splitlines() if line.startswith("phi")]
+    rows = [re.findall(r" (\d\S*)", line) for line in lines]
+    return np.array(rows, dtype=float)
+
+
+def test_compress_says_what_its_log_says(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    shutil.copy(EXAMPLES / "compress" / "compress.py", tmp_path)
+    phi, pressure, z = output("python", "compress.py", cwd=tmp_path).T
+    expected = numbers((EXAMPLES / "compress" / "compress.log").read_text()).T
+    # where a packing jams depends on the last digit, so another processor may find another one
+    assert phi == pytest.approx(expected[0], abs=0.02)
+    assert z == pytest.approx(expected[2], abs=0.3)
+    assert (np.diff(pressure) > 0).all()
+    assert (tmp_path / "packing.png").stat().st_size > 10_000
+    assert (tmp_path / "run" / "summary.json").exists()
+
+
+def test_compress_mpi_gives_the_same_on_two_ranks(tmp_path: Path) -> None:
+    shutil.copy(EXAMPLES / "mpi" / "compress_mpi.py", tmp_path)
+    serial = output("python", "compress_mpi.py", cwd=tmp_path)
+    command = ("mpiexec", "-n", "2", str(BIN / "python"), "-m", "mpi4py", "compress_mpi.py")
+    assert len(serial) == 2
+    assert output(*command, cwd=tmp_path) == pytest.approx(serial, rel=1e-4)
+
+
+def test_soft_and_stiff_share_their_contacts(tmp_path: Path) -> None:
+    """By force: lines move into the soft; and LAMMPS alone finds the same packings."""
+    pytest.importorskip("matplotlib")
+    folder = shutil.copytree(EXAMPLES / "soft_and_stiff", tmp_path / "example")
+    (folder / "packing.png").unlink()
+    printed = text("python", "soft_and_stiff.py", cwd=folder)
+    _, pressure, _ = numbers(printed).T
+    summary = printed[printed.rindex("phi") :].partition("\n")[2]
+    count, uneven, share, radical, longer, p_soft, lost_soft, p_stiff, lost_stiff = map(
+        float, re.findall(r"\d[\d.]*(?:e[-+]\d+)?", summary)
+    )
+    assert count > 30
+    assert uneven < 1e-7  # the balance is found to 1e-8 of the largest force anywhere
+    assert share > radical + 0.05
+    # p L is the same on both sides
+    assert longer > 1.5
+    assert p_stiff > p_soft
+    assert lost_stiff < lost_soft
+    assert (folder / "packing.png").stat().st_size > 10_000
+
+    log = text("lmp", "-in", "in.soft_and_stiff", cwd=folder)
+    pattern = r"^strain .* pressure = (\S+), .* soft (\S+), of stiff (\S+)$"
+    found, soft, stiff = np.array(re.findall(pattern, log, re.MULTILINE), dtype=float).T
+    # pressures of a minimum are known less well than forces are small
+    assert found == pytest.approx(pressure, rel=1e-3)
+    assert (soft > 1.5 * stiff).all()
+
+
+def printed(folder: Path, script: str, *arguments: str) -> list[list[float]]:
+    """Numbers on each line that a script prints."""
+    result = subprocess.run(
+        [str(BIN / "python"), script, *arguments],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+    assert result.returncode == 0, result.stderr
+    return lines(result.stdout)
+
+
+def lines(text: str) -> list[list[float]]:
+    return [
+        [float(word) for word in re.findall(r"[ ^](\d\S*?|-\d\S*?),?(?=\s|$)", line)]
+        for line in text.splitlines()
+    ]
+
+
+@pytest.mark.slow
+def test_fluid_diffuses_and_glass_does_not(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    for script in ("thermal.py", "analysis.py"):
+        shutil.copy(EXAMPLES / "thermal" / script, tmp_path)
+    temperatures = printed(tmp_path, "thermal.py")
+    runs = [f"{name}/trajectory.lammpstrj" for name in ("fluid", "glass")]
+    found = printed(tmp_path, "analysis.py", *runs)
+    committed = lines((EXAMPLES / "thermal" / "thermal.log").read_text())
+    for text in (temperatures + found, committed):
+        (_, t_fluid), (_, t_glass), fluid, glass = text
+        # 63 pairs of degrees of freedom over 25 times 1/friction, at four sigma
+        assert max(abs(t_fluid - 1.0), abs(t_glass - 1.0)) < 4.0 / (63 * 25) ** 0.5
+        assert fluid[1] == pytest.approx(1.0, abs=0.3)  # diffusion
+        assert 1e-5 < fluid[2] < 2e-4  # slower than alone, temperature/friction
+        assert abs(glass[1]) < 0.2  # a plateau
+        assert glass[0] < 0.1**2  # within the cages
+        for structure in (fluid, glass):
+            assert 0.9 < structure[4] < 1.7  # neighbors touch
+            assert structure[5] == pytest.approx(1.0, abs=0.05)
+
+
+@pytest.mark.slow
+def test_pictures_of_a_run(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    for script in ("pictures.py", "analysis.py"):
+        shutil.copy(EXAMPLES / "pictures" / script, tmp_path)
+    shapes = np.array(printed(tmp_path, "pictures.py"))
+    assert len(shapes) == 15
+    assert (np.diff(shapes, axis=0) > 0.0).all()  # denser and less round
+    for picture in ("pictures.png", "compression.gif"):
+        assert 10_000 < (tmp_path / picture).stat().st_size < 1_000_000
+    phi, z, s, k = np.array(printed(tmp_path, "analysis.py")).T
+    assert phi == pytest.approx(shapes[::3, 0], abs=1e-4)
+    assert (np.diff(z) > 0.0).all()
+    assert (s > 1.5).all()
+    assert k * 1.2 == pytest.approx(2.0 * np.pi, rel=0.3)  # waves as long as a particle is wide
+
+
+def test_shear_begins_at_the_modulus_and_yields(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    script = (EXAMPLES / "shear" / "shear.py").read_text()
+    for whole, part in (
+        ("STRAIN, STEPS = 0.90, 1.0, 200", "STRAIN, STEPS = 0.90, 0.3, 30"),
+        ("bidisperse(64, ", "bidisperse(24, "),
+    ):
+        assert whole in script
+        script = script.replace(whole, part)
+    (tmp_path / "shear.py").write_text(script)
+    printed = text("python", "shear.py", cwd=tmp_path)
+    (pressure,) = re.findall(r"^phi .* pressure (\S+) ", printed, re.M)
+    (stress,) = re.findall(r"largest stress (\S+) ", printed)
+    (events,) = re.findall(r"plastic events (\d+)", printed)
+    assert 0.0 < float(stress) < float(pressure)
+    assert int(events) > 0
+    assert (tmp_path / "shear.png").stat().st_size > 10_000

@@ -1,0 +1,149 @@
+"""The structure of the package: imports go downward only, without circles, and files stay short."""
+
+import ast
+import subprocess
+from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "python" / "deformable"
+
+# From the top to the bottom: a folder imports from those below it. Folders side by side do not
+# import each other.
+LAYERS = (
+    ("cli",),
+    ("report",),
+    ("studies", "runs"),
+    ("protocols",),
+    ("engine",),
+    ("state",),
+    ("io",),
+    ("model",),
+    ("common",),
+)
+LEVELS = {folder: level for level, folders in enumerate(LAYERS) for folder in folders}
+
+# The compiled kernels and what LAMMPS reads import nothing of ours.
+BELOW_ALL = {"core", "plugin"}
+
+LONGEST = 350
+
+Arrow = tuple[str, str]
+
+
+def module_of(path: Path) -> str:
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+SOURCES = {module_of(path): path for path in PACKAGE.rglob("*.py")}
+
+
+def imports_of(module: str, path: Path, text: str) -> Iterator[str]:
+    """Modules of the package that a module imports, wherever the import stands."""
+    folder = module.split(".") if path.name == "__init__.py" else module.split(".")[:-1]
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            found = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = ["deformable", *folder][: len(folder) + 2 - node.level] if node.level else []
+            source = ".".join([*base, *([node.module] if node.module else [])])
+            found = [f"{source}.{alias.name}" for alias in node.names]
+        else:
+            continue
+        for name in found:
+            if not name.startswith("deformable."):
+                continue
+            target = name.removeprefix("deformable.")
+            while target and target not in SOURCES and target not in BELOW_ALL:
+                target = target.rpartition(".")[0]  # a name within the module
+            yield target
+
+
+def arrows() -> set[Arrow]:
+    return {
+        (module, target)
+        for module, path in SOURCES.items()
+        if module not in ("", "plugin")  # the package itself names everything
+        for target in imports_of(module, path, path.read_text())
+        if target not in BELOW_ALL
+    }
+
+
+def upward(found: set[Arrow]) -> set[Arrow]:
+    """Imports from a folder that is not below."""
+    wrong = set()
+    for module, target in found:
+        here, there = module.split(".")[0], target.split(".")[0]
+        if here != there and not LEVELS[here] < LEVELS.get(there, -1):
+            wrong.add((module, target))
+    return wrong
+
+
+def circle(found: set[Arrow]) -> list[str]:
+    graph: dict[str, set[str]] = {}
+    for module, target in found:
+        graph.setdefault(module, set()).add(target)
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []
+
+
+def test_every_module_has_a_folder() -> None:
+    folders = {module.split(".")[0] for module in SOURCES} - {"", "plugin"}
+    assert folders == set(LEVELS)
+
+
+def test_imports_go_downward() -> None:
+    assert upward(arrows()) == set()
+
+
+def test_imports_have_no_circle() -> None:
+    assert circle(arrows()) == []
+
+
+@pytest.mark.parametrize(
+    ("module", "line"),
+    [
+        ("model.packing", "from ..state.state import State"),
+        ("model.packing", "def f():\n    from ..engine import lammps"),
+        ("io.store", "import deformable.runs.record"),
+        ("studies.paper", "from ..runs.resume import resume"),
+        ("common.errors", "from .. import Simulation"),
+    ],
+)
+def test_an_upward_import_is_seen(module: str, line: str) -> None:
+    found = {(module, target) for target in imports_of(module, SOURCES[module], line)}
+    assert upward(found) == found != set()
+
+
+def test_a_circle_is_seen() -> None:
+    line = "from .state import State"
+    plot = imports_of("state.plot", SOURCES["state.plot"], line)
+    assert "state.plot" in circle(arrows() | {("state.plot", target) for target in plot})
+
+
+def test_tests_mirror_the_folders() -> None:
+    folders = {path.name for path in (ROOT / "tests" / "python").iterdir() if path.is_dir()}
+    assert folders - {"__pycache__"} == set(LEVELS)
+
+
+def test_no_file_is_long() -> None:
+    listed = subprocess.run(
+        ["git", "ls-files", "*.py", "*.pyi", "*.h", "*.cpp"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+    )
+    paths = [ROOT / line for line in listed.stdout.splitlines()] or [*SOURCES.values()]
+    long = {
+        str(path.relative_to(ROOT)): lines
+        for path in paths
+        if path.exists() and (lines := path.read_text().count("\n")) > LONGEST
+    }
+    assert long == {}
