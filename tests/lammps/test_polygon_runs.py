@@ -1,4 +1,4 @@
-"""The area term of bead rings: which atoms, runs, minimisers, boxes, files, ranks."""
+"""The area term of bead rings: which atoms, runs, minimizers, boxes, files, ranks."""
 
 import numpy as np
 import pytest
@@ -74,7 +74,7 @@ def test_a_ring_keeps_its_sense():
     assert rings.table[0, 0] == pytest.approx(-area, rel=1e-13)
 
 
-# ---- runs, minimisers, boxes ----
+# ---- runs, minimizers, boxes ----
 
 MOVE = """
 velocity all create 0.02 4711 loop all
@@ -149,7 +149,7 @@ def test_change_of_box_between_runs(tilt):
 
 
 def test_beside_fix_deform():
-    """LAMMPS does not take it for one more fix deform. Where the box flips, rings stay whole."""
+    """LAMMPS does not take it for a fix deform. Rings stay whole when the box flips."""
     deform = "change_box all triclinic\nfix shear all deform 1 xy erate 1.0 remap x\n"
     far = np.array([0, 30 * BOX[1]])
     rings = Rings([SEVEN + far, FIVE - far], commands=AREA + deform, springs=ALONE)
@@ -157,9 +157,9 @@ def test_beside_fix_deform():
     rings.run("timestep 0.01\nrun 80")
     assert rings.lmp.get_thermo("xy") < -1
     np.testing.assert_allclose(rings.table[:, 0], areas, rtol=1e-13)
-    centres = [outline.mean(axis=0) for outline in rings.outlines]
+    centers = [outline.mean(axis=0) for outline in rings.outlines]
     # the box has moved on since the last forces, by a strain of 0.01
-    np.testing.assert_allclose(rings.table[:, 3:], centres, atol=0.01 * BOX[1])
+    np.testing.assert_allclose(rings.table[:, 3:], centers, atol=0.01 * BOX[1])
 
 
 # ---- files ----

