@@ -1,16 +1,15 @@
-"""What balanced contacts cost, and how well energy is conserved with them.
+"""Cost and energy conservation of the law `balanced`.
 
     python benchmarks/balanced.py [--out benchmarks/results/balanced.json]
 
-`steps`: processor time of a time step over that on radical axes, in slow motion and in one where
-contacts open and close all the time, for the neighbors that LAMMPS lists by default, with the
-iterations of a force call. `relaxation`: the same of whole compressions, from jamming to 2 % in
-steps of 0.25 %, each relaxed to 1e-6 of the mean contact force. `energy`: the standard deviation of
-the total energy in a run at constant energy, against the time step and against the tolerance of the
-balance, and how it grows in 16 times the time, where a drift would grow 16 times.
+`steps`: processor time of a time step over that of `radical`, with the iterations of a force call,
+in slow motion and in a motion where contacts open and close all the time. The neighbor lists are
+LAMMPS' default. `relaxation`: the same ratio for compressions from jamming to 2 % in steps of
+0.25 %, each relaxed to 1e-6 of the mean contact force. `energy`: the standard deviation of the
+total energy in a run at constant energy, against the time step and against the tolerance of the
+balance, and its growth in 16 times the time. A drift would grow 16 times.
 
-Both kinds of contacts take turns in one process, so that the ratios hold on a machine that others
-use too.
+The two laws take turns in one process, so that the ratios are right on a busy machine too.
 """
 
 from __future__ import annotations
@@ -20,7 +19,6 @@ import json
 import statistics
 import time
 import warnings
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +29,7 @@ from deformable.common.versions import machine
 HERE = Path(__file__).parent
 SKIN = 0.3
 MOTIONS = {"slow": (1e-8, 0.1), "fast": (1e-5, 0.1), "fast, long steps": (1e-5, 0.4)}
-CONTACTS = ("radical", "balanced")
+LAWS = ("radical", "balanced")
 STIFFNESSES = (float("inf"), 0.1)
 SEEDS = (1, 2, 3, 4)
 TIMESTEPS = (0.4, 0.2, 0.1, 0.05, 0.025, 0.0125)
@@ -39,21 +37,10 @@ TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10)
 LONGER = 16
 
 
-@dataclass(frozen=True)
-class Law(deformable.Ring):
-    """The ring law with another tolerance of the balance."""
-
-    tolerance: float = 1e-8
-    reach: float = 0.3
-
-    @property
-    def arguments(self) -> str:
-        balanced = self.contact == "balanced"
-        return super().arguments + (f" balance {self.tolerance!r} 100" if balanced else "")
-
-
-def step(packing: deformable.Packing, law: Law, temperature: float, dt: float) -> tuple[float, ...]:
-    """Seconds of a time step of a running simulation, and the iterations of its force calls."""
+def step(
+    packing: deformable.Packing, law: deformable.Ring, temperature: float, dt: float
+) -> tuple[float, ...]:
+    """Seconds of a time step in a run, and the iterations of its force calls."""
     warm, count, piece = round(60.0 / dt), 400, 10
     with deformable.Simulation(packing, law) as sim:
         sim.relax(1e-3)
@@ -65,7 +52,7 @@ def step(packing: deformable.Packing, law: Law, temperature: float, dt: float) -
         began = time.process_time()
         for n in range(count // piece):
             sim.lmp.command(f"run {piece} {'pre no ' if n else ''}post no")
-            iterations.append(sim.lmp.numpy.extract_compute("model", 0, 1)[2])
+            iterations.append(sim.lmp.numpy.extract_compute("beyond", 0, 1)[2])
         return (time.process_time() - began) / count, statistics.fmean(iterations)
 
 
@@ -75,7 +62,7 @@ def steps(repeats: int) -> list[dict[str, Any]]:
     for kP in STIFFNESSES:
         for motion, (temperature, dt) in MOTIONS.items():
             runs = [
-                [step(packing, Law(kP=kP, contact=c), temperature, dt) for c in CONTACTS]
+                [step(packing, deformable.Ring(kP=kP, contact=c), temperature, dt) for c in LAWS]
                 for _ in range(repeats)
             ]
             rows.append(
@@ -92,9 +79,9 @@ def steps(repeats: int) -> list[dict[str, Any]]:
 
 
 def relaxation(seed: int, kP: float) -> dict[str, Any]:
-    """Time and force calls of a compression, balanced over radical."""
+    """Time and force calls of a compression with `balanced` over those with `radical`."""
     jammed = deformable.jam(deformable.bidisperse(64, seed=seed))
-    sims = [deformable.Simulation(jammed, deformable.Ring(kP=kP, contact=c)) for c in CONTACTS]
+    sims = [deformable.Simulation(jammed, deformable.Ring(kP=kP, contact=c)) for c in LAWS]
     seconds, calls, stalled = np.zeros(2), np.zeros(2), 0
     for strain in np.arange(1, 9) * 0.0025:
         for n, sim in enumerate(sims):
@@ -123,8 +110,9 @@ def energy_error(
 ) -> float:
     """Standard deviation of the total energy over its kinetic part."""
     samples = 200
-    with deformable.Simulation(packing, Law(contact="balanced", tolerance=tolerance)) as sim:
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
         sim.lmp.commands_string(
+            f"pair_style deformable/ring contact balanced balance {tolerance!r} 100 reach 0.3\n"
             f"timestep {dt!r}\nvelocity all create 1e-5 4711 loop all\nfix nve all nve\n"
             "thermo_style custom step ke etotal\nthermo_modify norm no\nrun 0 post no"
         )
@@ -164,7 +152,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=HERE / "results" / "balanced.json")
     parser.add_argument("--repeats", type=int, default=5)
     options = parser.parse_args()
-    warnings.simplefilter("ignore", UserWarning)  # what they say is in the rows
+    warnings.simplefilter("ignore", UserWarning)  # the rows have what they report
     result = {
         "command": "python benchmarks/balanced.py",
         "machine": machine()["processor"],

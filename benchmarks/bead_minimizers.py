@@ -3,10 +3,9 @@
     python benchmarks/bead_minimizers.py [--out benchmarks/results/bead_minimizers.json]
 
 Packings of 16 rings of 50 and 72 beads are strained by 1 % beyond jamming in one step and relaxed
-until no force exceeds 1e-1, 1e-2 and 1e-3 of what a bead in a contact bears. Which arrangement a
-relaxation ends in is chaotic, and so are the force calls it takes: quoted are medians over seeds,
-in force calls and in processor time. A trial ends after 14 s; what it did not reach counts as
-infinite.
+until no force exceeds 1e-1, 1e-2 and 1e-3 of the force on a bead in a contact. Relaxations are
+chaotic, so the results are medians over seeds, of force calls and of processor time. A trial ends
+after 14 s; a tolerance that it did not reach counts as infinite.
 """
 
 from __future__ import annotations
@@ -40,15 +39,15 @@ def fire(step: float, *more: str) -> list[str]:
 
 
 def search(style: str, *more: str) -> list[str]:
-    """A minimizer that searches along lines."""
+    """A minimizer with line searches."""
     return [f"min_style {style}", DMAX, *(f"min_modify {option}" for option in more)]
 
 
 QUICKMIN = ["min_style quickmin", DMAX, f"timestep {1.25 / OMEGA!r}"]
 FORCEZERO = search("cg", "line forcezero")
-HFTN = search("hftn", "norm inf")  # it knows no other
+HFTN = search("hftn", "norm inf")  # hftn has no other norm
 
-# What to do before the relaxation to each of the tolerances.
+# Commands before the relaxation to each tolerance.
 METHODS = {
     "fire 1.0": [fire(1.0), [], []],
     "fire 1.25": [fire(1.25), [], []],
@@ -73,7 +72,7 @@ METHODS = {
 
 
 def measure(name: str, jammed: deformable.Packing, seed: int) -> dict[str, object]:
-    """Force calls and processor time until each tolerance, None where it was not reached."""
+    """Force calls and processor time until each tolerance, None if it was not reached."""
     row: dict[str, object] = {"method": name, "seed": seed, "calls": [], "seconds": []}
     with (
         tempfile.TemporaryDirectory() as folder,
@@ -100,7 +99,7 @@ def measure(name: str, jammed: deformable.Packing, seed: int) -> dict[str, objec
 
 
 def median(rows: list[dict[str, object]], quantity: str, n: int) -> float:
-    """Over the seeds; infinite if half of them did not get there."""
+    """Median over the seeds; infinite if half of them did not reach the tolerance."""
     values = [row[quantity][n] for row in rows]
     return statistics.median(float("inf") if value is None else value for value in values)
 

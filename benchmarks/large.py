@@ -2,13 +2,13 @@
 
     python benchmarks/large.py [--out benchmarks/results/large.json]
 
-Runs `examples/large`: its cell of 1e4 particles, taken 1, 10 and 100 times, is compressed by 1 %
-and then moves at constant energy. Stock soft disks of the same places move too: what a step of
-theirs takes more the more they are, the machine's memory takes. Sizes take turns, so that a machine
-that others use too slows down all of them alike, and their processor time is counted; quoted are
-medians. Per particle and step: seconds of a core in the run at constant energy, in its pair style
-and in the minimizations (new neighbor lists included), bytes that LAMMPS and its styles allocate,
-and resident bytes of the processes, beyond those of the smallest.
+Runs `examples/large`: 1, 10 and 100 copies of its cell of 1e4 particles are compressed by 1 % and
+then move at constant energy. Soft disks of LAMMPS (`disk`) move at the same positions; the growth
+of their time per step with their number is the cost of memory access. Sizes take turns, so that a
+busy machine slows down all of them alike. The results are medians of processor time. Per particle
+and step: seconds of a core in the run at constant energy, in its pair style and in the
+minimizations (new neighbor lists included); bytes that LAMMPS and its styles allocate; and resident
+bytes of the processes, beyond those of the smallest run.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ ROOT = Path(__file__).parents[1]
 BIN = Path(sys.executable).parent
 CELL = 10_000
 COPIES = ((1, 1), (5, 2), (10, 10))
-# contact lines, ranks, repeats of each size; steps of strain, force calls in each, time steps
+# law, ranks, repeats of each size; steps of strain, force calls in each, time steps
 CASES = (
-    ("disks", 1, (5, 3, 1), {"motion": 50}),
+    ("disk", 1, (5, 3, 1), {"motion": 50}),
     ("radical", 1, (5, 3, 1), {"steps": 2, "calls": 50, "motion": 50}),
-    ("disks", 2, (5, 3, 1), {"motion": 50}),
+    ("disk", 2, (5, 3, 1), {"motion": 50}),
     ("radical", 2, (5, 3, 1), {"steps": 2, "calls": 50, "motion": 50}),
     ("balanced", 1, (3, 1), {"steps": 2, "calls": 50, "motion": 50}),
 )
@@ -53,7 +53,7 @@ pair_style harmonic/cut
 pair_coeff 1 1 0.5 1.0
 pair_coeff 1 2 0.5 1.2
 pair_coeff 2 2 0.5 1.4
-neighbor 0.3 bin                       # as far as bulging particles are looked for
+neighbor 0.3 bin                       # as far as the ring laws look for neighbors
 neigh_modify delay 0 every 1 check yes
 velocity all create 1e-8 4711 loop geom mom yes rot no
 fix move all nve
@@ -64,8 +64,8 @@ run ${motion}
 info memory
 """
 
-# MPICH's ranks wait by spinning: where there are fewer cores than ranks they should give way.
-# Pages of 2 MB: with those of 4 kB a virtual machine may do little but look them up.
+# MPICH's ranks wait actively; these settings help if there are more ranks than cores.
+# Pages of 2 MB: with pages of 4 kB a virtual machine may spend most time on their addresses.
 ENVIRONMENT = os.environ | {
     "MPIR_CVAR_CH4_PROGRESS_THROTTLE": "1",
     "MPIR_CVAR_CH4_PROGRESS_THROTTLE_NO_PROGRESS_COUNT": "16",
@@ -81,12 +81,12 @@ def lammps(folder: Path, ranks: int, *arguments: str) -> str:
 
 
 def run(
-    folder: Path, copies: tuple[int, int], contact: str, ranks: int, length: dict[str, int]
+    folder: Path, copies: tuple[int, int], law: str, ranks: int, length: dict[str, int]
 ) -> dict[str, float]:
-    """What one run of the example (or of stock disks) takes, in seconds and bytes, of all ranks."""
-    settings = {"nx": copies[0], "ny": copies[1], "contact": contact} | length
+    """Seconds and bytes of one run of the example (or of soft disks), of all ranks."""
+    settings = {"nx": copies[0], "ny": copies[1], "contact": law} | length
     words = [word for name, value in settings.items() for word in ("-var", name, str(value))]
-    log = lammps(folder, ranks, "-in", "in.disks" if contact == "disks" else "in.large", *words)
+    log = lammps(folder, ranks, "-in", "in.disks" if law == "disk" else "in.large", *words)
     n = CELL * copies[0] * copies[1]
     loops = re.findall(
         r"^Loop time of (\S+) on .* for ([1-9]\d*) steps(?:.*\n)+?(\S+)% CPU use", log, re.MULTILINE
@@ -108,20 +108,20 @@ def run(
 
 
 def measure(
-    folder: Path, contact: str, ranks: int, repeats: tuple[int, ...], length: dict[str, int]
+    folder: Path, law: str, ranks: int, repeats: tuple[int, ...], length: dict[str, int]
 ) -> list[Any]:
     samples: list[list[dict[str, float]]] = [[] for _ in COPIES]
     for turn in range(max(repeats)):
         for size, copies in enumerate(COPIES):
             if size < len(repeats) and turn < repeats[size]:
-                samples[size].append(run(folder, copies, contact, ranks, length))
+                samples[size].append(run(folder, copies, law, ranks, length))
     rows: list[dict[str, Any]] = []
     for copies, runs in zip(COPIES, filter(None, samples), strict=False):
         n = CELL * copies[0] * copies[1]
         middle = {name: statistics.median(r[name] for r in runs) for name in runs[0]}
         base = rows[0] if rows else None
         row = {
-            "contact": contact,
+            "law": law,
             "ranks": ranks,
             "n": n,
             "repeats": len(runs),
@@ -139,7 +139,7 @@ def measure(
             for name in ("allocated", "resident"):
                 row[f"{name}_per_particle"] = (row[name] - base[name]) / (n - base["n"])
         rows.append(row)
-        print(" ".join(f"{k} {v:.4g}" if k != "contact" else v for k, v in row.items()), flush=True)
+        print(" ".join(f"{k} {v:.4g}" if k != "law" else v for k, v in row.items()), flush=True)
     return rows
 
 

@@ -1,13 +1,13 @@
-"""Energy conservation of the ring law at constant energy.
+"""Energy conservation of the law `radical` at constant energy.
 
     python benchmarks/nve.py [--out benchmarks/results/nve.json]
 
-A packing of N = 64, jammed as soft disks and brought to phi = 0.80, 0.88 and 0.92, moves freely
-from random velocities with about as much kinetic energy as its contacts hold. Velocity Verlet with
-the steps dt, dt/2, dt/4, dt/8 and dt/16 covers the same time. The energy error, the standard
-deviation of the total energy, falls with dt^2 where forces are the gradient of one energy. Sixteen
-times the time, at dt/4, would multiply a drift by sixteen, and what kinks of the force add at
-random by four.
+A packing of N = 64, jammed as soft disks and brought to phi = 0.80, 0.88 and 0.92, moves from
+random velocities with about as much kinetic energy as its contacts have. Velocity Verlet with the
+steps dt, dt/2, dt/4, dt/8 and dt/16 covers the same time. The energy error, the standard deviation
+of the total energy, falls with dt^2 if the forces are the gradient of one energy. In sixteen times
+the time, at dt/4, a drift would grow by a factor of 16, and the random contributions of the kinks
+of the force by a factor of 4.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def measure(
     dt: float = 0.4,
     temperature: float = 1e-5,
 ) -> dict[str, Any]:
-    """Energy errors of one packing fraction over steps dt to dt/16, and how they fall."""
+    """Energy errors at one packing fraction for the steps dt to dt/16, and their order."""
     packing = jammed.at(phi)
     steps = (dt / 2.0 ** np.arange(HALVINGS + 1)).tolist()
     runs = [energies(packing, step, time, temperature) for step in steps]
@@ -84,7 +84,7 @@ def main() -> None:
         print(f"phi {phi:.2f}: errors {errors}, order {row['order']:.3f}", end=", ")
         print(f"growth {row['error_growth_over_16_times_the_time']:.2f}")
         rows.append(row)
-    result = {"command": "python benchmarks/nve.py", "rows": rows}
+    result = {"command": "python benchmarks/nve.py", "law": "radical", "rows": rows}
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.write_text(json.dumps(result, indent=1) + "\n")
 

@@ -1,11 +1,11 @@
-"""Does FIRE relax every packing of the ring law, and in how many force calls?
+"""Does FIRE relax every packing of the ring laws, and in how many force calls?
 
     python benchmarks/relaxation.py [--out benchmarks/results/relaxation.json]
 
 Bidisperse packings of several sizes, size ratios and box shapes are jammed as soft disks and
-compressed in steps up to 5 % beyond; each state is relaxed until no force exceeds 1e-6 of the mean
-contact force, with contact lines on radical axes and with lines that balance. Quoted are the states
-that got there, the largest residual and the force calls.
+compressed in steps to 5 % beyond jamming. Each state is relaxed until no force exceeds 1e-6 of the
+mean contact force, with the laws `radical` and `balanced`. The summary has the number of states and
+of stalled ones, the largest residual and the force calls.
 """
 
 from __future__ import annotations
@@ -26,13 +26,11 @@ STRAINS = (0.002, 0.01, 0.03, 0.05)
 TOLERANCE = 1e-6
 
 
-def measure(
-    contact: str, number: int, seed: int, shape: dict[str, float]
-) -> list[dict[str, object]]:
+def measure(law: str, number: int, seed: int, shape: dict[str, float]) -> list[dict[str, object]]:
     """The relaxed states of one packing, from the onset of jamming on."""
     jammed = deformable.jam(deformable.bidisperse(number, seed=seed, **shape))
     rows = []
-    with deformable.Simulation(jammed, deformable.Ring(contact=contact)) as sim:
+    with deformable.Simulation(jammed, deformable.Ring(contact=law)) as sim:
         box = sim.box
         for strain in STRAINS:
             sim.deform(box * (1.0 - strain))
@@ -40,7 +38,7 @@ def measure(
             state = sim.relax(TOLERANCE)
             rows.append(
                 {
-                    "contact": contact,
+                    "law": law,
                     "N": number,
                     "seed": seed,
                     **shape,
@@ -58,23 +56,23 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=HERE / "results" / "relaxation.json")
     options = parser.parse_args()
-    warnings.simplefilter("ignore", UserWarning)  # what they say is in the rows
+    warnings.simplefilter("ignore", UserWarning)  # the rows have what they report
     rows, summaries = [], {}
-    for contact in ("radical", "balanced"):
+    for law in ("radical", "balanced"):
         these = [
             row
             for number, seed, shape in itertools.product(NUMBERS, SEEDS, SHAPES)
-            for row in measure(contact, number, seed, shape)
+            for row in measure(law, number, seed, shape)
         ]
         rows += these
-        summaries[contact] = {
+        summaries[law] = {
             "states": len(these),
             "stalled": sum(bool(row["stalled"]) for row in these),
             "largest_residual": max(row["residual"] for row in these),
             "median_steps": statistics.median(row["steps"] for row in these),
             "most_steps": max(row["steps"] for row in these),
         }
-        print(contact, "  ".join(f"{key} {v}" for key, v in summaries[contact].items()), flush=True)
+        print(law, "  ".join(f"{key} {v}" for key, v in summaries[law].items()), flush=True)
     result = {"command": "python benchmarks/relaxation.py", "tolerance": TOLERANCE, **summaries}
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.write_text(json.dumps({**result, "rows": rows}, indent=1) + "\n")

@@ -1,10 +1,10 @@
-"""How far FIRE relaxes a packing with each contact law, and how well dynamics keeps the energy.
+"""How far FIRE relaxes a packing with `sector` and `radical`, and how well energy is conserved.
 
     python benchmarks/sector_stall.py [--out benchmarks/results/sector_stall.json]
 
-A packing of N = 64, jammed as soft disks and brought to phi = 0.88 and 0.92, is relaxed with the
-sector and the ring law, and then set into motion at constant energy. Energies of the sector law
-jump where contacts appear and vanish, so its forces cannot all vanish together, and they do work.
+A packing of N = 64, jammed as soft disks and brought to phi = 0.88 and 0.92, is relaxed with each
+law, and then moves at constant energy. The energy of `sector` jumps when contacts appear and
+vanish, so its forces do not all vanish together, and its dynamics gains energy.
 """
 
 from __future__ import annotations
@@ -18,14 +18,12 @@ import deformable
 import numpy as np
 
 HERE = Path(__file__).parent
-MODELS = {"sector": deformable.Sector(kA=1.0), "ring": deformable.Ring(contact="radical")}
-
-
+LAWS = {"sector": deformable.Sector(kA=1.0), "radical": deformable.Ring(contact="radical")}
 TIME, TIMESTEP, TEMPERATURE, SAMPLES = 400.0, 0.025, 1e-6, 40
 
 
 def run(sim: deformable.Simulation) -> dict[str, float | str]:
-    """A run at constant energy: the total energy over its first value, and how long it lasted."""
+    """A run at constant energy: last total energy over the first one, and the time it lasted."""
     sim.lmp.commands_string(
         f"velocity all create {TEMPERATURE} 1\nfix nve all nve\ntimestep {TIMESTEP}\n"
         "thermo_style custom step pe ke etotal\nthermo_modify norm no\nrun 0"
@@ -45,8 +43,8 @@ def run(sim: deformable.Simulation) -> dict[str, float | str]:
 
 
 def measure(jammed: deformable.Packing, law: str, phi: float) -> dict[str, object]:
-    """Where the relaxation of one packing ends, and a run from there."""
-    with deformable.Simulation(jammed.at(phi), MODELS[law]) as sim, warnings.catch_warnings():
+    """Relaxation of one packing, and a run from its end."""
+    with deformable.Simulation(jammed.at(phi), LAWS[law]) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore", deformable.StalledWarning)
         state = sim.relax(tolerance=1e-6)
         force = np.linalg.norm(sim.lmp.numpy.extract_atom("f")[: len(jammed), :2], axis=1)
@@ -68,7 +66,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=HERE / "results" / "sector_stall.json")
     options = parser.parse_args()
     jammed = deformable.jam(deformable.bidisperse(64, seed=1))
-    rows = [measure(jammed, law, phi) for law in MODELS for phi in (0.88, 0.92)]
+    rows = [measure(jammed, law, phi) for law in LAWS for phi in (0.88, 0.92)]
     for row in rows:
         print("  ".join(f"{key} {value}" for key, value in row.items()))
     result = {

@@ -1,7 +1,8 @@
-"""The input scripts and the snippets of the documentation run as they stand and are right."""
+"""Input scripts and snippets of the documentation run as they are, with the right results."""
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -9,13 +10,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import typer
+from deformable.cli.main import app
 
 ROOT = Path(__file__).parents[1]
 BIN = Path(sys.executable).parent
 ENVIRONMENT = os.environ | {
     "PATH": f"{BIN}:{os.environ['PATH']}",  # as after activating the environment
     "MPLBACKEND": "agg",
-    # waiting ranks give way: without it, more ranks than cores take a hundred times as long
+    # without these, more ranks than cores take a hundred times as long
     "MPIR_CVAR_CH4_PROGRESS_THROTTLE": "1",
     "MPIR_CVAR_CH4_PROGRESS_THROTTLE_NO_PROGRESS_COUNT": "16",
 }
@@ -24,7 +27,7 @@ NUMBER = r"[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?"
 
 @pytest.fixture
 def tree(tmp_path):
-    """Examples and species files as in the repository, in a folder to write in."""
+    """A copy of the examples and species files, to write in."""
     for name in ("examples", "potentials"):
         shutil.copytree(ROOT / name, tmp_path / name)
     return tmp_path
@@ -45,7 +48,7 @@ def run(folder, *command):
 
 
 def table(log, header):
-    """The last table of thermodynamic output whose header begins so."""
+    """The last table of thermodynamic output with this header."""
     lines = log.splitlines()
     start = max(n for n, line in enumerate(lines) if line.split()[: len(header)] == header) + 1
     rows = []
@@ -63,12 +66,12 @@ def numbers(log, pattern):
 
 
 def test_beads(tree):
-    """A ring of beads lacks of K a^2 what its spacing and the stretch of its springs take."""
+    """The area deficit is K a^2, reduced by the spacing of the beads and the stretch of springs."""
     log = run(tree / "examples" / "beads", "lmp", "-in", "in.beads")
     ((found, a2, exact),) = numbers(log, "area deficit")  # the 2 of "a^2" is a number too
     assert a2 == 2
     stretch, spacing = 0.785**2 / (1e4 / 96), np.pi**2 / (3 * 96**2 * 0.02)
-    # to first order in each; the walls yield by 2 K a L0/kr = 9e-5 besides
+    # to first order in each; the finite stiffness of the walls adds 2 K a L0/kr = 9e-5
     assert abs(found / exact - 1 + stretch + spacing) < 0.2 * (stretch + spacing)
 
 
@@ -92,7 +95,7 @@ def test_hexagon(tree):
 
 
 def test_hexagon_log_is_up_to_date():
-    """The log beside the example is of the input script beside it."""
+    """The committed log has all commands of the input script."""
     log = (ROOT / "examples" / "hexagon" / "log.hexagon").read_text()
     for line in (ROOT / "examples" / "hexagon" / "in.hexagon").read_text().splitlines():
         assert line.rstrip(" &") in log
@@ -108,7 +111,7 @@ def test_mpi_input(tree):
     assert steps[:, strain] == pytest.approx(0.001 * np.arange(1, 9))
     assert steps[:, phi] == pytest.approx(expected[:, phi], rel=1e-6)
     assert steps[:, z] == pytest.approx(expected[:, z], abs=0.1)
-    # quartic energies: pressure and energy of a minimum are known less well than forces are small
+    # quartic energies: pressure and energy of a minimum are less accurate than forces are small
     assert steps[:, pressure] == pytest.approx(expected[:, pressure], rel=1e-3)
     assert steps[:, energy] == pytest.approx(expected[:, energy], rel=1e-3)
 
@@ -118,7 +121,7 @@ def test_mpi_input(tree):
 
 
 def test_large(tree):
-    """Copies of a cell from random places; nothing depends on the number of ranks."""
+    """Copies of a cell from random positions; nothing depends on the number of ranks."""
     folder = tree / "examples" / "large"
     log = run(folder, "lmp", "-in", "in.cell", "-var", "particles", "250")
     disks = numbers(log, "disks: phi = 0")
@@ -136,13 +139,13 @@ def test_large(tree):
     short = (*command, "-var", "contact", "balanced", "-var", "steps", "1", "-var", "motion", "1")
     balanced = run(folder, *short)
     ((less,), (more,)) = (numbers(log, "Total dynamically") for log in (logs[0], balanced))
-    # of each contact a dozen numbers, of which there are five or so on a particle
+    # a dozen numbers for each of about five contacts on a particle
     assert more > less + 0.5e-3 * 1000  # Mbyte
 
     serial, shared = (numbers(log, "strain 0") for log in logs)
     strain, pressure, energy, largest, beyond = range(5)
     assert serial[:, strain] == pytest.approx(0.002 * np.arange(1, 6))
-    # The same 250 iterations, too few to bring rounding errors of 1e-16 anywhere near this.
+    # 250 iterations are too few for rounding errors of 1e-16 to grow so far
     assert shared[:, : largest + 1] == pytest.approx(serial[:, : largest + 1], rel=1e-9)
     assert (np.diff(serial[:, [pressure, energy]], axis=0) > 0.0).all()
     assert (serial[:, beyond] == 0).all()
@@ -161,7 +164,7 @@ def snippets(page, language):
 
 @pytest.mark.parametrize("page", ["README.md", "docs/python.md"])
 def test_python_snippets(page, tmp_path):
-    """One after the other, as a reader would."""
+    """All snippets of a page, one after the other."""
     (tmp_path / "script.py").write_text("\n".join(snippets(page, "python")))
     output = run(tmp_path, "python", "script.py")
     assert (tmp_path / "packing.png").stat().st_size > 10_000
@@ -183,12 +186,28 @@ def test_lammps_snippet(tree):
     assert (tree / "shapes.dump").read_text().count("ITEM: TIMESTEP") == 11
 
 
+def commands(page):
+    """Arguments of each line `deformable ...` of a page."""
+    lines = re.findall(r"^    deformable (.+)$", page.read_text(), re.MULTILINE)
+    return [shlex.split(line, comments=True) for line in lines]
+
+
 PAGES = [p for pattern in ("*.md", "docs/*.md", "examples/*/*.md") for p in ROOT.glob(pattern)]
+
+
+@pytest.mark.parametrize(
+    "page", [p for p in PAGES if commands(p)], ids=lambda page: str(page.relative_to(ROOT))
+)
+def test_shell_commands_are_understood(page):
+    """The command line accepts every option and value that the page shows."""
+    group = typer.main.get_command(app)
+    for name, *arguments in commands(page):
+        group.commands[name].make_context(name, arguments)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_links(page):
-    """Links inside the repository lead somewhere."""
+    """The targets of links inside the repository exist."""
     for target in re.findall(r"\]\((?!http)([^)]+)\)", page.read_text()):
         name, _, section = target.partition("#")
         file = (page.parent / name) if name else page
@@ -200,7 +219,7 @@ def test_links(page):
 
 
 def test_thermal_input(tree):
-    """In the heat bath at phi = 0.9, from random places: particles stay in their cages."""
+    """In the heat bath at phi = 0.9, from random positions: particles stay in their cages."""
     log = run(tree / "examples" / "thermal", "lmp", "-in", "in.thermal", "-var", "phi", "0.9")
     ((temperature, displacement),) = numbers(log, "mean temperature")
     # 63 pairs of degrees of freedom over 25 times 1/friction, at four sigma

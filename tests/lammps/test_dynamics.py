@@ -66,7 +66,7 @@ def test_jump_of_the_sector_law():
     assert after == pytest.approx(before, rel=1e-12)
 
 
-@pytest.mark.parametrize(("law", "stalls"), [("sector", True), ("ring", False)])
+@pytest.mark.parametrize(("law", "stalls"), [("sector", True), ("radical", False)])
 def test_fire_stalls_with_the_sector_law_only(jammed, law, stalls):
     """A row of benchmarks/results/sector_stall.json."""
     row = sector_stall.measure(jammed[64], law, 0.88)
