@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from balanced import EXACT, Pairs, of_compute_pair, of_mixture
 from deformable import core
-from deformable.shape_error import shape_error
+from deformable.studies.shape_error import shape_error
 from scene import PACKINGS, Scene, box_walls
 from test_forces import BOX, assert_forces
 from test_soft_rings import mixture, pushed
