@@ -12,8 +12,9 @@ from typing import Any
 from numpy.typing import NDArray
 
 from ..common.errors import FileError
+from ..common.files import write_whole
 from ..model.packing import Packing
-from .run_folder import DATA, SERIES, TRAJECTORY, write_whole
+from .run_folder import DATA, SERIES, TRAJECTORY
 
 
 def frames_in(folder: Path) -> int:

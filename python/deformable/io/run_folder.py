@@ -64,10 +64,3 @@ def refuse(folder: str | Path, but: Kind | None = None, ways: tuple[str, ...] = 
         out = (*(ways if found == "compression" else ()), "name another folder")
         raise FileError(f"'{folder}' holds {_SHOWN[found]}: {', or '.join(out)}")
     return folder
-
-
-def write_whole(path: Path, text: str) -> None:
-    """Write a file whole or not at all."""
-    part = path.with_name(path.name + ".part")
-    part.write_text(text)
-    part.replace(path)

@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from ..common.errors import FileError
+from ..common.files import write_whole
 from ..common.versions import versions
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing
 from .lammps_commands import species_file
 from .lammps_files import SCRIPT, SPECIES, data_file, packing_in, script
-from .run_folder import DATA, SUMMARY, refuse, write_whole
+from .run_folder import DATA, SUMMARY, refuse
 
 _LAWS: dict[str, type[Ring] | type[Sector]] = {"Ring": Ring, "Sector": Sector}
 
