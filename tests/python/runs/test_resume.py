@@ -1,4 +1,4 @@
-"""A compression that is killed and resumed is the one that nobody killed, byte for byte."""
+"""A compression that is killed and resumed gives the files of one that was not, byte for byte."""
 
 import json
 import signal
@@ -22,7 +22,7 @@ FILES = (
 VICTIM = """
 import os, signal, sys
 from deformable.cli import main as cli
-from deformable.io import store as files
+from deformable.io import frames
 
 how, count = sys.argv.pop(1), int(sys.argv.pop(1))
 
@@ -48,7 +48,7 @@ def torn(path, text):
 if how == "before":
     sys.addaudithook(watch)
 else:
-    files._append = torn
+    frames._append = torn
 cli.main()
 """
 
@@ -128,28 +128,22 @@ def test_the_same_command_resumes(
 ) -> None:
     """And nothing else: neither another option nor a run that goes on from the middle."""
     monkeypatch.chdir(tmp_path)
-    law = ("--kA", "1", "--kP", "inf", "--radii", "0.5", "0.7", "--law", "ring")
+    law = ("--kA", "1", "--kP", "inf", "--radii", "0.5", "0.7", "--law", "balanced")
     killed("torn", 5, *START, *law, cwd=tmp_path)
     broken = contents(tmp_path / "run")
     for option, saved, given in (
         ("--seed", "5", "2"),
         ("--kP", "inf", "3.0"),
         ("--radii", "0.5 0.7", "0.5 0.8"),
-        ("--contact", "balanced", "radical"),
+        ("--law", "balanced", "radical"),
         ("--polydispersity", "none", "0.1"),
         ("--steps", "5", "2"),
         ("--tolerance", "1e-06", "1e-08"),
     ):
         with pytest.raises(deformable.ParameterError) as error:
             in_process("--resume", option, *given.split())
-        assert str(error.value) == (
-            f"the run in 'run' was begun with {option} {saved}, not {given}: leave it out, or name "
-            "another folder"
-        )
-    message = (
-        "the compression in 'run' is interrupted at step 2 of 5: finish it first with --resume"
-    )
-    with pytest.raises(deformable.FileError, match=message):
+        assert f"'run' was begun with {option} {saved}, not {given}" in str(error.value)
+    with pytest.raises(deformable.FileError, match="at step 2 of 5: finish it first with --resume"):
         in_process("--further", "--steps", "1")
     with (
         deformable.load(tmp_path / "run") as sim,
@@ -164,7 +158,7 @@ def test_the_same_command_resumes(
     result = compress("--further", "--strain", "0.001", "--steps", "1", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     with pytest.raises(deformable.ParameterError, match="was begun with --seed 5, not 3"):
-        in_process("--further", "--seed", "3")  # by what it went further from
+        in_process("--further", "--seed", "3")  # of the first compression
     in_process("--resume", "--seed", "5", "--steps", "1")
 
 
@@ -175,14 +169,13 @@ def test_a_run_is_not_written_over(unbroken: dict[str, bytes], tmp_path: Path) -
         (folder / name).write_bytes(content)
     result = compress("--number", "8", cwd=tmp_path)
     assert (result.returncode, result.stdout) == (2, "")
-    assert result.stderr == (
-        "error: 'run' holds a run: finish it with --resume, or compress it further with "
-        "--further, or replace it with --overwrite, or name another folder\n"
-    )
+    assert result.stderr.startswith("error: 'run' holds a run")
+    for way in ("--resume", "--further", "--overwrite"):
+        assert way in result.stderr
     with deformable.load(folder) as sim:
-        with pytest.raises(deformable.FileError, match="replace it with overwrite=True, or name"):
+        with pytest.raises(deformable.FileError, match="overwrite=True"):
             deformable.compress_in(folder, sim, 0.01, 1)
-        with pytest.raises(deformable.ParameterError, match="further or replaced: not both"):
+        with pytest.raises(deformable.ParameterError, match="not both"):
             deformable.compress_in(folder, sim, 0.01, 1, append=True, overwrite=True)
     assert contents(folder) == unbroken
     result = compress("--number", "8", "--steps", "1", "--overwrite", cwd=tmp_path)
@@ -295,7 +288,7 @@ def test_what_cannot_be_resumed(state: deformable.State, tmp_path: Path) -> None
         deformable.resume(tmp_path)
     for _ in deformable.record([state], tmp_path):
         pass
-    with pytest.raises(deformable.FileError, match="does not say how it was to go on"):
+    with pytest.raises(deformable.FileError, match="append=True"):
         deformable.resume(tmp_path)
     lines = (tmp_path / "packing.data").read_text().splitlines(keepends=True)
     (tmp_path / "packing.data").write_text("".join(lines[:-2]))
