@@ -35,11 +35,9 @@ def jam_command(
         str,
         law_option(LAWS, "Contact law: soft disks (disk), or as in `deformable compress`."),
     ] = "balanced",
-    onset_pressure: Annotated[
+    pressure: Annotated[
         float,
-        typer.Option(
-            help="The pressure at the onset lies between this and twice this [natural units]."
-        ),
+        typer.Option(help="Pressure at the onset, between this and twice this [natural units]."),
     ] = 1e-7,
     excess_phi: Annotated[
         float,
@@ -65,14 +63,14 @@ def jam_command(
         raise ParameterError("jam uses the cores by itself: start it without mpiexec")
     began = time.perf_counter()
     values = [excess_phi / 2.0**n for n in reversed(range(_POINTS))] if excess_phi else []
-    _check(numbers, seeds, law, onset_pressure, values)
+    _check(numbers, seeds, law, pressure, values)
     folder = refuse(out, but="jamming")
     folder.mkdir(parents=True, exist_ok=True)
     onsets, scaling = read_table(folder / TABLE), read_table(folder / SCALING)
     for number in numbers:
         # all packings of a mean above the onset are measured at the same phi - phi_J
         there = {key(row) for row in onsets if excess_phi in (0.0, row["excess_phi"])}
-        packings = [(law, onset_pressure, number, seed) for seed in range(1, seeds + 1)]
+        packings = [(law, pressure, number, seed) for seed in range(1, seeds + 1)]
         runs = [(*packing, values) for packing in packings if packing not in there]
 
         def keep(found: tuple[Row, list[Row]]) -> None:
@@ -106,11 +104,11 @@ def _check(
     numbers: Sequence[int],
     seeds: int,
     law: str,
-    onset_pressure: float,
+    pressure: float,
     excess_phi: Sequence[float],
 ) -> None:
     """Refuse values that are out of range, before any work."""
-    positive("onset-pressure", onset_pressure)
+    positive("pressure", pressure)
     for name, value in (*(("number", number) for number in numbers), ("seeds", seeds)):
         if value < 1:
             raise ParameterError(f"{name} must be at least 1, not {value}")
@@ -121,9 +119,9 @@ def _check(
         raise ParameterError(f"excess-phi must lie between 0 and 0.1, not {last}")
     # p = 0.4 x for disks and 5 x^3 for rings at x = phi - phi_J, in natural units
     largest = (0.4 * first if law == "disk" else 5.0 * first**3) / _BELOW_FIRST
-    if onset_pressure > largest:
+    if pressure > largest:
         raise ParameterError(
-            f"an onset-pressure of {onset_pressure:g} is too near to the first phi - phi_J, "
+            f"a pressure of {pressure:g} at the onset is too near to the first phi - phi_J, "
             f"{first:.2g}: with the {law} law it may be {largest:.1g} at most"
         )
 

@@ -91,7 +91,7 @@ def test_command_follows_packings_upwards(tmp_path: Path, monkeypatch: pytest.Mo
     [
         (["0"], ["number", "0"]),
         (["8", "--seeds", "0"], ["seeds", "0"]),
-        (["8", "--onset-pressure", "-1"], ["onset-pressure", "-1.0"]),
+        (["8", "--pressure", "-1"], ["pressure", "-1.0"]),
         (["8", "--excess-phi", "-1"], ["excess-phi", "-1.0"]),
         (["8", "--excess-phi", "0.01"], ["1e-07", "balanced", "6e-14"]),
         (["8", "--workers", "0"], ["workers", "0"]),
