@@ -8,15 +8,13 @@ from collections.abc import Sequence
 from typing import Annotated
 
 import typer
-from mpi4py import MPI
 
 from ..common.errors import ParameterError
 from ..common.parallel import parallel_map
-from ..common.validate import positive
 from ..io.run_folder import TABLE, refuse
 from ..studies.ensemble import LAWS, QUANTITIES, Row, exponents, measure, summarize
 from ..studies.ensemble_tables import SCALING, key, read_table, write_summary, write_tables
-from .options import law_option
+from .options import law_option, refuse_ranks
 
 # Values of phi - phi_J at which a packing is measured, each half of the next one.
 _POINTS = 7
@@ -27,9 +25,7 @@ _BELOW_FIRST = 300.0
 
 
 def jam_command(
-    numbers: Annotated[
-        list[int], typer.Argument(help="Numbers of particles, e.g. 16 32 64.", show_default=False)
-    ],
+    numbers: Annotated[list[int], typer.Argument(help="Numbers of particles, e.g. 16 32 64.")],
     seeds: Annotated[int, typer.Option(help="Packings of each size: seeds 1, 2, ...")] = 10,
     law: Annotated[
         str,
@@ -59,16 +55,19 @@ def jam_command(
     Packings that are in the tables are not computed again: an interrupted command goes on when it
     is repeated, and several laws can share a folder.
     """
-    if MPI.COMM_WORLD.size > 1:
-        raise ParameterError("jam uses the cores by itself: start it without mpiexec")
+    refuse_ranks("jam uses the cores by itself")
     began = time.perf_counter()
     values = [excess_phi / 2.0**n for n in reversed(range(_POINTS))] if excess_phi else []
-    _check(numbers, seeds, law, pressure, values)
+    for name, count in (*(("number", number) for number in numbers), ("seeds", seeds)):
+        if count < 1:
+            raise ParameterError(f"{name} must be at least 1, not {count}")
+    if values:
+        _check_excess(law, pressure, values)
     folder = refuse(out, but="jamming")
     folder.mkdir(parents=True, exist_ok=True)
     onsets, scaling = read_table(folder / TABLE), read_table(folder / SCALING)
     for number in numbers:
-        # all packings of a mean above the onset are measured at the same phi - phi_J
+        # means above the onset need all packings at the same phi - phi_J
         there = {key(row) for row in onsets if excess_phi in (0.0, row["excess_phi"])}
         packings = [(law, pressure, number, seed) for seed in range(1, seeds + 1)]
         runs = [(*packing, values) for packing in packings if packing not in there]
@@ -83,14 +82,9 @@ def jam_command(
         write_summary(folder, onsets, scaling)
         for row in summarize(onsets):
             if (row["law"], row["onset_pressure"], row["number"]) == packings[0][:3]:
-                typer.echo(_line(row))
+                typer.echo(_means(row))
     for row in exponents(scaling):
-        typer.echo(
-            f"{row['law']}, N = {row['number']}, exponents over phi - phi_J: "
-            + ", ".join(
-                f"{name} {row[name]:.3f} +- {row[f'{name}_error']:.3f}" for name in QUANTITIES
-            )
-        )
+        typer.echo(_exponents(row))
     if importlib.util.find_spec("matplotlib"):
         from ..studies import ensemble_figures as figures
 
@@ -100,20 +94,8 @@ def jam_command(
     typer.echo(f"wrote {out} ({time.perf_counter() - began:.0f} s)")
 
 
-def _check(
-    numbers: Sequence[int],
-    seeds: int,
-    law: str,
-    pressure: float,
-    excess_phi: Sequence[float],
-) -> None:
-    """Refuse values that are out of range, before any work."""
-    positive("pressure", pressure)
-    for name, value in (*(("number", number) for number in numbers), ("seeds", seeds)):
-        if value < 1:
-            raise ParameterError(f"{name} must be at least 1, not {value}")
-    if not excess_phi:
-        return
+def _check_excess(law: str, pressure: float, excess_phi: Sequence[float]) -> None:
+    """Refuse values of phi - phi_J that are out of range, or too near to the onset."""
     first, last = excess_phi[0], excess_phi[-1]
     if not 0.0 < last < 0.1:
         raise ParameterError(f"excess-phi must lie between 0 and 0.1, not {last}")
@@ -126,15 +108,22 @@ def _check(
         )
 
 
-def _line(row: Row) -> str:
-    """Means of packings at their onset."""
+def _exponents(row: Row) -> str:
+    """A line with the exponents of pressure, moduli and coordination."""
+    found = (f"{name.replace('_', ' ')} {_value(row, name, 3)}" for name in QUANTITIES)
+    return f"{row['law']}, N = {row['number']}, exponents over phi - phi_J: {', '.join(found)}"
 
-    def mean(name: str, digits: int) -> str:
-        error = row[f"{name}_error"]  # nan for a single packing
-        return f"{row[name]:.{digits}f}" + (f" +- {error:.{digits}f}" if error == error else "")
 
+def _means(row: Row) -> str:
+    """A line with means over packings at their onset."""
     return (
-        f"{row['law']}, N = {row['number']}: phi_J = {mean('phi', 5)}, contacts "
-        f"{mean('contacts', 1)}, beyond 2N' - 1 {mean('excess_contacts', 2)}, "
+        f"{row['law']}, N = {row['number']}: phi_J = {_value(row, 'phi', 5)}, contacts "
+        f"{_value(row, 'contacts', 1)}, beyond 2N' - 1 {_value(row, 'excess_contacts', 2)}, "
         f"{row['seconds']:.2g} s each" + (f", {row['stalled']} STALLED" if row["stalled"] else "")
     )
+
+
+def _value(row: Row, name: str, digits: int) -> str:
+    """A value with its standard error, which is nan for a single packing."""
+    error = row[f"{name}_error"]
+    return f"{row[name]:.{digits}f}" + (f" +- {error:.{digits}f}" if error == error else "")

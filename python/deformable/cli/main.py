@@ -23,6 +23,7 @@ from ..runs.movie import movie as draw_movie
 from ..runs.resume import TOLERANCE
 from .compress import compress_command
 from .jam import jam_command
+from .options import refuse_ranks
 
 app = typer.Typer(
     help="Two-dimensional deformable particles in LAMMPS.",
@@ -84,7 +85,7 @@ def compare(
     the same start. The sector law treats a particle with one contact as a soft disk, so its energy
     can be far off.
     """
-    _refuse_ranks("compare times one core")
+    refuse_ranks("compare times one core")
     from ..report.packings import packing_rows
 
     if not 0.0 < strain < 1.0:
@@ -128,7 +129,7 @@ def report(
     Writes index.html, its pictures and report.json into the output folder. Takes about half an
     hour on two cores, with --quick three minutes.
     """
-    _refuse_ranks("report uses the cores by itself")
+    refuse_ranks("report uses the cores by itself")
     from ..report import write_report
 
     began = time.perf_counter()
@@ -150,7 +151,7 @@ def movie(
     rate: Annotated[int, typer.Option(help="Pictures per second.")] = 10,
 ) -> None:
     """Draw each state of a recorded run as a movie."""
-    _refuse_ranks("a movie is drawn by one process")
+    refuse_ranks("a movie is drawn by one process")
     draw_movie(run, out, color_by, contacts, forces, rate)
     print_once(f"wrote {out}")
 
@@ -175,12 +176,6 @@ def info() -> None:
     lmp.close()
     if not (complete and match):
         sys.exit(1)
-
-
-def _refuse_ranks(reason: str) -> None:
-    """Refuse mpiexec for a command that does not share its work over ranks."""
-    if MPI.COMM_WORLD.size > 1:
-        raise ParameterError(f"{reason}: start it without mpiexec")
 
 
 if __name__ == "__main__":

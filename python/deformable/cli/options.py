@@ -1,4 +1,4 @@
-"""Options that several commands have."""
+"""Options and checks that several commands share."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ from collections.abc import Iterable
 from typing import Any
 
 import typer
+from mpi4py import MPI
+
+from ..common.errors import ParameterError
 
 
 def law_option(names: Iterable[str], help: str) -> Any:
@@ -22,3 +25,9 @@ def law_option(names: Iterable[str], help: str) -> Any:
         return name
 
     return typer.Option(parser=law, metavar="|".join(names), help=help)
+
+
+def refuse_ranks(reason: str) -> None:
+    """Refuse mpiexec for a command that does not share its work over ranks."""
+    if MPI.COMM_WORLD.size > 1:
+        raise ParameterError(f"{reason}: start it without mpiexec")

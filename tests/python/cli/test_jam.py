@@ -89,7 +89,7 @@ def test_command_follows_packings_upwards(tmp_path: Path, monkeypatch: pytest.Mo
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["0"], ["number", "0"]),
+        (["8", "0"], ["number", "0"]),
         (["8", "--seeds", "0"], ["seeds", "0"]),
         (["8", "--pressure", "-1"], ["pressure", "-1.0"]),
         (["8", "--excess-phi", "-1"], ["excess-phi", "-1.0"]),
