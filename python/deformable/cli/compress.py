@@ -27,7 +27,7 @@ from ..state.state import State
 from .options import law_option
 from .settings import PROTOCOL, Settings, check_same, check_together
 
-_IF_THERE_IS_A_RUN = (
+_WAYS_OUT = (
     "finish it with --resume",
     "compress it further with --further",
     "replace it with --overwrite",
@@ -113,7 +113,7 @@ def compress_command(
     if resume + further + overwrite > 1:
         raise ParameterError("give one of --resume, --further and --overwrite")
     replaced = resume or further or overwrite
-    folder = refuse(out, "compression" if replaced else None, _IF_THERE_IS_A_RUN)
+    folder = refuse(out, "compression" if replaced else None, _WAYS_OUT)
     if resume:
         check_same(folder, given)
         states = resume_in(folder)
@@ -123,18 +123,23 @@ def compress_command(
     else:
         check_together(settings, given)
         states = _begin(folder, settings, overwrite)
-    if _show(states, folder):
-        print_once(f"wrote {folder} ({time.perf_counter() - began:.1f} s)")
-    else:
+    last = _print(states, folder)
+    if last is None:
         print_once(f"the compression in '{folder}' is complete")
+    else:
+        _draw(last, folder / "packing.png")
+        print_once(f"wrote {folder} ({time.perf_counter() - began:.1f} s)")
 
 
 def _settings(context: typer.Context) -> tuple[Settings, dict[str, Any]]:
-    """The settings of the run, and those of them that stand on the command line."""
-    settings = {field.name: context.params[field.name] for field in fields(Settings)}
-    sources = {name: context.get_parameter_source(name) for name in settings}
-    given = {name for name, source in sources.items() if source and source.name == "COMMANDLINE"}
-    return Settings(**settings), {name: settings[name] for name in settings if name in given}
+    """The settings of the run, and those of them that are given on the command line."""
+    values = {field.name: context.params[field.name] for field in fields(Settings)}
+
+    def is_given(name: str) -> bool:
+        source = context.get_parameter_source(name)
+        return source is not None and source.name == "COMMANDLINE"
+
+    return Settings(**values), {name: values[name] for name in values if is_given(name)}
 
 
 def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[State]:
@@ -151,8 +156,8 @@ def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[State]
     return compress_in(folder, sim, *protocol, asdict(settings), overwrite=overwrite)
 
 
-def _show(states: Iterator[State], folder: Path) -> bool:
-    """Print a line for each state as it comes, and draw the last one; whether there is any."""
+def _print(states: Iterator[State], folder: Path) -> State | None:
+    """Print a line for each state as it comes, and return the last one if there is any."""
     columns = ("phi", "pressure", "energy", "coordination", "rattlers", "residual")
     first, state = frames_in(folder) + 1, None
     for step, state in enumerate(states, start=first):
@@ -160,10 +165,14 @@ def _show(states: Iterator[State], folder: Path) -> bool:
             print_once("step " + " ".join(f"{name:>12}" for name in columns))
         row = state.numbers()
         print_once(f"{step:4d} " + " ".join(f"{row[name]:12.6g}" for name in columns))
-    if state is not None and state.root and importlib.util.find_spec("matplotlib"):
+    return state
+
+
+def _draw(state: State, path: Path) -> None:
+    """Draw a state on the rank that has it, if matplotlib is installed."""
+    if state.root and importlib.util.find_spec("matplotlib"):
         from matplotlib.figure import Figure
 
         figure = Figure(figsize=(6.4, 5.6), layout="constrained")
         state.plot(figure.subplots())
-        figure.savefig(folder / "packing.png", dpi=150)
-    return state is not None
+        figure.savefig(path, dpi=150)

@@ -73,9 +73,9 @@ def jam_command(
         runs = [(*packing, values) for packing in packings if packing not in there]
 
         def keep(found: tuple[Row, list[Row]]) -> None:
-            onset, above = found
+            onset, compressed = found
             onsets[:] = [*(row for row in onsets if key(row) != key(onset)), onset]
-            scaling[:] = [*(row for row in scaling if key(row) != key(onset)), *above]
+            scaling[:] = [*(row for row in scaling if key(row) != key(onset)), *compressed]
             write_tables(folder, onsets, scaling)
 
         parallel_map(measure, runs, workers, f"N = {number}", keep)

@@ -21,7 +21,7 @@ PROTOCOL = ("strain", "steps", "tolerance")
 
 @dataclass(frozen=True)
 class Settings:
-    """What a run is begun with, as summary.json keeps it. The options have the same names."""
+    """The settings of a run, by the names of the options; summary.json has them as `parameters`."""
 
     number: int
     radii: tuple[float, float]
@@ -65,11 +65,11 @@ class Settings:
 
 
 def check_together(settings: Settings, given: Mapping[str, Any]) -> None:
-    """Refuse options that have no meaning beside others.
+    """Refuse options that contradict each other.
 
     Args:
         settings: of the run.
-        given: those of them that stand on the command line.
+        given: those of them that are given on the command line.
     """
     if settings.polydispersity is not None and given.keys() & {"radii", "fraction"}:
         raise ParameterError("give --polydispersity, or --radii and --fraction of two sizes")
@@ -91,7 +91,7 @@ def check_same(folder: Path, given: Mapping[str, Any]) -> None:
 
 
 def _saved(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """Settings in a summary: of the last compression, and of those before it what it lacks."""
+    """Settings in a summary: those of the last compression, completed by those of earlier ones."""
     settings = dict(parameters)
     before = settings.pop("before", None)
     if settings.get("law") == "ring":  # version 0.1 had two options for the law
@@ -103,7 +103,7 @@ def _saved(parameters: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _typed(value: object) -> str:
-    """A setting as it is typed, from the command line or from JSON, which keeps inf as a string."""
+    """A setting as it is typed, from the command line or from JSON, where inf is a string."""
     return " ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value).lower()
 
 

@@ -8,9 +8,8 @@
     trajectory.lammpstrj    LAMMPS dump for OVITO and MDAnalysis
 
 `State.save` writes the first four, `record` all of them while a run goes on, and `load` continues
-from the last state. A run may be interrupted at any moment: the packing is written last, whole or
-not at all, and has the number of frames on record. Frames beyond it are removed when the run goes
-on.
+from the last state. A run may be interrupted at any moment: the packing is written last and
+atomically, with the number of recorded frames. Frames beyond it are removed when the run goes on.
 """
 
 from __future__ import annotations
@@ -66,13 +65,13 @@ def record(
         The states, unchanged.
     """
     folder = Path(folder)
-    behind = append and (folder / SERIES).exists()
-    first, before = on_record(folder) if behind else (0, {})
+    goes_on = append and (folder / SERIES).exists()
+    first, before = recorded(folder) if goes_on else (0, {})
     yield from write(states, folder, {**(parameters or {}), **before}, first)
 
 
-def on_record(folder: Path) -> tuple[int, dict[str, Any]]:
-    """Number of frames of a run that goes on, and its parameters for the next summary."""
+def recorded(folder: Path) -> tuple[int, dict[str, Any]]:
+    """Number of frames of a run, and its parameters for the summary of the next one."""
     check_frames(folder)
     return frames_in(folder), {"before": summary_in(folder).get("parameters")}
 
@@ -80,7 +79,7 @@ def on_record(folder: Path) -> tuple[int, dict[str, Any]]:
 def write(
     states: Iterable[State], folder: Path, parameters: Mapping[str, Any], first: int
 ) -> Iterator[State]:
-    """Write each state behind the first frames of a folder, and remove those beyond them."""
+    """Write each state after the first frames of a folder; later frames are removed."""
     for number, state in enumerate(states, start=first):
         if state.root:
             if number == first:

@@ -18,7 +18,7 @@ from .record import load
 
 
 def replay(folder: str | Path) -> Iterator[State]:
-    """The states of a recorded run, evaluated anew from the positions on record.
+    """The states of a recorded run, evaluated again from the recorded positions.
 
     Args:
         folder: of `record`.

@@ -22,11 +22,11 @@ from ..io.store import read, summary_in
 from ..model.packing import Packing
 from ..protocols.compression import check_protocol, go_on
 from ..state.state import State
-from .record import on_record, write
+from .record import recorded, write
 
 TOLERANCE = 1e-6
 
-# Above it the forces on a particle are not balanced by any measure.
+# With a larger one the forces on a particle are far from balanced.
 LARGEST_TOLERANCE = 1e-2
 
 
@@ -44,7 +44,7 @@ def compress_in(
 
     Args:
         folder: made if missing.
-        sim: without further commands to its `lmp`, because each step starts LAMMPS anew.
+        sim: without further commands to its `lmp`, because each step starts a new LAMMPS.
         strain: linear strain of all steps together, below 1; negative expands.
         steps: number of steps.
         tolerance: of each relaxation, at most 0.01, see `Simulation.relax`.
@@ -69,7 +69,7 @@ def compress_in(
     first, before = 0, dict[str, Any]()
     if append:
         _check_complete(folder)
-        first, before = on_record(folder)
+        first, before = recorded(folder)
     start = sim.state()  # all ranks have read the folder by then
     protocol = {"strain": float(strain), "steps": int(steps), "tolerance": float(tolerance)}
     began = {"frame": first, "box": start.packing.box.tolist()}
@@ -123,7 +123,7 @@ def check_compression(strain: float, steps: int, tolerance: float) -> None:
 
 
 def _check_complete(folder: Path) -> None:
-    """Refuse to go on behind an interrupted compression."""
+    """Refuse to compress an interrupted compression further."""
     parameters = _parameters(folder)
     if "start" in parameters and _steps_done(folder, parameters) < parameters["steps"]:
         raise FileError(

@@ -1,4 +1,4 @@
-"""Ensembles at and above the onset of jamming: rows of a table, means, exponents."""
+"""Ensembles at and above the onset of jamming: packings, means, exponents."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ GROUP = ("law", "onset_pressure", "number")
 # their forces to 1e-8.
 _STRAIN, _TOLERANCE = 0.01, 1e-8
 
-# Deviation of a rise of pressure from the integral of the bulk modulus, over the latter, above
-# which a packing has rearranged.
+# A packing has rearranged if its pressure rises by so much more or less than the integral of the
+# bulk modulus, relative to the latter.
 _REARRANGED = 0.25
 
-# A fit takes means over at least so many packings that are so many standard errors above zero.
+# Means are fitted if they are over so many packings, and so many standard errors above zero.
 _FEWEST_PACKINGS, _STANDARD_ERRORS = 3, 2.0
 
 # Tolerance of the onset, where contacts are counted.
@@ -63,28 +63,28 @@ def measure(
     """
     began = time.process_time()
     contact_law = LAWS[law]
-    with warnings.catch_warnings(record=True) as heard:
+    with warnings.catch_warnings(record=True) as caught:
         # rows have a column for what stalled; packings may rearrange while they are compressed
         warnings.simplefilter("ignore", UnjammedWarning)
         warnings.simplefilter("always", StalledWarning)
         start = bidisperse(number, seed=seed)
         packing = jam(start, contact_law, onset_pressure, tolerance=_ONSET_TOLERANCE)
-        stalled = any(issubclass(warning.category, StalledWarning) for warning in heard)
+        stalled = any(issubclass(warning.category, StalledWarning) for warning in caught)
         with simulate(packing, contact_law) as sim:
             onset = sim.relax()
             unit = natural_pressure(onset.packing, contact_law)
             key = {"law": law, "onset_pressure": onset_pressure, "number": number, "seed": seed}
-            above = []
+            compressed = []
             for excess in excess_phi:
                 sim.deform(onset.packing.at(onset.packing.phi + excess).box)
                 state = sim.relax(_TOLERANCE)
                 if state.pressure < onset_pressure * unit or state.stalled:
                     break  # it lost its rigidity
                 reached = key | {"excess_phi": state.phi - onset.phi} | _numbers(state, unit)
-                above.append(reached | _moduli(state, excess, unit))
+                compressed.append(reached | _moduli(state, excess, unit))
     row = key | _numbers(onset, unit) | {"excess_phi": max(excess_phi, default=0.0)}
     row["stalled"] = onset.stalled or stalled
-    return row | {"seconds": time.process_time() - began}, above
+    return row | {"seconds": time.process_time() - began}, compressed
 
 
 def _numbers(state: State | DiskState, unit: float) -> Row:
@@ -230,9 +230,9 @@ def jackknife(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, fl
             return float("nan")
         return float(np.polyfit(np.log(mean_x), np.log(mean_y), 1)[0])
 
-    whole = slope(np.ones(count, dtype=bool))
+    of_all = slope(np.ones(count, dtype=bool))
     if count < 2:
-        return whole, float("nan")
+        return of_all, float("nan")
     without = np.array([slope(np.arange(count) != n) for n in range(count)])
     spread = np.sum((without - without.mean()) ** 2)
-    return whole, float(np.sqrt((count - 1) / count * spread))
+    return of_all, float(np.sqrt((count - 1) / count * spread))

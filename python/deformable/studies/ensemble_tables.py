@@ -17,12 +17,12 @@ from .ensemble import Row, exponents, summarize
 
 SCALING = "scaling.csv"
 
-# A packing is known by these columns.
+# These columns identify a packing.
 _KEYS = {"law": str, "onset_pressure": float, "number": int, "seed": int}
 
 
 def key(row: Mapping[str, Any]) -> tuple[Any, ...]:
-    """The columns that tell packings apart: law, onset pressure, number of particles, seed."""
+    """The columns that identify a packing: law, onset pressure, number of particles, seed."""
     return tuple(row[name] for name in _KEYS)
 
 
@@ -58,12 +58,12 @@ def _value(text: str) -> bool | int | float:
 
 
 def write_tables(folder: Path, onsets: Sequence[Row], scaling: Sequence[Row]) -> None:
-    """Write the onsets, and the rows above them first: a row of an onset says that they are there.
+    """Write the compressed packings, then the onsets, whose rows imply that the former are there.
 
     Args:
         folder: of the ensemble.
         onsets: a row a packing, see `measure`.
-        scaling: rows above the onsets, see `measure`.
+        scaling: rows of compressed packings, see `measure`.
     """
     for name, rows in ((SCALING, scaling), (TABLE, onsets)):
         if rows:
@@ -75,7 +75,7 @@ def write_tables(folder: Path, onsets: Sequence[Row], scaling: Sequence[Row]) ->
 
 
 def write_summary(folder: Path, onsets: Sequence[Row], scaling: Sequence[Row]) -> None:
-    """Write the means at the onsets and the exponents above them."""
+    """Write means over the onsets, and exponents of the compressed packings."""
     summary = {
         "onset": [_without_nan(row) for row in summarize(onsets)],
         "exponents": [_without_nan(row) for row in exponents(scaling)],

@@ -47,7 +47,7 @@ def test_command_keeps_what_is_done_when_it_fails(
 ) -> None:
     monkeypatch.chdir(tmp_path)
 
-    def fails_at_three(law: str, pressure: float, number: int, seed: int, above: object) -> object:
+    def fails_at_three(law: str, pressure: float, number: int, seed: int, values: object) -> object:
         if seed == 3:
             raise deformable.LammpsError("out of luck")
         return measure(law, pressure, number, seed)

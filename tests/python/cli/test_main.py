@@ -143,11 +143,11 @@ def test_compare_has_a_row_a_law(tmp_path: Path) -> None:
     assert "interlock" not in result.stdout
 
 
-def test_compare_says_that_rings_interlock(tmp_path: Path) -> None:
+def test_compare_warns_that_rings_interlock(tmp_path: Path) -> None:
     options = ("--number", "8", "--beads", "20", "--strain", "1e-7")
     result = run("compare", *options, cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    assert "the rings interlock, strain more or take more beads" in result.stdout.splitlines()[-1]
+    assert "the rings interlock" in result.stdout.splitlines()[-1]
 
 
 def test_compare_marks_what_failed(
@@ -186,7 +186,7 @@ def test_ranks_are_refused(command: str, tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-def test_report_says_what_it_does(tmp_path: Path) -> None:
+def test_help_of_report(tmp_path: Path) -> None:
     result = run("report", "--help", cwd=tmp_path)
     assert result.returncode == 0
     for word in ("--quick", "--out", "index.html", "report.json"):
@@ -207,7 +207,7 @@ def launch(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
 
 
 def test_error_on_one_rank_ends_all(tmp_path: Path) -> None:
-    """Only rank 0 makes the folder: the other one must not wait for it for ever."""
+    """Only rank 0 makes the folder: the other rank must not wait for it for ever."""
     result = launch("compress", "--number", "8", "--out", "/proc/run", cwd=tmp_path)
     assert result.returncode != 0
     assert "error: [Errno " in result.stderr
@@ -215,7 +215,7 @@ def test_error_on_one_rank_ends_all(tmp_path: Path) -> None:
     assert "Traceback" not in result.stderr
 
 
-def test_info_says_that_all_is_well(tmp_path: Path) -> None:
+def test_info_of_a_complete_installation(tmp_path: Path) -> None:
     result = run("info", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     for style in ("ring", "sector", "wall", "polygon", "stick"):
