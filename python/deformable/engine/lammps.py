@@ -45,8 +45,8 @@ class Engine:
         """The LAMMPS instance."""
         if self.closed:
             raise ParameterError(
-                f"this {type(self).__name__} is closed: make a new one, or use it before its `with` "
-                "block ends"
+                f"this {type(self).__name__} is closed: make a new one, or use it before the end "
+                "of its `with` block"
             )
         return self._lmp
 

@@ -145,11 +145,8 @@ def natural_pressure(packing: Packing, law: Law | None) -> float:
     """
     if law is None:
         return 1.0
-    species, r0 = packing.species, float(packing.radius.mean())
-    kA, kP = (
-        np.broadcast_to(np.asarray(k, dtype=np.float64), len(packing.radii))[species]
-        for k in (law.kA, law.kP)
-    )
+    r0 = float(packing.radius.mean())
+    kA, kP, _ = np.array(law.species(packing.radii.tolist())).T[:, packing.species]
     return float(np.mean(1.0 / (1.0 / (kA * r0**2) + 1.0 / kP)))
 
 

@@ -17,14 +17,14 @@ from deformable.studies.single import regular
 
 LAUNCHED = """
 import os
-from deformable.common.parallel import farm
-assert farm(os.getpid, [()] * 3, workers=2) == [os.getpid()] * 3
+from deformable.common.parallel import parallel_map
+assert parallel_map(os.getpid, [()] * 3, workers=2) == [os.getpid()] * 3
 """
 
 UNGUARDED = """
 import math
-from deformable.common.parallel import farm
-farm(math.sqrt, [(1.0,), (4.0,)], workers=2)
+from deformable.common.parallel import parallel_map
+parallel_map(math.sqrt, [(1.0,), (4.0,)], workers=2)
 """
 
 
@@ -78,14 +78,14 @@ def test_no_workers() -> None:
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
-def test_ranks_do_not_farm(tmp_path: Path, ranks: int) -> None:
+def test_ranks_start_no_processes(tmp_path: Path, ranks: int) -> None:
     (tmp_path / "script.py").write_text(LAUNCHED)
     mpiexec = Path(sys.executable).with_name("mpiexec")
     command = [str(mpiexec), "-n", str(ranks), sys.executable, "-m", "mpi4py", "script.py"]
     subprocess.run(command, cwd=tmp_path, check=True, timeout=60)
 
 
-def test_a_script_without_guard_is_told(tmp_path: Path) -> None:
+def test_the_error_names_a_missing_guard(tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text(UNGUARDED)
     run = subprocess.run(
         [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=60
