@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from deformable import ParameterError, squeeze
 from deformable.cli import main as cli
-from deformable.common.parallel import parallel_map
+from deformable.common.parallel import call_once, parallel_map
 from deformable.common.versions import machine
 from deformable.studies.paper import ring_in_walls
 from deformable.studies.single import regular
@@ -69,12 +69,47 @@ def test_a_process_that_dies_is_one_line(
     with warnings.catch_warnings(), pytest.raises(SystemExit):
         cli.main()
     last = capsys.readouterr().err.splitlines()[-1]
-    assert last.startswith("error: a process of _exit died, killed or for want of memory")
+    assert last.startswith("error: a process of _exit died: it was killed")
 
 
 def test_no_workers() -> None:
     with pytest.raises(ParameterError, match="at least 1, not 0"):
         parallel_map(math.sqrt, [(1.0,)], workers=0)
+
+
+def inverse(value: float, folder: str) -> float:
+    """Leaves a mark in a folder when it is called."""
+    with Path(folder, f"calls-{value:g}").open("a") as file:
+        file.write("x")
+    return 1.0 / value
+
+
+def calls(folder: Path) -> dict[str, int]:
+    return {path.name: len(path.read_text()) for path in folder.glob("calls-*")}
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_an_interrupted_map_goes_on(tmp_path: Path, workers: int) -> None:
+    """Results that are kept are not computed again; neither are those of another map."""
+    keep = tmp_path / "kept"
+    runs = [(value, str(tmp_path)) for value in (1.0, 2.0, 0.0, 4.0)]
+    with pytest.raises(ZeroDivisionError):
+        parallel_map(inverse, runs, workers, keep=keep)
+    del runs[2]
+    heard: list[float] = []
+    for _ in range(2):
+        assert parallel_map(inverse, runs, workers, each=heard.append, keep=keep) == [1, 0.5, 0.25]
+    assert sorted(heard) == [0.25, 0.25, 0.5, 0.5, 1, 1]
+    assert calls(tmp_path) == {"calls-1": 1, "calls-2": 1, "calls-0": 1, "calls-4": 1}
+    assert {path.suffix for path in keep.iterdir()} == {".pickle"}
+
+
+def test_calls_are_known_by_function_and_arguments(tmp_path: Path) -> None:
+    for value in (2.0, 4.0, 2.0):
+        assert call_once(tmp_path, inverse, value, str(tmp_path)) == 1.0 / value
+        assert call_once(tmp_path, inverse, value, folder=str(tmp_path)) == 1.0 / value
+        assert call_once(tmp_path, math.sqrt, value) == math.sqrt(value)
+    assert calls(tmp_path) == {"calls-2": 2, "calls-4": 2}
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
