@@ -17,14 +17,15 @@ from ..model.packing import Packing
 from ..model.walls import Walls
 from ..state.bead_state import BeadState, sum_contacts
 from .bead_start import refuse_outside, refuse_overlap, refuse_own_image, ring_file, undeformed
-from .lammps import Engine, change_box, gather, local_array, run, shared_file, silent_lammps
+from .lammps import Engine, gather, local_array, run, shared_file, silent_lammps
 from .relaxation import (
     Forces,
     force_rounding,
-    measure_commands,
+    largest_force,
     minimize_command,
     minimize_until_relaxed,
     stress,
+    thermo_commands,
 )
 
 _SETUP = """
@@ -45,7 +46,7 @@ timestep {timestep!r}
 _LARGEST_STEP, _STRETCH = 1.35, 2.0
 
 # Iterations of one call of the minimizer, and those without halving the smallest residual after
-# which a relaxation counts as stalled: rough rings creep through many small rearrangements.
+# which a relaxation counts as stalled: rough rings go through many small rearrangements.
 _ITERATIONS, _PATIENCE = 20_000, 2_000_000
 
 
@@ -104,6 +105,15 @@ class BeadReference(Engine):
             run(self.lmp, "boundary f f p")
         with shared_file(self.comm, ring_file(packing, positions, walls is not None)) as file:
             run(self.lmp, f'atom_style bond\nread_data "{file}"')
+        self._define_energy()
+        if walls is not None:
+            self._define_region(walls)
+            run(self.lmp, f"fix walls all {_wall_style(beads, walls.stick)}")
+            run(self.lmp, "fix_modify walls energy yes")
+
+    def _define_energy(self) -> None:
+        """Define springs, areas and contacts, their results, and the minimizer."""
+        beads, rings, species = self.beads, self.rings, self._species
         bonds = "\n".join(
             f"bond_coeff {n} {float(0.5 * kL)!r} {float(spacing)!r}"  # LAMMPS has no 1/2
             for n, (kL, spacing) in enumerate(zip(rings.kL, rings.spacing, strict=True), start=1)
@@ -111,12 +121,12 @@ class BeadReference(Engine):
         # one fix for each area stiffness, with its rings
         areas = ""
         self._areas: list[tuple[str, NDArray[np.int64]]] = []
-        for n, kA in enumerate(np.unique(rings.kA[packing.species]).tolist()):
-            alike = np.flatnonzero(rings.kA[packing.species] == kA)
-            types = " ".join(str(kind + 1) for kind in np.unique(packing.species[alike]))
-            areas += f"group alike{n} type {types}\n"
-            areas += f"fix area{n} alike{n} deformable/polygon {kA!r}\n"
-            self._areas.append((f"area{n}", alike))
+        for n, kA in enumerate(np.unique(rings.kA[species]).tolist()):
+            members = np.flatnonzero(rings.kA[species] == kA)
+            types = " ".join(str(kind + 1) for kind in np.unique(species[members]))
+            areas += f"group members{n} type {types}\n"
+            areas += f"fix area{n} members{n} deformable/polygon {kA!r}\n"
+            self._areas.append((f"area{n}", members))
         skin = 0.5 * beads.radius
         run(
             self.lmp,
@@ -130,15 +140,11 @@ class BeadReference(Engine):
                 timestep=_LARGEST_STEP / _STRETCH / rings.fastest_frequency(beads.kr),
             ),
         )
-        run(self.lmp, measure_commands("pe"))
+        run(self.lmp, thermo_commands("pe"))
         run(self.lmp, minimizer_commands(skin, dmax=0.1 * beads.radius, tmax=_STRETCH))
-        if walls is not None:
-            self._define_region(walls)
-            run(self.lmp, f"fix walls all {_wall_style(beads, walls.stick)}")
-            run(self.lmp, "fix_modify walls energy yes")
 
     def deform(self, box: NDArray[np.float64]) -> None:
-        """Give the box other lattice vectors, and let the beads follow affinely.
+        """Give the box other lattice vectors; the beads follow affinely.
 
         Args:
             box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
@@ -149,7 +155,7 @@ class BeadReference(Engine):
         """
         if self.walls is not None:
             raise ParameterError("walls do not follow the box: move them with confine")
-        change_box(self.lmp, box)
+        super().deform(box)
 
     def confine(self, walls: Walls) -> None:
         """Move the walls; beads that stick to one keep their place along it.
@@ -197,7 +203,7 @@ class BeadReference(Engine):
             tolerance: largest residual, see `BeadState.residual`.
 
         Returns:
-            The relaxed state; its `stalled` is true where the tolerance was not reached.
+            The relaxed state; its `stalled` is true if the tolerance was not reached.
 
         Raises:
             LammpsError: LAMMPS gave up.
@@ -227,7 +233,7 @@ class BeadReference(Engine):
                 _PATIENCE,
                 minimize,
                 evaluate,
-                measure=lambda forces: forces.residual,
+                indicator=lambda forces: forces.residual,
             )
         stalled = forces.residual > tolerance
         if stalled and self.comm.rank == 0:
@@ -247,18 +253,17 @@ class BeadReference(Engine):
         """Bring forces, areas and perimeters up to date; returns the forces."""
         run(self.lmp, "run 0 post no")
         self._area, self._perimeter = np.empty((2, len(self._species)))
-        for fix, alike in self._areas:
+        for fix, members in self._areas:
             measured = [
                 [self.lmp.extract_fix(fix, 0, 2, row, column) for column in range(2)]
-                for row in range(len(alike))
+                for row in range(len(members))
             ]
-            self._area[alike], self._perimeter[alike] = np.array(measured).T
-        largest = float(np.linalg.norm(gather(self.lmp, "f", 3), axis=1).max())
+            self._area[members], self._perimeter[members] = np.array(measured).T
         deficit = np.maximum(self.rings.area[self._species] - self._area, 0.0)
         force_per_deficit = self.rings.kA * self.rings.spacing
         scale = float(np.mean(force_per_deficit[self._species] * deficit))
         rounding = force_rounding(self.box, float(self.rings.kL.max()))
-        return Forces(largest, max(scale, rounding), rounding)
+        return Forces(largest_force(self.lmp), max(scale, rounding), rounding)
 
     def _snapshot(self, forces: Forces, stalled: bool) -> BeadState:
         """The state at the last evaluation."""

