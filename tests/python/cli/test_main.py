@@ -78,7 +78,6 @@ def test_sector_warns_on_one_line(tmp_path: Path) -> None:
         (["--kA", "inf"], ["kA", "kP", "inf"]),
         (["--law", "sector", "--kP", "1"], ["Sector", "kP = 1.0"]),
         (["--law", "sector", "--reach", "0.2"], ["--reach", "sector"]),
-        (["--polydispersity", "0.1", "--fraction", "0.3"], ["--polydispersity", "--fraction"]),
         (["--resume", "--out", "nowhere"], ["'nowhere'"]),
         (["--further", "--out", "nowhere"], ["'nowhere'"]),
         (["--resume", "--further"], ["--resume", "--further", "--overwrite"]),
