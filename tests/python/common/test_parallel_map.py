@@ -1,4 +1,4 @@
-"""Calls in processes of their own."""
+"""Independent calls in several processes, and their results after an interruption."""
 
 import math
 import os
@@ -10,21 +10,21 @@ from pathlib import Path
 import pytest
 from deformable import ParameterError, squeeze
 from deformable.cli import main as cli
-from deformable.common.parallel import parallel_map
+from deformable.common.parallel import call_once, parallel_map
 from deformable.common.versions import machine
 from deformable.studies.paper import ring_in_walls
 from deformable.studies.single import regular
 
 LAUNCHED = """
 import os
-from deformable.common.parallel import farm
-assert farm(os.getpid, [()] * 3, workers=2) == [os.getpid()] * 3
+from deformable.common.parallel import parallel_map
+assert parallel_map(os.getpid, [()] * 3, workers=2) == [os.getpid()] * 3
 """
 
 UNGUARDED = """
 import math
-from deformable.common.parallel import farm
-farm(math.sqrt, [(1.0,), (4.0,)], workers=2)
+from deformable.common.parallel import parallel_map
+parallel_map(math.sqrt, [(1.0,), (4.0,)], workers=2)
 """
 
 
@@ -69,7 +69,7 @@ def test_a_process_that_dies_is_one_line(
     with warnings.catch_warnings(), pytest.raises(SystemExit):
         cli.main()
     last = capsys.readouterr().err.splitlines()[-1]
-    assert last.startswith("error: a process of _exit died, killed or for want of memory")
+    assert last.startswith("error: a process of _exit died: it was killed")
 
 
 def test_no_workers() -> None:
@@ -77,20 +77,59 @@ def test_no_workers() -> None:
         parallel_map(math.sqrt, [(1.0,)], workers=0)
 
 
+def inverse(value: float, folder: str) -> float:
+    """Leaves a mark in a folder when it is called."""
+    with Path(folder, f"calls-{value:g}").open("a") as file:
+        file.write("x")
+    return 1.0 / value
+
+
+def calls(folder: Path) -> dict[str, int]:
+    return {path.name: len(path.read_text()) for path in folder.glob("calls-*")}
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_an_interrupted_map_goes_on(tmp_path: Path, workers: int) -> None:
+    """Results that are kept are not computed again; neither are those of another map."""
+    keep = tmp_path / "kept"
+    runs = [(value, str(tmp_path)) for value in (1.0, 2.0, 0.0, 4.0)]
+    with pytest.raises(ZeroDivisionError):
+        parallel_map(inverse, runs, workers, keep=keep)
+    del runs[2]
+    results: list[float] = []
+    for _ in range(2):
+        assert parallel_map(inverse, runs, workers, each=results.append, keep=keep) == [
+            1,
+            0.5,
+            0.25,
+        ]
+    assert sorted(results) == [0.25, 0.25, 0.5, 0.5, 1, 1]
+    assert calls(tmp_path) == {"calls-1": 1, "calls-2": 1, "calls-0": 1, "calls-4": 1}
+    assert {path.suffix for path in keep.iterdir()} == {".pickle"}
+
+
+def test_calls_are_known_by_function_and_arguments(tmp_path: Path) -> None:
+    for value in (2.0, 4.0, 2.0):
+        assert call_once(tmp_path, inverse, value, str(tmp_path)) == 1.0 / value
+        assert call_once(tmp_path, inverse, value, folder=str(tmp_path)) == 1.0 / value
+        assert call_once(tmp_path, math.sqrt, value) == math.sqrt(value)
+    assert calls(tmp_path) == {"calls-2": 2, "calls-4": 2}
+
+
 @pytest.mark.parametrize("ranks", [1, 2])
-def test_ranks_do_not_farm(tmp_path: Path, ranks: int) -> None:
+def test_ranks_start_no_processes(tmp_path: Path, ranks: int) -> None:
     (tmp_path / "script.py").write_text(LAUNCHED)
     mpiexec = Path(sys.executable).with_name("mpiexec")
     command = [str(mpiexec), "-n", str(ranks), sys.executable, "-m", "mpi4py", "script.py"]
     subprocess.run(command, cwd=tmp_path, check=True, timeout=60)
 
 
-def test_a_script_without_guard_is_told(tmp_path: Path) -> None:
+def test_the_error_names_a_missing_guard(tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text(UNGUARDED)
     run = subprocess.run(
         [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=60
     )
     assert run.returncode != 0
-    # multiprocessing may have a word on semaphores of the processes that were ended after it
+    # multiprocessing may add warnings about semaphores
     (line,) = [line for line in run.stderr.splitlines() if "a process of sqrt died" in line]
     assert "workers=1" in line
