@@ -91,12 +91,13 @@ def call_once(folder: Path, function: Callable[..., T], /, *arguments: Any, **ke
     Args:
         folder: made if missing. It has one file a call, <function>-<digest>.pickle, written whole.
         function: its result must pickle.
-        arguments: of the call; two that `repr` shows as the same are the same.
+        arguments: of the call; they must pickle.
         keywords: of the call, as `arguments`.
     """
     name = function.__qualname__
-    call = repr((core.version, function.__module__, name, arguments, sorted(keywords.items())))
-    path = folder / f"{name}-{hashlib.sha256(call.encode()).hexdigest()[:16]}.pickle"
+    asked = (core.version, function.__module__, name, arguments, sorted(keywords.items()))
+    digest = hashlib.sha256(pickle.dumps(asked)).hexdigest()[:16]  # repr cuts large arrays short
+    path = folder / f"{name}-{digest}.pickle"
     if path.exists():
         kept: T = pickle.loads(path.read_bytes())
         return kept
