@@ -100,9 +100,9 @@ class Simulation(FormerAttributes, Engine):
     def restart(self, packing: Packing) -> None:
         """Start anew from a packing, with the same law: later results depend on it alone.
 
-        Without this, the last digits depend on what LAMMPS and the pair style remember, such as the
-        order of particles and the shares of both sides in a contact; and so may the arrangement
-        that a packing relaxes to. Commands given to `lmp` are lost.
+        Otherwise the last digits depend on data that LAMMPS and the pair style keep, such as the
+        order of particles and the shares of both sides in a contact. Where a packing rearranges,
+        other last digits may lead to another packing. Commands given to `lmp` are lost.
 
         Args:
             packing: of a state of this simulation.
