@@ -11,10 +11,10 @@ from ..common.validate import whole
 from ..state.state import State
 from .replay import replay
 
-# Dots an inch: 461 x 403 in all, so that a few dozen pictures take less than a megabyte.
-_DOTS = 72
+# Pictures have 461 x 403 dots, so that a few dozen take less than a megabyte.
+_DOTS_PER_INCH = 72
 
-# Of matplotlib.
+# matplotlib's writers by format.
 _WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
 
 
@@ -26,15 +26,15 @@ def movie(
     forces: bool = False,
     rate: int = 10,
 ) -> None:
-    """Draw each state, all on one scale of colors and forces, and write a movie.
+    """Draw states as a movie, all with the same scale of colors and forces.
 
     Args:
         states: the folder of a recorded run, or states, e.g. from `compress` or `move`.
-        path: of the movie, .gif or, where ffmpeg is installed, .mp4.
+        path: of the movie, .gif, or .mp4 if ffmpeg is installed.
         color_by: see `State.plot`.
         contacts: see `State.plot`.
         forces: see `State.plot`.
-        rate: pictures a second.
+        rate: pictures per second.
 
     Raises:
         ParameterError: another format, no ffmpeg, no states, or no such attribute.
@@ -57,7 +57,7 @@ def movie(
 
     shown = list(replay(states) if isinstance(states, (str, Path)) else states)
     if not shown:
-        raise ParameterError("a movie needs one state at least")
+        raise ParameterError("a movie needs at least one state")
     on = scale(
         [state.values(color_by) for state in shown],
         [state.contact_table["force"] for state in shown],
@@ -68,7 +68,7 @@ def movie(
     figure = Figure(figsize=(6.4, 5.6), layout="constrained")
     writer = writers[name](fps=rate)
     with (
-        writer.saving(figure, str(path), dpi=_DOTS),
+        writer.saving(figure, str(path), dpi=_DOTS_PER_INCH),
         progress("drawing", unit="picture", total=len(shown)) as bar,
     ):
         for state in shown:

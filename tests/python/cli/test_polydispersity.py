@@ -26,15 +26,19 @@ def test_command_line(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "message"),
+    ("options", "words"),
     [
-        (("--polydispersity", "0"), "error: polydispersity must be a positive number, not 0.0\n"),
+        (("--polydispersity", "0"), ("polydispersity", "0.0")),
         (
             ("--polydispersity", "0.1", "--fraction", "0.3"),
-            "error: give a polydispersity, or radii and fraction of two sizes\n",
+            ("--polydispersity", "--radii", "--fraction"),
         ),
     ],
 )
-def test_command_line_refuses(options: tuple[str, ...], message: str, tmp_path: Path) -> None:
+def test_command_line_refuses(
+    options: tuple[str, ...], words: tuple[str, ...], tmp_path: Path
+) -> None:
     result = run("compress", *options, cwd=tmp_path)
-    assert (result.returncode, result.stderr) == (2, message)
+    assert result.returncode == 2
+    assert result.stderr.startswith("error: ")
+    assert [word for word in words if word not in result.stderr] == []

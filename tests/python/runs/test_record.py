@@ -1,4 +1,4 @@
-"""Recorded runs: load takes them up again, other programs read them."""
+"""Recorded runs: `load` continues them, and other programs read them."""
 
 import csv
 import json
@@ -89,7 +89,7 @@ def test_mdanalysis_reads_the_trajectory(tilt: float, tmp_path: Path) -> None:
 
 
 def test_shear_stress_of_a_series_resists(tmp_path: Path) -> None:
-    """Positive where the upper side has been drawn along x."""
+    """It is positive after the upper side has moved along x."""
     jammed = deformable.jam(deformable.bidisperse(16, seed=1))
     with deformable.Simulation(jammed.at(jammed.phi + 0.03), deformable.Ring()) as sim:
         start = sim.relax()
@@ -126,7 +126,7 @@ def test_append_without_a_summary_is_refused(state: deformable.State, tmp_path: 
 def test_a_row_stands_for_a_whole_frame(
     jammed: deformable.Packing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Whatever ends the writing of a frame, the series does not count it."""
+    """The series does not count a frame that was not written completely."""
     with deformable.Simulation(jammed, deformable.Ring()) as sim:
         steps = deformable.record(deformable.compress(sim, 0.01, 2), tmp_path)
         next(steps)
