@@ -1,4 +1,4 @@
-// Nanoseconds a particle of each kernel, by its number of contacts: where the time of a force call goes.
+// Nanoseconds per particle of each kernel, by the number of contacts.
 // Prints JSON. See kernels.py.
 
 #include "contact.h"
@@ -22,7 +22,7 @@ struct Particle {
   Contacts view() const { return {static_cast<int>(contacts.size()), contacts.data()}; }
 };
 
-// z contacts at evenly spread directions, each off by up to a quarter of the spacing, in random order
+// z contacts at equal spacing, each displaced at random by up to a quarter of it, in random order
 std::vector<Particle> particles(int z, std::mt19937 &generator)
 {
   std::uniform_real_distribution<double> uniform(0.0, 1.0);

@@ -1,10 +1,9 @@
-"""Nanoseconds a particle of each C++ kernel, by its number of contacts z.
+"""Nanoseconds per particle of each C++ kernel, by the number of contacts z.
 
     python benchmarks/kernels.py [--out benchmarks/results/kernels.json]
 
-`geometry` is distance, direction and contact line of z pairs (a force call needs z/2 of them a
+`geometry` is distance, direction and contact line of z pairs (a force call needs z/2 of them for a
 particle); `ring_any_number` is the ring law without the code that is compiled for each small z.
-Together with the sections of loop_time.py they say where the time of a force call goes.
 """
 
 from __future__ import annotations

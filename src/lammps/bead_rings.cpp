@@ -13,7 +13,7 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-// What one bead tells all ranks.
+// A bead as all ranks get it.
 struct Bead {
   double tag, molecule, image_x, image_y, x, y;
 };
@@ -47,7 +47,7 @@ std::vector<Bead> gather_beads(LAMMPS *lmp, int groupbit)
   return beads;
 }
 
-// From bead a to bead b, as their image flags say.
+// From bead a to bead b, with their image flags.
 void from_to(const Domain *domain, const Bead &a, const Bead &b, double &dx, double &dy)
 {
   const int across = boxes_between(static_cast<int>(a.image_x), static_cast<int>(b.image_x));
@@ -103,8 +103,8 @@ std::vector<BeadRing> LAMMPS_NS::find_bead_rings(LAMMPS *lmp, int groupbit, cons
       if (!is_nearest_image(domain, dx, dy))
         error->all(FLERR,
                    "Fix {} deformable/polygon: by their image flags atoms {:.0f} and {:.0f} of "
-                   "ring {:.0f} are {:.6g} apart, more than half the box; give its beads flags "
-                   "that make it whole (set image, or read_data)",
+                   "ring {:.0f} are {:.6g} apart, more than half the box; set flags that make the "
+                   "ring whole (set image, or read_data)",
                    fix_id, bead.tag, next.tag, first.molecule, std::hypot(dx, dy));
       area += 0.5 * (x * dy - y * dx);
       perimeter += std::hypot(dx, dy);

@@ -25,7 +25,7 @@ FixDeformablePolygon::FixDeformablePolygon(LAMMPS *lmp, int narg, char **arg) : 
                arg[3]);
   for (int iarg = 4; iarg < narg; iarg += 2) {
     if (std::strcmp(arg[iarg], "rest") != 0)
-      error->all(FLERR, iarg, "Unknown fix deformable/polygon keyword '{}': it knows 'rest'",
+      error->all(FLERR, iarg, "Unknown fix deformable/polygon keyword '{}': it must be 'rest'",
                  arg[iarg]);
     if (iarg + 1 >= narg) utils::missing_cmd_args(FLERR, "fix deformable/polygon rest", error);
     given_rest_area = 0.0;
@@ -57,7 +57,7 @@ FixDeformablePolygon::FixDeformablePolygon(LAMMPS *lmp, int narg, char **arg) : 
   rings = find_rings();
   size_array_rows = static_cast<int>(rings.size());
   for (Ring &ring : rings) {
-    // far above what coordinates round to, and below what any outline encloses
+    // above the rounding of coordinates, and below the area of any outline
     if (!(std::fabs(ring.area) > 1e-12 * ring.perimeter * ring.perimeter))
       error->all(FLERR, "Fix {} deformable/polygon: the beads of ring {} enclose no area", id,
                  ring.molecule);
@@ -91,8 +91,8 @@ void FixDeformablePolygon::init()
 }
 
 /* ----------------------------------------------------------------------
-   Commands between runs may move beads and change the box, but the rings
-   stay those of the definition, with their rest areas.
+   Commands between runs may move beads and change the box. Rings and their
+   rest areas remain those of the definition.
 ------------------------------------------------------------------------- */
 
 void FixDeformablePolygon::setup(int vflag)
@@ -103,8 +103,8 @@ void FixDeformablePolygon::setup(int vflag)
   };
   if (!std::equal(rings.begin(), rings.end(), found.begin(), found.end(), same))
     error->all(FLERR,
-               "Fix {} deformable/polygon: its group no longer holds the {} rings that it was "
-               "defined for; define it anew",
+               "Fix {} deformable/polygon: its group no longer has the {} rings of its definition; "
+               "define it again",
                id, rings.size());
   for (std::size_t m = 0; m < rings.size(); ++m) found[m].rest_area = rings[m].rest_area;
   rings = std::move(found);
@@ -127,8 +127,8 @@ void FixDeformablePolygon::link_beads()
     for (tagint tag = ring.first; tag <= last; ++tag) {
       const int i = atom->map(tag);
       if (i >= 0 && i < atom->nlocal)
-        links.push_back({i, beside(i, ring, tag == ring.first ? last : tag - 1),
-                         beside(i, ring, tag == last ? ring.first : tag + 1)});
+        links.push_back({i, neighbor_of(i, ring, tag == ring.first ? last : tag - 1),
+                         neighbor_of(i, ring, tag == last ? ring.first : tag + 1)});
     }
     ring.links_end = links.size();
   }
@@ -136,11 +136,11 @@ void FixDeformablePolygon::link_beads()
 }
 
 /* ----------------------------------------------------------------------
-   The image of a bead that is next to bead i. Where the ghost cutoff is too
-   small, only another image may be there.
+   The image of a bead that is next to bead i. If the ghost cutoff is too
+   small, LAMMPS may have another image only.
 ------------------------------------------------------------------------- */
 
-int FixDeformablePolygon::beside(int i, const Ring &ring, tagint tag) const
+int FixDeformablePolygon::neighbor_of(int i, const Ring &ring, tagint tag) const
 {
   const int j = domain->closest_image(i, atom->map(tag));
   const double *const *const x = atom->x;
@@ -252,7 +252,7 @@ void FixDeformablePolygon::min_post_force(int vflag)
 }
 
 /* ----------------------------------------------------------------------
-   what commands do after the run must not get into its results
+   Before commands after the run move beads.
 ------------------------------------------------------------------------- */
 
 void FixDeformablePolygon::post_run()
@@ -273,7 +273,7 @@ double FixDeformablePolygon::compute_scalar()
 }
 
 /* ----------------------------------------------------------------------
-   a row for each ring: area, perimeter, rest area, center (mean of the beads)
+   A row for each ring: area, perimeter, rest area, center (mean of the beads).
 ------------------------------------------------------------------------- */
 
 double FixDeformablePolygon::compute_array(int m, int column)
@@ -291,7 +291,7 @@ double FixDeformablePolygon::compute_array(int m, int column)
 }
 
 /* ----------------------------------------------------------------------
-   molecule ID and rest area of every ring
+   Molecule ID and rest area of every ring.
 ------------------------------------------------------------------------- */
 
 void FixDeformablePolygon::write_restart(FILE *fp)
@@ -321,8 +321,8 @@ void FixDeformablePolygon::restart(char *buffer)
   }
   if (!same)
     error->all(FLERR,
-               "Fix {} deformable/polygon: the restart file keeps the rest areas of {} other "
-               "rings under this ID; use another fix ID",
+               "Fix {} deformable/polygon: the restart file has the rest areas of {} other rings "
+               "under this ID; use another fix ID",
                id, count);
 }
 

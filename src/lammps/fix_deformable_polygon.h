@@ -1,8 +1,8 @@
 // The area term of bead rings: fix ID group deformable/polygon kA [rest initial|AREA]
 //
-// A ring is a molecule whose beads follow one another in tag order. With bond_style harmonic along the ring
-// and pair_style harmonic/cut between rings this is the deformable-polygon model, the reference that the
-// deformable pair styles are compared with.
+// A ring is a molecule whose beads have consecutive atom IDs along the ring. With bond_style harmonic along the ring
+// and pair_style harmonic/cut between rings this is the deformable-polygon model, the reference for the deformable
+// pair styles.
 
 #ifndef LMP_FIX_DEFORMABLE_POLYGON_H
 #define LMP_FIX_DEFORMABLE_POLYGON_H
@@ -18,7 +18,7 @@ namespace LAMMPS_NS {
 class FixDeformablePolygon : public Fix {
  public:
   FixDeformablePolygon(class LAMMPS *, int, char **);
-  // No style name may contain "deform", see fix_deformable_wall.h.
+  // The name must not contain "deform", see fix_deformable_wall.h.
   static constexpr const char *STYLE = "polygon/area";
 
   int setmask() override;
@@ -35,20 +35,20 @@ class FixDeformablePolygon : public Fix {
   double memory_usage() override;
 
  private:
-  // Areas are signed, so that the energy stays smooth where a ring turns inside out. The center, from which
-  // areas are measured, is the mean of the beads as of the call before.
+  // Areas are signed, so that the energy stays smooth if a ring turns inside out. The center is the mean of the
+  // beads at the previous call; areas are computed relative to it.
   struct Ring : BeadRing {
     double rest_area = 0.0;
     std::size_t links_end = 0;
   };
   std::vector<Ring> rings;    // by rising molecule ID, the same on every rank
   std::vector<double> sums;
-  bool perimeters_known = true;    // they cost a look at every bead, which few scenes ask for
+  bool perimeters_known = true;    // computed on request only
 
   double kA;
   double given_rest_area = 0.0;    // 0: the initial area of each ring
 
-  // A bead of this rank and those beside it, by local index: ring after ring, along each ring.
+  // A bead of this rank and its neighbors along the ring, by local index: ring by ring, in order.
   struct Link {
     int bead, previous, next;
   };
@@ -57,7 +57,7 @@ class FixDeformablePolygon : public Fix {
 
   std::vector<Ring> find_rings();
   void link_beads();
-  int beside(int i, const Ring &ring, tagint tag) const;
+  int neighbor_of(int i, const Ring &ring, tagint tag) const;
   void from_center(const Ring &ring, int i, double &x, double &y) const;
   void measure_areas();
   void measure_perimeters();

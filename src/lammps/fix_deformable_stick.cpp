@@ -27,7 +27,8 @@ FixDeformableStick::FixDeformableStick(LAMMPS *lmp, int narg, char **arg) : Fix(
     error->all(FLERR, 4, "Fix deformable/stick: k is '{}': it must be positive and finite", arg[4]);
   if (narg > 5) {
     if (std::strcmp(arg[5], "radius") != 0)
-      error->all(FLERR, 5, "Unknown fix deformable/stick keyword '{}': it knows 'radius'", arg[5]);
+      error->all(FLERR, 5, "Unknown fix deformable/stick keyword '{}': it must be 'radius'",
+                 arg[5]);
     if (narg < 7) utils::missing_cmd_args(FLERR, "fix deformable/stick radius", error);
     given_radius = utils::numeric(FLERR, arg[6], false, lmp);
     if (!(given_radius > 0.0 && std::isfinite(given_radius)))
@@ -37,8 +38,7 @@ FixDeformableStick::FixDeformableStick(LAMMPS *lmp, int narg, char **arg) : Fix(
   if (narg > 7)
     error->all(FLERR, 7, "Unknown fix deformable/stick argument '{}' after 'radius'", arg[7]);
 
-  // LAMMPS takes every fix whose style begins with "deform" for a fix deform and crashes in
-  // Domain::init() where it is not one; fix deform counts every style that contains its name.
+  // see fix_deformable_wall.h
   delete[] style;
   style = utils::strdup("stick/wall");
 
@@ -90,8 +90,8 @@ void FixDeformableStick::init()
   if (!force->pair)
     error->all(
         FLERR,
-        "Fix {} deformable/stick takes the radius of beads from the pair style, but there is "
-        "none: give it with the keyword 'radius'",
+        "Fix {} deformable/stick takes the radius of beads from the pair style, but there is no "
+        "pair style: use the keyword 'radius'",
         id);
   for (int type = 1; type <= atom->ntypes; ++type)
     radii[type] = 0.5 * std::sqrt(force->pair->cutsq[type][type]);
@@ -117,7 +117,7 @@ void FixDeformableStick::post_force(int vflag)
   energy = on_wall[0] = on_wall[1] = 0.0;
   region->prematch();
   for (int i = 0; i < atom->nlocal; ++i)
-    anchors[i] = atom->mask[i] & groupbit ? touch(i) : Anchors{};
+    anchors[i] = atom->mask[i] & groupbit ? find_anchors(i) : Anchors{};
 }
 
 void FixDeformableStick::min_post_force(int vflag)
@@ -126,20 +126,20 @@ void FixDeformableStick::min_post_force(int vflag)
 }
 
 /* ----------------------------------------------------------------------
-   The faces that a bead touches now, each with the anchor that it had or,
-   where the touch is new, an anchor where the bead is.
+   The faces that a bead touches, with their anchors. A new touch has its
+   anchor at the position of the bead.
 ------------------------------------------------------------------------- */
 
-FixDeformableStick::Anchors FixDeformableStick::touch(int i)
+FixDeformableStick::Anchors FixDeformableStick::find_anchors(int i)
 {
   const double *x = atom->x[i], radius = radii[atom->type[i]];
   if (!(radius > 0.0))
     refuse(i,
-           "has no radius, as its type has no range in the pair style: give the keyword 'radius'");
+           "has no radius, as its type has no range in the pair style: use the keyword 'radius'");
   if (!region->match(x[0], x[1], x[2]))
     refuse(i, fmt::format("is outside of region '{}'", region_id));
 
-  Anchors held;
+  Anchors found;
   std::size_t touching = 0;
   const int n = region->surface(x[0], x[1], x[2], radius);
   for (int m = 0; m < n; ++m) {
@@ -150,30 +150,30 @@ FixDeformableStick::Anchors FixDeformableStick::touch(int i)
       refuse(i, fmt::format(
                     "touches a surface of region '{}' that is not perpendicular to the xy plane",
                     region_id));
-    if (touching == held.size())
+    if (touching == found.size())
       refuse(i, fmt::format("touches more than two faces of region '{}'", region_id));
-    if (touching > 0 && held[0].face == face.iwall)
-      refuse(i, fmt::format("touches two faces of region '{}' that have one number: define that "
+    if (touching > 0 && found[0].face == face.iwall)
+      refuse(i, fmt::format("touches two faces of region '{}' with the same number: define the "
                             "region with 'side in'",
                             region_id));
-    Anchor &anchor = held[touching++];
+    Anchor &anchor = found[touching++];
     anchor = {face.iwall, x[0], x[1]};
     for (const Anchor &old : anchors[i])
       if (old.face == face.iwall) anchor = old;
-    hold(i, radius, face, anchor);
+    add_springs(i, radius, face, anchor);
   }
   if (!std::isfinite(energy))
-    refuse(i, "is pushed by a force beyond all numbers: take a smaller k or radius");
-  return held;
+    refuse(i, "has a force that is not finite: use a smaller k or radius");
+  return found;
 }
 
 /* ----------------------------------------------------------------------
    E = k/2 (p - r)^2 + k/2 t^2, t = s.(x - anchor) along the direction s of
-   the face at the bead. To the virial each spring gives force times length.
+   the face at the bead. The virial of a spring is its force times its length.
 ------------------------------------------------------------------------- */
 
-void FixDeformableStick::hold(int i, double radius, const Region::Contact &face,
-                              const Anchor &anchor)
+void FixDeformableStick::add_springs(int i, double radius, const Region::Contact &face,
+                                     const Anchor &anchor)
 {
   const double nx = face.delx / face.r, ny = face.dely / face.r;    // s = (-ny, nx)
   double d[3] = {atom->x[i][0] - anchor.x, atom->x[i][1] - anchor.y, 0.0};
@@ -218,7 +218,7 @@ double FixDeformableStick::compute_scalar()
 }
 
 /* ----------------------------------------------------------------------
-   force on the wall
+   Force on the wall.
 ------------------------------------------------------------------------- */
 
 double FixDeformableStick::compute_vector(int n)
@@ -230,8 +230,8 @@ double FixDeformableStick::compute_vector(int n)
 }
 
 /* ----------------------------------------------------------------------
-   anchors go where their beads go: to other places in memory, to other
-   ranks, into restart files
+   Anchors move with their beads: in memory, to other ranks, and into restart
+   files.
 ------------------------------------------------------------------------- */
 
 void FixDeformableStick::grow_arrays(int nmax)
@@ -280,7 +280,8 @@ int FixDeformableStick::pack_restart(int i, double *buf)
 
 void FixDeformableStick::unpack_restart(int i, int nth)
 {
-  double *extra = atom->extra[i];    // of each fix: how many numbers, with this one, and the others
+  double *extra =
+      atom->extra[i];    // each fix has its number of values first, this number included
   for (int n = 0; n < nth; ++n) extra += static_cast<int>(extra[0]);
   unpack_exchange(i, extra + 1);
 }

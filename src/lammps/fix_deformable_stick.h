@@ -1,7 +1,7 @@
 // No-slip walls for beads: fix ID group deformable/stick region-ID k [radius p]
 //
-// A bead that touches a face of the region is held by two springs: one off the face, and one along it
-// to the anchor, the place of the bead when it first touched. The anchor is kept until the bead lets go.
+// Two springs act on a bead that touches a face of the region: one normal to the face, and one along the face to
+// the anchor, the position of the bead at the first touch. The anchor remains until the bead loses contact.
 
 #ifndef LMP_FIX_DEFORMABLE_STICK_H
 #define LMP_FIX_DEFORMABLE_STICK_H
@@ -46,7 +46,7 @@ class FixDeformableStick : public Fix {
 
   struct Anchor {
     int face = NO_FACE;         // Region::Contact::iwall
-    double x = 0.0, y = 0.0;    // in the box as the bead was
+    double x = 0.0, y = 0.0;    // position of the bead at the first touch
   };
   using Anchors = std::array<Anchor, 2>;    // a corner has two faces
 
@@ -59,8 +59,8 @@ class FixDeformableStick : public Fix {
   double energy = 0.0;
   double on_wall[2] = {0.0, 0.0};
 
-  Anchors touch(int i);
-  void hold(int i, double radius, const Region::Contact &face, const Anchor &anchor);
+  Anchors find_anchors(int i);
+  void add_springs(int i, double radius, const Region::Contact &face, const Anchor &anchor);
   [[noreturn]] void refuse(int i, const std::string &problem);
 };
 

@@ -17,7 +17,7 @@ FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg) : Fix(lm
 {
   if (narg < 4) utils::missing_cmd_args(FLERR, "fix deformable/wall", error);
   if (narg > 4)
-    error->all(FLERR, 4, "Unknown fix deformable/wall argument '{}': it takes a region ID only",
+    error->all(FLERR, 4, "Unknown fix deformable/wall argument '{}': it needs a region ID only",
                arg[4]);
   region_id = arg[3];
   if (!domain->get_region_by_id(region_id))
@@ -83,7 +83,7 @@ void FixDeformableWall::require_flat(const Region *part, bool outside) const
   if (outside)
     error->all(FLERR,
                "Fix {} deformable/wall: particles outside of region '{}' would touch the corners "
-               "of a {}, which are no flat walls; build the obstacle from planes",
+               "of a {}, which are not flat; build the obstacle from planes",
                id, part->id, part->style);
 }
 

@@ -18,9 +18,9 @@ using namespace deformable;
 
 void PairDeformableRing::settings(int narg, char **arg)
 {
-  reach = 0.1;
+  reach = 0.3;
   radius_by_atom = false;
-  bool radical = true;
+  bool radical = false;
   int balance_keyword = -1;
   double tolerance = 1e-8;
   int max_evaluations = 100;

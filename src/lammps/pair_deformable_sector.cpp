@@ -34,7 +34,8 @@ void PairDeformableSector::settings(int narg, char **arg)
   for (int iarg = 0; iarg < narg; iarg += 2) {
     if (std::string(arg[iarg]) != "radius")
       error->all(FLERR, iarg,
-                 "Unknown pair_style deformable/sector keyword '{}': it knows 'radius'", arg[iarg]);
+                 "Unknown pair_style deformable/sector keyword '{}': it must be 'radius'",
+                 arg[iarg]);
     if (iarg + 1 >= narg)
       utils::missing_cmd_args(FLERR, "pair_style deformable/sector radius", error);
     set_radius(iarg + 1, arg);

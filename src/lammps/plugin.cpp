@@ -1,4 +1,4 @@
-// What LAMMPS calls when it loads the plugin: registers the styles, or says why it will not.
+// The entry point of the plugin: registers the styles, or says why it does not.
 
 #include "plugin_abi.h"
 
@@ -18,8 +18,8 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-// The layout of LAMMPS' classes changes between patch releases, which its version string does not tell
-// apart: a style compiled for another one would crash without a word.
+// The layout of LAMMPS' classes changes between patch releases, which have the same version string. A style that was
+// compiled for another release would crash without a message.
 bool same_lammps()
 {
   const char *host = LAMMPS::git_descriptor();

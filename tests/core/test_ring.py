@@ -1,4 +1,4 @@
-"""The ring's quadratic programme against a naive solver and against its own certificate."""
+"""The LCP of the ring against a naive solver and against its own duality gap."""
 
 import numpy as np
 import pytest
@@ -58,7 +58,7 @@ def test_against_least_squares(contacts):
 )
 @settings(max_examples=500)
 def test_lines_that_the_outline_bulges_up_to(seed, z, outside, depth):
-    """Many lines out of the circle that become contacts only through each other."""
+    """Many lines outside of the circle: bulges activate them one after another."""
     rng = np.random.default_rng(seed)
     a = np.where(rng.random(z) < outside, -depth, 0.03) * rng.random(z)
     a[0] = 0.02

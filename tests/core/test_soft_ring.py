@@ -144,7 +144,7 @@ def test_derivative(kA, kP, variable, contacts, contact):
 @pytest.mark.parametrize("kP", [1e-3, 0.1, 10.0])
 @pytest.mark.parametrize("a", [0.06, 0.1, 0.2, 0.5])
 def test_beyond_the_model(a, kP):
-    """Past the end of the free arcs all is finite, and forces are still derivatives."""
+    """With negative arc radii all is finite, and forces are still derivatives."""
     polygon, step = regular_polygon(6, a), 1e-5
     shape = soft_ring(polygon, 1.0, kP)
     assert a < 0.1 or shape.arc_radius < 0

@@ -68,7 +68,7 @@ def test_scaling(kA, kP, contacts):
 @given(contacts=contacts(), skin=st.floats(0, 0.2))
 @settings(max_examples=30)
 def test_skin(kA, kP, contacts, skin):
-    """The ring inside of the skin is the smaller one between the same indentations."""
+    """The same as a ring of the radius R - skin with the same indentations."""
     inner = contacts.radius - skin * contacts.radius
     with_skin = soft_ring(contacts, kA, kP, contacts.radius - inner)
     # R - (R - inner) may differ from inner by a rounding of R

@@ -84,7 +84,7 @@ class Polygon:
     ],
 )
 def test_documented_values(n, kP, energy, force):
-    """Those of docs/theory.md."""
+    """The values in docs/theory.md."""
     shape = soft_ring(regular_polygon(n, 0.03), 1.0, kP)
     assert f"{shape.energy:.4e}" == energy
     assert {f"{f:.4e}" for f in shape.d_indentation} == {force}

@@ -1,4 +1,4 @@
-"""Deformable particles in LAMMPS, and what a run of no steps says about them."""
+"""Deformable particles in LAMMPS, and the results of a run of zero steps."""
 
 import json
 from ctypes import c_double
@@ -38,7 +38,7 @@ thermo_modify norm no
 
 @dataclass(frozen=True)
 class State:
-    """Answers of one force evaluation; arrays in the order of atom IDs."""
+    """Results of one force evaluation; arrays in the order of atom IDs."""
 
     energy: float
     virial: np.ndarray  # xx, yy, xy
@@ -160,7 +160,7 @@ class Scene:
 
 
 def box_walls(xlo, xhi, ylo, yhi):
-    """One wall that is a box."""
+    """A wall with the shape of a box."""
     return f"""
 region walls block {xlo} {xhi} {ylo} {yhi} -0.5 0.5
 fix walls all deformable/wall walls
@@ -178,7 +178,7 @@ def polygon_faces(n, height, turn=0.1):
 
 
 def polygon_walls(n, height, turn=0.1):
-    """One wall that is a regular polygon around the origin."""
+    """A wall with the shape of a regular polygon around the origin."""
     faces = " ".join(f"face{k}" for k in range(n))
     return f"""{polygon_faces(n, height, turn)}
 region walls intersect {n} {faces}

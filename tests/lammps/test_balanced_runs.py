@@ -13,10 +13,10 @@ BOX_OF_FOUR = (-5, 5, -2, 8)
 
 @pytest.mark.parametrize("copies", [1, 4])
 def test_ranks(copies, tmp_path):
-    """The split is the same on both ranks that share a pair, also when particles change ranks.
+    """Shifts are the same on both ranks that share a pair, also when particles change ranks.
 
-    In the large packing few particles act in later iterations. Were ranks to disagree about who
-    does, forces would differ by the tolerance, and not by rounding.
+    In the large packing later evaluations select few particles. If ranks selected different ones,
+    forces would differ by the tolerance, and not by rounding.
     """
     fields = {
         "style": f"{DEFAULT} balance 1e-8 100",
@@ -44,10 +44,10 @@ neighbor 0.05 bin
             assert (np.abs(found[steps][1] - atoms) <= scale).all()
 
 
-def test_particles_at_rest_count():
-    """A pair that is balanced from the start rests while one far away comes to balance.
+def test_largest_force_of_all_particles():
+    """A pair that is balanced from the start, and another one far away that is not.
 
-    What that has left is measured by the largest force, which is the resting pair's.
+    The imbalance of the latter is relative to the largest force, that of the former.
     """
     tolerance = 1e-4
     style = f"{DEFAULT} balance {tolerance} 100"
@@ -63,8 +63,8 @@ def test_particles_at_rest_count():
 
 
 @pytest.mark.parametrize("lists", ["every 10 check yes", "every 1 delay 0 check no"])
-def test_shares_go_on(lists):
-    """Few iterations along a trajectory, with a new neighbor list in every step as well."""
+def test_shifts_continue(lists):
+    """Few evaluations along a trajectory, also with a new neighbor list in every step."""
     scene = mixture(PACKINGS[0], DEFAULT, commands=f"neigh_modify {lists}")[0]
     scene.run("velocity all create 1e-8 4711 loop all\nfix nve all nve\ntimestep 0.001\nrun 4")
     cold = mixture(PACKINGS[0], DEFAULT)[0]

@@ -36,8 +36,8 @@ def test_stiff_on_soft():
     assert scene.force_on_wall("top")[1] == pytest.approx(force, rel=1e-11)
 
 
-def test_alike():
-    """Two that are alike share their overlap in halves: nothing to be done."""
+def test_equal_particles():
+    """Equal particles share their overlap in halves: the radical axis is balanced."""
     places = [0.49, 1.47]
     state, radical = (
         squeezed(["small", "small"], places, 1.96, style).evaluate()
@@ -59,7 +59,7 @@ def test_one_contact():
 
 
 def test_pairs_that_come_apart(tmp_path):
-    """No force is left, no search for its last digits and no warning."""
+    """No force remains, few evaluations are needed, and there is no warning."""
     log = tmp_path / "log"
     x = np.array([[0.0, 0.0], [0.97, 0.0]])
     scene = Scene(x, ["small", "weak"], BOX, DEFAULT, log=log)
@@ -74,7 +74,7 @@ def test_pairs_that_come_apart(tmp_path):
 
 
 def test_clusters():
-    """What happens in one cluster does not reach another one."""
+    """Clusters do not influence each other."""
     pair = np.array([[0.0, 0.0], [0.97, 0.0]])
     both = np.vstack([pair - [2.4, 2.0], pair[:, ::-1] + [1.0, 1.0]])
     species = ["small", "weak", "both", "weak"]
@@ -85,7 +85,7 @@ def test_clusters():
 
 
 def test_many_small_neighbors():
-    """Thirty around one, pushed in by turns."""
+    """Thirty around one, at different distances."""
     theta = 2 * np.pi * np.arange(30) / 30
     distance = 1.115 + 0.004 * np.cos(5 * theta)
     x = np.vstack([np.column_stack([np.cos(theta), np.sin(theta)]) * distance[:, None], [[0, 0]]])
@@ -95,7 +95,7 @@ def test_many_small_neighbors():
 
 
 def test_rattler_in_a_cage():
-    """A small one among six that press each other: free, then touched by one of them."""
+    """A small particle among six that touch each other: free, then touched by one of them."""
     theta = np.arange(6) * np.pi / 3
     cage = 1.36 * np.column_stack([np.cos(theta), np.sin(theta)])
     species = ["large", "soft"] * 3 + ["small"]
@@ -108,7 +108,7 @@ def test_rattler_in_a_cage():
 
 
 def test_periodic_images():
-    """Two particles that meet each other, and their own images, from both sides."""
+    """Two particles that touch each other and their own images from both sides."""
     x, box = np.array([[0.3, 0.2], [0.8, 1.05]]), (0, 0.985, 0, 1.7)
     scene = Scene(x, ["small", "weak"], box, EXACT)
     state = scene.evaluate()
@@ -171,7 +171,7 @@ def scattered(draw, seed, folder, scale=1.0):
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("draw", EXTREMES.values(), ids=EXTREMES)
 def test_stiff_beside_soft(draw, seed, tmp_path):
-    """Neighbors that differ by orders of magnitude, and all of them scaled: nothing but a unit."""
+    """Stiffnesses of neighbors that differ by orders of magnitude; a common factor is a unit."""
     scene = scattered(draw, seed, tmp_path)
     state = scene.evaluate()
     evaluations, imbalance = of_compute_pair(scene)
@@ -183,7 +183,7 @@ def test_stiff_beside_soft(draw, seed, tmp_path):
 
 
 def test_more_reach_than_the_box():
-    """Images of a particle in one direction have each its own other side."""
+    """Several images of a particle in one direction: each side finds its own mirror."""
     x, box = np.array([[0.0, 0.0], [0.95, 0.0]]), (-2, 2, -2, 2)
     here, far = (
         Scene(x, ["small", "weak"], box, f"deformable/ring contact balanced reach {r}").evaluate()

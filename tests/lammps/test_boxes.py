@@ -10,7 +10,7 @@ laws = pytest.mark.parametrize("law", LAWS)
 
 @laws
 def test_a_particle_that_touches_its_own_images(law):
-    """One disk in a square cell: S = K a^2 of the square, a quarter of the overlap on each side."""
+    """One particle in a square cell: S = K a^2 of the square, a quarter of the overlap a side."""
     a, kA, radius = 0.01, 1.0, 0.5
     length = 2 * (radius - a)
     state = Scene(np.array([[0.2, 0.3]]), ["small"], (0, length, 0, length), f"deformable/{law}")
@@ -29,7 +29,7 @@ SMALL_CELLS = {
 @laws
 @pytest.mark.parametrize(("x", "box", "tilt"), SMALL_CELLS.values(), ids=SMALL_CELLS)
 def test_cells_smaller_than_their_particles(law, x, box, tilt):
-    """Neighbors are images of oneself, or several images of one other: the same as 2 x 2 cells."""
+    """Neighbors that are images of the particle or of one other: the same as 2 x 2 cells."""
     style = f"deformable/{law}"
     small = Scene(x, ["small"] * len(x), box, style, tilt=tilt).evaluate()
     across, up = np.array([box[1], 0]), np.array([tilt, box[3]])
@@ -87,7 +87,7 @@ def test_overlay_adds_another_style(law):
 
 @laws
 def test_types_of_another_style_are_not_seen(law):
-    """NULL types: the deformable ones are alone, and what is between the others is theirs."""
+    """Types with NULL have no contacts with deformable particles."""
     case = PACKINGS[0]
     style = f"deformable/{law}"
     small = np.array(case["type"]) == 1
@@ -116,7 +116,7 @@ def test_types_of_another_style_are_not_seen(law):
 
 @laws
 def test_types_of_another_style_have_no_results(law):
-    """Also when the particle had some as a type of this style."""
+    """Also if the particle was of a type of this style before."""
     case, style = PACKINGS[0], f"deformable/{law}"
     scene = Scene.packing(
         case,
@@ -133,7 +133,7 @@ def test_types_of_another_style_have_no_results(law):
 
 
 def test_species_without_particles_do_not_narrow_the_reach(tmp_path):
-    """A tiny species would make the depth that a reach covers tiny, were there any of it."""
+    """A tiny species without particles does not reduce the depth that a reach covers."""
     file = tmp_path / "species"
     file.write_text("# UNITS: lj\nunit 1 1 inf\ntiny 0.01 1 inf\n")
     x, species = np.array([[0.0, 0.0], [1.9, 0.0]]), ["unit", "unit"]

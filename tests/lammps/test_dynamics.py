@@ -1,4 +1,4 @@
-"""Energy along trajectories: kept by the ring law, with jumps of known size in the sector law."""
+"""Energy along trajectories: conserved by ring laws, with known jumps in the sector law."""
 
 import sys
 from pathlib import Path
@@ -61,7 +61,7 @@ def test_jump_of_the_sector_law():
     assert after == pytest.approx((np.pi / 2 * a**2 + a**2 / (2 - np.pi / 2)) ** 2 / 2, rel=1e-12)
     assert after / before == pytest.approx(1.54, abs=5e-3)  # as the manual page says
 
-    # the ring has felt the third wall since it bulged up to it; S is linear in what is so small
+    # the ring bulges, so the third wall is active before; S is linear in so small a step
     before, after = (between_walls("ring contact radical", 1 + s * apart) for s in (1, -1))
     assert after == pytest.approx(before, rel=1e-12)
 

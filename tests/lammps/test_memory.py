@@ -32,7 +32,7 @@ print(json.dumps([os.path.join(lmp.ROOT_DIR, "lmp"), dict(os.environ)]))
 
 
 def packing(style, names, commands=""):
-    """Particles that are relaxed a little, move a little, and are looked at."""
+    """A short relaxation, a short run, and all output."""
     case = PACKINGS[0]
     atoms = "\n".join(
         f"create_atoms {kind} single {x!r} {y!r} 0"
@@ -181,7 +181,7 @@ def valgrind():
 
 
 def findings(program, script, folder):
-    """What valgrind says of the plugin, a text for each finding, in a run of `lmp`."""
+    """Findings of valgrind about the plugin in a run of `lmp`."""
     (folder / "in.script").write_text(script)
     (folder / "rings.data").write_text(rings.data_file((rings.SEVEN, rings.FIVE)))
     probe = subprocess.run([sys.executable, "-c", ENVIRONMENT], capture_output=True, check=True)

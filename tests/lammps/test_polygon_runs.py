@@ -149,7 +149,7 @@ def test_change_of_box_between_runs(tilt):
 
 
 def test_beside_fix_deform():
-    """LAMMPS does not take it for one more fix deform. Where the box flips, rings stay whole."""
+    """LAMMPS does not take it for a fix deform. Rings stay whole when the box flips."""
     deform = "change_box all triclinic\nfix shear all deform 1 xy erate 1.0 remap x\n"
     far = np.array([0, 30 * BOX[1]])
     rings = Rings([SEVEN + far, FIVE - far], commands=AREA + deform, springs=ALONE)

@@ -33,9 +33,9 @@ def by_atom(case, style, radii, species=("any", "any"), **options):
 
 
 def assert_alike(found, expected, tolerance, style=""):
-    """Two states, apart by a part of the largest value of each kind; 0: to the last bit.
+    """Two states agree to `tolerance` of the largest value of each kind; 0: to the last bit.
 
-    Counts of contacts need not agree otherwise: some barely press. Forces of balanced contacts are
+    Counts of contacts may differ otherwise: some forces are tiny. Forces of balanced contacts are
     known to 1e-12 of the largest. They go as the cube of the length, so that lengths may be off by
     the cube root of that.
     """
@@ -75,7 +75,7 @@ def test_radii_of_the_types(style, species):
 
 @styles
 def test_one_type_for_all(style):
-    """Neighbors are sought further out and come in another order.
+    """The cutoff is larger, and neighbors come in another order.
 
     Indentations of 0.01 are known to 1e-14 of themselves, sums of canceling forces to 1e-13.
     """
@@ -230,7 +230,7 @@ def test_radii_that_grow(style):
 
 
 def test_radii_that_outgrow_their_species():
-    """Not before they do, in the second step."""
+    """The error comes in the second step, when the radius is too large."""
     scene = by_atom(PACKINGS[0], "ring contact radical", np.where(np.arange(24) == 16, 0.799, 0.2))
     with refuses("Atom 17 .*0.800598.*species any.*0.8 at most"):
         scene.run(GROWTH)

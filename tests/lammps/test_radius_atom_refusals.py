@@ -49,7 +49,7 @@ def test_radii_that_are_none(style, radius, message):
 
 
 def test_largest_radius_is_named_and_rounding_allowed():
-    """So that one look at the message is enough. 0.8 is read back as a little more, perhaps."""
+    """0.8 may be read back as slightly more."""
     x = np.array([[-1.5, 0.0], [0.0, 0.0], [1.6, 0.0]])
 
     def scene(radii):

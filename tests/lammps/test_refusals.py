@@ -55,14 +55,14 @@ def test_area_sector_that_cannot_exist():
 
 
 def test_two_contacts_in_one_direction():
-    """Possible only of walls, not of disks: two walls in the same place."""
+    """Possible with walls only: two walls in the same place."""
     walls = box_walls(-0.48, 0.48, -0.48, 0.48)
     twice = walls + walls.replace("walls", "again", 1).replace("fix walls", "fix again").replace(
         "deformable/wall walls", "deformable/wall again"
     )
     with refuses("Atom 1 .*same direction"):
         Scene(np.zeros((1, 2)), ["small"], BOX, "deformable/sector", commands=twice).energy()
-    # the ring does not mind
+    # possible for the ring law
     one, two = (
         Scene(
             np.zeros((1, 2)), ["small"], BOX, "deformable/ring contact radical", commands=commands

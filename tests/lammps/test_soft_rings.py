@@ -87,8 +87,8 @@ def test_sums_and_virial_of_a_mixture():
     assert np.abs(state.force.sum(0)).max() <= 1e-14 * np.abs(state.force).sum()
 
 
-def test_stiff_species_do_not_notice_soft_ones():
-    """Species that conserve their perimeter have the same energies with soft ones in the file."""
+def test_stiff_species_beside_soft_ones():
+    """The energy of species that conserve the perimeter does not depend on other species."""
     case = PACKINGS[0]
     stiff = Scene.packing(case, "deformable/ring contact radical").evaluate()
     scene, species, _ = mixture(case)
@@ -116,7 +116,7 @@ def test_walls(walls):
 
 @pytest.mark.parametrize("n", [3, 4, 5, 6])
 def test_regular_polygon(n):
-    """Laplace's law, p q = kP (P - P0), with what the pair style says of the particle."""
+    """Laplace's law, p q = kP (P - P0), for the results of the pair style."""
     a, radius, kP = 0.01, 0.5, 1.0
     scene = Scene(
         np.zeros((1, 2)),
@@ -140,7 +140,7 @@ def test_regular_polygon(n):
     assert shape["pressure"] == pytest.approx(deficit, rel=1e-11)
 
 
-def test_reach_includes_the_breath():
+def test_reach_includes_the_expansion():
     """A ring that expands far out of its circle needs a reach that covers that."""
     walls = "region walls block -0.4 0.4 -2 2 -0.5 0.5\nfix walls all deformable/wall walls"
     ratios = []

@@ -27,7 +27,7 @@ class Beads:
         self.lmp.commands_string(commands)
 
     def move(self, x):
-        """Put the beads, in the order of their IDs, into other places."""
+        """Move the beads to new positions, in the order of their IDs."""
         n = self.lmp.get_natoms()
         flat = self.lmp.gather_atoms("x", 1, 3)
         flat[:] = np.column_stack([x, np.zeros(n)]).ravel().tolist()
@@ -148,7 +148,7 @@ def virial_of(beads):
 
 
 def test_virial():
-    """Straining walls, anchors and beads alike costs what the virial says, if asked for it."""
+    """The virial is the derivative by a strain of walls, anchors and beads."""
     start, end = np.array([(0.95, 0.93), (0.94, 0.2)]), np.array([(0.96, 0.92), (0.93, 0.25)])
 
     def strained(strain):
@@ -250,7 +250,7 @@ def test_only_beads_of_the_group_stick():
 
 
 def test_beside_fix_deform():
-    """LAMMPS does not take it for one more fix deform."""
+    """LAMMPS does not take it for a fix deform."""
     deform = "fix grow all deform 1 y final -2.2 2.2\n"
     bead = Beads([(0.95, 0.0)], PLANE + STICK + deform, boundary="f p p")
     bead.run("run 2 post no")

@@ -7,10 +7,10 @@ from scene import LAWS, SPECIES, Scene, box_walls, polygon_faces, polygon_walls
 
 ROOM = (-2, 2, -2, 2)
 laws = pytest.mark.parametrize("law", LAWS)
-CENTRE = np.zeros((1, 2))
+CENTER = np.zeros((1, 2))
 
 
-def alone(law, walls, x=CENTRE, species="unit"):
+def alone(law, walls, x=CENTER, species="unit"):
     """One particle between walls."""
     return Scene(x, [species], ROOM, f"deformable/{law}", boundary="f f p", commands=walls)
 
@@ -101,7 +101,7 @@ def test_block_is_four_planes_and_its_lid_does_not_press(law):
 
 @laws
 def test_moving_wall(law):
-    """A region that moves presses where it is, and drags its particle along."""
+    """A moving region acts at its present position."""
     at_rest = alone(law, box_walls(-0.97, 0.97, -0.98, 0.98), np.array([[-0.01, 0.0]])).evaluate()
     moving = """
         variable shift equal 0.01
@@ -112,10 +112,10 @@ def test_moving_wall(law):
     assert shifted.energy == pytest.approx(at_rest.energy, rel=1e-12)
     np.testing.assert_allclose(shifted.force, at_rest.force, rtol=1e-11, atol=1e-15)
 
-    carried = alone(law, moving.replace("0.01", "5e-4*dt*step"))
-    carried.run("fix move all nve\nfix damp all viscous 0.5\ntimestep 0.05\nrun 4000")
+    dragged = alone(law, moving.replace("0.01", "5e-4*dt*step"))
+    dragged.run("fix move all nve\nfix damp all viscous 0.5\ntimestep 0.05\nrun 4000")
     # drag 0.5 at a speed of 5e-4 against the stiffness of the cell, kA S dL/dx = 0.08 or more
-    np.testing.assert_allclose(carried.x, [[0.1, 0]], rtol=0, atol=0.5 * 5e-4 / 0.08)
+    np.testing.assert_allclose(dragged.x, [[0.1, 0]], rtol=0, atol=0.5 * 5e-4 / 0.08)
 
 
 @laws
@@ -141,7 +141,7 @@ def test_two_walls_are_one_of_both(law):
 
 @laws
 def test_group(law):
-    """A wall of another group's particles does not exist."""
+    """A wall has no effect on particles outside of its group."""
     walls = """
         group none id 99
         region walls block -0.97 0.97 -0.97 0.97 -0.5 0.5
@@ -151,11 +151,11 @@ def test_group(law):
 
 @laws
 def test_beside_fix_deform(law):
-    """LAMMPS does not take it for one more fix deform."""
+    """LAMMPS does not take it for a fix deform."""
     plane = "region walls plane 0.97 0 0 -1 0 0\nfix walls all deformable/wall walls\n"
     deform = "fix grow all deform 1 y final -2.2 2.2\nrun 2 post no"
     at_rest, beside = (
-        Scene(CENTRE, ["unit"], ROOM, f"deformable/{law}", boundary="f p p", commands=commands)
+        Scene(CENTER, ["unit"], ROOM, f"deformable/{law}", boundary="f p p", commands=commands)
         for commands in (plane, plane + deform)
     )
     assert beside.lmp.get_thermo("ly") > 4
@@ -164,7 +164,7 @@ def test_beside_fix_deform(law):
 
 @laws
 def test_virial(law):
-    """Pressing a box of walls in costs what its virial says, once the fix is asked for it."""
+    """The virial is the derivative by a strain of the walls, with fix_modify virial yes."""
     x = np.array([[-0.476, 0.004], [0.474, -0.003]])
 
     def scene(sx, sy):
@@ -202,7 +202,7 @@ def test_other_calls_of_the_pair_style_leave_the_wall_alone(order):
 
 
 def test_both_laws_beside_each_other_meet_the_wall():
-    """Each pair style of a hybrid calls on its own, and its particles have their own forces."""
+    """Each pair style of a hybrid makes its own calls; its particles have their own forces."""
     x = np.array([[-1.53, 0.3], [1.52, 0.3]])
     walls = box_walls(-2, 2, -2, 2)
 
