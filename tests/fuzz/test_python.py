@@ -1,4 +1,4 @@
-"""Any arguments of the public functions, and damaged files: one clear line, or a right result."""
+"""Any arguments of public functions, and damaged files: an error of one line, or a result."""
 
 import json
 import re
@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-# Numbers that work, numbers that do not, and what is none. Large counts would only take long.
+# Valid numbers, invalid ones, and other objects. Large counts would only take long.
 FLOATS = st.one_of(st.floats(), st.floats(0.1, 2.0), st.integers(-3, 30))
 ANYTHING = st.one_of(
     FLOATS,
@@ -48,12 +48,12 @@ BUILDERS = {
 
 
 def is_large(number):
-    """Whether so many particles could be had, with much time and memory."""
+    """Whether so many particles only take much time and memory."""
     return isinstance(number, (int, float)) and 1e4 < number < 2**31
 
 
 def refuses_or_works(call):
-    """Calls it; a refusal must be a ParameterError of one line."""
+    """Call it; an error must be a ParameterError of one line."""
     try:
         return call()
     except deformable.ParameterError as error:
@@ -103,7 +103,7 @@ NOT_POSITIVE = ANYTHING.filter(lambda value: not is_positive(value))
 
 @pytest.mark.parametrize("examples", FEW)
 def test_protocols(sim, packing, examples):
-    """What cannot work is refused, and leaves the simulation as it was."""
+    """Wrong values are refused, and the simulation does not change."""
     energy = sim.state().energy
 
     @settings(max_examples=examples, deadline=None)
@@ -127,13 +127,13 @@ def test_protocols(sim, packing, examples):
 
 # ---- damaged files ----
 
-# What is read may still be a packing that LAMMPS cannot evaluate.
+# A file that can be read may still have a packing that LAMMPS cannot evaluate.
 REFUSED = r"(File|Parameter|Lammps)Error: [^\n]{10,1000}$"
 
 
 @pytest.fixture(scope="module")
 def saved(packing, tmp_path_factory):
-    """A saved run by file name, a character a byte."""
+    """Texts of a saved run by file name; a character is a byte."""
     folder = tmp_path_factory.mktemp("saved")
     with deformable.Simulation(packing, deformable.Ring(contact="radical")) as sim:
         sim.state().save(folder)

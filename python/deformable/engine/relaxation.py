@@ -35,7 +35,7 @@ class Forces:
 
     Attributes:
         largest: on a particle [energy/length].
-        scale: mean contact force, or what replaces it [energy/length].
+        scale: mean contact force, or a value that replaces it [energy/length].
         rounding: forces up to this one count as zero [energy/length].
     """
 

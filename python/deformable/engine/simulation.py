@@ -22,7 +22,6 @@ from .lammps import (
     gather,
     local_array,
     open_lammps,
-    radii_of_atoms,
     run,
     shared_file,
 )
@@ -100,9 +99,9 @@ class Simulation(FormerAttributes, Engine):
     def restart(self, packing: Packing) -> None:
         """Start anew from a packing, with the same law: later results depend on it alone.
 
-        Without this, the last digits depend on what LAMMPS and the pair style remember, such as the
-        order of particles and the shares of both sides in a contact; and so may the arrangement
-        that a packing relaxes to. Commands given to `lmp` are lost.
+        Otherwise the last digits depend on data that LAMMPS and the pair style keep, such as the
+        order of particles and the shares of both sides in a contact. Where a packing rearranges,
+        other last digits may lead to another packing. Commands given to `lmp` are lost.
 
         Args:
             packing: of a state of this simulation.
@@ -114,7 +113,7 @@ class Simulation(FormerAttributes, Engine):
         law = self.law
         self._species, self._radii = packing.species, packing.radii
         self.lmp = open_lammps(packing, self.comm)
-        with shared_file(self.comm, species_file(law, self._radii.tolist())) as file:
+        with shared_file(self.comm, species_file(law, self._radii)) as file:
             run(self.lmp, law_commands(packing, law, file))
         run(self.lmp, f"compute beyond all pair {pair_style(law)}")
         run(self.lmp, thermo_commands("pe c_beyond[1]"))
@@ -192,9 +191,10 @@ class Simulation(FormerAttributes, Engine):
 
         area, perimeter, contacts, pressure, _, length = self._results.T
         species = np.array(self.lmp.gather("type", 0, 1)) - 1
-        self._particle_radii = radii_of_atoms(self.lmp)
+        by_particle = self.lmp.extract_setting("radius_flag")
+        self._particle_radii = gather(self.lmp, "radius", 1) if by_particle else None
         radius = self._radii[species] if self._particle_radii is None else self._particle_radii
-        radius = radius - self.law.skins(len(self._radii))[species]
+        radius = radius - self.law.species(self._radii)[species, 2]
         strain = 1.0 - area / (np.pi * radius**2) + perimeter / (2.0 * np.pi * radius) - 1.0
         self._largest_pressure = float(pressure.max())
         self._loose = bool(strain.max() <= _ROUND)

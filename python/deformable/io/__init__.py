@@ -1,1 +1,1 @@
-"""Files: what is written, how it is read back. Everything here takes plain values."""
+"""Files, written and read from plain values."""

@@ -29,7 +29,7 @@ def data_file(
         style: LAMMPS atom_style; masses are 1, or given by atom for `sphere`.
         box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
         types: number of atom types, and of bond types if there are bonds.
-        columns: what the style has between ID and position of an atom, arrays of shape (N,).
+        columns: values of the style between ID and position of an atom, arrays of shape (N,).
         positions: of the atoms, shape (N, 2) [length].
         bonds: type and both atoms of each bond, shape (M, 3).
         origin: lower left corner of the box [length].

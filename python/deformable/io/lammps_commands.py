@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..model.laws import Law, Ring
 from ..model.packing import Packing
 
@@ -45,7 +48,7 @@ def pair_style_arguments(law: Law) -> str:
     return f"contact {law.contact} reach {law.reach!r}" if isinstance(law, Ring) else ""
 
 
-def species_file(law: Law, radii: Sequence[float]) -> str:
+def species_file(law: Law, radii: Sequence[float] | NDArray[np.float64]) -> str:
     """Text of the species file for species of these radii [length], named s1, s2, ...
 
     Raises:
@@ -56,8 +59,8 @@ def species_file(law: Law, radii: Sequence[float]) -> str:
         "# name radius[length] kA[energy/length^4] kP[energy/length^2] skin[length]",
     ]
     lines += [
-        " ".join([f"s{n}", *(repr(float(value)) for value in (radius, *values))])
-        for n, (radius, values) in enumerate(zip(radii, law.species(radii), strict=True), start=1)
+        " ".join([f"s{n}", *map(repr, values)])
+        for n, values in enumerate(np.column_stack([radii, law.species(radii)]).tolist(), start=1)
     ]
     return "\n".join(lines) + "\n"
 

@@ -53,7 +53,7 @@ def save(
         "parameters": {name: _strict(value) for name, value in (parameters or {}).items()},
         "versions": versions(),
     }
-    write_whole(folder / SPECIES, species_file(law, packing.radii.tolist()))
+    write_whole(folder / SPECIES, species_file(law, packing.radii))
     write_whole(folder / SCRIPT, script(packing, law, timestep))
     write_whole(folder / SUMMARY, json.dumps(summary, indent=2, default=str) + "\n")
     write_whole(folder / DATA, packing_file(packing, frames))  # last: it completes the state

@@ -1,1 +1,1 @@
-"""What is simulated, as settings: packings, contact laws, walls, rings of beads, time steps."""
+"""Settings of simulations: packings, contact laws, walls, rings of beads, time steps."""

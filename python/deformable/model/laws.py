@@ -85,12 +85,8 @@ class Ring:
         """Stiffness of a particle's only contact, if it is weak: 0 [energy/length^2]."""
         return 0.0
 
-    def skins(self, species: int) -> NDArray[np.float64]:
-        """Skin of each species, shape (species,) [length]."""
-        return np.array(per_species(self.skin, species))
-
-    def species(self, radii: Sequence[float]) -> list[tuple[float, float, float]]:
-        """kA, kP and skin of species of these radii [length].
+    def species(self, radii: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
+        """kA, kP and skin of species of these radii [length], shape (species, 3).
 
         Raises:
             ParameterError: there is another number of species, or a skin is not thinner than the
@@ -99,7 +95,7 @@ class Ring:
         kA, kP, skin = (per_species(values, len(radii)) for values in (self.kA, self.kP, self.skin))
         for thickness, radius in zip(skin, radii, strict=True):
             _refuse(core.invalid_skin(thickness, radius))
-        return list(zip(kA, kP, skin, strict=True))
+        return np.column_stack([kA, kP, skin])
 
     def outline(
         self,
@@ -178,13 +174,9 @@ class Sector:
         """
         return min(self.kA, self.kP) / (2.0 * radius) ** 2
 
-    def skins(self, species: int) -> NDArray[np.float64]:
-        """Skin of each species: none, shape (species,) [length]."""
-        return np.zeros(species)
-
-    def species(self, radii: Sequence[float]) -> list[tuple[float, float, float]]:
-        """kA, kP and skin of species of these radii [length]."""
-        return [(self.kA, self.kP, 0.0)] * len(radii)
+    def species(self, radii: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
+        """kA, kP and skin, which is 0, of species of these radii [length], shape (species, 3)."""
+        return np.array([(self.kA, self.kP, 0.0)] * len(radii))
 
     def outline(
         self,

@@ -1,1 +1,1 @@
-"""What is done to a packing: jamming, compression, shear, moduli, motion."""
+"""Protocols: jamming, compression, shear, moduli, motion."""

@@ -58,11 +58,11 @@ def compress(
         ParameterError: a value is out of range.
     """
     expect("sim", sim, Simulation, Disks, BeadReference)
-    check_protocol(strain, steps)
-    return go_on(sim, sim.box, strain, int(steps), 0, tolerance)
+    check_strain_and_steps(strain, steps)
+    return remaining_steps(sim, sim.box, strain, int(steps), 0, tolerance)
 
 
-def check_protocol(strain: float, steps: int) -> None:
+def check_strain_and_steps(strain: float, steps: int) -> None:
     """Refuse a strain or a number of steps that `compress` cannot take."""
     if not -1.0 < finite("strain", strain) < 1.0:
         raise ParameterError(f"strain must lie between -1 and 1, not {strain}")
@@ -70,7 +70,7 @@ def check_protocol(strain: float, steps: int) -> None:
         raise ParameterError(f"steps must be at least 1, not {steps}")
 
 
-def go_on(
+def remaining_steps(
     sim: Compressible[S],
     box: NDArray[np.float64],
     strain: float,

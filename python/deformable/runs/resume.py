@@ -21,7 +21,7 @@ from ..io.frames import check_frames, frames_in
 from ..io.run_folder import DATA, refuse
 from ..io.store import read, summary_in
 from ..model.packing import Packing
-from ..protocols.compression import check_protocol, go_on
+from ..protocols.compression import check_strain_and_steps, remaining_steps
 from ..state.state import State
 from .record import recorded, write
 
@@ -116,7 +116,7 @@ def resume(folder: str | Path, comm: MPI.Comm | None = None) -> Iterator[State]:
 
 def check_compression(strain: float, steps: int, tolerance: float) -> None:
     """Refuse values that are out of range for `compress_in`."""
-    check_protocol(strain, steps)
+    check_strain_and_steps(strain, steps)
     if positive("tolerance", tolerance) > LARGEST_TOLERANCE:
         raise ParameterError(f"tolerance must be at most {LARGEST_TOLERANCE}, not {tolerance}")
 
@@ -147,7 +147,7 @@ def _steps(
     start = parameters["start"]
     protocol = (parameters["strain"], parameters["steps"], done, parameters["tolerance"])
     sim.restart(packing)
-    states = go_on(sim, np.array(start["box"]), *protocol)
+    states = remaining_steps(sim, np.array(start["box"]), *protocol)
     return write(_restarting(sim, states), folder, parameters, start["frame"] + done)
 
 

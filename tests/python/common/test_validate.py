@@ -1,4 +1,4 @@
-"""Objects of a wrong kind, where they come in: one line that says what is wanted."""
+"""Errors for wrong arguments name the argument and its value in one line."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -55,7 +55,7 @@ def test_shear_strain_in_quotes() -> None:
 @pytest.mark.parametrize(
     "kind", [lambda: deformable.Simulation(P, Ring()), lambda: deformable.Disks(P)]
 )
-def test_a_closed_simulation_says_so(kind: Callable[[], Any], tmp_path: Path) -> None:
+def test_a_closed_simulation_refuses_calls(kind: Callable[[], Any], tmp_path: Path) -> None:
     sim = kind()
     calls: list[Callable[[], Any]] = [
         sim.relax,

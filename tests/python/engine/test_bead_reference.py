@@ -24,7 +24,7 @@ SCENES = [{"number": 5, "seed": 2}, {"number": 4, "seed": 1, "tilt": 0.6, "aspec
 
 @pytest.fixture(params=SCENES, ids=["square", "tilted"])
 def crumpled(request: pytest.FixtureRequest) -> Iterator[deformable.BeadReference]:
-    """Rings squeezed together, their beads displaced at random."""
+    """Compressed rings whose beads are displaced at random."""
     jammed = deformable.jam(deformable.bidisperse(**request.param))
     with deformable.BeadReference(jammed, SOFT) as rings:
         rings.deform(0.96 * rings.box)
@@ -129,12 +129,12 @@ def test_rings_that_meet_through_several_images() -> None:
     assert state.contacts.force.sum(axis=0) == pytest.approx([0.0, 0.0], abs=0.02 * pushed.mean())
 
 
-def test_rings_touch_where_the_effective_radius_says() -> None:
+def test_rings_touch_at_the_effective_radius() -> None:
     """Flat contacts of nine beads a side: facing rows interlock."""
     beads = deformable.Beads(number=152, radius=0.01, kr=1000.0)
     width = 2.0**0.5
     with deformable.BeadReference(pair(width), beads) as rings:
-        # the rings start bead on bead: turn one by 0.3 spacings, they find the rest themselves
+        # the rings start bead on bead: turn one by 0.3 spacings, and relaxation does the rest
         rings.lmp.command("group turned molecule 2")
         turn = f"{0.5 * width!r} {0.5 * width!r} 0 0 0 1 {0.3 * 360.0 / 152}"
         rings.lmp.command(f"displace_atoms turned rotate {turn} units box")
@@ -171,7 +171,7 @@ def test_relaxation_ends_at_the_tolerance(kA: Any) -> None:
 
 
 def test_stiff_areas_of_soft_rings_relax() -> None:
-    """The whole ring then swings faster than any spring, and the time step follows."""
+    """Then the whole ring oscillates faster than any spring, and the time step is shorter."""
     beads = deformable.Beads(number=20, kL=1.0, kA=[1.0, 1e3], kr=1.0)
     jammed = deformable.jam(deformable.bidisperse(6, seed=1))
     with deformable.BeadReference(jammed, beads) as rings:
@@ -205,7 +205,7 @@ def test_compress_yields_states() -> None:
     assert states[0].packing.box == pytest.approx(0.98 * jammed.box)
 
 
-def test_a_stalled_relaxation_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_stalled_relaxation_warns(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bead_reference, "_ITERATIONS", 10)
     monkeypatch.setattr(bead_reference, "_PATIENCE", 20)
     jammed = deformable.jam(deformable.bidisperse(6, seed=1))

@@ -32,7 +32,7 @@ def test_rings_do_not_start_in_each_other() -> None:
         deformable.BeadReference(pair(1.3), deformable.Beads(20))
 
 
-def test_overlaps_are_seen_in_any_cell_of_the_lattice() -> None:
+def test_overlaps_are_found_in_any_cell_of_the_lattice() -> None:
     for shear in (2.0, 42.0, -38.0):  # one lattice
         packing = deformable.Packing(
             [[0.0, 0.0], [0.0, 0.65]], [0, 0], [0.5], [[4.0, 0.0], [shear, 1.2]]

@@ -63,7 +63,7 @@ def test_two_ranks_give_the_serial_answer(start: str, tmp_path: Path) -> None:
         answers.append(json.loads(python(script, cwd=folder, ranks=ranks)))
         assert (folder / "run" / "trajectory.lammpstrj").read_text().count("ITEM: TIMESTEP") == 2
     (*serial, serial_contacts), (*shared, shared_contacts) = answers
-    # relaxations end within 1e-6 of the mean contact force, at another place each
+    # relaxations end within 1e-6 of the mean contact force, in slightly different states
     assert shared == pytest.approx(serial, rel=1e-6)
     assert shared_contacts == serial_contacts
 
@@ -89,7 +89,7 @@ if free.root:
 """
 
 
-def test_two_ranks_move_alike(tmp_path: Path) -> None:
+def test_two_ranks_give_the_same_motion(tmp_path: Path) -> None:
     """At constant energy; a heat bath has its own noise on each rank."""
     one, two = (
         [float(word) for word in python(MOTION, tmp_path, ranks).split()] for ranks in (1, 2)
@@ -99,7 +99,7 @@ def test_two_ranks_move_alike(tmp_path: Path) -> None:
 
 
 def frames(folder: Path) -> np.ndarray:
-    """What a trajectory says of each particle, shape (frames, N, columns)."""
+    """Values of the particles in a trajectory, shape (frames, N, columns)."""
     text = (folder / "run" / "trajectory.lammpstrj").read_text()
     atoms = [frame.partition("ITEM: ATOMS")[2] for frame in text.split("ITEM: TIMESTEP")[1:]]
     return np.array([np.loadtxt(lines.splitlines()[1:]) for lines in atoms])

@@ -70,7 +70,7 @@ def test_packing_is_at_the_onset(jammed: deformable.Packing) -> None:
 
 
 def test_two_sizes_are_two_species() -> None:
-    """Energy, stress, shapes and contacts of the same packing, told in both ways."""
+    """Energy, stress, shapes and contacts of the same packing, defined in both ways."""
     two = deformable.jam(deformable.bidisperse(24, seed=2))
     two = two.at(1.02 * two.phi)
     many = replace(two, particle_radii=two.radius)
@@ -105,7 +105,7 @@ def test_relaxed_state_is_that_of_the_kernel(state: deformable.State) -> None:
 
 
 def test_loose_particles_relax_to_nothing(jammed: deformable.Packing) -> None:
-    """Each is as round as its own radius says."""
+    """Each is a circle of its own radius."""
     loose = jammed.at(jammed.phi - 0.03)
     with warnings.catch_warnings(), deformable.Simulation(loose, RADICAL) as sim:
         warnings.simplefilter("error")
@@ -122,7 +122,7 @@ def test_outlines_have_the_areas(state: deformable.State) -> None:
 
 
 def test_particles_may_grow_up_to_their_species(state: deformable.State) -> None:
-    """Other commands of LAMMPS change radii; states tell them."""
+    """LAMMPS commands may change radii; states have the new ones."""
     room = replace(state.packing, radii=2.0 * state.packing.radii)
     with deformable.Simulation(room, RADICAL) as sim:
         assert sim.state().energy == pytest.approx(state.energy, rel=1e-9)
@@ -201,7 +201,7 @@ def test_picture(state: deformable.State) -> None:
     assert len(axes.collections[0].get_paths()) >= 24
 
 
-def test_rings_of_beads_refuse(jammed: deformable.Packing) -> None:
+def test_rings_of_beads_refuse_particle_radii(jammed: deformable.Packing) -> None:
     with pytest.raises(deformable.ParameterError, match="particle_radii"):
         deformable.BeadReference(jammed)
 

@@ -51,13 +51,13 @@ def test_loose_particles_do_nothing() -> None:
     assert state.phi == pytest.approx(0.01)
 
 
-def test_overlapping_loose_particles_relax_to_nothing() -> None:
+def test_overlapping_loose_particles_relax_to_zero_force() -> None:
     jammed = deformable.jam(deformable.bidisperse(32, seed=3))
     with deformable.Simulation(jammed.at(jammed.phi - 0.02), deformable.Ring()) as sim:
         assert sim.relax().residual == 0.0
 
 
-def test_lone_contact_of_the_sector_law_is_pushed_apart() -> None:
+def test_single_contact_of_the_sector_law_opens() -> None:
     pair = deformable.Packing([[1.0, 2.0], [1.9, 2.0]], [0, 0], [0.5], [[4.0, 0.0], [0.0, 4.0]])
     with deformable.Simulation(pair, deformable.Sector()) as sim:
         assert sim.state().energy == pytest.approx(0.5 * 0.1**2)
@@ -76,7 +76,7 @@ def test_commands_of_the_user_stay_in_force(jammed: deformable.Packing, tmp_path
         assert sim.lmp.has_id("dump", "positions")
 
 
-def test_sector_says_that_it_stalls(jammed: deformable.Packing) -> None:
+def test_sector_warns_that_it_stalls(jammed: deformable.Packing) -> None:
     with deformable.Simulation(jammed, deformable.Sector()) as sim:
         steps = deformable.compress(sim, strain=0.02, steps=1)
         with pytest.warns(deformable.StalledWarning, match=r"stalled at phi = 0\.8"):
@@ -85,7 +85,7 @@ def test_sector_says_that_it_stalls(jammed: deformable.Packing) -> None:
     assert state.residual > TOLERANCE
 
 
-def test_past_confluence_is_said(jammed: deformable.Packing) -> None:
+def test_past_confluence_warns(jammed: deformable.Packing) -> None:
     with (
         deformable.Simulation(jammed.at(1.1), deformable.Ring(reach=0.5)) as sim,
         pytest.warns(deformable.BeyondModelWarning, match="beyond the model"),
@@ -95,7 +95,7 @@ def test_past_confluence_is_said(jammed: deformable.Packing) -> None:
     assert (state.arc_radius < 0).sum() == state.beyond
 
 
-def test_unjamming_is_said(jammed: deformable.Packing) -> None:
+def test_unjamming_warns(jammed: deformable.Packing) -> None:
     with deformable.Simulation(jammed.at(jammed.phi * 1.01), deformable.Ring()) as sim:
         assert sim.relax().energy > 0
         sim.lmp.command("displace_atoms all random 1e-9 1e-9 0 1 units box")
@@ -160,7 +160,7 @@ def test_simulations_outlive_errors_of_lammps(jammed: deformable.Packing) -> Non
 
 
 @pytest.mark.parametrize("law", [deformable.Ring(), deformable.Sector()])
-def test_deep_overlaps_name_their_cure(law: deformable.Ring | deformable.Sector) -> None:
+def test_errors_for_deep_overlaps_name_push_off(law: deformable.Ring | deformable.Sector) -> None:
     packing = deformable.bidisperse(16, phi=0.9, seed=1)
     with deformable.Simulation(packing, law) as sim:
         for call in (sim.relax, sim.state):

@@ -22,7 +22,7 @@ def test_species_have_stiffnesses_of_their_own() -> None:
     assert sector.endswith("s1 1.0 inf 3.0 0.0\n")
 
 
-def test_pair_style_says_contact_and_reach() -> None:
+def test_pair_style_has_contact_and_reach() -> None:
     ring = deformable.Ring(reach=np.float64(0.4))
     assert pair_style(ring) == "deformable/ring"
     assert pair_style_arguments(ring) == "contact balanced reach 0.4"

@@ -75,7 +75,7 @@ def test_lammps_has_the_energy_of_sizes_and_small_units(law: str, tmp_path: Path
     assert pressure == pytest.approx(state.pressure, rel=1e-12)
 
 
-def test_the_commands_to_go_on_do_so(state: deformable.State, tmp_path: Path) -> None:
+def test_commands_in_comments_run(state: deformable.State, tmp_path: Path) -> None:
     """Once their marks of comment are gone: rest stays rest, and motion keeps its energy."""
     state.save(tmp_path)
     script = tmp_path / "in.lammps"

@@ -8,7 +8,7 @@ import pytest
 from deformable.io.store import read
 
 
-def test_summary_says_how_it_was_made(state: deformable.State, tmp_path: Path) -> None:
+def test_summary_has_law_parameters_and_versions(state: deformable.State, tmp_path: Path) -> None:
     state.save(tmp_path, {"seed": 3, "kP": float("inf")})
     text = (tmp_path / "summary.json").read_text()
     summary = json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))

@@ -129,7 +129,7 @@ def test_no_bead_slips_through_between_others() -> None:
 def test_the_number_that_is_asked_for_suffices(
     radii: np.ndarray, number: float, way_out: str, step: int
 ) -> None:
-    """One number is that of the smallest species, though a larger one may be what it fails for."""
+    """One number is that of the smallest species, but a larger species may need more beads."""
     message = rf"take number = \d+ or {way_out}$"
     with pytest.raises(deformable.ParameterError, match=message) as error:
         deformable.Beads(number).rings(radii)

@@ -1,4 +1,4 @@
-"""Packings: what the builder promises for any input, and what a packing refuses."""
+"""Packings: properties of what the builders return, and errors for wrong values."""
 
 import dataclasses
 from typing import Any
@@ -50,7 +50,7 @@ def test_ratio_in_place_of_radii() -> None:
     assert deformable.bidisperse(4, ratio=1.2).radii == pytest.approx([0.5, 0.6])
 
 
-def test_at_scales_box_and_centers_alike() -> None:
+def test_at_scales_box_and_centers_by_one_factor() -> None:
     packing = deformable.bidisperse(20, phi=0.3, tilt=0.4)
     denser = packing.at(0.6)
     assert denser.phi == pytest.approx(0.6)

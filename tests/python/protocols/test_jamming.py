@@ -105,7 +105,7 @@ def test_natural_pressure() -> None:
     assert natural_pressure(small, deformable.Ring(kA=3.0)) == pytest.approx(0.75)
 
 
-def test_sector_says_that_it_has_no_onset() -> None:
+def test_sector_warns_that_it_has_no_onset() -> None:
     with pytest.warns(deformable.StalledWarning, match="the onset of jamming is uncertain"):
         deformable.jam(deformable.bidisperse(8, seed=1), deformable.Sector(), pressure=1e-4)
 
@@ -131,7 +131,7 @@ def test_rigid_start_is_refused() -> None:
 
 
 def in_one_place(number: int, particle_radii: np.ndarray | None = None) -> deformable.Packing:
-    """Disks in a corner of a tilted box, seen from all four cells around it."""
+    """Disks at a corner of a tilted box, in all four cells around it."""
     box = np.array([[4.0, 0.0], [1.0, 4.0]])
     cells = np.array([[0, 0], [1, 0], [0, 1], [1, 1], [0, 0]])[:number]
     return deformable.Packing(cells @ box, np.zeros(number), np.array([0.5]), box, particle_radii)

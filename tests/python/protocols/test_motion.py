@@ -1,4 +1,4 @@
-"""Motion in time: temperature, energy, what a time step may be, and starts from anywhere."""
+"""Motion in time: temperature, energy, time steps, and starts with overlaps."""
 
 import deformable
 import numpy as np
@@ -10,7 +10,7 @@ SOFT = deformable.Ring(kP=0.3)
 
 @pytest.fixture(scope="module")
 def dense() -> deformable.Packing:
-    """From random places far above jamming."""
+    """Particles from random positions far above jamming."""
     return deformable.push_off(deformable.bidisperse(32, phi=0.95, seed=3))
 
 
@@ -42,7 +42,7 @@ def test_random_places_are_a_start_after_push_off(dense: deformable.Packing) -> 
 
 @pytest.mark.parametrize("law", [deformable.Ring(contact="radical"), SOFT])
 def test_temperature_of_a_heat_bath(loose: deformable.Packing, law: deformable.Ring) -> None:
-    """Kinetic, of all particles, of either size and along either axis: to 1 % at four sigma."""
+    """Kinetic temperature of all particles, of each size and along each axis: 1 % at four sigma."""
     temperature, friction, steps = 1e-5, 1.0, 14_000
     with deformable.Simulation(loose, law) as sim:
         states = list(move(sim, steps, None, temperature, friction, every=20))
@@ -58,10 +58,10 @@ def test_temperature_of_a_heat_bath(loose: deformable.Packing, law: deformable.R
         energy[loose.species == 1],
     ):
         assert part.mean() == pytest.approx(temperature, rel=4.0 * np.sqrt(2.0) * error)
-    assert max(state.contacts.max() for state in states) > 1  # they met
+    assert max(state.contacts.max() for state in states) > 1  # particles are in contact
 
 
-def test_heat_bath_knows_no_ends_of_runs() -> None:
+def test_heat_bath_does_not_depend_on_ends_of_runs() -> None:
     """Forces drawn anew at each state would halve the temperature, as fix langevin does."""
     gas = deformable.push_off(deformable.bidisperse(64, phi=0.05, seed=3))
     with deformable.Simulation(gas, deformable.Ring()) as sim:
@@ -72,7 +72,7 @@ def test_heat_bath_knows_no_ends_of_runs() -> None:
 
 
 def test_potential_energy_has_its_share(dense: deformable.Packing) -> None:
-    """(N - 1) T in all, where the packing is a solid without rattlers and T is small."""
+    """The energy is (N - 1) T in a solid packing without rattlers, for small T."""
     temperature, friction = 1e-9, 0.1
     with deformable.Simulation(dense, deformable.Ring(contact="radical")) as sim:
         lowest = sim.relax(1e-8)
@@ -80,7 +80,7 @@ def test_potential_energy_has_its_share(dense: deformable.Packing) -> None:
         *_, _ = move(sim, 1000, None, temperature, friction, every=1000)
         states = list(move(sim, 10_000, None, temperature, friction, every=20, seed=2))
     share = np.mean([state.energy - lowest.energy for state in states])
-    # the energy of an oscillator forgets at the rate `friction`, half that of a free velocity
+    # the energy of an oscillator decorrelates at the rate `friction`, half that of a free velocity
     error = np.sqrt(2.0) * scatter(len(dense), friction, states[-1].time)
     assert share == pytest.approx((len(dense) - 1) * temperature, rel=4.0 * error)
 
@@ -103,7 +103,7 @@ def test_energy_error_falls_with_the_square_of_the_time_step(phi: float) -> None
 
 
 def test_relaxing_on_the_way_leaves_the_time_step(dense: deformable.Packing) -> None:
-    """FIRE has a time step of its own, which must not become that of the motion."""
+    """FIRE has its own time step, which must not become that of the motion."""
     with deformable.Simulation(dense, deformable.Ring()) as sim:
         motion = deformable.move(sim, 4, 0.01, temperature=1e-6, every=2)
         next(motion)
@@ -123,7 +123,7 @@ def test_damped_motion_comes_to_rest(dense: deformable.Packing) -> None:
 
 
 def test_velocities_decay_at_the_rate_of_friction() -> None:
-    """Alone, by (1 - x)/(1 + x) a step, x = friction dt/2, which is exp(-2 x) to third order."""
+    """By (1 - x)/(1 + x) in a step, x = friction dt/2, which is exp(-2 x) to third order."""
     gas = deformable.push_off(deformable.bidisperse(16, phi=0.01, seed=3))
     friction, dt = 0.1, 0.5
     with deformable.Simulation(gas, deformable.Ring()) as sim:
@@ -223,7 +223,7 @@ def test_steps_that_become_too_long_are_refused(loose: deformable.Packing) -> No
 def test_longest_step_is_stable_and_not_by_far(
     phi: float, temperature: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The energy of a run at it stays the same to 1 %, eight times as long steps end it."""
+    """The energy is constant to 1 % at the longest step; eight times this step ends the run."""
     packing = deformable.push_off(deformable.bidisperse(32, phi=phi, seed=3))
 
     def motion(sim: deformable.Simulation, timestep: float | None) -> list[deformable.State]:
@@ -242,7 +242,7 @@ def test_longest_step_is_stable_and_not_by_far(
             motion(sim, 8.0 * longest)
 
 
-def test_too_hot_is_said(loose: deformable.Packing) -> None:
+def test_too_high_temperatures_are_named(loose: deformable.Packing) -> None:
     with (
         deformable.Simulation(loose, SOFT) as sim,
         pytest.raises(deformable.LammpsError, match=r"atom.* or lower the temperature$"),
@@ -259,7 +259,7 @@ def test_one_particle_has_no_temperature() -> None:
 
 
 def test_particles_of_any_size_and_stiffness_move() -> None:
-    """Masses are 1 whatever the radii; the stiffest species sets the pace."""
+    """Masses are 1 for any radius; the stiffest species limits the time step."""
     radii = np.random.default_rng(2).uniform(0.4, 0.8, 32)
     packing = deformable.push_off(deformable.polydisperse(32, radii, phi=0.85, seed=2))
     with deformable.Simulation(packing, deformable.Ring()) as sim:

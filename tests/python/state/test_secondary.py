@@ -1,4 +1,4 @@
-"""Secondary contacts: overlaps vanish, perimeters stay, and shapely agrees about both."""
+"""Secondary contacts: no overlaps remain and perimeters are constant, compared with shapely."""
 
 from collections.abc import Iterator
 from itertools import product
@@ -22,7 +22,7 @@ def sector_state(packing: deformable.Packing) -> deformable.State:
 
 @pytest.fixture(scope="module", params=[(64, 1, 0.88), (64, 2, 0.95), (40, 5, 0.92)], ids=str)
 def dense(request: pytest.FixtureRequest) -> deformable.State:
-    """The centers of a relaxed packing, in a sheared box the last one."""
+    """Centers of relaxed packings; the last one is in a sheared box."""
     number, seed, phi = request.param
     tilt = 0.3 if number == 40 else 0.0
     jammed = deformable.jam(deformable.bidisperse(number, tilt=tilt, seed=seed))
@@ -31,7 +31,7 @@ def dense(request: pytest.FixtureRequest) -> deformable.State:
 
 
 def column(width: float, radii: list[float], heights: list[float]) -> deformable.State:
-    """Particles above one another that their own images squeeze from both sides."""
+    """A column of particles, each pressed by its own images from both sides."""
     *y, top = np.cumsum([0.0, *heights])
     positions = np.column_stack([np.zeros(len(y)), y])
     box = np.diag([width, top])
@@ -49,7 +49,7 @@ def flats(arcs: Array) -> tuple[Array, Array]:
 def meetings(
     state: deformable.State, secondary: SecondaryOutlines, points: int = 180
 ) -> Iterator[tuple[Array, Array]]:
-    """Outlines of particles that are no primary contacts but overlap, by shapely, images too."""
+    """Overlapping outlines of particles without a primary contact, with images, by shapely."""
     packing = state.packing
     outlines = [
         center + core.arc_outline(arcs, points)
@@ -75,7 +75,7 @@ def overlap_area(state: deformable.State, secondary: SecondaryOutlines) -> float
 
 
 def deepest(state: deformable.State, secondary: SecondaryOutlines) -> float:
-    """Largest penetration: the least shift that separates two, which is normal to some edge."""
+    """Largest overlap: the smallest shift that separates two, which is normal to some edge."""
     depths = [0.0]
     for one, other in meetings(state, secondary, points=1000):
         edges = np.concatenate([np.roll(one, -1, axis=0) - one, other - np.roll(other, -1, axis=0)])
@@ -95,7 +95,7 @@ def test_overlaps_vanish(dense: deformable.State) -> None:
     for n in range(3):
         assert residual[n + 1] < residual[n] or residual[n] == 0.0
         assert area[n + 1] < 0.1 * area[n] or area[n] < 1e-12
-    # polygons lie within their outlines: what is left is the rounding of the flats they share
+    # polygons lie within their outlines: only rounding of common straight parts remains
     assert residual[3] == 0.0
     assert steps[3].overlaps[3] == 0
     assert area[3] < 1e-12
@@ -158,7 +158,7 @@ def test_nothing_to_do() -> None:
 
 
 def test_particle_that_meets_itself() -> None:
-    """Two walls' worth of contact let it bulge into its image: a rectangle with round corners."""
+    """Contacts with two images let it bulge into others: a rectangle with round corners."""
     radius, h, half = 1.0, 0.95, 1.01
     state = column(2 * h, [radius], [2 * half])
     secondary = deformable.resolve_secondary(state)
@@ -190,7 +190,7 @@ def test_two_arcs() -> None:
 
 
 def test_circle_with_one_contact_stays() -> None:
-    """The other yields, and what is left of the overlap is told."""
+    """The other particle is pressed flat; the rest of the overlap is in the residual."""
     h, large, small = 0.95, 1.1, 0.8
     top = (large - h) * np.pi / 2 + h
     state = column(2 * h, [large, small], [top + small - 0.02, top + small + 0.01])
@@ -215,7 +215,7 @@ def test_circle_with_two_contacts_takes_the_shape_of_the_law() -> None:
 
 
 def test_circle_keeps_its_contact_until_it_has_two() -> None:
-    """One above and one below it, and a smaller circle whose contact makes the upper one bulge."""
+    """Neighbors above and below, and a smaller circle whose contact makes the upper one bulge."""
     h, large, small, tiny = 0.95, 1.1, 0.3, 0.15
     arc = (large - h) * np.pi / 2
     y = arc + np.sqrt((h + small - 0.02) ** 2 - 0.5**2)
@@ -233,7 +233,7 @@ def test_circle_keeps_its_contact_until_it_has_two() -> None:
 
 
 def test_a_primary_contact_is_no_secondary_one() -> None:
-    """A circle with one contact overlaps its partner by the law itself."""
+    """By the law, a circle with a single contact overlaps its partner."""
     secondary = deformable.resolve_secondary(column(1.9, [1.1, 0.8], [1.88, 2.2]))
     assert secondary.overlaps.tolist() == [0] * 4
     assert secondary.residual.tolist() == [0.0] * 4
@@ -260,7 +260,7 @@ def test_arcs_of_negative_radius_meet_nothing(radius: float, depth: list[float])
 
 
 def test_images_in_a_small_box() -> None:
-    """One box, or four by four of them as one: the same outlines."""
+    """A box and 4 x 4 copies of it give the same outlines."""
     small = deformable.bidisperse(3, phi=0.9, tilt=0.4, seed=11)
     copies = [np.array(image) @ small.box for image in product(range(4), repeat=2)]
     large = deformable.Packing(

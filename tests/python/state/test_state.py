@@ -50,7 +50,7 @@ def test_contacts_and_rattlers_against_brute_force(asked: dict[str, float]) -> N
     table = state.contact_table
     seen = zip(table["i"], table["j"], *table["image"].T, strict=True)
     assert {tuple(map(int, key)) for key in seen} == {key for key, c in contacts.items() if c}
-    # both sides of every contact stand on one line
+    # both sides of every contact are on one line
     height = state.packing.radius[table["i"]] - table["indentation"]
     out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
     foot = state.packing.positions[table["i"]] + height[:, None] * out
@@ -98,7 +98,7 @@ def test_plot_draws_every_particle(state: deformable.State) -> None:
 def test_plot_draws_every_contact(
     jammed: deformable.Packing, law: deformable.Ring | deformable.Sector
 ) -> None:
-    """Each side as long as its contact, and at every image that reaches into the box."""
+    """Each side has the length of its contact, at every image that reaches into the box."""
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("agg")
     with deformable.Simulation(jammed, law) as sim:
@@ -110,7 +110,7 @@ def test_plot_draws_every_contact(
     expected = state.contact_table["length"]
     expected = expected[expected > 0.0]
     assert len(expected) > len(jammed)
-    # differences of coordinates, rounded in them
+    # differences of rounded coordinates
     rounding = 16.0 * np.finfo(float).eps * np.abs(ends).max()
     nearest = np.abs(length[:, None] - expected).min(axis=0)
     assert nearest.max() < rounding
