@@ -11,10 +11,10 @@ from ..common.validate import whole
 from ..state.state import State
 from .replay import replay
 
-# Dots an inch: 461 x 403 in all, so that a few dozen pictures take less than a megabyte.
+# Dots an inch: pictures have 461 x 403 dots, and a few dozen take less than a megabyte.
 _DOTS = 72
 
-# Of matplotlib.
+# Writers of Matplotlib.
 _WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
 
 
@@ -37,7 +37,8 @@ def movie(
         rate: pictures a second.
 
     Raises:
-        ParameterError: another format, no ffmpeg, no states, or no such attribute.
+        ParameterError: the format is another, ffmpeg is missing, or there are no states or no such
+            attribute.
         FileError: the folder cannot be read.
         ImportError: matplotlib is missing.
     """
@@ -57,7 +58,7 @@ def movie(
 
     shown = list(replay(states) if isinstance(states, (str, Path)) else states)
     if not shown:
-        raise ParameterError("a movie needs one state at least")
+        raise ParameterError("a movie needs at least one state")
     on = scale(
         [state.values(color_by) for state in shown],
         [state.contact_table["force"] for state in shown],
