@@ -126,9 +126,9 @@ def packings(rows: Sequence[Row], small: Sequence[Row]) -> Section:
             "Medians of the area error are "
             + listed(f"{show(laws[law])} (`{law}`)" for law in laws)
             + ". "
-            f"So `{best}` is the most accurate law here. The laws `radical` and `balanced` differ only "
-            "in the place of the contact lines, `radical` and `radical, kP inf` only in the stiffness "
-            "of the perimeter.",
+            f"So `{best}` is the most accurate law here. The laws `radical` and `balanced` differ "
+            "only in the place of the contact lines, `radical` and `radical, kP inf` only in the "
+            "stiffness of the perimeter.",
             "The own energy is that of the packing to which the law itself relaxes from the same "
             "start. It differs more, because a packing may rearrange on its way. "
             + (
@@ -294,8 +294,8 @@ def _stalled(rows: Sequence[Row]) -> str:
     if not names:
         return ""
     return (
-        f" The energy of the {listed(f'`{name}`' for name in names)} law jumps where contacts appear, so that "
-        "its relaxation does not converge; its time is that until it stopped."
+        f" The energy of the {listed(f'`{name}`' for name in names)} law jumps where contacts "
+        "appear, so that its relaxation does not converge; its time is that until it stopped."
     )
 
 
