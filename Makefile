@@ -1,11 +1,11 @@
 # Everything from a fresh clone, with Python >= 3.10, a C++17 compiler and make:
 #
-#   make demo        compress 128 bubbles; picture, trajectory and tables go to demo/; then rings of
-#                    beads against the contact laws
-#   make test        the tests, without the long ones
-#   make test-slow   the long ones
-#   make lint        style and types
-#   make clean       remove what the above made
+#   make demo        compress 128 particles, with picture, trajectory and tables in demo/, and compare
+#                    the contact laws with rings of beads
+#   make test        run the tests without the long ones
+#   make test-slow   run the long tests
+#   make lint        check style and types
+#   make clean       remove all that these commands have written
 #
 # PYTHON=python3.12 chooses the interpreter, WERROR=ON makes compiler warnings errors, JOBS the number of
 # test processes.
@@ -51,7 +51,7 @@ $(VENV)/bin/python:
 	  { rm -rf $(VENV); \
 	    echo "$(PYTHON) cannot make virtual environments (Debian, Ubuntu: apt install python3-venv)" >&2; exit 1; }
 
-# installed-dev brings all that installed does, so that whoever wants both compiles once
+# installed-dev installs the tests as well, so that both need only one compilation
 $(VENV)/installed $(VENV)/installed-dev: $(VENV)/bin/python $(SOURCES)
 	@command -v $${CXX:-c++} >/dev/null || command -v g++ >/dev/null || command -v clang++ >/dev/null || \
 	  { echo "No C++ compiler found: install g++ or clang++, or name one: make CXX=..." >&2; exit 1; }

@@ -1,24 +1,24 @@
-"""What docs/jamming.md says of the ensembles in docs/jamming stands in their tables."""
+"""The tables in docs/jamming show what docs/jamming.md says."""
 
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
-from deformable.cli.jam import _read
 from deformable.studies.ensemble import exponents, measure, summarize
+from deformable.studies.ensemble_tables import read_table, write_tables
 
 FOLDER = Path(__file__).parents[1] / "docs" / "jamming"
-ONSETS, SCALING = _read(FOLDER / "table.csv"), _read(FOLDER / "scaling.csv")
+ONSETS, SCALING = read_table(FOLDER / "table.csv"), read_table(FOLDER / "scaling.csv")
 SUMMARY = json.loads((FOLDER / "summary.json").read_text())
 NUMBERS = (16, 32, 64, 128, 256, 512)
 
 
-def onset(law, window, number):
+def onset(law, pressure, number):
     (row,) = (
         row
         for row in SUMMARY["onset"]
-        if (row["law"], row["window"], row["number"]) == (law, window, number)
+        if (row["law"], row["onset_pressure"], row["number"]) == (law, pressure, number)
     )
     return row
 
@@ -26,6 +26,12 @@ def onset(law, window, number):
 def exponent(law, number=128):
     (row,) = (row for row in SUMMARY["exponents"] if (row["law"], row["number"]) == (law, number))
     return row
+
+
+def test_tables_are_as_the_command_writes_them(tmp_path):
+    write_tables(tmp_path, ONSETS, SCALING)
+    for name in ("table.csv", "scaling.csv"):
+        assert (tmp_path / name).read_bytes() == (FOLDER / name).read_bytes()
 
 
 def test_summary_is_that_of_the_tables():
@@ -42,12 +48,12 @@ def test_all_sizes_are_there_and_nothing_stalled():
             assert onset(law, 1e-7, number)["packings"] >= 3
     for row in ONSETS:
         assert not row["stalled"]
-        assert row["window"] < row["pressure"] <= 2.001 * row["window"]
+        assert row["onset_pressure"] < row["pressure"] <= 2.001 * row["onset_pressure"]
 
 
 def test_onsets_are_isostatic_where_overlaps_vanish():
-    """Disks at 1e-7 and rings at 1e-16, 3e-7 and 3e-6 above phi_J: no contact less, hardly more."""
-    near = [row for row in ONSETS if row["law"] == "disk" or row["window"] == 1e-16]
+    """Disks at 1e-7 and rings at 1e-16 are 3e-7 and 3e-6 above phi_J: 2 N' - 1 contacts."""
+    near = [row for row in ONSETS if row["law"] == "disk" or row["onset_pressure"] == 1e-16]
     more = np.array([row["contacts"] - row["isostatic"] for row in near])
     assert more.min() == 0
     assert np.mean(more == 0) > 0.9
@@ -60,10 +66,10 @@ def test_rings_and_disks_jam_at_the_same_phi():
         assert abs(rings["phi"] - disks["phi"]) < 2.0 * error
 
 
-def test_rings_jam_alike_with_either_contact_line():
-    """From the same starts, so that packings are not independent: the errors are upper bounds."""
+def test_radical_and_balanced_rings_jam_at_the_same_phi():
+    """The starts are the same, so that the errors of independent packings are upper bounds."""
     for number in (16, 32, 64, 128):
-        balanced, radical = (onset(law, 1e-7, number) for law in ("ring", "radical"))
+        balanced, radical = (onset(law, 1e-7, number) for law in ("balanced", "radical"))
         for name in ("phi", "contacts", "excess_contacts"):
             error = np.hypot(balanced[f"{name}_error"], radical[f"{name}_error"])
             assert abs(balanced[name] - radical[name]) < 2.0 * error
@@ -75,7 +81,8 @@ def test_rings_jam_alike_with_either_contact_line():
 def test_exponents_are_those_of_the_contact_energies(law, number, power):
     """p ~ x for disks and x^3 for rings, bulk moduli one less.
 
-    Both are steeper: z grows by a tenth in two decades of x, and with it what multiplies the power.
+    Both exponents are larger by up to 0.1: z grows by a tenth in two decades of x, and with it the
+    factor before the power.
     """
     found = exponent(law, number)
     assert -0.01 < found["pressure"] - power < 0.1
@@ -83,7 +90,7 @@ def test_exponents_are_those_of_the_contact_energies(law, number, power):
 
 
 def test_shear_moduli_rise_faster_than_bulk_moduli():
-    """By half a power in large packings, less in small ones."""
+    """The exponent is larger by 1/2 in large packings, by less in small ones."""
     for law, power in (("disk", 0.5), ("radical", 2.5)):
         found = exponent(law)
         assert abs(found["shear_modulus"] - power) < 2.0 * found["shear_modulus_error"]
@@ -96,12 +103,12 @@ def test_moduli_are_of_linear_response():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("law", "window", "number"), [("disk", 1e-7, 64), ("radical", 1e-7, 64)])
-def test_ensembles_are_those_of_the_page(law, window, number):
-    """Where a packing jams is chaotic: another machine may find others, of the same mean."""
-    found = [measure(law, window, number, seed)[0] for seed in range(101, 111)]
+@pytest.mark.parametrize(("law", "pressure", "number"), [("disk", 1e-7, 64), ("radical", 1e-7, 64)])
+def test_ensembles_are_those_of_the_page(law, pressure, number):
+    """Where a packing jams is chaotic: another machine may find other ones with the same mean."""
+    found = [measure(law, pressure, number, seed)[0] for seed in range(101, 111)]
     (fresh,) = summarize(found)
-    kept = onset(law, window, number)
+    kept = onset(law, pressure, number)
     for name in ("phi", "excess_contacts", "rattlers"):
         error = np.hypot(fresh[f"{name}_error"], kept[f"{name}_error"])
         assert abs(fresh[name] - kept[name]) < 4.0 * error + 1e-12

@@ -1,4 +1,4 @@
-"""The Python examples run as they stand and say what their logs say."""
+"""The Python examples run and print what their logs have."""
 
 import re
 import shutil
@@ -14,7 +14,7 @@ BIN = Path(sys.executable).parent
 
 
 def text(*command: str, cwd: Path) -> str:
-    """What a command of this environment prints."""
+    """Output of a command of this environment."""
     result = subprocess.run(
         [str(BIN / command[0]), *command[1:]],
         cwd=cwd,
@@ -28,7 +28,7 @@ def text(*command: str, cwd: Path) -> str:
 
 
 def output(*command: str, cwd: Path) -> np.ndarray:
-    """Numbers that a script prints, one row a line of the same form as the last."""
+    """Numbers in the lines of a script's output that begin with phi, one row a line."""
     return numbers(text(*command, cwd=cwd))
 
 
@@ -38,12 +38,12 @@ def numbers(printed: str) -> np.ndarray:
     return np.array(rows, dtype=float)
 
 
-def test_compress_says_what_its_log_says(tmp_path: Path) -> None:
+def test_compress_prints_its_log(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     shutil.copy(EXAMPLES / "compress" / "compress.py", tmp_path)
     phi, pressure, z = output("python", "compress.py", cwd=tmp_path).T
     expected = numbers((EXAMPLES / "compress" / "compress.log").read_text()).T
-    # where a packing jams depends on the last digit, so another processor may find another one
+    # the packing depends on the last digit, so that another processor may find another one
     assert phi == pytest.approx(expected[0], abs=0.02)
     assert z == pytest.approx(expected[2], abs=0.3)
     assert (np.diff(pressure) > 0).all()
@@ -60,7 +60,7 @@ def test_compress_mpi_gives_the_same_on_two_ranks(tmp_path: Path) -> None:
 
 
 def test_soft_and_stiff_share_their_contacts(tmp_path: Path) -> None:
-    """By force: lines move into the soft; and LAMMPS alone finds the same packings."""
+    """Contact lines move into the soft particles, and LAMMPS alone finds the same pressures."""
     pytest.importorskip("matplotlib")
     folder = shutil.copytree(EXAMPLES / "soft_and_stiff", tmp_path / "example")
     (folder / "packing.png").unlink()
@@ -71,9 +71,9 @@ def test_soft_and_stiff_share_their_contacts(tmp_path: Path) -> None:
         float, re.findall(r"\d[\d.]*(?:e[-+]\d+)?", summary)
     )
     assert count > 30
-    assert uneven < 1e-7  # the balance is found to 1e-8 of the largest force anywhere
+    assert uneven < 1e-7  # forces are balanced to 1e-8 of the largest one
     assert share > radical + 0.05
-    # p L is the same on both sides
+    # the force p L is the same on both sides
     assert longer > 1.5
     assert p_stiff > p_soft
     assert lost_stiff < lost_soft
@@ -82,13 +82,13 @@ def test_soft_and_stiff_share_their_contacts(tmp_path: Path) -> None:
     log = text("lmp", "-in", "in.soft_and_stiff", cwd=folder)
     pattern = r"^strain .* pressure = (\S+), .* soft (\S+), of stiff (\S+)$"
     found, soft, stiff = np.array(re.findall(pattern, log, re.MULTILINE), dtype=float).T
-    # pressures of a minimum are known less well than forces are small
+    # the pressure of a minimum is less accurate than its forces
     assert found == pytest.approx(pressure, rel=1e-3)
     assert (soft > 1.5 * stiff).all()
 
 
 def printed(folder: Path, script: str, *arguments: str) -> list[list[float]]:
-    """Numbers on each line that a script prints."""
+    """Numbers on each line of a script's output."""
     result = subprocess.run(
         [str(BIN / "python"), script, *arguments],
         cwd=folder,
@@ -122,7 +122,7 @@ def test_fluid_diffuses_and_glass_does_not(tmp_path: Path) -> None:
         # 63 pairs of degrees of freedom over 25 times 1/friction, at four sigma
         assert max(abs(t_fluid - 1.0), abs(t_glass - 1.0)) < 4.0 / (63 * 25) ** 0.5
         assert fluid[1] == pytest.approx(1.0, abs=0.3)  # diffusion
-        assert 1e-5 < fluid[2] < 2e-4  # slower than alone, temperature/friction
+        assert 1e-5 < fluid[2] < 2e-4  # slower than a single particle, temperature/friction
         assert abs(glass[1]) < 0.2  # a plateau
         assert glass[0] < 0.1**2  # within the cages
         for structure in (fluid, glass):
@@ -144,7 +144,7 @@ def test_pictures_of_a_run(tmp_path: Path) -> None:
     assert phi == pytest.approx(shapes[::3, 0], abs=1e-4)
     assert (np.diff(z) > 0.0).all()
     assert (s > 1.5).all()
-    assert k * 1.2 == pytest.approx(2.0 * np.pi, rel=0.3)  # waves as long as a particle is wide
+    assert k * 1.2 == pytest.approx(2.0 * np.pi, rel=0.3)  # wavelength of a particle's diameter
 
 
 def test_shear_begins_at_the_modulus_and_yields(tmp_path: Path) -> None:

@@ -1,6 +1,6 @@
 """Compress one packing on all ranks: mpiexec -n 2 python -m mpi4py compress_mpi.py
 
-Every rank runs the script and sees the same states; rank 0 writes the files.
+All ranks run the script and get the same states; rank 0 writes the files.
 """
 
 import deformable

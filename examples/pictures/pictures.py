@@ -1,4 +1,4 @@
-"""Compress a packing, keep the run, and draw force chains, a map of shapes and a movie of it."""
+"""Compress a packing, keep the run, and draw force chains, shapes and a movie."""
 
 import deformable
 import matplotlib.pyplot as plt

@@ -1,4 +1,4 @@
-"""Shear a packing far beyond yielding: stress against strain, and what flows."""
+"""Shear a packing far beyond yielding: stress over strain, and plastic events."""
 
 import deformable
 import matplotlib.pyplot as plt
@@ -17,7 +17,7 @@ strain = STRAIN * np.arange(1, STEPS + 1) / STEPS
 stress = np.array([-state.stress[0, 1] for state in states])
 pressure = np.array([state.pressure for state in states])
 flowing = strain > 0.2
-# a plastic event: the stress falls by more than it rises in a step at the modulus of the start
+# in a plastic event the stress falls by more than it rises in an elastic step
 events = np.flatnonzero(np.diff(stress) < -modulus * STRAIN / STEPS)
 print(f"largest stress {stress.max():.2e} at a strain of {strain[stress.argmax()]:.3f}")
 print(f"beyond 0.2  stress {stress[flowing].mean():.2e}  pressure {pressure[flowing].mean():.2e}")

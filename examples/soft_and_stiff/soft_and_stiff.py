@@ -1,4 +1,4 @@
-"""Soft and stiff particles share their contacts by force: compress a mixture and draw it."""
+"""Compress a mixture of soft and stiff particles, and draw where their contact lines are."""
 
 from dataclasses import replace
 
@@ -7,18 +7,18 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 
-# Each size comes twice: half of the particles, chosen at random, are ten times as stiff.
+# Half of the particles, chosen at random, are ten times as stiff: four species for two sizes.
 jammed = deformable.jam(deformable.bidisperse(32, radii=(0.5, 0.7), seed=3))
 stiff = np.random.default_rng(1).permutation(len(jammed)) < len(jammed) // 2
 mixture = replace(jammed, species=jammed.species + 2 * stiff, radii=[0.5, 0.7, 0.5, 0.7])
 law = deformable.Ring(kA=[1.0, 1.0, 10.0, 10.0], kP=[1.0, 1.0, 10.0, 10.0], contact="balanced")
 
 sim = deformable.Simulation(mixture, law)
-sim.state().save("start")  # where in.soft_and_stiff begins
+sim.state().save("start")  # in.soft_and_stiff starts here
 for state in deformable.compress(sim, strain=0.05, steps=10):
     print(f"phi {state.phi:.5f}  pressure {state.pressure:.4e}  z {state.coordination:.3f}")
 
-# Contacts of soft with stiff particles, as both see them: sorted alike, one row a contact.
+# Both sides of the contacts of soft with stiff particles, in the same order.
 table = state.contact_table
 i, j = table["i"], table["j"]
 soft = table[~stiff[i] & stiff[j]]
@@ -39,7 +39,7 @@ for name, chosen in (("soft", ~stiff), ("stiff", stiff)):
     inside = state.particle_pressure[chosen].mean()
     print(f"{name:5} particles: pressure {inside:.4f}, area lost {lost:.4f}")
 
-# The packing; and around its most uneven contact, with radical axes (dashed) for comparison.
+# The packing, and an enlarged contact with its radical axis (dashed).
 figure, (whole, zoom) = plt.subplots(1, 2, figsize=(8.6, 4.2), layout="constrained")
 for ax in (whole, zoom):
     state.plot(ax, contacts=True)

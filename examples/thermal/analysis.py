@@ -1,4 +1,4 @@
-"""Mean-square displacement and pair distribution of runs, by MDAnalysis."""
+"""Read runs with MDAnalysis: mean-square displacement and pair distribution."""
 
 import sys
 import warnings
@@ -12,23 +12,23 @@ from MDAnalysis.transformations import NoJump, set_dimensions
 
 warnings.filterwarnings("ignore", module="MDAnalysis")
 
-BETWEEN = 25.0  # time from frame to frame
-FARTHEST, BINS = 4.0, 100
+FRAME_TIME = 25.0  # from one frame to the next
+LARGEST_R, BINS = 4.0, 100
 
 
 def read(dump):
-    """A trajectory, in a box so high that neighbors are sought in the plane only."""
+    """A trajectory; its box is high, so that neighbors are only found in the plane."""
     universe = MDAnalysis.Universe(
-        dump, format="LAMMPSDUMP", topology_format="LAMMPSDUMP", dt=BETWEEN
+        dump, format="LAMMPSDUMP", topology_format="LAMMPSDUMP", dt=FRAME_TIME
     )
     lx, ly = universe.dimensions[:2]
     plane = set_dimensions([lx, ly, 10.0 * lx, 90.0, 90.0, 90.0])
-    universe.trajectory.add_transformations(plane, NoJump(), about_the_center)
+    universe.trajectory.add_transformations(plane, NoJump(), subtract_center)
     return universe, len(universe.atoms), lx * ly
 
 
-def about_the_center(frame):
-    """In a heat bath all particles diffuse together, too: look at the motion about that."""
+def subtract_center(frame):
+    """Subtract the motion of the center, which also diffuses in a heat bath."""
     frame.positions -= frame.positions.mean(axis=0)
     return frame
 
@@ -47,13 +47,15 @@ for dump in sys.argv[1:]:
         universe.atoms,
         universe.atoms,
         nbins=BINS,
-        range=(0.0, FARTHEST),
-        norm="none",  # the others are for three dimensions
+        range=(0.0, LARGEST_R),
+        norm="none",  # other norms are for three dimensions
         exclusion_block=(1, 1),
     )
     r, count = pairs.run().results.bins, pairs.results.rdf
-    g = count / (number * (number - 1) / area * 2.0 * np.pi * r * FARTHEST / BINS)
-    print(f"g(r) {g.max():.2f} at {r[g.argmax()]:.2f}, {g[r > 0.8 * FARTHEST].mean():.3f} far away")
+    g = count / (number * (number - 1) / area * 2.0 * np.pi * r * LARGEST_R / BINS)
+    print(
+        f"g(r) {g.max():.2f} at {r[g.argmax()]:.2f}, {g[r > 0.8 * LARGEST_R].mean():.3f} far away"
+    )
 
     left.loglog(time, msd, label=dump)
     right.plot(r, g, label=dump)

@@ -1,4 +1,4 @@
-"""A fluid and a glass at one temperature, from random places: keep both runs."""
+"""Simulate a fluid and a glass at one temperature, and keep both runs."""
 
 import deformable
 import numpy as np
@@ -10,7 +10,7 @@ for name, phi in (("fluid", 0.6), ("glass", 0.9)):
     sim = deformable.Simulation(packing, deformable.Ring(kA=1.0))
     bath = {"temperature": TEMPERATURE, "friction": FRICTION, "timestep": TIMESTEP, "every": EVERY}
     for _ in deformable.move(sim, 8_000, **bath):
-        pass  # forgets where it came from
+        pass  # until it is in equilibrium
     run = deformable.record(deformable.move(sim, 20_000, **bath, seed=2), name, bath)
     measured = np.mean([state.temperature for state in run]) / TEMPERATURE
     print(f"phi {phi}  mean temperature over that of the bath {measured:.3f}")

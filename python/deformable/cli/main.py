@@ -20,8 +20,10 @@ from ..engine.lammps import silent_lammps
 from ..model.beads import Beads
 from ..plugin import directory
 from ..runs.movie import movie as draw_movie
-from .compress import TOLERANCE, compress_command
+from ..runs.resume import TOLERANCE
+from .compress import compress_command
 from .jam import jam_command
+from .options import refuse_ranks
 
 app = typer.Typer(
     help="Two-dimensional deformable particles in LAMMPS.",
@@ -46,7 +48,7 @@ app.command("jam")(jam_command)
 
 
 def main() -> None:
-    """Run the command; errors of the user are one line and exit code 2."""
+    """Run the command; errors of a user are one line, with exit code 2."""
     warnings.showwarning = lambda message, *_: tqdm.write(f"warning: {message}", file=sys.stderr)
     warnings.simplefilter("always", UserWarning)
     try:
@@ -61,50 +63,51 @@ def main() -> None:
     ) as error:
         world = MPI.COMM_WORLD
         if world.rank > 0:
-            time.sleep(1.0)  # rank 0 speaks for all if it failed as well, and ends them
+            time.sleep(1.0)  # if rank 0 has failed as well, it prints the error and ends all
         print(f"error: {error}", file=sys.stderr, flush=True)
         if world.size > 1:
-            time.sleep(0.5)  # mpiexec may lose a line that it has not passed on yet
-            world.Abort(2)  # the others may be waiting for this rank
+            time.sleep(0.5)  # mpiexec may lose a line that it has not yet passed on
+            world.Abort(2)  # other ranks may be waiting for this one
         sys.exit(2)
 
 
 @app.command()
 def compare(
     number: Annotated[int, typer.Option(help="Number of particles.")] = 16,
-    beads: Annotated[int, typer.Option(help="Beads on a ring of the small particles.")] = 50,
+    beads: Annotated[int, typer.Option(help="Number of beads on a small ring.")] = 50,
     strain: Annotated[float, typer.Option(help="Linear strain from jamming, in one step.")] = 0.01,
     seed: Annotated[int, typer.Option(help="Seed of the random start.")] = 1,
 ) -> None:
-    """Compress a packing of bead rings, and show what each contact law makes of it in which time.
+    """Compare the contact laws with a compressed packing of bead rings.
 
-    The laws are given the rings' centers: I is the mean distance of their outlines from the beads
-    over the radius, S_rms the error of the area deficits. The seconds are those of the same strain
-    step from the same start. To the sector law a particle with one contact is a soft disk, so that
-    its energy may be far off.
+    The laws get the centers of the rings. I is the mean distance of their outlines from the beads
+    over the radius, S_rms the error of the area deficits. Seconds are for the same strain step from
+    the same start. The sector law treats a particle with one contact as a soft disk, so its energy
+    can be far off.
     """
-    _refuse_ranks("compare times one core")
+    refuse_ranks("compare times one core")
     from ..report.packings import packing_rows
 
     if not 0.0 < strain < 1.0:
         raise ParameterError(f"strain must lie between 0 and 1, not {strain}")
     print_once(
-        f"{number} rings, {beads} beads on the small ones, {100 * strain:g} % strain from jamming"
+        f"{number} rings, {beads} beads on a small one, {100 * strain:g} % strain from jamming"
     )
     rows, _ = packing_rows(number, seed, strain, Beads(number=beads))
+    width = max(len(row["law"]) for row in rows)
     print_once(
-        f"{'law':9} {'I':>9} {'S_rms':>9} {'energy/beads':>12} {'seconds':>9} {'speed-up':>9}"
+        f"{'law':{width}} {'I':>9} {'S_rms':>9} {'energy/beads':>12} {'seconds':>9} {'speed-up':>9}"
     )
-    took = rows[0]["seconds_beads"]
-    print_once(f"{'beads':9} {'-':>9} {'-':>9} {1:12d} {took:9.3g} {1:9d}")
+    seconds_beads = rows[0]["seconds_beads"]
+    print_once(f"{'beads':{width}} {'-':>9} {'-':>9} {1:12d} {seconds_beads:9.3g} {1:9d}")
     for row in rows:
-        ratio, residual = row["energy_ratio"], row["residual"]
-        shown = "-" if ratio is None else f"{ratio:.3g}"
         error = "-" if row["S_rms"] is None else f"{row['S_rms']:.2g}"
-        stalled = residual is not None and residual > TOLERANCE
-        faster = "did not converge" if stalled else f"{took / row['seconds']:9.0f}"
+        ratio = "-" if row["energy_ratio"] is None else f"{row['energy_ratio']:.3g}"
+        stalled = row["residual"] is not None and row["residual"] > TOLERANCE
+        speed_up = f"{seconds_beads / row['seconds']:9.0f}"
         print_once(
-            f"{row['law']:9} {row['I']:9.2e} {error:>9} {shown:>12} {row['seconds']:9.2g} {faster}"
+            f"{row['law']:{width}} {row['I']:9.2e} {error:>9} {ratio:>12} {row['seconds']:9.2g} "
+            + ("did not converge" if stalled else speed_up)
         )
     if not any(row["energy_ratio"] for row in rows):
         print_once(
@@ -114,19 +117,19 @@ def compare(
 
 @app.command()
 def report(
-    quick: Annotated[bool, typer.Option("--quick", help="Smaller, in minutes.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Measure less, in a few minutes.")] = False,
     out: Annotated[str, typer.Option(metavar="PATH", help="Output folder.")] = "report",
     resume: Annotated[
         bool,
-        typer.Option("--resume", help="Go on with an interrupted report in the output folder."),
+        typer.Option("--resume", help="Finish the interrupted report in the output folder."),
     ] = False,
 ) -> None:
-    """Measure error against run time, and reproduce the paper: an HTML page, pictures, JSON.
+    """Measure errors and run times of the contact laws, and reproduce the paper.
 
     Writes index.html, its pictures and report.json into the output folder. Takes about half an
     hour on two cores, with --quick three minutes.
     """
-    _refuse_ranks("report uses the cores by itself")
+    refuse_ranks("report uses the cores by itself")
     from ..report import write_report
 
     began = time.perf_counter()
@@ -136,24 +139,26 @@ def report(
 
 @app.command()
 def movie(
-    run: Annotated[Path, typer.Argument(help="Folder of a recorded run, as compress writes it.")],
-    out: Annotated[Path, typer.Option(help="Movie, .gif or .mp4.")] = Path("movie.gif"),
+    run: Annotated[Path, typer.Argument(help="Folder of a run, e.g. of `deformable compress`.")],
+    out: Annotated[Path, typer.Option(metavar="PATH", help="Movie, .gif or .mp4.")] = Path(
+        "movie.gif"
+    ),
     color_by: Annotated[
-        str, typer.Option(help="One number a particle, e.g. shape_parameter.")
+        str, typer.Option(help="Quantity of the particles, e.g. shape_parameter.")
     ] = "particle_pressure",
     contacts: Annotated[bool, typer.Option("--contacts", help="Draw the contacts.")] = False,
     forces: Annotated[bool, typer.Option("--forces", help="Draw the force chains.")] = False,
-    rate: Annotated[int, typer.Option(help="Pictures a second.")] = 10,
+    rate: Annotated[int, typer.Option(help="Pictures per second.")] = 10,
 ) -> None:
-    """Draw each state of a recorded run, and write the pictures as a movie."""
-    _refuse_ranks("a movie is drawn by one process")
+    """Draw each state of a recorded run as a movie."""
+    refuse_ranks("a movie is drawn by one process")
     draw_movie(run, out, color_by, contacts, forces, rate)
     print_once(f"wrote {out}")
 
 
 @app.command()
 def info() -> None:
-    """Print versions, where the plugin is, which styles LAMMPS knows, and whether MPIs match."""
+    """Print versions, the path of the plugin, the styles that LAMMPS knows and its MPI."""
     for name, version in versions().items():
         print_once(f"{name:14} {version}")
     print_once(f"{'plugin':14} {directory() or 'not found: install the package again'}")
@@ -171,12 +176,6 @@ def info() -> None:
     lmp.close()
     if not (complete and match):
         sys.exit(1)
-
-
-def _refuse_ranks(reason: str) -> None:
-    """Some commands do not share their work over ranks."""
-    if MPI.COMM_WORLD.size > 1:
-        raise ParameterError(f"{reason}: start it without mpiexec")
 
 
 if __name__ == "__main__":

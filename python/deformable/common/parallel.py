@@ -1,4 +1,4 @@
-"""Independent calls over the cores of one machine, and results that an interruption leaves."""
+"""Independent calls over the cores of one machine, with results that survive interruptions."""
 
 from __future__ import annotations
 
@@ -107,13 +107,13 @@ def call_once(folder: Path, function: Callable[..., T], /, *arguments: Any, **ke
 
 
 def launched() -> bool:
-    """Whether mpiexec started this process: others would inherit its place in the run."""
+    """Whether mpiexec started this process: processes that it starts would inherit its rank."""
     return MPI.COMM_WORLD.size > 1 or any(name.startswith("PMI") for name in os.environ)
 
 
 @contextmanager
 def _one_thread() -> Iterator[None]:
-    """Let new processes use one OpenMP thread each; the library reads this when it is loaded."""
+    """Let new processes use one OpenMP thread each: OpenMP reads the variable when it is loaded."""
     before = os.environ.get("OMP_NUM_THREADS")
     os.environ["OMP_NUM_THREADS"] = "1"
     try:

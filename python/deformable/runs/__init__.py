@@ -1,1 +1,1 @@
-"""What happens to a folder of results: record, resume, replay, movie."""
+"""Folders of results: record, resume, replay, movie."""

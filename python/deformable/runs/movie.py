@@ -11,10 +11,10 @@ from ..common.validate import whole
 from ..state.state import State
 from .replay import replay
 
-# Dots an inch: pictures have 461 x 403 dots, and a few dozen take less than a megabyte.
-_DOTS = 72
+# Pictures have 461 x 403 dots, so that a few dozen take less than a megabyte.
+_DOTS_PER_INCH = 72
 
-# Writers of Matplotlib.
+# matplotlib's writers by format.
 _WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
 
 
@@ -26,15 +26,15 @@ def movie(
     forces: bool = False,
     rate: int = 10,
 ) -> None:
-    """Draw each state, all on one scale of colors and forces, and write a movie.
+    """Draw states as a movie, all with the same scale of colors and forces.
 
     Args:
         states: the folder of a recorded run, or states, e.g. from `compress` or `move`.
-        path: of the movie, .gif or, where ffmpeg is installed, .mp4.
+        path: of the movie, .gif, or .mp4 if ffmpeg is installed.
         color_by: see `State.plot`.
         contacts: see `State.plot`.
         forces: see `State.plot`.
-        rate: pictures a second.
+        rate: pictures per second.
 
     Raises:
         ParameterError: the format is another, ffmpeg is missing, or there are no states or no such
@@ -69,7 +69,7 @@ def movie(
     figure = Figure(figsize=(6.4, 5.6), layout="constrained")
     writer = writers[name](fps=rate)
     with (
-        writer.saving(figure, str(path), dpi=_DOTS),
+        writer.saving(figure, str(path), dpi=_DOTS_PER_INCH),
         progress("drawing", unit="picture", total=len(shown)) as bar,
     ):
         for state in shown:

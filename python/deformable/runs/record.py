@@ -1,15 +1,15 @@
-"""What is kept of a run: a folder that other programs read and from which a run goes on.
+"""Folders of runs, for other programs to read and for a run to go on from.
 
     packing.data            last state, LAMMPS data file
     species.deformable      its species, for the pair style
-    in.lammps               script of LAMMPS that reads these two
-    summary.json            last state in numbers, model, parameters and versions
+    in.lammps               LAMMPS script that reads these two
+    summary.json            numbers of the last state, law, parameters and versions
     series.csv              one row a state
     trajectory.lammpstrj    LAMMPS dump for OVITO and MDAnalysis
 
-`State.save` writes the first four, `record` all of them while a run goes on; `load` takes a run up
-again. A run may be killed at any moment: the packing is written last and in one go, and counts the
-frames that belong to it. What a killed run has left behind these goes when the run goes on.
+`State.save` writes the first four, `record` all of them while a run goes on, and `load` continues
+from the last state. A run may be interrupted at any moment: the packing is written last and
+atomically, with the number of recorded frames. Frames beyond it are removed when the run goes on.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ from ..state.state import State
 
 
 def load(folder: str | Path, comm: MPI.Comm | None = None) -> Simulation:
-    """Take up a saved run: the same particles, box and model, ready to go on.
+    """A simulation of the last state of a saved run: the same particles, box and law.
 
     Args:
-        folder: where `State.save` or `record` wrote.
+        folder: of `State.save` or `record`.
         comm: as for `Simulation`.
 
     Raises:
-        FileError: a file is missing or cannot be understood.
+        FileError: a file is missing or cannot be read.
     """
     expect("folder", folder, str, Path)
     (comm or MPI.COMM_WORLD).barrier()  # rank 0 may still be writing
@@ -57,31 +57,34 @@ def record(
     Args:
         states: e.g. from `compress`.
         folder: made if missing.
-        parameters: anything JSON that belongs into the summary.
+        parameters: anything that JSON can hold, for the summary.
         append: go on with the series and trajectory in the folder instead of replacing them; the
-            parameters written there move to `before` in the summary.
+            parameters in its summary move to `before`.
 
     Yields:
         The states, unchanged.
     """
     folder = Path(folder)
-    first = 0
-    if append and (folder / SERIES).exists():
-        check_frames(folder)
-        first = frames_in(folder)
-        parameters = {**(parameters or {}), "before": summary_in(folder).get("parameters")}
-    yield from write(states, folder, parameters, first)
+    goes_on = append and (folder / SERIES).exists()
+    first, before = recorded(folder) if goes_on else (0, {})
+    yield from write(states, folder, {**(parameters or {}), **before}, first)
+
+
+def recorded(folder: Path) -> tuple[int, dict[str, Any]]:
+    """Number of frames of a run, and its parameters for the summary of the next one."""
+    check_frames(folder)
+    return frames_in(folder), {"before": summary_in(folder).get("parameters")}
 
 
 def write(
-    states: Iterable[State], folder: Path, parameters: Mapping[str, Any] | None, first: int
+    states: Iterable[State], folder: Path, parameters: Mapping[str, Any], first: int
 ) -> Iterator[State]:
-    """As `record`, behind the first frames on record."""
+    """Write each state after the first frames of a folder; later frames are removed."""
     for number, state in enumerate(states, start=first):
         if state.root:
             if number == first:
                 folder.mkdir(parents=True, exist_ok=True)
-                if frames_in(folder) > 0 == first:  # of another run, whose frames go
+                if frames_in(folder) > 0 == first:  # another run is replaced
                     (folder / DATA).unlink(missing_ok=True)
                 keep_frames(folder, first)
             append_frame(folder, number, state.packing, state.particle_values(), state.numbers())

@@ -1,4 +1,4 @@
-"""A recorded run again, state by state."""
+"""The states of a recorded run."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from .record import load
 
 
 def replay(folder: str | Path) -> Iterator[State]:
-    """The states of a recorded run, evaluated again where the particles were.
+    """The states of a recorded run, evaluated again from the recorded positions.
 
     Args:
-        folder: where `record` wrote.
+        folder: of `record`.
 
     Yields:
-        Each state as it was, but never `stalled`, and at no `time`.
+        Each state as it was, but never `stalled`, and without `time`.
 
     Raises:
-        FileError: a file is missing or cannot be understood.
+        FileError: a file is missing or cannot be read.
     """
     with load(folder) as sim:
         packing, law = sim.state().packing, sim.law
@@ -39,10 +39,10 @@ def replay(folder: str | Path) -> Iterator[State]:
         for number, frame in enumerate(frames):
             try:
                 box, positions, velocities = _read_frame(frame)
-                there = replace(packing, positions=positions, box=box)
+                recorded = replace(packing, positions=positions, box=box)
             except (ValueError, LookupError) as error:
                 raise FileError(f"frame {number} of {path} cannot be read: {error}") from None
-            with Simulation(there, law) as sim:
+            with Simulation(recorded, law) as sim:
                 yield replace(sim.state(), velocities=velocities)
             bar.update()
 
@@ -57,7 +57,7 @@ def _read_frame(
     box = np.array([[x[1] - x[0] - abs(xy), 0.0], [xy, y[1] - y[0]]])
     names = lines[7].split()[2:]
     values = dict(zip(names, np.loadtxt(lines[8:], ndmin=2).T, strict=True))
-    at_rest = np.zeros(len(values["x"]))  # runs of version 0.1 tell no velocities
+    at_rest = np.zeros(len(values["x"]))  # runs of version 0.1 lack velocities
     return (
         box,
         np.column_stack([values["x"], values["y"]]),

@@ -1,4 +1,4 @@
-"""Ensembles at and above the onset of jamming: rows of a table, means, exponents."""
+"""Ensembles at and above the onset of jamming: packings, means, exponents."""
 
 from __future__ import annotations
 
@@ -12,82 +12,79 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import StalledWarning, UnjammedWarning
-from ..model.laws import Law, Ring, Sector
+from ..model import laws
+from ..model.laws import Law
 from ..model.packing import bidisperse
 from ..protocols.jamming import jam, natural_pressure, simulate
 from ..protocols.moduli import bulk_modulus, shear_modulus
 from ..state.disk_state import DiskState
 from ..state.state import State
 
-# Contact laws by name, each in its natural units. "ring" is what it is everywhere, with contacts
-# that balance; "radical" has the contact lines of the paper.
-LAWS: dict[str, Law | None] = {
-    "disk": None,
-    "ring": Ring(),
-    "radical": Ring(contact="radical"),
-    "sector": Sector(),
-}
+# The contact laws by name, and soft disks.
+LAWS: dict[str, Law | None] = {"disk": None, **laws.LAWS}
 
-# What packings have in common that are averaged over.
-GROUP = ("law", "window", "number")
+# Packings are averaged over that have these in common.
+GROUP = ("law", "onset_pressure", "number")
 
-# Part of phi - phi_J that a packing is strained by for its moduli, to begin with, and the tolerance
-# of relaxations there: balanced contacts know their forces to 1e-8.
+# Strain of a modulus over phi - phi_J, and tolerance of the relaxations: balanced contacts know
+# their forces to 1e-8.
 _STRAIN, _TOLERANCE = 0.01, 1e-8
 
-# Part of the rise of pressure that a packing may miss before it counts as rearranged.
-_BROKEN = 0.25
+# A packing has rearranged if its pressure rises by so much more or less than the integral of the
+# bulk modulus, relative to the latter.
+_REARRANGED = 0.25
 
-# Packings, of those there are, that a mean over them takes, and the standard errors that it has to
-# be above zero to have a logarithm.
-_FEWEST, _SIGNIFICANT = 3, 2.0
+# Means are fitted if they are over so many packings, and so many standard errors above zero.
+_FEWEST_PACKINGS, _STANDARD_ERRORS = 3, 2.0
 
 # Tolerance of the onset, where contacts are counted.
-_JAMMED = 1e-6
+_ONSET_TOLERANCE = 1e-6
 
 Row = dict[str, Any]
 
 
 def measure(
-    name: str, window: float, number: int, seed: int, excess: Sequence[float] = ()
+    law: str, onset_pressure: float, number: int, seed: int, excess_phi: Sequence[float] = ()
 ) -> tuple[Row, list[Row]]:
-    """Jam one packing, and follow it upwards.
+    """Jam one packing, and compress it from its onset.
 
     Args:
         law: name in `LAWS`.
-        window: pressure at the onset, from here to twice as much, in natural units.
+        onset_pressure: the pressure at the onset lies between this and twice this, in natural
+            units, see `natural_pressure`.
         number: of particles, an equal mixture of sizes 1 : 1.4.
-        seed: of its random start.
-        excess: values of phi - phi_J, rising, to compress it to one after another.
+        seed: of the random start.
+        excess_phi: values of phi - phi_J, rising, at which moduli are measured.
 
     Returns:
-        The packing at its onset, and a row for each value above with its moduli, up to where it
-        loses its rigidity if it does. Pressures and moduli are in natural units, see
-        `natural_pressure`; seconds are those of the processor.
+        The packing at its onset, and a row for each value of phi - phi_J up to where the packing
+        loses its rigidity, if it does. Pressures and moduli are in natural units, seconds are
+        processor time.
     """
     began = time.process_time()
-    law = LAWS[name]
-    with warnings.catch_warnings(record=True) as heard:
-        # the rows say what stalled; packings may rearrange on their way up
+    contact_law = LAWS[law]
+    with warnings.catch_warnings(record=True) as caught:
+        # rows have a column for what stalled; packings may rearrange while they are compressed
         warnings.simplefilter("ignore", UnjammedWarning)
         warnings.simplefilter("always", StalledWarning)
-        packing = jam(bidisperse(number, seed=seed), law, window, tolerance=_JAMMED)
-        stalled = any(issubclass(warning.category, StalledWarning) for warning in heard)
-        with simulate(packing, law) as sim:
+        start = bidisperse(number, seed=seed)
+        packing = jam(start, contact_law, onset_pressure, tolerance=_ONSET_TOLERANCE)
+        stalled = any(issubclass(warning.category, StalledWarning) for warning in caught)
+        with simulate(packing, contact_law) as sim:
             onset = sim.relax()
-            unit = natural_pressure(onset.packing, law)
-            keys = {"law": name, "window": window, "number": number, "seed": seed}
-            above = []
-            for delta in excess:
-                sim.deform(onset.packing.at(onset.packing.phi + delta).box)
+            unit = natural_pressure(onset.packing, contact_law)
+            key = {"law": law, "onset_pressure": onset_pressure, "number": number, "seed": seed}
+            compressed = []
+            for excess in excess_phi:
+                sim.deform(onset.packing.at(onset.packing.phi + excess).box)
                 state = sim.relax(_TOLERANCE)
-                if state.pressure < window * unit or state.stalled:  # it lost its rigidity
-                    break
-                reached = keys | {"excess": state.phi - onset.phi} | _numbers(state, unit)
-                above.append(reached | _moduli(state, delta, unit))
-    row = keys | _numbers(onset, unit) | {"above": max(excess, default=0.0)}
+                if state.pressure < onset_pressure * unit or state.stalled:
+                    break  # it lost its rigidity
+                reached = key | {"excess_phi": state.phi - onset.phi} | _numbers(state, unit)
+                compressed.append(reached | _moduli(state, excess, unit))
+    row = key | _numbers(onset, unit) | {"excess_phi": max(excess_phi, default=0.0)}
     row["stalled"] = onset.stalled or stalled
-    return row | {"seconds": time.process_time() - began}, above
+    return row | {"seconds": time.process_time() - began}, compressed
 
 
 def _numbers(state: State | DiskState, unit: float) -> Row:
@@ -103,8 +100,8 @@ def _numbers(state: State | DiskState, unit: float) -> Row:
     }
 
 
-def _moduli(state: State | DiskState, excess: float, unit: float) -> Row:
-    strain = _STRAIN * excess
+def _moduli(state: State | DiskState, excess_phi: float, unit: float) -> Row:
+    strain = _STRAIN * excess_phi
     found = {
         "shear": [shear_modulus(state, strain, _TOLERANCE, pure) for pure in (False, True)],
         "bulk": [bulk_modulus(state, strain, _TOLERANCE)],
@@ -118,7 +115,7 @@ def _moduli(state: State | DiskState, excess: float, unit: float) -> Row:
 
 
 def groups(rows: Sequence[Row]) -> dict[tuple[Any, ...], list[Row]]:
-    """Rows of packings that differ in their seed only."""
+    """Rows of packings that differ only in their seed."""
     found: dict[tuple[Any, ...], list[Row]] = {}
     for row in rows:
         found.setdefault(tuple(row[name] for name in GROUP), []).append(row)
@@ -126,7 +123,7 @@ def groups(rows: Sequence[Row]) -> dict[tuple[Any, ...], list[Row]]:
 
 
 def summarize(rows: Sequence[Row]) -> list[Row]:
-    """Means of packings at their onset over seeds, with their standard errors."""
+    """Means over packings at their onset, with standard errors."""
     summary = []
     for key, group in groups(rows).items():
         values = {name: [row[name] for row in group] for name in group[0]}
@@ -142,7 +139,7 @@ def summarize(rows: Sequence[Row]) -> list[Row]:
 
 
 def standard_error(values: Sequence[float]) -> float:
-    """Of the mean of independent values; nan of a single one."""
+    """Standard error of the mean of independent values; nan for a single one."""
     if len(values) < 2:
         return float("nan")
     return float(np.std(values, ddof=1) / np.sqrt(len(values)))
@@ -151,28 +148,29 @@ def standard_error(values: Sequence[float]) -> float:
 def exponents(rows: Sequence[Row]) -> list[Row]:
     """Exponents of pressure, moduli and coordination over phi - phi_J, with standard errors.
 
-    Each is the slope of a straight line through the logarithms of the means over the packings that
-    have not rearranged yet, see `unbroken`. The packings at different phi are the same ones, so
-    that errors come from leaving out one packing after another (jackknife). Means of fewer than
-    three packings, or less than two standard errors above zero, are left out; nan if one is left.
+    Each is the slope of a straight line through the logarithms of means over packings that have not
+    rearranged yet, see `before_rearrangement`. The packings at different phi are the same ones, so
+    that errors come from leaving out one packing after another (jackknife). A mean is fitted if it
+    is over at least three packings and at least two standard errors above zero; an exponent from
+    fewer than two means is nan.
     """
     summary = []
     for key, group in groups(rows).items():
         found = dict(zip(GROUP, key, strict=True))
         for name, quantity in QUANTITIES.items():
-            slope, error = jackknife(table(group, excess), table(group, quantity))
+            slope, error = jackknife(by_packing(group, excess_phi), by_packing(group, quantity))
             found |= {name: slope, f"{name}_error": error}
         summary.append(found)
     return summary
 
 
-def excess(row: Row) -> float:
+def excess_phi(row: Row) -> float:
     """phi - phi_J."""
-    return float(row["excess"])
+    return float(row["excess_phi"])
 
 
 def excess_coordination(row: Row) -> float:
-    """z - z_iso, with z_iso that of 2 N' - 1 contacts."""
+    """z - z_iso, where z_iso is the coordination with 2 N' - 1 contacts."""
     return float(4.0 * (row["contacts"] - row["isostatic"]) / (row["isostatic"] + 1))
 
 
@@ -184,56 +182,57 @@ QUANTITIES: dict[str, Callable[[Row], float]] = {
 }
 
 
-def unbroken(rows: Sequence[Row]) -> list[Row]:
-    """The rows of each packing up to where it rearranges.
+def before_rearrangement(rows: Sequence[Row]) -> list[Row]:
+    """The rows of each packing up to where it rearranges and so gets another onset.
 
-    From there on its onset is another one. Pressure rises by the integral of K dphi/phi as long as
-    a packing stays what it is; the trapezium rule is good to 7 % in steps that double phi - phi_J
-    (p ~ x^3). A packing that misses it by more than `_BROKEN` has rearranged.
+        p2 - p1 = int K dphi / phi
+
+    holds as long as a packing keeps its contacts. The trapezoidal rule is good to 7 % in steps that
+    double phi - phi_J (p ~ x^3). A packing with a deviation of more than 25 % has rearranged.
     """
     kept = []
     for seed in dict.fromkeys(row["seed"] for row in rows):
-        series = sorted((row for row in rows if row["seed"] == seed), key=excess)
+        series = sorted((row for row in rows if row["seed"] == seed), key=excess_phi)
         kept.append(series[0])
         for before, now in pairwise(series):
             mean = (before["bulk_modulus"] + now["bulk_modulus"]) / 2.0
             expected = mean * np.log(now["phi"] / before["phi"])
-            if abs(now["pressure"] - before["pressure"] - expected) > _BROKEN * expected:
+            if abs(now["pressure"] - before["pressure"] - expected) > _REARRANGED * expected:
                 break
             kept.append(now)
     return kept
 
 
-def table(rows: Sequence[Row], quantity: Callable[[Row], float]) -> NDArray[np.float64]:
+def by_packing(rows: Sequence[Row], quantity: Callable[[Row], float]) -> NDArray[np.float64]:
     """A quantity of each packing at each phi, nan once it has rearranged, shape (packings, phi)."""
     series: dict[int, list[float]] = {}
-    for row in unbroken(rows):
+    for row in before_rearrangement(rows):
         series.setdefault(row["seed"], []).append(quantity(row))
     return np.array(list(zip_longest(*series.values(), fillvalue=np.nan))).T
 
 
-def well_known(y: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Columns of a table whose mean is well above zero and over some packings, shape (phi,)."""
-    there = np.sum(np.isfinite(y), axis=0) >= min(_FEWEST, len(y))
+def is_significant(y: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Columns whose mean is well above zero and over at least three packings, shape (phi,)."""
+    significant = np.sum(np.isfinite(y), axis=0) >= min(_FEWEST_PACKINGS, len(y))
     if len(y) > 1:
         error = np.array([standard_error(column[np.isfinite(column)]) for column in y.T])
-        there &= np.nanmean(y, axis=0) > _SIGNIFICANT * error
-    return there
+        significant &= np.nanmean(y, axis=0) > _STANDARD_ERRORS * error
+    return significant
 
 
 def jackknife(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float]:
-    """Slope of log <y> over log <x>, means over packings, and its standard error."""
-    count, there = len(x), well_known(y)
+    """Slope of log <y> over log <x>, where <> is the mean over packings, and its standard error."""
+    count, fitted = len(x), is_significant(y)
 
     def slope(kept: NDArray[np.bool_]) -> float:
-        mean_x, mean_y = (np.nanmean(values[kept][:, there], axis=0) for values in (x, y))
-        if there.sum() < 2 or mean_y.min() <= 0.0:
+        mean_x, mean_y = (np.nanmean(values[kept][:, fitted], axis=0) for values in (x, y))
+        if fitted.sum() < 2 or mean_y.min() <= 0.0:
             return float("nan")
         return float(np.polyfit(np.log(mean_x), np.log(mean_y), 1)[0])
 
-    whole = slope(np.ones(count, dtype=bool))
+    of_all = slope(np.ones(count, dtype=bool))
     if count < 2:
-        return whole, float("nan")
+        return of_all, float("nan")
     without = np.array([slope(np.arange(count) != n) for n in range(count)])
     spread = np.sum((without - without.mean()) ** 2)
-    return whole, float(np.sqrt((count - 1) / count * spread))
+    return of_all, float(np.sqrt((count - 1) / count * spread))

@@ -11,13 +11,13 @@ from matplotlib.figure import Figure
 from .ensemble import (
     QUANTITIES,
     Row,
-    excess,
+    by_packing,
+    excess_phi,
     exponents,
     groups,
+    is_significant,
     standard_error,
     summarize,
-    table,
-    well_known,
 )
 
 if TYPE_CHECKING:
@@ -31,13 +31,13 @@ _LABELS = {
 
 
 def onset(rows: Sequence[Row]) -> Figure:
-    """phi_J and the contacts beyond isostaticity against the number of particles."""
+    """phi_J and the contacts beyond isostaticity over the number of particles."""
     figure = Figure(figsize=(9.0, 4.0), layout="constrained")
     panels = figure.subplots(1, 2)
     summary = summarize(rows)
     sizes = sorted({row["number"] for row in summary})
-    for law, window in dict.fromkeys((row["law"], row["window"]) for row in summary):
-        chosen = [row for row in summary if (row["law"], row["window"]) == (law, window)]
+    for law, pressure in dict.fromkeys((row["law"], row["onset_pressure"]) for row in summary):
+        chosen = [row for row in summary if (row["law"], row["onset_pressure"]) == (law, pressure)]
         for ax, name in zip(panels, ("phi", "excess_contacts"), strict=True):
             ax.errorbar(
                 [row["number"] for row in chosen],
@@ -45,7 +45,7 @@ def onset(rows: Sequence[Row]) -> Figure:
                 [row[f"{name}_error"] for row in chosen],
                 marker="o",
                 capsize=3,
-                label=f"{law}, $p$ from {window:g}",
+                label=f"{law}, $p$ from {pressure:g}",
             )
     panels[0].set(ylabel=r"$\phi_J$")
     panels[1].set(ylabel=r"$N_\mathrm{contacts} - (2N' - 1)$")
@@ -59,7 +59,7 @@ def onset(rows: Sequence[Row]) -> Figure:
 
 
 def scaling(rows: Sequence[Row]) -> Figure:
-    """Pressure, shear modulus and coordination against phi - phi_J, with the fitted exponents."""
+    """Pressure, shear modulus and coordination over phi - phi_J, with the fitted exponents."""
     figure = Figure(figsize=(13.0, 4.4), layout="constrained")
     panels = dict(zip(_LABELS, figure.subplots(1, len(_LABELS)), strict=True))
     fitted = exponents(rows)
@@ -76,12 +76,13 @@ def scaling(rows: Sequence[Row]) -> Figure:
 
 
 def _means(ax: Axes, rows: Sequence[Row], quantity: Callable[[Row], float], label: str) -> None:
-    """Means over packings with their errors, and the fitted line."""
-    y = table(rows, quantity)
-    x, mean = np.nanmean(table(rows, excess), axis=0), np.nanmean(y, axis=0)
+    """Draw means over packings with their standard errors, and the fitted line."""
+    y = by_packing(rows, quantity)
+    x, mean = np.nanmean(by_packing(rows, excess_phi), axis=0), np.nanmean(y, axis=0)
     error = [standard_error(column[np.isfinite(column)]) for column in y.T]
     (points, *_) = ax.errorbar(x, mean, error, fmt="o", capsize=3, label=label)
-    x, mean = x[well_known(y)], mean[well_known(y)]
+    fitted = is_significant(y)
+    x, mean = x[fitted], mean[fitted]
     if len(x) > 1:
         line = np.polyfit(np.log(x), np.log(mean), 1)
         ax.plot(x, np.exp(np.polyval(line, np.log(x))), color=points.get_color(), linewidth=1.0)

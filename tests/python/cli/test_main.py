@@ -3,16 +3,18 @@
 import csv
 import json
 import math
-import re
 import subprocess
 import sys
 from pathlib import Path
 
+import deformable
 import pytest
 from deformable.cli import main as cli
 from deformable.report import packings
 
 COMMAND = str(Path(sys.executable).parent / "deformable")
+
+SMALL = ("--number", "12", "--steps", "1")
 
 
 def run(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
@@ -46,15 +48,17 @@ def test_compress_writes_everything_and_goes_further(tmp_path: Path) -> None:
     assert parameters["before"]["seed"] == 3
 
 
-def test_balanced_contacts(tmp_path: Path) -> None:
-    options = ("--number", "12", "--contact", "balanced", "--kP", "5", "--steps", "1")
-    result = run("compress", *options, cwd=tmp_path)
+@pytest.mark.parametrize("name", ["balanced", "radical", "ring"])
+def test_ring_laws(name: str, tmp_path: Path) -> None:
+    """With `ring` as the former name of balanced."""
+    result = run("compress", *SMALL, "--law", name, "--kP", "5", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    law = json.loads((tmp_path / "compress" / "summary.json").read_text())["law"]
-    assert (law["contact"], law["kP"]) == ("balanced", 5.0)
-    result = run("compress", "--law", "sector", *options[:4], "--out", "sector", cwd=tmp_path)
-    assert result.returncode == 2
-    assert result.stderr == "error: contacts of the sector law are radical, not balanced\n"
+    expected = name.replace("ring", "balanced")
+    with deformable.load(tmp_path / "compress") as sim:
+        assert sim.law == deformable.Ring(kP=5.0, contact=expected)
+    summary = json.loads((tmp_path / "compress" / "summary.json").read_text())
+    assert summary["parameters"]["law"] == expected
+    assert ("warning" in result.stderr, result.stderr.count("\n")) == (name == "ring",) * 2
 
 
 def test_sector_warns_on_one_line(tmp_path: Path) -> None:
@@ -66,58 +70,62 @@ def test_sector_warns_on_one_line(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "message"),
+    ("arguments", "words"),
     [
-        (["--number", "0"], "error: number must be at least 1, not 0"),
-        (["--strain", "2"], "error: strain must lie between -1 and 1, not 2.0"),
-        (["--kP", "0"], "error: kP must be positive, not 0.0"),
-        (["--kA", "inf"], "error: a ring must change its area or its perimeter"),
-        (["--law", "sector", "--kP", "1"], "error: Sector needs one positive stiffness"),
-        (["--resume", "--out", "nowhere"], "error: no saved run in 'nowhere'"),
-        (["--further", "--out", "nowhere"], "error: no saved run in 'nowhere'"),
-        (["--resume", "--further"], "error: give one of --resume, --further and --overwrite"),
-        (["--tolerance", "0"], "error: tolerance must be a positive number, not 0.0"),
-        (["--tolerance", "2"], "error: tolerance must be at most 0.01, not 2.0"),
-        (
-            ["--aspect", "1000"],
-            "error: aspect must lie between 0.253 and 3.95 for 8 particles, not 1000: the box "
-            "would be thinner than two of the largest\n",
-        ),
-        (["--aspect", "0.2"], "error: aspect must lie between 0.253 and 3.95 for 8 particles, not"),
-        (["--out", ""], "error: a folder needs a name, not ''"),
-        (["--steps", "0"], "error: steps must be at least 1, not 0"),
-        (["--out", "/dev/null/run"], "error: '/dev/null' is a file, not a folder: name another"),
-        (["--number", "many"], "Invalid value for '--number'"),
-        (["--bubbles", "3"], "No such option"),
+        (["--number", "0"], ["number", "0"]),
+        (["--strain", "2"], ["strain", "2.0"]),
+        (["--kP", "0"], ["kP", "0.0"]),
+        (["--kA", "inf"], ["kA", "kP", "inf"]),
+        (["--law", "sector", "--kP", "1"], ["Sector", "kP = 1.0"]),
+        (["--law", "sector", "--reach", "0.2"], ["--reach", "sector"]),
+        (["--polydispersity", "0.1", "--fraction", "0.3"], ["--polydispersity", "--fraction"]),
+        (["--resume", "--out", "nowhere"], ["'nowhere'"]),
+        (["--further", "--out", "nowhere"], ["'nowhere'"]),
+        (["--resume", "--further"], ["--resume", "--further", "--overwrite"]),
+        (["--tolerance", "0"], ["tolerance", "0.0"]),
+        (["--tolerance", "2"], ["tolerance", "0.01", "2.0"]),
+        (["--aspect", "1000"], ["aspect", "3.95", "1000"]),
+        (["--aspect", "0.2"], ["aspect", "0.253", "0.2"]),
+        (["--out", ""], ["folder", "''"]),
+        (["--steps", "0"], ["steps", "0"]),
+        (["--out", "/dev/null/run"], ["'/dev/null' is a file"]),
     ],
 )
-def test_errors_are_one_line(arguments: list[str], message: str, tmp_path: Path) -> None:
+def test_errors_are_one_line(arguments: list[str], words: list[str], tmp_path: Path) -> None:
     result = run("compress", "--number", "8", *arguments, cwd=tmp_path)
     assert result.returncode == 2
-    assert message in result.stderr
+    assert result.stderr.startswith("error: ")
+    assert result.stderr.count("\n") == 1
+    assert [word for word in words if word not in result.stderr] == []
     assert result.stdout == ""  # before any work
     assert not list(tmp_path.iterdir())
-    if message.startswith("error"):
-        assert result.stderr.count("\n") == 1
 
 
-@pytest.mark.parametrize("law", ["ring", "sector"])
+@pytest.mark.parametrize(
+    ("option", "value"), [("--number", "many"), ("--law", "bubble"), ("--bubbles", "3")]
+)
+def test_options_that_do_not_exist(option: str, value: str, tmp_path: Path) -> None:
+    result = run("compress", option, value, cwd=tmp_path)
+    assert result.returncode == 2
+    assert option in result.stderr
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("law", ["balanced", "sector"])
 def test_soft_perimeters(law: str, tmp_path: Path) -> None:
-    options = ("--number", "12", "--law", law, "--kA", "inf", "--kP", "2", "--steps", "1")
-    result = run("compress", *options, cwd=tmp_path)
+    result = run("compress", *SMALL, "--law", law, "--kA", "inf", "--kP", "2", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     law = json.loads((tmp_path / "compress" / "summary.json").read_text())["law"]
     assert (float(law["kA"]), law["kP"]) == (math.inf, 2.0)
 
 
 def table(output: str) -> dict[str, list[str]]:
-    """The rows of `compare` by name, cut at the columns of its head."""
+    """The rows of `compare` by name, which may contain spaces."""
     lines = output.splitlines()
-    head = next(n for n, line in enumerate(lines) if line.startswith("model "))
+    head = next(n for n, line in enumerate(lines) if line.startswith("law "))
     rows = [line for line in lines[head + 1 :] if not line.startswith("no law")]
-    ends = [match.end() for match in re.finditer(r"\S+", lines[head])]
-    name = ends[0] + 4  # wider than its title
-    return {line[:name].strip(): line[name:].split(maxsplit=4) for line in rows}
+    width = lines[head].index("I") - 8  # a column of nine digits
+    return {line[:width].strip(): line[width:].split(maxsplit=4) for line in rows}
 
 
 def test_compare_has_a_row_a_law(tmp_path: Path) -> None:
@@ -125,20 +133,21 @@ def test_compare_has_a_row_a_law(tmp_path: Path) -> None:
     result = run("compare", *options, cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     rows = table(result.stdout)
-    assert list(rows) == ["beads", "disk", "sector", "ring", "soft ring", "balanced"]
-    assert rows["disk"][2] == "-"
-    for name in ("sector", "ring", "soft ring", "balanced"):
-        assert 0.0 < float(rows[name][0]) < 0.02
-        assert float(rows[name][2]) > 0.0
-    assert float(rows["ring"][4]) > 1.0
+    assert {"beads", "disk", "sector", "balanced"} < rows.keys()
+    assert rows.pop("beads")[0] == "-"
+    assert rows.pop("disk")[2] == "-"
+    for row in rows.values():
+        assert 0.0 < float(row[0]) < 0.02
+        assert float(row[2]) > 0.0
+    assert float(rows["balanced"][4]) > 1.0
     assert "interlock" not in result.stdout
 
 
-def test_compare_says_that_rings_interlock(tmp_path: Path) -> None:
+def test_compare_warns_that_rings_interlock(tmp_path: Path) -> None:
     options = ("--number", "8", "--beads", "20", "--strain", "1e-7")
     result = run("compare", *options, cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    assert "the rings interlock, strain more or take more beads" in result.stdout.splitlines()[-1]
+    assert "the rings interlock" in result.stdout.splitlines()[-1]
 
 
 def test_compare_marks_what_failed(
@@ -148,21 +157,22 @@ def test_compare_marks_what_failed(
     rows = [
         common | {"law": "disk", "energy_ratio": None, "residual": None},
         common | {"law": "sector", "energy_ratio": 0.5, "residual": 2e-6},
-        common | {"law": "ring", "energy_ratio": None, "residual": 1e-6},
+        common | {"law": "balanced, kP inf", "energy_ratio": None, "residual": 1e-6},
     ]
     monkeypatch.setattr(packings, "packing_rows", lambda *arguments: (rows, []))
     cli.compare()
     shown = table(capsys.readouterr().out)
     assert shown["disk"][2:] == ["-", "2", "2"]
     assert shown["sector"][2:] == ["0.5", "2", "did not converge"]
-    assert shown["ring"][2:] == ["-", "2", "2"]
+    assert shown["balanced, kP inf"][2:] == ["-", "2", "2"]
 
 
 @pytest.mark.parametrize("strain", ["0", "-0.01", "1", "nan"])
 def test_compare_compresses(strain: str, tmp_path: Path) -> None:
     result = run("compare", "--strain", strain, cwd=tmp_path)
     assert result.returncode == 2
-    assert result.stderr == (f"error: strain must lie between 0 and 1, not {float(strain)}\n")
+    assert result.stderr.startswith("error: strain ")
+    assert result.stderr.endswith(f"{float(strain)}\n")
 
 
 @pytest.mark.parametrize("command", ["compare", "report"])
@@ -176,7 +186,7 @@ def test_ranks_are_refused(command: str, tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-def test_report_says_what_it_does(tmp_path: Path) -> None:
+def test_help_of_report(tmp_path: Path) -> None:
     result = run("report", "--help", cwd=tmp_path)
     assert result.returncode == 0
     for word in ("--quick", "--out", "index.html", "report.json"):
@@ -197,7 +207,7 @@ def launch(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
 
 
 def test_error_on_one_rank_ends_all(tmp_path: Path) -> None:
-    """Only rank 0 makes the folder: the other one must not wait for it for ever."""
+    """Only rank 0 makes the folder: the other rank must not wait for it for ever."""
     result = launch("compress", "--number", "8", "--out", "/proc/run", cwd=tmp_path)
     assert result.returncode != 0
     assert "error: [Errno " in result.stderr
@@ -205,7 +215,7 @@ def test_error_on_one_rank_ends_all(tmp_path: Path) -> None:
     assert "Traceback" not in result.stderr
 
 
-def test_info_says_that_all_is_well(tmp_path: Path) -> None:
+def test_info_of_a_complete_installation(tmp_path: Path) -> None:
     result = run("info", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     for style in ("ring", "sector", "wall", "polygon", "stick"):

@@ -1,4 +1,4 @@
-"""Calls in processes of their own."""
+"""Independent calls in several processes, and their results after an interruption."""
 
 import math
 import os
@@ -96,10 +96,14 @@ def test_an_interrupted_map_goes_on(tmp_path: Path, workers: int) -> None:
     with pytest.raises(ZeroDivisionError):
         parallel_map(inverse, runs, workers, keep=keep)
     del runs[2]
-    heard: list[float] = []
+    results: list[float] = []
     for _ in range(2):
-        assert parallel_map(inverse, runs, workers, each=heard.append, keep=keep) == [1, 0.5, 0.25]
-    assert sorted(heard) == [0.25, 0.25, 0.5, 0.5, 1, 1]
+        assert parallel_map(inverse, runs, workers, each=results.append, keep=keep) == [
+            1,
+            0.5,
+            0.25,
+        ]
+    assert sorted(results) == [0.25, 0.25, 0.5, 0.5, 1, 1]
     assert calls(tmp_path) == {"calls-1": 1, "calls-2": 1, "calls-0": 1, "calls-4": 1}
     assert {path.suffix for path in keep.iterdir()} == {".pickle"}
 
@@ -120,12 +124,12 @@ def test_ranks_do_not_parallel_map(tmp_path: Path, ranks: int) -> None:
     subprocess.run(command, cwd=tmp_path, check=True, timeout=60)
 
 
-def test_a_script_without_guard_is_told(tmp_path: Path) -> None:
+def test_a_script_without_guard_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text(UNGUARDED)
     run = subprocess.run(
         [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=60
     )
     assert run.returncode != 0
-    # multiprocessing may have a word on semaphores of the processes that were ended after it
+    # multiprocessing may add warnings about semaphores
     (line,) = [line for line in run.stderr.splitlines() if "a process of sqrt died" in line]
     assert "workers=1" in line

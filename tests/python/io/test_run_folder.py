@@ -26,7 +26,7 @@ def run(*arguments: str, cwd: Path) -> str:
 @pytest.fixture(scope="module")
 def jam_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     cwd = tmp_path_factory.mktemp("jammed")
-    ask = ("jam", "--number", "8", "--seeds", "1", "--law", "disk", "--workers", "1")
+    ask = ("jam", "8", "--seeds", "1", "--law", "disk", "--workers", "1")
     subprocess.run([COMMAND, *ask], cwd=cwd, capture_output=True, timeout=60, check=True)
     return cwd / "jam"
 
@@ -34,7 +34,7 @@ def jam_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def no_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
     """A report that is not refused takes minutes."""
-    monkeypatch.setattr(report, "_measure", lambda *_: pytest.fail("the report has begun"))
+    monkeypatch.setattr(report.writing, "measure", lambda *_: pytest.fail("the report has begun"))
 
 
 def test_each_command_leaves_its_mark(

@@ -1,4 +1,4 @@
-"""A compression that is killed and resumed is the one that nobody killed, byte for byte."""
+"""A compression that is killed and resumed gives the files of one that was not, byte for byte."""
 
 import json
 import signal
@@ -17,12 +17,12 @@ FILES = (
     *("series.csv", "trajectory.lammpstrj"),
 )
 
-# Kills itself before the n-th time that it opens for writing, renames or removes a file of the run,
-# or half-way through the n-th piece that it appends.
+# A command that kills itself before it opens for writing, renames or removes a file of the run for
+# the n-th time, or in the middle of the n-th text that it appends.
 VICTIM = """
 import os, signal, sys
 from deformable.cli import main as cli
-from deformable.io import store as files
+from deformable.io import frames
 
 how, count = sys.argv.pop(1), int(sys.argv.pop(1))
 
@@ -48,11 +48,11 @@ def torn(path, text):
 if how == "before":
     sys.addaudithook(watch)
 else:
-    files._append = torn
+    frames._append = torn
 cli.main()
 """
 
-# 0.6 % in a step: the packing rearranges on the way, so that other last digits would show
+# at 0.6 % a step the packing rearranges, so that other last digits would show
 START = ("--number", "16", "--strain", "0.03", "--steps", "5", "--seed", "5")
 
 
@@ -81,17 +81,17 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 @pytest.fixture(scope="module")
-def unbroken(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    folder = tmp_path_factory.mktemp("unbroken")
+def uninterrupted(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    folder = tmp_path_factory.mktemp("uninterrupted")
     result = compress(*START, cwd=folder)
     assert result.returncode == 0, result.stderr
     return contents(folder / "run")
 
 
-def test_killed_again_and_again(unbroken: dict[str, bytes], tmp_path: Path) -> None:
+def test_killed_again_and_again(uninterrupted: dict[str, bytes], tmp_path: Path) -> None:
     # the four files of the start are written first, the packing last, each in two moves
     killed("before", 8, *START, cwd=tmp_path)
-    result = compress("--resume", cwd=tmp_path)  # and there is nothing yet
+    result = compress("--resume", cwd=tmp_path)  # there is no run yet
     assert (result.returncode, result.stderr.count("\n")) == (2, 1)
     assert "packing.data is missing" in result.stderr
 
@@ -108,48 +108,42 @@ def test_killed_again_and_again(unbroken: dict[str, bytes], tmp_path: Path) -> N
         "5",
         "wrote",
     ]
-    assert contents(tmp_path / "run") == unbroken
+    assert contents(tmp_path / "run") == uninterrupted
 
     for options in ((), START):
         result = compress(*options, "--resume", cwd=tmp_path)
         assert (result.returncode, result.stderr) == (0, "")
         assert result.stdout == "the compression in 'run' is complete\n"
-    assert contents(tmp_path / "run") == unbroken
+    assert contents(tmp_path / "run") == uninterrupted
     assert list(deformable.resume(tmp_path / "run")) == []
 
 
 def in_process(*options: str) -> None:
-    """The same without a process of its own, for what is refused."""
+    """The command in this process, for errors."""
     cli.app(["compress", "--out", "run", *options], standalone_mode=False)
 
 
 def test_the_same_command_resumes(
-    unbroken: dict[str, bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    uninterrupted: dict[str, bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """And nothing else: neither another option nor a run that goes on from the middle."""
+    """Another option is refused, and so is going further from an interrupted run."""
     monkeypatch.chdir(tmp_path)
-    law = ("--kA", "1", "--kP", "inf", "--radii", "0.5", "0.7", "--law", "ring")
+    law = ("--kA", "1", "--kP", "inf", "--radii", "0.5", "0.7", "--law", "balanced")
     killed("torn", 5, *START, *law, cwd=tmp_path)
     broken = contents(tmp_path / "run")
     for option, saved, given in (
         ("--seed", "5", "2"),
         ("--kP", "inf", "3.0"),
         ("--radii", "0.5 0.7", "0.5 0.8"),
-        ("--contact", "balanced", "radical"),
+        ("--law", "balanced", "radical"),
         ("--polydispersity", "none", "0.1"),
         ("--steps", "5", "2"),
         ("--tolerance", "1e-06", "1e-08"),
     ):
         with pytest.raises(deformable.ParameterError) as error:
             in_process("--resume", option, *given.split())
-        assert str(error.value) == (
-            f"the run in 'run' was begun with {option} {saved}, not {given}: leave it out, or name "
-            "another folder"
-        )
-    message = (
-        "the compression in 'run' is interrupted at step 2 of 5: finish it first with --resume"
-    )
-    with pytest.raises(deformable.FileError, match=message):
+        assert f"'run' was begun with {option} {saved}, not {given}" in str(error.value)
+    with pytest.raises(deformable.FileError, match="at step 2 of 5: finish it first with --resume"):
         in_process("--further", "--steps", "1")
     with (
         deformable.load(tmp_path / "run") as sim,
@@ -159,32 +153,31 @@ def test_the_same_command_resumes(
     assert contents(tmp_path / "run") == broken
     result = compress(*START, *law, "--resume", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    assert contents(tmp_path / "run") == unbroken
+    assert contents(tmp_path / "run") == uninterrupted
 
     result = compress("--further", "--strain", "0.001", "--steps", "1", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     with pytest.raises(deformable.ParameterError, match="was begun with --seed 5, not 3"):
-        in_process("--further", "--seed", "3")  # by what it went further from
+        in_process("--further", "--seed", "3")  # of the first compression
     in_process("--resume", "--seed", "5", "--steps", "1")
 
 
-def test_a_run_is_not_written_over(unbroken: dict[str, bytes], tmp_path: Path) -> None:
+def test_a_run_is_not_overwritten(uninterrupted: dict[str, bytes], tmp_path: Path) -> None:
     folder = tmp_path / "run"
     folder.mkdir()
-    for name, content in unbroken.items():
+    for name, content in uninterrupted.items():
         (folder / name).write_bytes(content)
     result = compress("--number", "8", cwd=tmp_path)
     assert (result.returncode, result.stdout) == (2, "")
-    assert result.stderr == (
-        "error: 'run' holds a run: finish it with --resume, or compress it further with "
-        "--further, or replace it with --overwrite, or name another folder\n"
-    )
+    assert result.stderr.startswith("error: 'run' holds a run")
+    for way in ("--resume", "--further", "--overwrite"):
+        assert way in result.stderr
     with deformable.load(folder) as sim:
-        with pytest.raises(deformable.FileError, match="replace it with overwrite=True, or name"):
+        with pytest.raises(deformable.FileError, match="overwrite=True"):
             deformable.compress_in(folder, sim, 0.01, 1)
-        with pytest.raises(deformable.ParameterError, match="further or replaced: not both"):
+        with pytest.raises(deformable.ParameterError, match="not both"):
             deformable.compress_in(folder, sim, 0.01, 1, append=True, overwrite=True)
-    assert contents(folder) == unbroken
+    assert contents(folder) == uninterrupted
     result = compress("--number", "8", "--steps", "1", "--overwrite", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert (folder / "series.csv").read_text().count("\n") == 2
@@ -192,7 +185,7 @@ def test_a_run_is_not_written_over(unbroken: dict[str, bytes], tmp_path: Path) -
 
 
 def spoil(text: str, how: str) -> str | None:
-    """Ways to lose what is on record."""
+    """A file that has lost recorded frames; None if it is missing."""
     if how == "missing":
         return None
     if how == "cut":  # within the last row
@@ -204,12 +197,12 @@ def spoil(text: str, how: str) -> str | None:
 
 @pytest.mark.parametrize("how", ["missing", "cut", "short", "other"])
 @pytest.mark.parametrize("name", ["trajectory.lammpstrj", "series.csv"])
-def test_frames_on_record_are_there(
-    unbroken: dict[str, bytes], tmp_path: Path, name: str, how: str
+def test_missing_frames_are_refused(
+    uninterrupted: dict[str, bytes], tmp_path: Path, name: str, how: str
 ) -> None:
     if (name, how) == ("series.csv", "cut"):
         how = "short"
-    for file, content in unbroken.items():
+    for file, content in uninterrupted.items():
         (tmp_path / file).write_bytes(content)
     left = spoil((tmp_path / name).read_text(), how)
     (tmp_path / name).unlink()
@@ -217,18 +210,18 @@ def test_frames_on_record_are_there(
         (tmp_path / name).write_text(left)
     with (
         deformable.load(tmp_path) as sim,
-        pytest.raises(deformable.FileError, match=rf"{name} lacks frame \d, of the 5 frames"),
+        pytest.raises(deformable.FileError, match=rf"{name} lacks frame \d"),
     ):
         deformable.compress_in(tmp_path, sim, 0.01, 1, append=True)
     summary = json.loads((tmp_path / "summary.json").read_text())
     summary["parameters"]["steps"] = 6
     (tmp_path / "summary.json").write_text(json.dumps(summary))
-    with pytest.raises(deformable.FileError, match=rf"{name} lacks frame \d, of the 5 frames"):
+    with pytest.raises(deformable.FileError, match=rf"{name} lacks frame \d"):
         deformable.resume(tmp_path)
 
 
-def test_protocols_of_any_numbers_go_on(tmp_path: Path) -> None:
-    """numpy's among them, which JSON does not know."""
+def test_numbers_of_numpy_can_be_resumed(tmp_path: Path) -> None:
+    """JSON does not know them."""
     packing = deformable.jam(deformable.bidisperse(8, seed=1))
     with deformable.Simulation(packing, deformable.Ring()) as sim:
         run = deformable.compress_in(
@@ -240,7 +233,7 @@ def test_protocols_of_any_numbers_go_on(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "summary.json").read_text())["parameters"]["steps"] == 3
 
 
-def test_killed_from_outside(unbroken: dict[str, bytes], tmp_path: Path) -> None:
+def test_killed_from_outside(uninterrupted: dict[str, bytes], tmp_path: Path) -> None:
     command = [sys.executable, "-c", "from deformable.cli.main import main; main()", "compress"]
     process = subprocess.Popen([*command, "--out", "run", *START], cwd=tmp_path)
     series = tmp_path / "run" / "series.csv"
@@ -250,7 +243,7 @@ def test_killed_from_outside(unbroken: dict[str, bytes], tmp_path: Path) -> None
     process.wait()
     for _ in deformable.resume(tmp_path / "run"):
         pass
-    assert contents(tmp_path / "run") == unbroken
+    assert contents(tmp_path / "run") == uninterrupted
 
 
 def test_python_resumes_what_it_began(jammed: deformable.Packing, tmp_path: Path) -> None:
@@ -275,10 +268,10 @@ def test_python_resumes_what_it_began(jammed: deformable.Packing, tmp_path: Path
     assert parameters["before"]["start"]["frame"] == 0
 
 
-def test_a_rigid_packing_is_known_to_have_been_rigid(
+def test_a_resumed_packing_was_rigid(
     jammed: deformable.Packing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The warning of a packing that lost its rigidity does not get lost with the process."""
+    """So that a resumed packing that loses its rigidity still gives a warning."""
     first = deformable.Simulation(jammed, deformable.Ring())
     next(deformable.compress_in(tmp_path, first, 0.02, 2))
     again = []
@@ -295,9 +288,9 @@ def test_what_cannot_be_resumed(state: deformable.State, tmp_path: Path) -> None
         deformable.resume(tmp_path)
     for _ in deformable.record([state], tmp_path):
         pass
-    with pytest.raises(deformable.FileError, match="does not say how it was to go on"):
+    with pytest.raises(deformable.FileError, match="append=True"):
         deformable.resume(tmp_path)
     lines = (tmp_path / "packing.data").read_text().splitlines(keepends=True)
     (tmp_path / "packing.data").write_text("".join(lines[:-2]))
-    with pytest.raises(deformable.FileError, match=r"packing\.data cannot be read: it has 30 of"):
+    with pytest.raises(deformable.FileError, match=r"packing\.data .* 30 "):
         deformable.resume(tmp_path)

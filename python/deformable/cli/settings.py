@@ -1,0 +1,131 @@
+"""The settings of `deformable compress`: packing, contact law and protocol of a run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..common.errors import ParameterError
+from ..common.validate import positive
+from ..io.store import summary_in
+from ..model.laws import LAWS, Law, Ring
+from ..model.packing import Packing, bidisperse, polydisperse
+
+PROTOCOL = ("strain", "steps", "tolerance")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The settings of a run, by the names of the options; summary.json has them as `parameters`."""
+
+    number: int
+    radii: tuple[float, float]
+    fraction: float
+    polydispersity: float | None
+    aspect: float
+    tilt: float
+    seed: int
+
+    law: str
+    kA: float
+    kP: float
+    reach: float
+
+    strain: float
+    steps: int
+    tolerance: float
+
+    def random_start(self) -> Packing:
+        """The packing before it is jammed."""
+        if self.polydispersity is None:
+            start = bidisperse(
+                self.number,
+                self.radii,
+                self.fraction,
+                aspect=self.aspect,
+                tilt=self.tilt,
+                seed=self.seed,
+            )
+        else:
+            start = _log_normal(self, self.polydispersity)
+        _check_aspect(start, self.aspect)
+        return start
+
+    def contact_law(self) -> Law:
+        """The law of this name with these stiffnesses."""
+        law = LAWS[self.law]
+        if isinstance(law, Ring):
+            return replace(law, kA=self.kA, kP=self.kP, reach=self.reach)
+        return replace(law, kA=self.kA, kP=self.kP)
+
+
+def check_together(settings: Settings, given: Mapping[str, Any]) -> None:
+    """Refuse options that contradict each other.
+
+    Args:
+        settings: of the run.
+        given: those of them that are given on the command line.
+    """
+    if settings.polydispersity is not None and given.keys() & {"radii", "fraction"}:
+        raise ParameterError("give --polydispersity, or --radii and --fraction of two sizes")
+    if settings.law == "sector" and "reach" in given:
+        raise ParameterError("--reach is an option of ring laws: leave it out with --law sector")
+
+
+def check_same(folder: Path, given: Mapping[str, Any]) -> None:
+    """Refuse settings that differ from those that the run in a folder was begun with."""
+    saved = _saved(summary_in(folder).get("parameters") or {})
+    for name, value in given.items():
+        if name not in saved:
+            raise ParameterError(f"the summary of '{folder}' lacks --{name}: leave it out")
+        if _typed(value) != _typed(saved[name]):
+            raise ParameterError(
+                f"the run in '{folder}' was begun with --{name} {_typed(saved[name])}, not "
+                f"{_typed(value)}: leave it out, or name another folder"
+            )
+
+
+def _saved(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Settings in a summary: those of the last compression, completed by those of earlier ones."""
+    settings = dict(parameters)
+    before = settings.pop("before", None)
+    if settings.get("law") == "ring":  # version 0.1 had two options for the law
+        settings["law"] = settings.get("contact", "radical")
+    for name in ("kA", "kP"):
+        if name.lower() in settings:
+            settings[name] = settings.pop(name.lower())
+    return (_saved(before) if before else {}) | settings
+
+
+def _typed(value: object) -> str:
+    """A setting as it is typed, from the command line or from JSON, where inf is a string."""
+    return " ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value).lower()
+
+
+def _log_normal(settings: Settings, polydispersity: float) -> Packing:
+    """Radii of mean 0.5 and this standard deviation over the mean."""
+    width = positive("polydispersity", polydispersity)
+    variance = math.log1p(width * width)
+    return polydisperse(
+        settings.number,
+        lambda rng: 0.5 * rng.lognormal(-0.5 * variance, math.sqrt(variance), settings.number),
+        aspect=settings.aspect,
+        tilt=settings.tilt,
+        seed=settings.seed,
+    )
+
+
+def _check_aspect(start: Packing, aspect: float) -> None:
+    """Refuse a box that the largest particles span before they jam."""
+    largest = 2.0 * start.radius.max()
+    limit = max(float(np.prod(start.box.diagonal())) / (2.0 * largest) ** 2, 1.0)
+    if not 1.0 / limit <= aspect <= limit:
+        raise ParameterError(
+            f"aspect must lie between {1.0 / limit:.3g} and {limit:.3g} for {len(start)} particles,"
+            f" not {aspect:g}: the box would be thinner than two of the largest"
+        )

@@ -1,0 +1,111 @@
+"""The command `deformable jam`, and what it keeps in its folder."""
+
+import csv
+import json
+from pathlib import Path
+
+import deformable
+import pytest
+from deformable.cli import main as cli
+from deformable.studies.ensemble import measure
+from deformable.studies.ensemble_tables import read_table
+
+
+def jam(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
+    monkeypatch.setattr("sys.argv", ["deformable", "jam", *arguments])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    return int(end.value.code or 0)
+
+
+def test_command_keeps_what_it_has(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    ask = ("8", "--seeds", "2", "--workers", "1", "--out", "run")
+    assert jam(monkeypatch, "10", *ask, "--law", "disk") == 0
+    first = (tmp_path / "run" / "table.csv").read_text()
+    assert "disk, N = 8: phi_J = 0." in capsys.readouterr().out
+    assert jam(monkeypatch, "10", *ask, "--law", "disk") == 0
+    assert (tmp_path / "run" / "table.csv").read_text() == first  # with the seconds
+    assert jam(monkeypatch, *ask, "--law", "ring") == 0
+    assert "warning: the law 'ring' is now named 'balanced'" in capsys.readouterr().err
+    table = (tmp_path / "run" / "table.csv").read_text().splitlines()
+    assert set(first.splitlines()) < set(table)
+    rows = list(csv.DictReader(table))
+    assert [(row["law"], row["number"], row["seed"]) for row in rows] == [
+        *(("balanced", "8", seed) for seed in ("1", "2")),
+        *(("disk", number, seed) for number in ("8", "10") for seed in ("1", "2")),
+    ]
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert [row["number"] for row in summary["onset"]] == [8, 8, 10]
+    assert (tmp_path / "run" / "onset.png").stat().st_size > 5_000
+
+
+def test_command_keeps_what_is_done_when_it_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    def fails_at_three(law: str, pressure: float, number: int, seed: int, values: object) -> object:
+        if seed == 3:
+            raise deformable.LammpsError("out of luck")
+        return measure(law, pressure, number, seed)
+
+    monkeypatch.setattr("deformable.cli.jam.measure", fails_at_three)
+    ask = ("8", "--seeds", "4", "--workers", "1", "--law", "disk", "--out", "run")
+    assert jam(monkeypatch, *ask) == 2
+    assert capsys.readouterr().err.endswith("error: out of luck\n")
+    assert [row["seed"] for row in read_table(tmp_path / "run" / "table.csv")] == [1, 2]
+
+
+def test_command_leaves_other_folders_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    packing = deformable.jam(deformable.bidisperse(4, seed=1))
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        sim.state().save(tmp_path / "run")
+    before = (tmp_path / "run" / "summary.json").read_text()
+    for out, message in ((str(tmp_path / "run"), "holds a run"), ("", "a folder needs a name")):
+        assert jam(monkeypatch, "8", "--seeds", "1", "--out", out) == 2
+        assert message in capsys.readouterr().err
+    assert (tmp_path / "run" / "summary.json").read_text() == before
+
+
+def test_command_follows_packings_upwards(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    out = str(tmp_path / "run")
+    ask = ("8", "--seeds", "1", "--law", "disk", "--workers", "1", "--out", out)
+    assert jam(monkeypatch, *ask) == 0
+    assert jam(monkeypatch, *ask, "--excess-phi", "0.01") == 0
+    with (tmp_path / "run" / "scaling.csv").open() as file:
+        excess = [float(row["excess_phi"]) for row in csv.DictReader(file)]
+    assert excess == pytest.approx([0.01 / 2.0**n for n in reversed(range(7))], rel=1e-6)
+    (fit,) = json.loads((tmp_path / "run" / "summary.json").read_text())["exponents"]
+    assert fit["pressure"] == pytest.approx(1.0, abs=0.1)
+    assert fit["pressure_error"] is None  # of a single packing
+    assert (tmp_path / "run" / "scaling.png").stat().st_size > 5_000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["8", "0"], ["number", "0"]),
+        (["8", "--seeds", "0"], ["seeds", "0"]),
+        (["8", "--pressure", "-1"], ["pressure", "-1.0"]),
+        (["8", "--excess-phi", "-1"], ["excess-phi", "-1.0"]),
+        (["8", "--excess-phi", "0.01"], ["1e-07", "balanced", "6e-14"]),
+        (["8", "--workers", "0"], ["workers", "0"]),
+    ],
+)
+def test_bad_input_is_one_line(
+    arguments: list[str],
+    words: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert jam(monkeypatch, *arguments) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: ")
+    assert [word for word in words if word not in line] == []
