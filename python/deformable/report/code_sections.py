@@ -106,4 +106,4 @@ def cost(rows: Sequence[Row]) -> Section:
 
 
 def _whole(value: float | None) -> str:
-    return "–" if value is None else f"{value:.0f}".replace("-", "−")
+    return "–" if value is None else show(float(round(value)))

@@ -29,7 +29,7 @@ def show(value: Any, digits: int = 2) -> str:
         places = 0 if value % 1 == 0 else max(digits - 1 - int(power), 0)
         return f"{sign}{abs(value):.{places}f}"
     exponent = f"10{str(int(power)).translate(_SUPERSCRIPTS)}"
-    return sign + (exponent if float(mantissa) == 1.0 else f"{mantissa} × {exponent}")
+    return sign + (exponent if float(mantissa) == 1.0 else f"{mantissa}\u00a0×\u00a0{exponent}")
 
 
 def span(values: Iterable[float | None], digits: int = 2) -> str:

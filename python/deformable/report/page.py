@@ -22,14 +22,16 @@ table { border-collapse: collapse; margin: 1rem 0; font-size: 0.9rem; max-width:
 caption { text-align: left; color: #444; padding-bottom: 0.3rem; }
 th, td { padding: 0.25rem 0.6rem; text-align: right; border-bottom: 1px solid #ddd;
          vertical-align: bottom; }
-th:first-child, td:first-child, .text { text-align: left; }
+td { vertical-align: top; white-space: nowrap; }
+th:first-child, td:first-child, .text { text-align: left; white-space: normal; }
 th abbr { text-decoration: underline dotted; }
 .unit { font-weight: normal; color: #444; }
 code { background: #f1f1f1; padding: 0 0.2rem; white-space: nowrap; }
 figcaption { color: #444; font-size: 0.9rem; }
 summary { cursor: pointer; }
-dt { font-weight: bold; float: left; clear: left; width: 9rem; }
-dd { margin: 0 0 0.4rem 9.5rem; }
+dl { display: grid; grid-template-columns: max-content 1fr; gap: 0.3rem 1rem; }
+dt { font-weight: bold; }
+dd { margin: 0; }
 """
 
 
