@@ -18,7 +18,7 @@ namespace {
 struct Particle {
   std::vector<Contact> contacts;
   std::vector<int> order;
-  std::vector<char> carries;
+  std::vector<char> is_active;
   Contacts view() const { return {static_cast<int>(contacts.size()), contacts.data()}; }
 };
 
@@ -37,7 +37,7 @@ std::vector<Particle> particles(int z, std::mt19937 &generator)
       particle.order.push_back(c);
     }
     std::shuffle(particle.contacts.begin(), particle.contacts.end(), generator);
-    particle.carries.assign(z, 0);
+    particle.is_active.assign(z, 0);
   }
   return all;
 }
@@ -62,7 +62,7 @@ int main()
 {
   std::mt19937 generator(1);
   Shape shape;
-  RingProgramme programme;
+  RingLCP lcp;
   std::printf("[");
   for (int z = 3; z <= 8; ++z) {
     std::vector<Particle> all = particles(z, generator);
@@ -81,18 +81,18 @@ int main()
       sink += shape.perimeter_excess;
     });
     const double ring = nanoseconds(all, [&](Particle &p) {
-      ring_shape(1.0, p.view(), p.carries.data(), programme, shape);
+      ring_shape(1.0, p.view(), p.is_active.data(), lcp, shape);
       sink += shape.area_deficit;
     });
     const double soft_ring = nanoseconds(all, [&](Particle &p) {
       Energy energy;
-      soft_ring_shape(1.0, {1.0, 0.1}, p.view(), p.carries.data(), programme, shape, energy);
+      soft_ring_shape(1.0, {1.0, 0.1}, p.view(), p.is_active.data(), lcp, shape, energy);
       sink += energy.value;
     });
     const double general = nanoseconds(all, [&](Particle &p) {
       shape.reset(static_cast<int>(p.contacts.size()), 1.0);
-      programme.clear(static_cast<int>(p.contacts.size()));
-      ring_of_any(InextensibleRing{1.0}, p.view(), programme, shape);
+      lcp.clear(static_cast<int>(p.contacts.size()));
+      ring_shape_by_lcp(InextensibleRing{1.0}, p.view(), lcp, shape);
       sink += shape.area_deficit;
     });
     std::printf("%s\n{\"z\": %d, \"geometry\": %.1f, \"sector\": %.1f, \"area_sector\": %.1f, "

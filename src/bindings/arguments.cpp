@@ -42,9 +42,9 @@ Call deformable::checked(double radius, nb::handle angles, nb::handle indentatio
   for (std::size_t k = 0; k < indentation.size(); ++k)
     if (indentation[k] >= radius)
       refuse("indentation[" + std::to_string(k) + "] is " + std::to_string(indentation[k]) +
-             ": the contact line lies behind the centre (radius " + std::to_string(radius) + ")");
+             ": the contact line lies behind the center (radius " + std::to_string(radius) + ")");
 
-  // The kernels want all angles within one turn; those that are keep every digit.
+  // The kernels need all angles within one turn; such angles are not touched.
   const auto [low, high] = std::minmax_element(angle.begin(), angle.end());
   const bool wraps = !angle.empty() && *high - *low >= 2.0 * PI;
   Call call = {radius, {}, {}};

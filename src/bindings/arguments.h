@@ -1,4 +1,4 @@
-// What Python gives to deformable.core, checked, and what it gets back.
+// Arguments from Python, checked, and results for it.
 
 #ifndef DEFORMABLE_ARGUMENTS_H
 #define DEFORMABLE_ARGUMENTS_H
@@ -43,12 +43,12 @@ template <class Value> Vector per_contact(std::size_t contacts, Value &&value)
 
 [[noreturn]] void refuse(const std::string &message);
 
-// Anything that numpy takes for a vector of finite numbers.
+// A vector of finite numbers, from anything that numpy converts to one.
 std::vector<double> vector_of(const std::string &name, nb::handle given);
 
 void require_positive(const std::string &name, double value);
 
-// The contacts of a call, checked, and the memory that they are a view of.
+// The contacts of a call, checked, and their memory.
 struct Call {
   double radius;
   std::vector<Contact> contacts;

@@ -1,4 +1,4 @@
-// deformable.core: the C++ kernels for Python, so that no formula stands twice.
+// deformable.core: the C++ kernels for Python.
 
 #include "laws.h"
 
@@ -12,4 +12,5 @@ NB_MODULE(core, m)
   deformable::bind_laws(m);
   deformable::bind_soft_rings(m);
   deformable::bind_outlines(m);
+  deformable::bind_rules(m);
 }

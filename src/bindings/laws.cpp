@@ -10,8 +10,8 @@ using namespace deformable;
 void deformable::refuse_coincident(double change)
 {
   if (!std::isfinite(change))
-    refuse("angle: two contacts press in the same direction, which leaves no sector between them; "
-           "use the ring law");
+    refuse("angle: two contacts have the same direction, which leaves no sector between them; use "
+           "the ring law");
 }
 
 namespace {
@@ -57,10 +57,10 @@ Result deformable::area_sector_result(Call &call)
 
 Result deformable::ring_result(Call &call)
 {
-  std::vector<char> carries(call.contacts.size(), 0);
-  RingProgramme programme;
+  std::vector<char> is_active(call.contacts.size(), 0);
+  RingLCP lcp;
   Result result = {{}, call.contacts.size(), false, {}};
-  ring_shape(call.radius, call.view(), carries.data(), programme, result.shape);
+  ring_shape(call.radius, call.view(), is_active.data(), lcp, result.shape);
   return result;
 }
 
@@ -82,7 +82,7 @@ void deformable::bind_laws(nb::module_ &m)
       return per_contact(r.contacts, [&](std::size_t c) { return r.shape.contact[c].*member; });
     };
   };
-  nb::class_<Result>(m, "Shape", "What a contact law makes of one particle.")
+  nb::class_<Result>(m, "Shape", "The shape that a contact law gives a particle.")
       .def_prop_ro(
           "area_deficit", [](const Result &r) { return r.shape.area_deficit; },
           "S = A0 - A [length^2]; zero for a law that conserves the area")
@@ -90,9 +90,9 @@ void deformable::bind_laws(nb::module_ &m)
           "perimeter_excess", [](const Result &r) { return r.shape.perimeter_excess; },
           "P - P0 [length]; zero for a law that conserves the perimeter")
       .def_prop_ro("d_indentation", vector(&Response::d_indentation), nb::rv_policy::move,
-                   "derivatives of what the law lets change with respect to the indentations, (z,)")
+                   "derivatives of the area deficit or perimeter excess by the indentations, (z,)")
       .def_prop_ro("d_angle", vector(&Response::d_angle), nb::rv_policy::move,
-                   "derivatives of what the law lets change with respect to the directions, (z,)")
+                   "derivatives of the area deficit or perimeter excess by the directions, (z,)")
       .def_prop_ro("contact_length", vector(&Response::length), nb::rv_policy::move,
                    "length of each contact [length], (z,)")
       .def_prop_ro(
@@ -102,7 +102,7 @@ void deformable::bind_laws(nb::module_ &m)
             return nb::cast(to_numpy<Vector>(r.arc_radii.data(), {r.arc_radii.size()}));
           },
           "sector laws: radius of each arc [length], (z,), the n-th from the n-th smallest\n"
-          "angle to the next; ring: the smallest radius of curvature of the free outline, a\n"
+          "angle to the next; ring law: the smallest radius of curvature of the free outline, a\n"
           "float. Negative: beyond the model.");
 
   m.def("sector", &evaluate<sector_result>, "radius"_a, "angle"_a, "indentation"_a,
@@ -118,7 +118,7 @@ radius : float
 angle : array, shape (z,)
     Directions of the contact lines [rad], any order.
 indentation : array, shape (z,)
-    R minus the distance of each contact line from the centre [length].
+    R minus the distance of each contact line from the center [length].
 
 Returns
 -------
@@ -128,7 +128,7 @@ Shape
 Raises
 ------
 ValueError
-    Unequal lengths, values that are not finite, radius <= 0, a contact line behind the centre, or two
+    Unequal lengths, values that are not finite, radius <= 0, a contact line behind the center, or two
     contacts in the same direction.
 
 Source: R. Maharana, "Efficient Simulation of Deformable Particles".)");

@@ -1,4 +1,4 @@
-// The contact laws as Python sees them.
+// The contact laws for Python.
 
 #ifndef DEFORMABLE_LAWS_H
 #define DEFORMABLE_LAWS_H
@@ -24,12 +24,13 @@ Result ring_result(Call &call);
 // A sector that keeps its perimeter.
 Sector perimeter_part(const Opening &o, double ai, double ak);
 
-// Two contacts in one direction leave no sector: what it changes is not a number.
+// Refuses two contacts in one direction: the area deficit or perimeter excess is then not finite.
 void refuse_coincident(double change);
 
 void bind_laws(nb::module_ &m);
 void bind_soft_rings(nb::module_ &m);
 void bind_outlines(nb::module_ &m);
+void bind_rules(nb::module_ &m);
 
 }    // namespace deformable
 

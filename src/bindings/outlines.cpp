@@ -77,7 +77,7 @@ Points points_of_arcs(nb::handle given, int points)
       nb::module_::import_("numpy").attr("ascontiguousarray")(given, "dtype"_a = "float64");
   const auto rows = nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(array);
   if (rows.ndim() != 2 || rows.shape(1) != 5)
-    refuse("arcs must have the shape (m, 5): centre x, y, radius, from, to");
+    refuse("arcs must have the shape (m, 5): center x, y, radius, from, to");
   Outline outline;
   for (std::size_t k = 0; k < rows.shape(0); ++k) {
     const double *row = rows.data() + 5 * k;
@@ -126,13 +126,13 @@ void deformable::bind_outlines(nb::module_ &m)
         "points"_a = 180,
         R"(The outline that a law ('ring', 'sector' or 'area_sector') gives a particle.
 
-Returns an array (m, 2), a closed polygon about the centre, counterclockwise, the last point not
+Returns an array (m, 2), a closed polygon about the center, counterclockwise, the last point not
 repeated; every point is exact, the ends of the contacts among them. `points` sets how fine a whole
 turn is divided. Parameters and errors as for the law.)");
   m.def("sector_arcs", &arcs_of, "radius"_a, "angle"_a, "indentation"_a, "closed"_a = true,
         R"(The arcs of `sector`, one a sector, by rising angle.
 
-Returns an array (m, 5): centre x, y about the circle's centre, radius [length], and the directions from
+Returns an array (m, 5): center x, y about the circle's center, radius [length], and the directions from
 and to of the arc's normals [rad], from < to. Straight flats join them to the outline. Fewer than two
 contacts leave the circle. With `closed` false the last contact is not joined to the first one: the
 contacts divide an arc of the circle, whose two ends are contacts of indentation 0. Parameters and errors

@@ -1,6 +1,7 @@
 #include "laws.h"
 
-#include "balance.h"
+#include "contact_stiffness.h"
+#include "parameter_rules.h"
 #include "soft_ring.h"
 
 #include <cmath>
@@ -19,22 +20,17 @@ struct SoftResult {
 SoftResult soft_ring(const Call &call, double kA, double kP, double skin)
 {
   const double radius = call.radius;
-  if (!(kA > 0.0)) refuse("kA is " + std::to_string(kA) + ": it must be positive, or inf");
-  if (!(kP > 0.0)) refuse("kP is " + std::to_string(kP) + ": it must be positive, or inf");
-  if (std::isinf(kA) && std::isinf(kP))
-    refuse("kA and kP are both inf, which leaves a rigid disk: give one of them a finite value");
-  if (!(skin >= 0.0 && skin < radius))
-    refuse("skin is " + std::to_string(skin) + ": it must be from 0 to below the radius " +
-           std::to_string(radius));
+  for (const std::string &problem : {invalid_stiffness(kA, kP), invalid_skin(skin, radius)})
+    if (!problem.empty()) refuse(problem);
 
-  std::vector<char> carries(call.contacts.size(), 0);
-  RingProgramme programme;
+  std::vector<char> is_active(call.contacts.size(), 0);
+  RingLCP lcp;
   SoftResult result = {radius - skin, {}, call.contacts.size(), {}};
   const Stiffness stiffness = {kA, kP};
   if (stiffness.conserves_perimeter()) {
-    ring_shape(result.radius, call.view(), carries.data(), programme, result.shape);
+    ring_shape(result.radius, call.view(), is_active.data(), lcp, result.shape);
     result.energy = harmonic(kA, result.shape.area_deficit);
-  } else if (!soft_ring_shape(result.radius, stiffness, call.view(), carries.data(), programme,
+  } else if (!soft_ring_shape(result.radius, stiffness, call.view(), is_active.data(), lcp,
                               result.shape, result.energy)) {
     refuse("indentation: these contacts leave no room for a ring of this area");
   }
@@ -53,23 +49,23 @@ Matrix stiffness_of(double radius, nb::handle angle, nb::handle indentation, dou
   const Call call = checked(radius, angle, indentation);
   const SoftResult result = soft_ring(call, kA, kP, skin);
   const Shape &shape = result.shape;
-  std::vector<int> carrying;
+  std::vector<int> active;
   for (std::size_t c = 0; c < result.contacts; ++c)
-    if (shape.contact[c].length > 0.0) carrying.push_back(static_cast<int>(c));
+    if (shape.contact[c].length > 0.0) active.push_back(static_cast<int>(c));
 
-  const std::size_t z = result.contacts, n = carrying.size();
+  const std::size_t z = result.contacts, n = active.size();
   std::vector<double> inverse(n * n), rate, block(n * n), full(z * z, 0.0);
-  RingProgramme programme;
-  green_inverse(call.view(), static_cast<int>(n), carrying.data(), programme, inverse.data());
+  RingLCP lcp;
+  green_inverse(call.view(), static_cast<int>(n), active.data(), lcp, inverse.data());
   contact_stiffness({result.radius,
                      shape.perimeter_excess / (2.0 * PI),
                      {kA, kP},
                      result.energy.derivative,
                      call.view(),
                      shape.contact.data()},
-                    static_cast<int>(n), carrying.data(), inverse.data(), rate, block.data());
+                    static_cast<int>(n), active.data(), inverse.data(), rate, block.data());
   for (std::size_t m = 0; m < n; ++m)
-    for (std::size_t k = 0; k < n; ++k) full[carrying[m] * z + carrying[k]] = block[m * n + k];
+    for (std::size_t k = 0; k < n; ++k) full[active[m] * z + active[k]] = block[m * n + k];
   return to_numpy<Matrix>(full.data(), {z, z});
 }
 
@@ -84,7 +80,7 @@ void deformable::bind_soft_rings(nb::module_ &m)
       });
     };
   };
-  nb::class_<SoftResult>(m, "SoftShape", "A ring that has come to rest between its contacts.")
+  nb::class_<SoftResult>(m, "SoftShape", "A ring in equilibrium between its contacts.")
       .def_prop_ro(
           "energy", [](const SoftResult &r) { return r.energy.value; },
           "U = kA/2 (A - A0)^2 + kP/2 (P - P0)^2 [energy]")
@@ -104,7 +100,7 @@ void deformable::bind_soft_rings(nb::module_ &m)
           "P of the ring, without its skin [length]")
       .def_prop_ro(
           "delta", [](const SoftResult &r) { return r.shape.perimeter_excess / (2.0 * PI); },
-          "how far the ring has moved out, (P - P0)/2 pi [length]")
+          "radial expansion of the ring, (P - P0)/2 pi [length]")
       .def_prop_ro(
           "arc_radius", [](const SoftResult &r) { return r.shape.arc_radius; },
           "smallest radius of curvature of the free ring [length]; negative: beyond the model")
@@ -125,7 +121,7 @@ void deformable::bind_soft_rings(nb::module_ &m)
         "skin"_a = 0.0,
         R"(Contacts that slip, of a ring that resists a change of area and one of perimeter.
 
-The ring of radius R - skin moves out by the delta that minimises U = kA/2 (A - A0)^2 + kP/2 (P - P0)^2
+The ring of radius R - skin expands by the delta that minimizes U = kA/2 (A - A0)^2 + kP/2 (P - P0)^2
 at A = pi (R - skin + delta)^2 - S, P = 2 pi (R - skin + delta), where S is that of `ring` at the
 indentations a + delta. Its outline, skin included, is outline("ring", R + delta, angle, a + delta).
 
@@ -151,13 +147,13 @@ ValueError
     As for `ring`; a stiffness that is not positive, or both infinite; a skin outside [0, radius);
     an area that the contacts leave no room for (kA = inf).
 
-Source: docs/theory.md, "Rings that breathe".)");
+Source: docs/theory.md, "Rings that expand".)");
   m.def("contact_stiffness", &stiffness_of, "radius"_a, "angle"_a, "indentation"_a, "kA"_a, "kP"_a,
         "skin"_a = 0.0,
-        R"(How the forces of `soft_ring` answer to the indentations.
+        R"(Derivatives of the forces of `soft_ring` with respect to the indentations.
 
 Returns the symmetric matrix dF_c/da_c' (z, z) of F_c = dU/da_c [energy/length^2], zero in rows and columns
-of contacts that do not carry. Parameters and errors as for `soft_ring`.
+of contacts that are not active. Parameters and errors as for `soft_ring`.
 
 Source: docs/theory.md, "Balanced contacts".)");
 }

@@ -1,18 +1,18 @@
-// Where two circles meet: the contact line lies on their radical axis.
+// The contact line of two circles on their radical axis.
 
 #ifndef DEFORMABLE_CONTACT_H
 #define DEFORMABLE_CONTACT_H
 
 namespace deformable {
 
-// The line as both particles see it.
+// Indentation of both particles by the line.
 struct ContactLine {
-  double indentation_i, indentation_j;    // a = R - h, h the distance from the centre to the line
+  double indentation_i, indentation_j;    // a = R - h, h the distance from the center to the line
   double d_indentation_i, d_indentation_j;    // da/dd
 };
 
-// h_ij = (d^2 + R_i^2 - R_j^2)/2d. The indentations are taken from the overlap o = R_i + R_j - d and not
-// from R - h, because o keeps its digits for nearly touching particles: a_ij = o (2 R_j - o)/2d.
+// h_ij = (d^2 + R_i^2 - R_j^2)/2d. The indentations follow from the overlap o = R_i + R_j - d and not from
+// R - h, because o keeps its digits for nearly touching particles: a_ij = o (2 R_j - o)/2d.
 inline ContactLine contact_line(double distance, double per_distance, double radius_i,
                                 double radius_j)
 {

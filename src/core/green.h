@@ -22,8 +22,8 @@ inline double d_green(double t, double sine, double cosine)
 
 constexpr double GREEN_AT_ZERO = 0.75 / PI;
 
-// A quartic in cos t that nowhere exceeds G (and stays within 0.02 of it but for |t| < 0.6): most contacts
-// outside of the circle are out of the outline's reach by far, which this tells at a lower price.
+// A quartic in cos t that nowhere exceeds G and is within 0.02 of it for |t| > 0.6. It is cheaper than G and
+// sufficient for most contacts outside of the circle, which the outline is far from reaching.
 inline double green_bound(double cosine)
 {
   return -0.094792 +

@@ -1,5 +1,5 @@
-// The outline itself, for pictures and for the comparison of shapes: a closed polygon about the
-// particle's centre, counterclockwise, exact at each of its points.
+// The outline for pictures and for the comparison of shapes: a closed polygon about the center of the
+// particle, counterclockwise, with every point exact.
 
 #ifndef DEFORMABLE_OUTLINE_H
 #define DEFORMABLE_OUTLINE_H
@@ -47,7 +47,7 @@ inline void ring_outline(double radius, const Contacts &contacts, const Shape &s
     const int i = active[k], next = active[k + 1 < active.size() ? k + 1 : 0];
     const double from = contacts[i].angle;
     const double to = contacts[next].angle + (k + 1 < active.size() ? 0.0 : 2.0 * PI);
-    // ring_support sees t = 0 at the contact itself from above: H' is the one after the contact
+    // at the contact itself ring_support takes t = 0+: H' is that behind the contact
     point(from, -shape.contact[i].length);
     point(from, 0.0);
     const int inner = std::max(1, static_cast<int>(points * (to - from) / (2.0 * PI)));
@@ -55,13 +55,13 @@ inline void ring_outline(double radius, const Contacts &contacts, const Shape &s
   }
 }
 
-// One arc of a sector law: centre about the circle's own, radius, directions of its normals from its
-// beginning to its end, counterclockwise. The outline is its arcs, joined by straight flats.
+// One arc of a sector law: its center relative to that of the circle, its radius, and the directions of its
+// normals from beginning to end, counterclockwise. Straight flats join the arcs to the outline.
 struct Arc {
   double x, y, radius, from, to;
 };
 
-// The centre of the arc: from the foot of contact i the length l_i along the line, then q inwards.
+// From the foot of contact i, the center of the arc is l_i along the line and q inwards.
 inline Arc sector_arc(double radius, const Contact &i, const Opening &o, const Sector &part)
 {
   const double inward = part.shrinkage - i.indentation;

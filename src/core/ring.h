@@ -1,17 +1,17 @@
-// Contact law "ring": contacts slip. A ring, pinned by its Steiner point at the particle's
-// centre, is pressed by frictionless contact lines; it takes the shape of largest area at its perimeter.
+// The ring law of an inextensible ring: contacts slip. The Steiner point of the ring stays at the center of
+// the particle. The ring takes the shape of largest area between its contact lines, without friction.
 //
-// With H(theta) the support function of the outline, P = int H and A = 1/2 int (H^2 - H'^2), the largest
-// A at fixed P and Steiner point under H(theta_c) <= h_c is the convex quadratic programme
-//   maximise a.L - 1/2 L.G L over L >= 0,   G_cc' = G(theta_c - theta_c'),
-// whose multipliers L are the contact lengths: S = 1/2 a.L, H(theta) = R - sum_c L_c G(theta - theta_c).
-// docs/theory.md derives it.
+// H(theta) is the support function of the outline, P = int H and A = 1/2 int (H^2 - H'^2). The largest A at
+// fixed P and Steiner point under H(theta_c) <= h_c is the convex quadratic program
+//   maximize a.L - 1/2 L.G L over L >= 0,   G_cc' = G(theta_c - theta_c').
+// The solution L is the vector of contact lengths: S = 1/2 a.L, H(theta) = R - sum_c L_c G(theta - theta_c).
+// docs/theory.md has the derivation.
 
 #ifndef DEFORMABLE_RING_H
 #define DEFORMABLE_RING_H
 
 #include "green.h"
-#include "ring_programme.h"
+#include "ring_lcp.h"
 #include "shape.h"
 
 namespace deformable {
@@ -45,17 +45,17 @@ DEFORMABLE_INLINE void fill_shape(double radius, int n, const RingCandidates &r,
   shape.arc_radius = radius - sum * (0.5 / PI) - std::sqrt(mx * mx + my * my) * (1.0 / PI);
 }
 
-// The ring that the contacts press. This one keeps its perimeter; that of soft_ring.h breathes: contacts see
-// it moved out by `breath`, which it finds for those that carry.
+// A ring that keeps its perimeter. SoftRing in soft_ring.h has the same interface: `expand` computes the
+// radial expansion for the contacts that are active.
 struct InextensibleRing {
   double radius;
-  static constexpr double breath = 0.0;
-  template <int N> void breathe(const double *, const double *, double *, double *) const {}
+  static constexpr double expansion = 0.0;
+  template <int N> void expand(const double *, const double *, double *, double *) const {}
 };
 
-// Tries the N contacts of `active` (ascending) as those that carry: done where they all push and the
-// outline reaches no other. Otherwise leaves in `active` those to be tried next: without the ones that
-// would pull or, where none does, with the ones reached.
+// Assumes that the N contacts in `active` (ascending) are the active ones. That is right where no length is
+// negative and the outline reaches no other contact line. Otherwise `active` becomes the next assumption:
+// without the contacts of negative length or, if there are none, with the contacts that the outline reaches.
 enum class Trial { DONE, OTHERS, FAILED };
 
 template <int N, class Ring>
@@ -71,12 +71,12 @@ Trial try_active(Ring &ring, const Contacts &contacts, int *active, int &n, Shap
     length[m] = indentation[m];
   }
   if (solve_dense(N, green, N, length, per_pivot) >= 0) return Trial::FAILED;
-  ring.template breathe<N>(green, per_pivot, r.indentation, length);
+  ring.template expand<N>(green, per_pivot, r.indentation, length);
 
-  bool push = true;
+  bool all_positive = true;
 #pragma GCC unroll 8
-  for (int m = 0; m < N; ++m) push &= length[m] >= 0.0;
-  if (!push) {
+  for (int m = 0; m < N; ++m) all_positive &= length[m] >= 0.0;
+  if (!all_positive) {
     n = 0;
     for (int m = 0; m < N; ++m)
       if (length[m] > 0.0) active[n++] = contact[m];
@@ -85,50 +85,50 @@ Trial try_active(Ring &ring, const Contacts &contacts, int *active, int &n, Shap
   if (N < contacts.size) {
     n = 0;
     for (int c = 0, m = 0; c < contacts.size; ++c) {
-      const bool carries = m < N && contact[m] == c;
-      m += carries;
-      if (carries || (may_reach(contacts, c, N, r, length, ring.breath) &&
-                      slack(contacts, c, N, r, length) > -ring.breath))
+      const bool is_active = m < N && contact[m] == c;
+      m += is_active;
+      if (is_active || (may_reach(contacts, c, N, r, length, ring.expansion) &&
+                        slack(contacts, c, N, r, length) > -ring.expansion))
         active[n++] = c;
     }
     if (n > N) return Trial::OTHERS;
   }
-  fill_shape(ring.radius + ring.breath, N, r, length, per_pivot, shape);
+  fill_shape(ring.radius + ring.expansion, N, r, length, per_pivot, shape);
   return Trial::DONE;
 }
 
-// The indented contacts decide how far the outline bulges, and so which others it may reach; those may
-// push it on to further ones.
-inline void solve_any(const Contacts &contacts, double breath, RingProgramme &p)
+// Solves the LCP for all contacts. The indented contacts come first. The outline bulges between them and may
+// reach other contact lines, which are added until none is reached.
+inline void solve_all(const Contacts &contacts, double expansion, RingLCP &p)
 {
   p.size = 0;
   std::fill_n(p.candidate.begin(), contacts.size, 0);
   for (int c = 0; c < contacts.size; ++c)
-    if (contacts[c].indentation > -breath) p.add(contacts, c, breath, RingProgramme::ACTIVE);
+    if (contacts[c].indentation > -expansion) p.add(contacts, c, expansion, RingLCP::ACTIVE);
   for (int solved = 0; p.size > solved;) {
     solve(p);
     solved = p.size;
     const double *const length = p.length.data();
     for (int c = 0; c < contacts.size; ++c) {
-      if (p.candidate[c] || !may_reach(contacts, c, solved, p.candidates(), length, breath))
+      if (p.candidate[c] || !may_reach(contacts, c, solved, p.candidates(), length, expansion))
         continue;
-      if (slack(contacts, c, solved, p.candidates(), length) > -breath)
-        p.add(contacts, c, breath, RingProgramme::FREE);
+      if (slack(contacts, c, solved, p.candidates(), length) > -expansion)
+        p.add(contacts, c, expansion, RingLCP::FREE);
     }
   }
 }
 
-inline void ring_of_any(const InextensibleRing &ring, const Contacts &contacts, RingProgramme &p,
-                        Shape &shape)
+inline void ring_shape_by_lcp(const InextensibleRing &ring, const Contacts &contacts, RingLCP &p,
+                              Shape &shape)
 {
-  solve_any(contacts, 0.0, p);
+  solve_all(contacts, 0.0, p);
   fill_shape(ring.radius, p.size, p.candidates(), p.length.data(), p.scratch.data(), shape);
 }
 
-// Tries the contacts marked in `carries` first, and leaves there those that do carry: from one force call
-// to the next they seldom change. A guess that names none stands for the indented ones.
+// `is_active` holds a first guess of the active contacts, and the active contacts afterwards: from one force
+// call to the next they seldom change. A guess without any contact stands for all indented contacts.
 template <class Ring>
-void ring_shape(Ring &ring, const Contacts &contacts, char *carries, RingProgramme &p, Shape &shape)
+void ring_shape(Ring &ring, const Contacts &contacts, char *is_active, RingLCP &p, Shape &shape)
 {
   shape.circle(contacts.size, ring.radius);
   p.clear(contacts.size);
@@ -137,11 +137,11 @@ void ring_shape(Ring &ring, const Contacts &contacts, char *carries, RingProgram
   int guessed = 0, indented = 0;
   for (int c = 0; c < contacts.size; ++c) {
     active[guessed] = c;
-    guessed += carries[c];
+    guessed += is_active[c];
     indented += contacts[c].indentation > 0.0;
   }
   if (indented == 0) {
-    std::fill_n(carries, contacts.size, 0);
+    std::fill_n(is_active, contacts.size, 0);
     return;
   }
   int n = guessed;
@@ -160,15 +160,15 @@ void ring_shape(Ring &ring, const Contacts &contacts, char *carries, RingProgram
       case 7: trial = try_active<7>(ring, contacts, active, n, shape); break;
       default: trial = Trial::FAILED;
     }
-  if (trial != Trial::DONE) ring_of_any(ring, contacts, p, shape);
-  for (int c = 0; c < contacts.size; ++c) carries[c] = shape.contact[c].length > 0.0;
+  if (trial != Trial::DONE) ring_shape_by_lcp(ring, contacts, p, shape);
+  for (int c = 0; c < contacts.size; ++c) is_active[c] = shape.contact[c].length > 0.0;
 }
 
-inline void ring_shape(double radius, const Contacts &contacts, char *carries, RingProgramme &p,
+inline void ring_shape(double radius, const Contacts &contacts, char *is_active, RingLCP &p,
                        Shape &shape)
 {
   const InextensibleRing ring = {radius};
-  ring_shape(ring, contacts, carries, p, shape);
+  ring_shape(ring, contacts, is_active, p, shape);
 }
 
 }    // namespace deformable

@@ -1,8 +1,8 @@
-// Contact law "sector": contacts stick, so that each sector between two contacts keeps its own share of
-// what the particle conserves.
+// The sector law: contacts stick, so that each sector between two contacts keeps its own share of the
+// conserved perimeter or area.
 //
-// R. Maharana, "Efficient Simulation of Deformable Particles"; docs/theory.md has the formulas below,
-// those of the paper corrected where it errs.
+// R. Maharana, "Efficient Simulation of Deformable Particles"; docs/theory.md has the formulas below and the
+// corrections of the paper's.
 
 #ifndef DEFORMABLE_SECTOR_H
 #define DEFORMABLE_SECTOR_H
@@ -12,16 +12,16 @@
 
 namespace deformable {
 
-// The angle between two neighbouring contacts. What it leaves of a full turn is kept beside it: the
-// formulas are singular at both ends, and 2 pi - phi would have lost the small one's digits.
+// The angle between two neighboring contacts, and its complement to a full turn. The formulas are singular at
+// both ends, where 2 pi - phi would lose digits.
 struct Opening {
   double angle;         // phi, in (0, 2 pi)
   double complement;    // 2 pi - phi
   double sine, cosine;
 };
 
-// Sorts `order`, some permutation of the contacts' indices, by rising angle. By insertion: a particle has
-// few contacts, and the order of the step before is a good guess.
+// Sorts `order`, a permutation of the contacts' indices, by rising angle. Insertion is fast here: a particle
+// has few contacts, and the order of the previous step is a good guess.
 inline void sort_by_angle(const Contacts &contacts, int *order)
 {
   for (int k = 1; k < contacts.size; ++k) {
@@ -60,14 +60,15 @@ struct SectorCoefficients {
 inline SectorCoefficients sector_coefficients(const Opening &o)
 {
   const double phi = o.angle;
-  if (phi < 0.5) {    // D ~ phi^4/12 cancels: powers of phi taken out of every term
+  if (phi < 0.5) {    // D ~ phi^4/12 loses digits: the powers of phi are taken out of every term
     const double x2 = phi * phi, per_phi = 1.0 / phi;
     const double per_d = per_phi / taylor::TWO_VERSINES_MINUS_X_SINE(x2);
     return {taylor::SINE_MINUS_X_COSINE(x2) * per_d, taylor::X_MINUS_SINE(x2) * per_d,
             taylor::VERSINE(x2) * per_d * per_phi};
   }
   double sine = o.sine, cosine = o.cosine, versine = 1.0 - cosine;
-  if (o.complement < 1.0) {    // D ~ 2 pi e, e the complement: sin e needs its relative accuracy
+  if (o.complement <
+      1.0) {    // D ~ 2 pi e with the complement e: sin e must be accurate relative to e
     sine = -std::sin(o.complement);
     cosine = std::cos(o.complement);
     versine = sine * sine / (1.0 + cosine);
@@ -96,7 +97,7 @@ inline void sector_shape(double radius, const Contacts &contacts, int *order, Sh
   if (contacts.size < 2) return shape.circle(contacts.size, radius);    // no sector
   shape.reset(contacts.size, radius);
   sort_by_angle(contacts, order);
-  // What a sector gives to its second contact, until the next sector adds its own share.
+  // The contribution of a sector to its second contact waits for that of the next sector.
   double length_before = 0.0, d_before = 0.0, twice_deficit = 0.0, shrinkage = 0.0;
   for_each_sector(contacts, order, [&](int, int i, int k, const Opening &o) {
     const double ai = contacts[i].indentation;
@@ -116,7 +117,7 @@ inline void sector_shape(double radius, const Contacts &contacts, int *order, Sh
   shape.arc_radius = radius - shrinkage;
 }
 
-// The tangent arc of a sector that keeps its area R^2 phi/2, and the perimeter that this costs. With
+// The tangent arc of a sector that keeps its area R^2 phi/2, and the excess of its perimeter. With
 // s, c = sin, cos of phi/2, T = s - c phi/2, m the mean and delta half the difference of the heights h,
 // b the mean indentation:
 //   q^2 T = m^2 s - delta^2 c^2/s - R^2 c phi/2
@@ -164,7 +165,7 @@ inline bool area_sector_shape(double radius, const Contacts &contacts, int *orde
     exists = exists && a.exists;
     if (!a.exists) return;
     const double q = radius - a.part.shrinkage, li = a.part.length_i, lk = a.part.length_k;
-    // the R of dP/dphi is left out: it cancels between the two sectors of a contact
+    // without the R of dP/dphi, which cancels between the two sectors of a contact
     const double d_opening = (ai * (2.0 * a.part.shrinkage - ai) - li * li) / (2.0 * q);
 
     Response &at_i = shape.contact[i], &at_k = shape.contact[k];

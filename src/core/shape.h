@@ -1,4 +1,4 @@
-// What goes into a contact law, and what comes out of it, for one particle.
+// Input and output of a contact law for one particle.
 
 #ifndef DEFORMABLE_SHAPE_H
 #define DEFORMABLE_SHAPE_H
@@ -8,9 +8,9 @@
 
 namespace deformable {
 
-// A flat contact that presses on a particle.
+// A flat contact of a particle.
 struct Contact {
-  double angle;          // theta: direction from the centre to the contact line
+  double angle;          // theta: direction from the center to the contact line
   double nx, ny;         // (cos theta, sin theta)
   double indentation;    // a = R - h; negative: the line is outside of the circle
 };
@@ -23,22 +23,22 @@ struct Contacts {
   const Contact &operator[](int c) const { return first[c]; }
 };
 
-// What a law makes of one contact. The derivatives are those of what the law lets change: of the area
-// deficit where it conserves the perimeter, of the perimeter excess where it conserves the area.
+// Length of one contact, and the derivatives of the quantity that the law lets change: of the area deficit
+// where it conserves the perimeter, of the perimeter excess where it conserves the area.
 struct Response {
   double length;
   double d_indentation, d_angle;
 };
 
-// The answer of a contact law for one particle, its contacts in the order of the input. The memory only
-// ever grows, so that a force loop that keeps one Shape for all particles allocates nothing.
+// The result of a contact law for one particle; contacts are in the order of the input. The memory only grows,
+// so that a force loop with one Shape for all particles allocates nothing.
 struct Shape {
   double area_deficit = 0.0;        // S = A0 - A
   double perimeter_excess = 0.0;    // P - P0
   double arc_radius = 0.0;          // smallest radius of curvature; negative: beyond the model
   std::vector<Response> contact;
 
-  // Room for the contacts, which the law fills in.
+  // Memory for the contacts, which the law fills in.
   void reset(int contacts, double radius)
   {
     if (static_cast<std::size_t>(contacts) > contact.size()) contact.resize(contacts);
@@ -46,7 +46,7 @@ struct Shape {
     arc_radius = radius;
   }
 
-  // A circle that its contacts do nothing to.
+  // A circle without deformation.
   void circle(int contacts, double radius)
   {
     reset(contacts, radius);

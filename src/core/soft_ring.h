@@ -1,9 +1,9 @@
-// Contact law "ring" with a perimeter of finite stiffness: the ring breathes from its radius R - c (c: the
-// thickness of a rigid skin around it) to R - c + delta, and its contacts see a + delta.
+// The ring law of a ring with a perimeter of finite stiffness. The ring of radius R - c (c: thickness of a
+// rigid skin around it) expands by delta, and its contacts have the indentations a + delta.
 //
 //   U = kA/2 (A - A0)^2 + kP/2 (P - P0)^2,   A0 - A = S - pi delta (2 (R - c) + delta),   P - P0 = 2 pi delta
-// is smallest where Laplace's law holds, p q = kP (P - P0) with p = kA (A0 - A) and the mean radius of
-// curvature q = R - c + delta - sum L/2 pi. docs/theory.md derives it.
+// is smallest where Laplace's law holds: p q = kP (P - P0) with p = kA (A0 - A) and the mean radius of
+// curvature q = R - c + delta - sum L/2 pi. docs/theory.md has the derivation.
 
 #ifndef DEFORMABLE_SOFT_RING_H
 #define DEFORMABLE_SOFT_RING_H
@@ -17,7 +17,7 @@
 
 namespace deformable {
 
-// While the same contacts carry:  S = deficit + sum delta + rate delta^2/2,  sum L = sum + rate delta
+// While the same contacts are active:  S = deficit + sum delta + rate delta^2/2,  sum L = sum + rate delta
 struct Branch {
   double deficit, sum;    // S and sum L at delta = 0
   double rate;            // 1.G^-1.1
@@ -25,20 +25,21 @@ struct Branch {
 
 // The root delta of f = 2 pi delta kP/kA - D q, D = A0 - A, on one branch, where with e = 1 - rate/2 pi
 //   q = q0 + e delta,   D = S0 - pi delta (q0 + q),   f' = 2 pi kP/kA + 2 pi q^2 - e D.
-// It lies between 0, where kP = inf leaves the ring, and D = 0, where kA = inf takes it to, or where no ring of
-// this area exists, that of the largest one, q = 0. Newton starts where a constant q would put it.
-inline double breath_of(const Branch &branch, double radius, double ratio)
+// It lies between delta = 0 (kP = inf) and the delta where D = 0 (kA = inf). If no ring has this area, the
+// far end is that of the largest ring, q = 0. Newton's method starts from the root for a constant q.
+inline double expansion_of(const Branch &branch, double radius, double ratio)
 {
   const double e = 1.0 - branch.rate * (0.5 / PI), q0 = radius - branch.sum * (0.5 / PI);
   const double drive = branch.deficit * q0;
   if (drive == 0.0) return 0.0;
   const double square = PI * q0 * q0 + e * branch.deficit;    // pi q^2 where D = 0
-  double near = 0.0, far = square > 0.0 ? branch.deficit / (PI * q0) : -q0 / e;    // encloses it
+  double near = 0.0,
+         far = square > 0.0 ? branch.deficit / (PI * q0) : -q0 / e;    // they enclose the root
   if (ratio == 0.0)
     return square > 0.0 ? branch.deficit / (PI * q0 + std::copysign(std::sqrt(PI * square), q0))
                         : far;
 
-  constexpr double CLOSE = 1e-8;    // a step that doubles the digits is the last one
+  constexpr double CLOSE = 1e-8;    // each step doubles the digits, so this one is the last
   const double spring = 2.0 * PI * ratio;
   double delta = drive / (spring + 2.0 * PI * q0 * q0);
   if (std::fabs(delta) > std::fabs(far)) delta = far;
@@ -56,19 +57,19 @@ inline double breath_of(const Branch &branch, double radius, double ratio)
 }
 
 struct SoftRing {
-  double radius;    // R - c
-  double ratio;     // kP/kA, finite
-  double breath;    // delta
+  double radius;       // R - c
+  double ratio;        // kP/kA, finite
+  double expansion;    // delta
 
-  // From the lengths at delta = 0 and the factors of G to delta, and the indentations and lengths there.
+  // Finds delta from the lengths at delta = 0 and the factors of G; changes indentations and lengths to it.
   template <int N>
-  DEFORMABLE_INLINE void breathe(const double *factors, const double *per_pivot,
-                                 double *indentation, double *length)
+  DEFORMABLE_INLINE void expand(const double *factors, const double *per_pivot, double *indentation,
+                                double *length)
   {
     double rate[N];
 #pragma GCC unroll 8
     for (int m = 0; m < N; ++m) rate[m] = 1.0;
-    solve_again(N, factors, N, per_pivot, rate);
+    solve_factored(N, factors, N, per_pivot, rate);
     Branch branch = {0.0, 0.0, 0.0};
 #pragma GCC unroll 8
     for (int m = 0; m < N; ++m) {
@@ -76,30 +77,29 @@ struct SoftRing {
       branch.sum += length[m];
       branch.rate += rate[m];
     }
-    breath = breath_of(branch, radius, ratio);
+    expansion = expansion_of(branch, radius, ratio);
 #pragma GCC unroll 8
     for (int m = 0; m < N; ++m) {
-      indentation[m] += breath;
-      length[m] += breath * rate[m];
+      indentation[m] += expansion;
+      length[m] += expansion * rate[m];
     }
   }
 };
 
-// The branch at one delta says where delta is if it holds; below and above are those that are known to be
-// too small and too large.
-inline void ring_of_any(SoftRing &ring, const Contacts &contacts, RingProgramme &p, Shape &shape)
+// The contacts that are active at one delta give the next delta. `below` and `above` bound it.
+inline void ring_shape_by_lcp(SoftRing &ring, const Contacts &contacts, RingLCP &p, Shape &shape)
 {
   constexpr double ROUNDING = 1e-13;
   double below = -std::numeric_limits<double>::infinity(), above = -below;
-  ring.breath = 0.0;
+  ring.expansion = 0.0;
   for (int iteration = 0; iteration < 100; ++iteration) {
-    const double delta = ring.breath;
-    solve_any(contacts, delta, p);
+    const double delta = ring.expansion;
+    solve_all(contacts, delta, p);
     double *const rate = p.block_length.data();
-    std::fill_n(rate, p.pushing, 1.0);
-    solve_again(p.pushing, p.block.data(), p.stride, p.scratch.data(), rate);
+    std::fill_n(rate, p.active_count, 1.0);
+    solve_factored(p.active_count, p.block.data(), p.stride, p.scratch.data(), rate);
     Branch branch = {0.0, 0.0, 0.0};
-    for (int k = 0; k < p.pushing; ++k) {
+    for (int k = 0; k < p.active_count; ++k) {
       const int m = p.active[k];
       branch.deficit += 0.5 * p.indentation[m] * p.length[m];
       branch.sum += p.length[m];
@@ -108,28 +108,28 @@ inline void ring_of_any(SoftRing &ring, const Contacts &contacts, RingProgramme 
     branch.deficit -= delta * (branch.sum - 0.5 * delta * branch.rate);
     branch.sum -= delta * branch.rate;
 
-    const double next = breath_of(branch, ring.radius, ring.ratio);
+    const double next = expansion_of(branch, ring.radius, ring.ratio);
     if (std::fabs(next - delta) <= ROUNDING * std::fabs(next)) break;
     (next > delta ? below : above) = delta;
-    ring.breath = below < next && next < above ? next : 0.5 * (below + above);
+    ring.expansion = below < next && next < above ? next : 0.5 * (below + above);
   }
-  fill_shape(ring.radius + ring.breath, p.size, p.candidates(), p.length.data(), p.scratch.data(),
-             shape);
+  fill_shape(ring.radius + ring.expansion, p.size, p.candidates(), p.length.data(),
+             p.scratch.data(), shape);
 }
 
-// Shape and energy; the derivatives in `shape` times the pressure are those of the energy. Radius: R - c.
-// Returns whether there is such a shape: not where kA is infinite and the contacts leave too little area.
+// Shape and energy of a ring of radius R - c. The derivatives of the energy are those in `shape` times the
+// pressure. Returns whether the shape exists: with infinite kA the contacts may leave too little area.
 inline bool soft_ring_shape(double radius, const Stiffness &stiffness, const Contacts &contacts,
-                            char *carries, RingProgramme &p, Shape &shape, Energy &energy)
+                            char *is_active, RingLCP &p, Shape &shape, Energy &energy)
 {
   SoftRing ring = {radius, stiffness.ratio(), 0.0};
-  ring_shape(ring, contacts, carries, p, shape);
+  ring_shape(ring, contacts, is_active, p, shape);
 
-  const double delta = ring.breath, excess = 2.0 * PI * delta;
+  const double delta = ring.expansion, excess = 2.0 * PI * delta;
   const double deficit = shape.area_deficit - PI * delta * (2.0 * radius + delta);
   double q = radius + delta;
   for (int c = 0; c < contacts.size; ++c) q -= shape.contact[c].length * (0.5 / PI);
-  // either side of Laplace's law gives p: the one that loses less to a difference of large numbers
+  // both sides of Laplace's law give p: take the one that loses fewer digits to a difference of large numbers
   const bool by_tension = deficit * (radius + delta) <= std::fabs(q) * shape.area_deficit;
   const double pressure = by_tension ? stiffness.kP * excess / q : stiffness.kA * deficit;
 

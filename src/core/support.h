@@ -34,8 +34,8 @@ inline Support ring_support(double radius, const Contacts &contacts, const Shape
   return support;
 }
 
-// Largest H - R: how far the outline reaches out of the circle it came from. The best of 48 directions
-// is refined by Newton on H' = 0, with H'' = rho - H.
+// Largest H - R: how far the outline bulges out of the undeformed circle. Newton's method for H' = 0, with
+// H'' = rho - H, starts from the best of 48 directions.
 inline double ring_bulge(double radius, const Contacts &contacts, const Shape &shape)
 {
   constexpr int SAMPLES = 48;
@@ -59,7 +59,7 @@ inline double ring_bulge(double radius, const Contacts &contacts, const Shape &s
   return best;
 }
 
-// What ring_bulge cannot exceed, without following the outline: -sum L min G.
+// An upper bound of ring_bulge that is cheap: -sum L min G.
 inline double ring_bulge_at_most(const Contacts &contacts, const Shape &shape)
 {
   constexpr double LEAST_GREEN = -0.10199;    // at 1.305

@@ -59,13 +59,13 @@ inline double sine_minus_x_cosine(double x, double sine, double cosine)
   return x < 1.0 ? x * x * x * taylor::SINE_MINUS_X_COSINE(x * x) : sine - x * cosine;
 }
 
-// atan2(y, x) to 4e-16 without a branch, for (x, y) other than the origin: the force loop needs one for
-// each contact, of a direction that no branch predictor can guess.
+// atan2(y, x) to 4e-16, for (x, y) other than the origin. It has no branch: the force loop needs it for each
+// contact, and directions are at random, so that branches would be mispredicted.
 inline double angle_of(double x, double y)
 {
   const double ax = std::fabs(x), ay = std::fabs(y);
   const double large = std::max(ax, ay), small = std::min(ax, ay);
-  // Choices are numbers, 0 or 1. atan(small/large) is taken from pi/4 on where it is above tan(pi/8).
+  // Conditions are numbers, 0 or 1. Above tan(pi/8), atan(small/large) is computed as a difference from pi/4.
   const double upper = small > 0.41421356237309503 * large;
   const double steep = ay > ax, left = x < 0.0;
   const double z = (small - upper * large) / (large + upper * small);

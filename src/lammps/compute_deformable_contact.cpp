@@ -43,11 +43,12 @@ void ComputeDeformableContact::compute_local()
   invoked_local = update->ntimestep;
   values.clear();
   for (const PairDeformable *pair : pairs)
-    for (const SeenContact &seen : pair->seen) {
-      if (!(atom->mask[seen.atom] & groupbit)) continue;
-      values.insert(values.end(), {static_cast<double>(atom->tag[seen.atom]),
-                                   static_cast<double>(seen.partner), seen.indentation, seen.length,
-                                   seen.force, seen.x, seen.y, seen.angle, seen.distance});
+    for (const RecordedContact &contact : pair->recorded) {
+      if (!(atom->mask[contact.atom] & groupbit)) continue;
+      values.insert(values.end(),
+                    {static_cast<double>(atom->tag[contact.atom]),
+                     static_cast<double>(contact.partner), contact.indentation, contact.length,
+                     contact.force, contact.x, contact.y, contact.angle, contact.distance});
     }
   size_local_rows = static_cast<int>(values.size()) / size_local_cols;
   rows.resize(size_local_rows + 1);

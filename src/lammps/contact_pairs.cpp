@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-// One more version of a loop for processors with 256-bit vectors, chosen when the plugin is loaded.
+// A second version of a loop for processors with 256-bit vectors; the loader of the plugin chooses.
 #if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__clang__) && __GNUC__ >= 12
 #define DEFORMABLE_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
 #else
@@ -33,8 +33,8 @@ void ContactPairs::reserve(std::size_t most)
     v->resize(most);
 }
 
-// A loop without a branch.
-DEFORMABLE_CLONES void LAMMPS_NS::meet(ContactPairs &p)
+// The loop has no branch.
+DEFORMABLE_CLONES void LAMMPS_NS::compute_contact_lines(ContactPairs &p)
 {
   const int n = p.size;
   const double *const dx = p.dx.data(), *const dy = p.dy.data();
@@ -56,4 +56,46 @@ DEFORMABLE_CLONES void LAMMPS_NS::meet(ContactPairs &p)
     d_ai[k] = line.d_indentation_i;
     d_aj[k] = line.d_indentation_j;
   }
+}
+
+/* ---------------------------------------------------------------------- */
+
+int LAMMPS_NS::insert_pairs(const ContactPairs &pairs, int nlocal, ContactTable &table)
+{
+  // copies of the table's addresses, renewed only when its memory has moved
+  int stride, *row, *count;
+  Contact *contact;
+  Partner *partner;
+  const auto get_addresses = [&] {
+    stride = table.stride;
+    row = table.row.data();
+    count = table.count.data();
+    contact = table.contact.data();
+    partner = table.partner.data();
+  };
+  const auto new_place = [&](int i) {
+    if (row[i] < 0 || count[row[i]] == stride) {
+      table.make_room(i);
+      get_addresses();
+    }
+    return static_cast<std::size_t>(row[i]) * stride + count[row[i]]++;
+  };
+  get_addresses();
+
+  for (int k = 0; k < pairs.size; ++k) {
+    const int i = pairs.i[k], j = pairs.j[k];
+    const double theta = pairs.angle[k], nx = pairs.nx[k], ny = pairs.ny[k];
+    const double ai = pairs.indentation_i[k], aj = pairs.indentation_j[k];
+    const double per_distance = pairs.per_distance[k];
+    if (!(ai < pairs.radius_i[k] && aj < pairs.radius_j[k])) return k;
+
+    const std::size_t at_i = new_place(i);
+    contact[at_i] = {theta, nx, ny, ai};
+    partner[at_i] = {j, pairs.d_indentation_i[k], per_distance};
+    if (j >= nlocal) continue;
+    const std::size_t at_j = new_place(j);
+    contact[at_j] = {theta > 0.0 ? theta - PI : theta + PI, -nx, -ny, aj};
+    partner[at_j] = {i, pairs.d_indentation_j[k], per_distance};
+  }
+  return -1;
 }

@@ -23,21 +23,22 @@ void SideValues::reset(int rows, int stride)
   for (int r = 0; r < rows; ++r) row[r] = value.data() + static_cast<std::size_t>(r) * stride;
 }
 
-// From each rank's particles to their ghosts. On a single rank mirrors leave these out.
+// From each rank's particles to their ghosts. On a single rank the mirror of a side is never a ghost's, so that
+// only match_sides needs this.
 void ContactSides::exchange(SideValues &values)
 {
-  if (comm->nprocs == 1 && !facing) return;
+  if (comm->nprocs == 1 && !matching) return;
   comm->forward_comm_array(stride, values.row.data());
 }
 
 /* ----------------------------------------------------------------------
-   the other side of each: two particles of a small box meet more than once,
-   perhaps in one direction, but not in one place
+   Finds the mirror of each side. In a small box two particles may have several
+   contacts, even in one direction, but each at another relative position.
 ------------------------------------------------------------------------- */
 
-void ContactSides::face(const ContactTable &table)
+void ContactSides::match_sides(const ContactTable &table)
 {
-  const std::vector<Known> known = recall();
+  const std::vector<OldSide> old = old_sides();
 
   const int nlocal = atom->nlocal, rows = nlocal + atom->nghost;
   count.assign(nlocal, 0);
@@ -51,36 +52,38 @@ void ContactSides::face(const ContactTable &table)
   MPI_Allreduce(&longest, &stride, 1, MPI_INT, MPI_MAX, world);
 
   SideValues weight, owner;
-  for (SideValues *values : {&shifts, &before, &earlier, &partners, &xs, &ys, &weight, &owner})
+  for (SideValues *values :
+       {&shifts, &last_shifts, &second_last_shifts, &partners, &xs, &ys, &weight, &owner})
     values->reset(rows, stride);
   tags.assign(atom->tag, atom->tag + nlocal);
   for (int i = 0; i < nlocal; ++i)
     for (int c = 0; c < count[i]; ++c) {
       const int k = side(i, c);
-      const Partner &seen = table.partner[table.first(i) + c];
-      const tagint partner = atom->tag[seen.atom];
-      const double distance = 1.0 / seen.per_lever;
+      const Partner &other = table.partner[table.first(i) + c];
+      const tagint partner = atom->tag[other.atom];
+      const double distance = 1.0 / other.per_lever;
       partners[k] = static_cast<double>(partner);
       xs[k] = table.of(i)[c].nx * distance;
       ys[k] = table.of(i)[c].ny * distance;
       double nearest = distance * distance;
-      const auto [first, last] = std::equal_range(known.begin(), known.end(),
-                                                  Known{tags[i], partner, 0.0, 0.0, 0.0, 0.0, 0.0});
+      const auto [first, last] = std::equal_range(
+          old.begin(), old.end(), OldSide{tags[i], partner, 0.0, 0.0, 0.0, 0.0, 0.0});
       for (auto candidate = first; candidate != last; ++candidate) {
-        const double apart = square(candidate->x - xs[k]) + square(candidate->y - ys[k]);
-        if (apart >= nearest) continue;
-        nearest = apart;
+        const double distance2 = square(candidate->x - xs[k]) + square(candidate->y - ys[k]);
+        if (distance2 >= nearest) continue;
+        nearest = distance2;
         weight[k] = 1.0;
         shifts[k] = candidate->shift;
-        before[k] = candidate->before;
-        earlier[k] = candidate->earlier;
+        last_shifts[k] = candidate->last_shift;
+        second_last_shifts[k] = candidate->second_last_shift;
       }
     }
   for (int i = 0; i < nlocal; ++i) owner[side(i, 0)] = i;
-  facing = true;
-  for (SideValues *values : {&owner, &partners, &xs, &ys, &weight, &shifts, &before, &earlier})
+  matching = true;
+  for (SideValues *values :
+       {&owner, &partners, &xs, &ys, &weight, &shifts, &last_shifts, &second_last_shifts})
     exchange(*values);
-  facing = false;
+  matching = false;
 
   mirror.resize(static_cast<std::size_t>(nlocal) * stride);
   for (int i = 0; i < nlocal; ++i)
@@ -90,16 +93,16 @@ void ContactSides::face(const ContactTable &table)
       double nearest = square(xs[k]) + square(ys[k]);
       for (int m = side(j, 0); m < side(j, stride); ++m) {
         if (partners[m] != static_cast<double>(tags[i])) continue;
-        const double apart = square(xs[m] + xs[k]) + square(ys[m] + ys[k]);
-        if (apart >= nearest) continue;
-        nearest = apart;
+        const double distance2 = square(xs[m] + xs[k]) + square(ys[m] + ys[k]);
+        if (distance2 >= nearest) continue;
+        nearest = distance2;
         mirror[k] = comm->nprocs == 1 ? m + side(static_cast<int>(owner[side(j, 0)]) - j, 0) : m;
       }
     }
 
-  // what either of both sides recalls
+  // the mean of what both sides have kept; a new side has kept nothing
   std::vector<double> common(mirror.size(), 0.0);
-  for (SideValues *values : {&shifts, &before, &earlier}) {
+  for (SideValues *values : {&shifts, &last_shifts, &second_last_shifts}) {
     for (int i = 0; i < nlocal; ++i)
       for (int k = side(i, 0); k < side(i, count[i]); ++k) {
         const double sum = weight[k] + weight[mirror[k]];
@@ -114,21 +117,21 @@ void ContactSides::face(const ContactTable &table)
 double ContactSides::memory_usage() const
 {
   double bytes = bytes_of(count, mirror, tags);
-  for (const SideValues *values : {&shifts, &before, &earlier, &partners, &xs, &ys})
+  for (const SideValues *values : {&shifts, &last_shifts, &second_last_shifts, &partners, &xs, &ys})
     bytes += values->bytes();
   return bytes;
 }
 
 /* ---------------------------------------------------------------------- */
 
-std::vector<ContactSides::Known> ContactSides::recall()
+std::vector<ContactSides::OldSide> ContactSides::old_sides()
 {
-  std::vector<Known> known;
+  std::vector<OldSide> old;
   for (int i = 0; i < static_cast<int>(count.size()); ++i)
     for (int k = side(i, 0); k < side(i, count[i]); ++k)
       if (shifts[k] != 0.0)
-        known.push_back({tags[i], static_cast<tagint>(partners[k]), xs[k], ys[k], shifts[k],
-                         before[k], earlier[k]});
-  std::sort(known.begin(), known.end());
-  return known;
+        old.push_back({tags[i], static_cast<tagint>(partners[k]), xs[k], ys[k], shifts[k],
+                       last_shifts[k], second_last_shifts[k]});
+  std::sort(old.begin(), old.end());
+  return old;
 }

@@ -1,5 +1,5 @@
-// The two sides of each pair of particles: which one faces which, on whatever rank it is, and what is recalled of
-// them from one neighbour list to the next.
+// The two sides of each contact of two particles, on the same rank or on two: which side is the other one's mirror,
+// and which shifts of the contact line they keep from one neighbor list to the next.
 
 #ifndef LMP_CONTACT_SIDES_H
 #define LMP_CONTACT_SIDES_H
@@ -12,7 +12,7 @@
 
 namespace LAMMPS_NS {
 
-// A number of each side, in rows of one length, one for each particle, ghosts included.
+// A number for each side, in rows of equal length, one row for each particle, ghosts included.
 struct SideValues {
   std::vector<double> value;
   std::vector<double *> row;
@@ -28,30 +28,29 @@ class ContactSides : protected Pointers {
 
   int stride = 0;             // of rows, the same on all ranks
   std::vector<int> count;     // sides of each particle of this rank
-  std::vector<int> mirror;    // of each side the other one; itself where that is out of reach
-  SideValues shifts, before, earlier;    // s, and what it was one and two calls ago
+  std::vector<int> mirror;    // the other side of each side; itself if that is out of reach
+  SideValues shifts, last_shifts, second_last_shifts;    // s now, and one and two calls ago
 
   int side(int i, int c) const { return i * stride + c; }
   void exchange(SideValues &);
-  void face(const ContactTable &);    // a new list of pairs
+  void match_sides(const ContactTable &);    // for a new neighbor list
   double memory_usage() const;
 
  private:
-  bool facing = false;    // mirrors are being sought
+  bool matching = false;
 
-  // Of pairs whose list is gone.
-  struct Known {
+  // A side as the last neighbor list had it.
+  struct OldSide {
     tagint tag, partner;
-    double x, y, shift, before, earlier;
-    bool operator<(const Known &other) const
+    double x, y, shift, last_shift, second_last_shift;
+    bool operator<(const OldSide &other) const
     {
       return tag != other.tag ? tag < other.tag : partner < other.partner;
     }
   };
-  std::vector<tagint> tags;    // of particles of this rank
-  SideValues partners, xs,
-      ys;    // of sides: tag of the other particle, and where it is as seen from here
-  std::vector<Known> recall();
+  std::vector<tagint> tags;       // of particles of this rank
+  SideValues partners, xs, ys;    // of sides: tag and relative position of the other particle
+  std::vector<OldSide> old_sides();
 };
 
 }    // namespace LAMMPS_NS

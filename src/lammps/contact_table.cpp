@@ -12,7 +12,7 @@ void ContactTable::clear(int nlocal)
   std::iota(free_rows.begin(), free_rows.end(), 0);
 }
 
-// A row where the particle has none, twice as many places in each row where its own is full.
+// Gives the particle a row if it has none, and doubles all rows if its own is full.
 void ContactTable::make_room(int i)
 {
   if (row[i] < 0) {
@@ -37,10 +37,10 @@ void ContactTable::make_room(int i)
   }
 }
 
-void ContactTable::add(int i, const deformable::Contact &with, const Partner &whom)
+void ContactTable::add(int i, const deformable::Contact &new_contact, const Partner &with)
 {
   make_room(i);
   const std::size_t c = first(i) + count[row[i]]++;
-  contact[c] = with;
-  partner[c] = whom;
+  contact[c] = new_contact;
+  partner[c] = with;
 }

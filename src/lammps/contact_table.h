@@ -1,4 +1,4 @@
-// The contacts of particles on their way from the neighbour list to the contact law.
+// The table of contacts: from the neighbor list to the contact law.
 
 #ifndef DEFORMABLE_CONTACT_TABLE_H
 #define DEFORMABLE_CONTACT_TABLE_H
@@ -15,17 +15,17 @@ template <class... Vector> double bytes_of(const Vector &...vector)
   return (static_cast<double>(vector.capacity() * sizeof(typename Vector::value_type)) + ... + 0.0);
 }
 
-// What a contact's force acts on.
+// The other side of a contact, on which its force acts too.
 struct Partner {
   int atom;                // local index, or -1 - w for wall w
   double d_indentation;    // da/dd, d the distance of the partner
-  double per_lever;    // turn of the direction per sideways step of the partner: 1/d, walls aside
+  double
+      per_lever;    // rotation of the direction per sideways step of the partner: 1/d except for walls
 };
 
-// The contacts found so far. Two particles of one rank share what belongs to their contact, so each is
-// computed once, when the first of the two has its turn. Contacts live from then until the second one's
-// turn: few particles have some at a time, and the rows they leave are taken again at once, so that the
-// table stays in the cache however large the system.
+// A row of contacts for each particle that has some. A contact of two particles of one rank is computed once,
+// for both, when the first of them is evaluated. Its row is released after the second one is evaluated, and
+// used again, so that few rows are in use and the table stays in the cache for any size of the system.
 struct ContactTable {
   int stride = 8;          // places in a row; doubled when a particle needs more
   std::vector<int> row;    // of each particle; -1: it has no contact yet
@@ -35,7 +35,7 @@ struct ContactTable {
   std::vector<Partner> partner;
 
   void clear(int nlocal);
-  void make_room(int i);    // for one more contact of particle i; may move all of the above
+  void make_room(int i);    // for one more contact of particle i; may move all memory of the table
   void add(int i, const deformable::Contact &, const Partner &);
 
   double bytes() const { return bytes_of(row, free_rows, count, contact, partner); }
@@ -56,9 +56,9 @@ struct ContactTable {
   }
 };
 
-// What a law recalls of each particle's contacts from one call to the next, as a first guess: they come in
-// the same order as long as none forms or breaks. start(first, last) fills it in where it is lost.
-template <class T> struct Recall {
+// A value of each contact of a particle that a law keeps from one call to the next, as a first guess. Contacts
+// stay in the same order as long as none forms or breaks; otherwise start(first, last) sets the values anew.
+template <class T> struct WarmStart {
   int stride = 8;
   std::vector<T> value;
   std::vector<int> count;

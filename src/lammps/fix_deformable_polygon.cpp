@@ -154,7 +154,7 @@ int FixDeformablePolygon::beside(int i, const Ring &ring, tagint tag) const
 
 /* ---------------------------------------------------------------------- */
 
-void FixDeformablePolygon::from_centre(const Ring &ring, int i, double &x, double &y) const
+void FixDeformablePolygon::from_center(const Ring &ring, int i, double &x, double &y) const
 {
   const imageint image = atom->image[i];
   const int across = boxes_between(ring.image_x, image_x(image));
@@ -178,7 +178,7 @@ void FixDeformablePolygon::measure_areas()
     for (const auto end = links.begin() + ring.links_end; link != end; ++link) {
       const double *here = x[link->bead], *next = x[link->next];
       double px, py;
-      from_centre(ring, link->bead, px, py);
+      from_center(ring, link->bead, px, py);
       area += 0.5 * (px * (next[1] - here[1]) - py * (next[0] - here[0]));
       sum_x += px;
       sum_y += py;
@@ -238,7 +238,7 @@ void FixDeformablePolygon::post_force(int vflag)
       f[link->bead][1] += fy;
       if (evflag) {
         double px, py;
-        from_centre(ring, link->bead, px, py);
+        from_center(ring, link->bead, px, py);
         double v[6] = {px * fx, py * fy, 0.0, px * fy, 0.0, 0.0};
         v_tally(link->bead, v);
       }
@@ -273,7 +273,7 @@ double FixDeformablePolygon::compute_scalar()
 }
 
 /* ----------------------------------------------------------------------
-   a row for each ring: area, perimeter, rest area, centre (mean of the beads)
+   a row for each ring: area, perimeter, rest area, center (mean of the beads)
 ------------------------------------------------------------------------- */
 
 double FixDeformablePolygon::compute_array(int m, int column)

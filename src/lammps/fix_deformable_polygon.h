@@ -35,7 +35,7 @@ class FixDeformablePolygon : public Fix {
   double memory_usage() override;
 
  private:
-  // Areas are signed, so that the energy stays smooth where a ring turns inside out. The centre, from which
+  // Areas are signed, so that the energy stays smooth where a ring turns inside out. The center, from which
   // areas are measured, is the mean of the beads as of the call before.
   struct Ring : BeadRing {
     double rest_area = 0.0;
@@ -53,12 +53,12 @@ class FixDeformablePolygon : public Fix {
     int bead, previous, next;
   };
   std::vector<Link> links;
-  bigint links_of_build = -1;    // they change with the neighbour list
+  bigint links_of_build = -1;    // they change with the neighbor list
 
   std::vector<Ring> find_rings();
   void link_beads();
   int beside(int i, const Ring &ring, tagint tag) const;
-  void from_centre(const Ring &ring, int i, double &x, double &y) const;
+  void from_center(const Ring &ring, int i, double &x, double &y) const;
   void measure_areas();
   void measure_perimeters();
 };

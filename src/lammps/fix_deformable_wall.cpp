@@ -54,8 +54,8 @@ void FixDeformableWall::init()
     error->all(FLERR, "Fix {} deformable/wall needs a deformable pair style, but pair_style is {}",
                id, force->pair_style ? force->pair_style : "none");
 
-  // Region::Contact::radius is made for granular particles: twice the radius of a cylinder, the radius
-  // of a sphere. Other curved surfaces do not say how they turn.
+  // Region::Contact::radius, made for granular particles, is twice the radius of a cylinder and the radius of a
+  // sphere. It is unknown for other curved surfaces.
   curvature_factor = std::strcmp(region->style, "cylinder") == 0 ? 0.5
                      : std::strcmp(region->style, "sphere") == 0 ? 1.0
                                                                  : 0.0;
@@ -82,7 +82,7 @@ void FixDeformableWall::require_flat(const Region *part, bool outside) const
                id, part->id, part->style);
   if (outside)
     error->all(FLERR,
-               "Fix {} deformable/wall: particles outside of region '{}' would meet the corners "
+               "Fix {} deformable/wall: particles outside of region '{}' would touch the corners "
                "of a {}, which are no flat walls; build the obstacle from planes",
                id, part->id, part->style);
 }
@@ -105,13 +105,13 @@ void FixDeformableWall::setup_pre_force(int vflag)
 }
 
 /* ----------------------------------------------------------------------
-   a clean slate for the pair style, and the region where it is now
+   Clears the forces before the pair style is called; moves the region.
 ------------------------------------------------------------------------- */
 
 void FixDeformableWall::pre_force(int)
 {
-  pushes.assign(atom->nlocal, Push{});
-  heard.clear();
+  wall_forces.assign(atom->nlocal, WallForce{});
+  callers.clear();
   region->prematch();
 }
 
@@ -127,15 +127,15 @@ void FixDeformableWall::post_force(int vflag)
   v_init(vflag);
   double *const *const f = atom->f;
   on_wall[0] = on_wall[1] = 0.0;
-  for (int i = 0; i < static_cast<int>(pushes.size()); ++i) {
-    const Push &push = pushes[i];
-    if (push.fx == 0.0 && push.fy == 0.0) continue;
-    f[i][0] += push.fx;
-    f[i][1] += push.fy;
-    on_wall[0] -= push.fx;
-    on_wall[1] -= push.fy;
+  for (int i = 0; i < static_cast<int>(wall_forces.size()); ++i) {
+    const WallForce &force = wall_forces[i];
+    if (force.fx == 0.0 && force.fy == 0.0) continue;
+    f[i][0] += force.fx;
+    f[i][1] += force.fy;
+    on_wall[0] -= force.fx;
+    on_wall[1] -= force.fy;
     if (evflag) {
-      double v[6] = {push.vxx, push.vyy, 0.0, push.vxy, 0.0, 0.0};
+      double v[6] = {force.vxx, force.vyy, 0.0, force.vxy, 0.0, 0.0};
       v_tally(i, v);
     }
   }
@@ -147,7 +147,7 @@ void FixDeformableWall::min_post_force(int vflag)
 }
 
 /* ----------------------------------------------------------------------
-   force on the wall
+   Force on the wall.
 ------------------------------------------------------------------------- */
 
 double FixDeformableWall::compute_vector(int n)
@@ -159,9 +159,9 @@ double FixDeformableWall::compute_vector(int n)
 }
 
 /* ----------------------------------------------------------------------
-   A face that is flat turns with nothing. One that curves around the
-   particle turns about its centre of curvature, at radius - height beyond
-   the particle; one that curves away at radius + height before it.
+   The tangent of a flat face does not rotate. That of a curved face rotates
+   about its center of curvature, which is at radius - height behind a particle
+   inside the curve, and at radius + height before a particle outside.
 ------------------------------------------------------------------------- */
 
 double FixDeformableWall::per_lever(const Region::Contact &face) const
@@ -170,8 +170,8 @@ double FixDeformableWall::per_lever(const Region::Contact &face) const
 }
 
 /* ----------------------------------------------------------------------
-   A cylinder along x or y looks curved too, but is flat in the plane: does
-   the face turn when the particle takes a small step along it?
+   A cylinder along x or y is flat in the plane. The check: whether the face
+   rotates when the particle takes a small step along it.
 ------------------------------------------------------------------------- */
 
 void FixDeformableWall::check_axis(const double *x, double cutoff, const Region::Contact &face)
@@ -182,9 +182,9 @@ void FixDeformableWall::check_axis(const double *x, double cutoff, const Region:
   for (int m = 0; m < n; ++m) {
     const Region::Contact &moved = region->contact[m];
     if (moved.radius == 0.0) continue;
-    const double turn =
+    const double rotation =
         std::fabs(face.delx * moved.dely - face.dely * moved.delx) / (face.r * moved.r);
-    if (turn < 0.5 * step * std::fabs(per_lever(face)))
+    if (rotation < 0.5 * step * std::fabs(per_lever(face)))
       error->one(FLERR, "Fix {} deformable/wall: the axis of cylinder '{}' must be along z", id,
                  region_id);
   }
@@ -192,16 +192,16 @@ void FixDeformableWall::check_axis(const double *x, double cutoff, const Region:
 
 /* ---------------------------------------------------------------------- */
 
-void FixDeformableWall::outside(int i)
+void FixDeformableWall::refuse_outside(int i)
 {
   const double *x = atom->x[i];
   error->one(FLERR,
-             "The centre of atom {} at ({:.6g}, {:.6g}) is outside of region '{}' of fix {} "
+             "The center of atom {} at ({:.6g}, {:.6g}) is outside of region '{}' of fix {} "
              "deformable/wall",
              atom->tag[i], x[0], x[1], region_id, id);
 }
 
-void FixDeformableWall::unusable(int i, double distance)
+void FixDeformableWall::refuse_face(int i, double distance)
 {
   if (distance > 0.0)
     error->one(FLERR,
@@ -209,7 +209,7 @@ void FixDeformableWall::unusable(int i, double distance)
                "xy plane at atom {}",
                id, region_id, atom->tag[i]);
   error->one(FLERR,
-             "The centre of atom {} lies on the surface of region '{}' of fix {} deformable/wall",
+             "The center of atom {} lies on the surface of region '{}' of fix {} deformable/wall",
              atom->tag[i], region_id, id);
 }
 
@@ -217,5 +217,5 @@ void FixDeformableWall::unusable(int i, double distance)
 
 double FixDeformableWall::memory_usage()
 {
-  return static_cast<double>(pushes.capacity() * sizeof(Push));
+  return static_cast<double>(wall_forces.capacity() * sizeof(WallForce));
 }

@@ -12,18 +12,15 @@
 #include "modify.h"
 #include "neighbor.h"
 
-#include <cstring>
+#include <limits>
 
 using namespace LAMMPS_NS;
-
-static const char *const RESULT_NAMES[] = {"area",     "perimeter",  "contacts",
-                                           "pressure", "arc_radius", "contact_length"};
 
 /* ---------------------------------------------------------------------- */
 
 PairDeformable::PairDeformable(LAMMPS *lmp, int outputs)
     : Pair(lmp),
-      beyond(0),
+      beyond_model(0),
       bulge_over_reach(0.0)
 {
   single_enable = 0;
@@ -41,7 +38,6 @@ PairDeformable::~PairDeformable()
 {
   if (copymode) return;
   delete[] pvector;
-  for (double *result : results) memory->destroy(result);
   if (allocated) {
     memory->destroy(setflag);
     memory->destroy(cutsq);
@@ -107,13 +103,13 @@ void PairDeformable::init_style()
                "Pair style deformable with 'radius atom' needs atoms that have radii: use "
                "'atom_style sphere', not {}",
                atom->get_style());
-  // each pair of this rank's particles once, those with a ghost on either rank
+  // each pair of this rank's particles once, pairs with a ghost on both ranks
   neighbor->add_request(this, NeighConst::REQ_NEWTON_OFF);
 
-  // a fix pair that is gone leaves nobody to keep results for; extract_peratom hears of new ones
-  wanted = !modify->get_fix_by_style("^pair$").empty();
+  // false again after unfix; extract_peratom sets it for a new fix pair
+  results.requested = !modify->get_fix_by_style("^pair$").empty();
 
-  watched = !modify->get_compute_by_style(ComputeDeformableContact::STYLE).empty();
+  recording = !modify->get_compute_by_style(ComputeDeformableContact::STYLE).empty();
 
   walls.clear();
   for (Fix *fix : modify->get_fix_by_style(FixDeformableWall::STYLE))
@@ -133,57 +129,51 @@ double PairDeformable::init_one(int i, int j)
 void PairDeformable::begin_call(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
-  beyond = 0;
-  seen.clear();
+  beyond_model = 0;
+  recorded.clear();
   if (neighbor->ago == 0) bulge_over_reach = 0.0;
   atom_radius = radius_by_atom ? atom->radius : nullptr;
   if (radius_by_atom) check_radii();
   table.clear(atom->nlocal);
   for (FixDeformableWall *wall : walls) wall->begin_call(this);
 
-  if (!wanted) return;
-  if (atom->nmax > maxresults) {
-    maxresults = atom->nmax;
-    for (double *&result : results) memory->grow(result, maxresults, "pair:results");
-  }
-  if (list->inum < atom->nlocal)    // particles of other pair styles have none
-    for (double *result : results) std::fill_n(result, atom->nlocal, 0.0);
+  if (!results.requested) return;
+  results.resize(atom->nmax);
+  if (list->inum < atom->nlocal) results.clear(atom->nlocal);    // particles of other pair styles
 }
 
 /* ----------------------------------------------------------------------
-   compute pair sums pvector over ranks; all ranks look together only when
-   the neighbour list is new, so that a step costs no communication
+   Compute pair sums pvector over ranks. Ranks compare their values only when
+   the neighbor list is new, so that other steps need no communication.
 ------------------------------------------------------------------------- */
 
 void PairDeformable::end_call()
 {
   if (vflag_fdotr) virial_fdotr_compute();
 
-  pvector[0] = beyond;
+  pvector[0] = beyond_model;
   if (neighbor->ago != 0) return;
-  double local[2] = {bulge_over_reach, static_cast<double>(beyond)}, largest[2];
+  double local[2] = {bulge_over_reach, static_cast<double>(beyond_model)}, largest[2];
   MPI_Allreduce(local, largest, 2, MPI_DOUBLE, MPI_MAX, world);
   pvector[1] = comm->me == 0 ? largest[0] : 0.0;
-  if (largest[1] > 0.0 && !warned) {
-    warned = true;
+  if (largest[1] > 0.0 && !warned_beyond_model) {
+    warned_beyond_model = true;
     if (comm->me == 0)
-      error->warning(
-          FLERR, "Particles are beyond the deformable model: part of their outline has a negative "
-                 "radius of curvature (past confluence, or contacts too close to each other); "
-                 "'compute ID all pair' counts them");
+      error->warning(FLERR,
+                     "Particles are beyond the model: part of their outline has a negative "
+                     "radius of curvature (past confluence, or contacts too close to each other). "
+                     "'compute ID all pair' counts them");
   }
 }
 
-/* ----------------------------------------------------------------------
-   pairs of a block of particles
-------------------------------------------------------------------------- */
+/* ---------------------------------------------------------------------- */
 
-template <bool WITHIN_CUTOFF> void PairDeformable::find_pairs(int begin, int end)
+template <bool WITHIN_CUTOFF> void PairDeformable::insert_pairs_of(int begin, int end)
 {
   const double *const *const x = atom->x;
   const int *const type = atom->type;
   const double *const by_type = radius.data(), *const by_atom = atom_radius;
-  const auto size = [=](int i) { return by_atom ? by_atom[i] : by_type[type[i]]; };
+  const auto radius_at = [=](int i) { return by_atom ? by_atom[i] : by_type[type[i]]; };
   const double stretch = 1.0 + reach;
   std::size_t most = 0;
   for (int ii = begin; ii < end; ++ii) most += list->numneigh[list->ilist[ii]];
@@ -192,69 +182,28 @@ template <bool WITHIN_CUTOFF> void PairDeformable::find_pairs(int begin, int end
 
   for (int ii = begin; ii < end; ++ii) {
     const int i = list->ilist[ii];
-    const double xi = x[i][0], yi = x[i][1], ri = size(i);
+    const double xi = x[i][0], yi = x[i][1], ri = radius_at(i);
     const int *const neighbors = list->firstneigh[i];
     const int count = list->numneigh[i];
     for (int jj = 0; jj < count; ++jj) {
       const int j = neighbors[jj] & NEIGHMASK;
-      const double dx = x[j][0] - xi, dy = x[j][1] - yi, rj = size(j);
+      const double dx = x[j][0] - xi, dy = x[j][1] - yi, rj = radius_at(j);
       const double cutoff = stretch * (ri + rj);
       if (WITHIN_CUTOFF && dx * dx + dy * dy > cutoff * cutoff) continue;
       pairs.add(i, j, dx, dy, ri, rj);
     }
   }
+  compute_contact_lines(pairs);
+  const int bad_pair = insert_pairs(pairs, atom->nlocal, table);
+  if (bad_pair >= 0) refuse_behind_center(bad_pair);
 }
 
-template void PairDeformable::find_pairs<true>(int, int);
-template void PairDeformable::find_pairs<false>(int, int);
+template void PairDeformable::insert_pairs_of<true>(int, int);
+template void PairDeformable::insert_pairs_of<false>(int, int);
 
 /* ---------------------------------------------------------------------- */
 
-void PairDeformable::enter_pairs()
-{
-  using deformable::PI;
-  // the table's memory, looked up again only when it has moved
-  int stride, *row, *count;
-  deformable::Contact *contact;
-  Partner *partner;
-  const auto look_up = [&] {
-    stride = table.stride;
-    row = table.row.data();
-    count = table.count.data();
-    contact = table.contact.data();
-    partner = table.partner.data();
-  };
-  const auto place = [&](int i) {
-    if (row[i] < 0 || count[row[i]] == stride) {
-      table.make_room(i);
-      look_up();
-    }
-    return static_cast<std::size_t>(row[i]) * stride + count[row[i]]++;
-  };
-  look_up();
-
-  const int nlocal = atom->nlocal;
-  for (int k = 0; k < pairs.size; ++k) {
-    const int i = pairs.i[k], j = pairs.j[k];
-    const double theta = pairs.angle[k], nx = pairs.nx[k], ny = pairs.ny[k];
-    const double ai = pairs.indentation_i[k], aj = pairs.indentation_j[k];
-    const double per_distance = pairs.per_distance[k];
-    if (!(ai < pairs.radius_i[k])) behind_centre(i, j);
-    if (!(aj < pairs.radius_j[k])) behind_centre(j, i);
-
-    const std::size_t at_i = place(i);
-    contact[at_i] = {theta, nx, ny, ai};
-    partner[at_i] = {j, pairs.d_indentation_i[k], per_distance};
-    if (j >= nlocal) continue;
-    const std::size_t at_j = place(j);
-    contact[at_j] = {theta > 0.0 ? theta - PI : theta + PI, -nx, -ny, aj};
-    partner[at_j] = {i, pairs.d_indentation_j[k], per_distance};
-  }
-}
-
-/* ---------------------------------------------------------------------- */
-
-void PairDeformable::enter_walls(int i)
+void PairDeformable::insert_walls(int i)
 {
   const double ri = radius_of(i);
   for (std::size_t w = 0; w < walls.size(); ++w)
@@ -267,78 +216,98 @@ void PairDeformable::enter_walls(int i)
 
 /* ---------------------------------------------------------------------- */
 
-void PairDeformable::behind_centre(int i, int j)
+void PairDeformable::refuse_behind_center(int pair)
 {
-  const double dx = atom->x[j][0] - atom->x[i][0], dy = atom->x[j][1] - atom->x[i][1];
+  const bool is_i = !(pairs.indentation_i[pair] < pairs.radius_i[pair]);
+  const int i = is_i ? pairs.i[pair] : pairs.j[pair], j = is_i ? pairs.j[pair] : pairs.i[pair];
   error->one(
       FLERR,
-      "The contact line of atoms {} and {} does not lie in front of the centre of atom {}: their "
-      "distance is {:.6g}, their radii are {:.6g} and {:.6g}. Part particles that overlap first, "
-      "start from a less compressed state, or take smaller steps or a smaller timestep",
-      atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(dx, dy), radius_of(i), radius_of(j));
+      "The contact line of atoms {} and {} does not lie in front of the center of atom {}: their "
+      "distance is {:.6g}, their radii are {:.6g} and {:.6g}. Separate particles that overlap "
+      "first, start from a less compressed state, or take smaller steps or a smaller timestep",
+      atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(pairs.dx[pair], pairs.dy[pair]),
+      radius_of(i), radius_of(j));
 }
 
 /* ----------------------------------------------------------------------
-   contacts without length and force only bound the outline from afar
+   Contacts without length and force, which the outline does not touch, are
+   left out.
 ------------------------------------------------------------------------- */
 
-void PairDeformable::see(int i, int partner, const deformable::Contact &contact, double length,
-                         double force, double distance)
+void PairDeformable::record(int i, int partner, const deformable::Contact &contact, double length,
+                            double force, double distance)
 {
-  if (!watched || (length == 0.0 && force == 0.0)) return;
+  if (!recording || (length == 0.0 && force == 0.0)) return;
   const double height = radius_of(i) - contact.indentation;
   const double *x = atom->x[i];
-  seen.push_back({i, partner < 0 ? 0 : atom->tag[partner], contact.indentation, length, force,
-                  x[0] + height * contact.nx, x[1] + height * contact.ny, contact.angle, distance});
+  recorded.push_back({i, partner < 0 ? 0 : atom->tag[partner], contact.indentation, length, force,
+                      x[0] + height * contact.nx, x[1] + height * contact.ny, contact.angle,
+                      distance});
 }
 
-/* ----------------------------------------------------------------------
-   per-atom results, kept from the moment that somebody (fix pair) asks
-------------------------------------------------------------------------- */
+/* ---------------------------------------------------------------------- */
 
 void *PairDeformable::extract_peratom(const char *name, int &ncol)
 {
   ncol = 0;
-  for (int k = 0; k < NRESULTS; ++k)
-    if (std::strcmp(name, RESULT_NAMES[k]) == 0) {
-      wanted = true;
-      return results[k];
-    }
-  return nullptr;
+  return results.extract(name);
 }
 
-void PairDeformable::store_shape(int i, const deformable::Contacts &contacts, double pressure)
+/* ---------------------------------------------------------------------- */
+
+void PairDeformable::set_radius(int iarg, char **arg)
 {
-  if (!wanted) return;
-  const double r = ring_radius_of(i);
-  int touching = 0;
-  double length = 0.0;
-  for (int c = 0; c < contacts.size; ++c) {
-    touching += shape.contact[c].length != 0.0;
-    length += shape.contact[c].length;
+  const std::string choice = arg[iarg];
+  if (choice != "type" && choice != "atom")
+    error->all(FLERR, iarg, "Radius '{}' of a deformable pair style is neither 'type' nor 'atom'",
+               choice);
+  radius_by_atom = choice == "atom";
+}
+
+/* ----------------------------------------------------------------------
+   Radii may change between runs and in a run, but must not exceed the radius
+   of the species, which sets the cutoff. Data files round them to 16 digits.
+------------------------------------------------------------------------- */
+
+void PairDeformable::check_radii()
+{
+  constexpr double ROUNDING = 1.0 + 1e-12;
+  int largest = -1;    // of the atoms whose radius is too large
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
+    const double r = atom_radius[i];
+    const Species &s = species[atom->type[i]];
+    if (r > s.skin && r <= s.radius * ROUNDING) continue;
+    if (!(r > 0.0))
+      error->one(FLERR, "Atom {} has a radius of {:.6g}: it must be positive", atom->tag[i], r);
+    if (r <= s.skin)
+      error->one(FLERR,
+                 "Atom {} has a radius of {:.6g}: it must be larger than the skin of species {}, "
+                 "which is {}",
+                 atom->tag[i], r, s.name, s.skin);
+    if (largest < 0 || r > atom_radius[largest]) largest = i;
   }
-  results[AREA][i] = deformable::PI * r * r - shape.area_deficit;
-  results[PERIMETER][i] = 2.0 * deformable::PI * r + shape.perimeter_excess;
-  results[CONTACTS][i] = touching;
-  results[PRESSURE][i] = pressure;
-  results[ARC_RADIUS][i] = shape.arc_radius;
-  results[CONTACT_LENGTH][i] = length;
+  if (largest < 0) return;
+  const Species &s = species[atom->type[largest]];
+  error->one(FLERR,
+             "Atom {} has a radius of {:.6g}, but species {} allows {} at most: set the radius in "
+             "the species file to the largest one of its atoms",
+             atom->tag[largest], atom_radius[largest], s.name, s.radius);
 }
 
-void PairDeformable::store_circle(int i)
+/* ---------------------------------------------------------------------- */
+
+double PairDeformable::smallest_radius() const
 {
-  if (!wanted) return;
-  const double r = ring_radius_of(i);
-  results[AREA][i] = deformable::PI * r * r;
-  results[PERIMETER][i] = 2.0 * deformable::PI * r;
-  results[CONTACTS][i] = results[PRESSURE][i] = results[CONTACT_LENGTH][i] = 0.0;
-  results[ARC_RADIUS][i] = r;
+  double here = std::numeric_limits<double>::infinity(), smallest;
+  for (int ii = 0; ii < list->inum; ++ii) here = std::min(here, radius_of(list->ilist[ii]));
+  MPI_Allreduce(&here, &smallest, 1, MPI_DOUBLE, MPI_MIN, world);
+  return smallest;
 }
 
 /* ---------------------------------------------------------------------- */
 
 double PairDeformable::memory_usage()
 {
-  return Pair::memory_usage() + table.bytes() + bytes_of(seen) +
-         static_cast<double>(NRESULTS) * maxresults * sizeof(double);
+  return Pair::memory_usage() + table.bytes() + bytes_of(recorded) + results.bytes();
 }

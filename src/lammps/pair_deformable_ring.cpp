@@ -20,38 +20,38 @@ void PairDeformableRing::settings(int narg, char **arg)
 {
   reach = 0.1;
   radius_by_atom = false;
-  balance.reset();
-  int balance_words = 0;
+  bool radical = true;
+  int balance_keyword = -1;
   double tolerance = 1e-8;
-  int limit = 100;
+  int max_evaluations = 100;
   for (int iarg = 0; iarg < narg;) {
     const std::string keyword = arg[iarg];
     const int values = keyword == "balance" ? 2 : 1;
     if (keyword != "contact" && keyword != "balance" && keyword != "reach" && keyword != "radius")
       error->all(FLERR, iarg,
-                 "Unknown pair_style deformable/ring keyword '{}': it knows 'contact', 'balance', "
-                 "'reach' and 'radius'",
+                 "Unknown pair_style deformable/ring keyword '{}': it must be 'contact', "
+                 "'balance', 'reach' or 'radius'",
                  keyword);
     if (iarg + values >= narg)
       utils::missing_cmd_args(FLERR, "pair_style deformable/ring " + keyword, error);
     if (keyword == "contact") {
-      const std::string where = arg[iarg + 1];
-      if (where != "radical" && where != "balanced")
+      const std::string law = arg[iarg + 1];
+      if (law != "radical" && law != "balanced")
         error->all(FLERR, iarg + 1,
                    "pair_style deformable/ring contact '{}' is neither 'radical' nor 'balanced'",
-                   where);
-      balance.reset(where == "balanced" ? new ContactBalance(lmp) : nullptr);
+                   law);
+      radical = law == "radical";
     } else if (keyword == "balance") {
-      balance_words = iarg + 1;
+      balance_keyword = iarg;
       tolerance = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
-      limit = utils::inumeric(FLERR, arg[iarg + 2], false, lmp);
+      max_evaluations = utils::inumeric(FLERR, arg[iarg + 2], false, lmp);
       if (!(tolerance > 0.0 && tolerance < 1.0))
         error->all(FLERR, iarg + 1,
                    "pair_style deformable/ring balance: the tolerance {} must lie between 0 and 1",
                    arg[iarg + 1]);
-      if (limit < 1)
+      if (max_evaluations < 1)
         error->all(FLERR, iarg + 2,
-                   "pair_style deformable/ring balance: {} iterations are too few, give 1 or more",
+                   "pair_style deformable/ring balance: {} evaluations are too few, give 1 or more",
                    arg[iarg + 2]);
     } else if (keyword == "radius") {
       set_radius(iarg + 1, arg);
@@ -63,13 +63,10 @@ void PairDeformableRing::settings(int narg, char **arg)
     }
     iarg += 1 + values;
   }
-  if (balance) {
-    balance->tolerance = tolerance;
-    balance->limit = limit;
-  } else if (balance_words > 0) {
-    error->all(FLERR, balance_words - 1,
+  if (radical && balance_keyword >= 0)
+    error->all(FLERR, balance_keyword,
                "pair_style deformable/ring balance is for 'contact balanced' only");
-  }
+  balanced.reset(radical ? nullptr : new BalancedRings(lmp, tolerance, max_evaluations));
 }
 
 /* ---------------------------------------------------------------------- */
@@ -77,9 +74,9 @@ void PairDeformableRing::settings(int narg, char **arg)
 void PairDeformableRing::init_style()
 {
   PairDeformable::init_style();
-  if (balance && !atom->tag_enable)
-    error->all(FLERR,
-               "Pair style deformable/ring contact balanced needs atom IDs: 'atom_modify id yes'");
+  if (balanced && !atom->tag_enable)
+    error->all(FLERR, "Pair style deformable/ring needs atom IDs: use 'atom_modify id yes', or "
+                      "'contact radical'");
 
   soft = false;
   for (const Species &s : species) soft |= s.radius > 0.0 && !s.stiffness.conserves_perimeter();
@@ -101,7 +98,7 @@ template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate(int eflag, in
 {
   begin_call(eflag, vflag);
   if (neighbor->ago == 0) smallest = smallest_radius();
-  if (balance)
+  if (balanced)
     evaluate_balanced<WALLS, SOFT>();
   else
     for_each_particle<WALLS>([&](int i, const Contacts &contacts) {
@@ -115,15 +112,15 @@ template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate(int eflag, in
 template <bool SOFT> Energy PairDeformableRing::deform(int i, const Contacts &contacts)
 {
   const int type = atom->type[i];
-  char *const carries =
-      carried.of(i, contacts.size, [](char *first, char *last) { std::fill(first, last, 0); });
+  char *const active = active_contacts.of(
+      i, contacts.size, [](char *first, char *last) { std::fill(first, last, 0); });
   if (SOFT && !species[type].stiffness.conserves_perimeter()) {
     Energy energy;
-    soft_ring_shape(ring_radius_of(i), species[type].stiffness, contacts, carries, programme, shape,
+    soft_ring_shape(ring_radius_of(i), species[type].stiffness, contacts, active, lcp, shape,
                     energy);
     return energy;
   }
-  ring_shape(ring_radius_of(i), contacts, carries, programme, shape);
+  ring_shape(ring_radius_of(i), contacts, active, lcp, shape);
   return harmonic(species[type].stiffness.kA, shape.area_deficit);
 }
 
@@ -139,95 +136,23 @@ void PairDeformableRing::finish(int i, const Contacts &contacts, const Energy &e
   if (neighbor->ago == 0) check_reach(i, contacts);
 }
 
-/* ----------------------------------------------------------------------
-   Contact lines where both sides press alike. No force depends on how the
-   lines follow the particles, because the energy is stationary in that.
-------------------------------------------------------------------------- */
-
 template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate_balanced()
 {
-  gather<WALLS>();
-  radical.resize(table.contact.size());
-  responses.resize(table.contact.size());
-  deformed.resize(atom->nlocal);
-  for (std::size_t c = 0; c < radical.size(); ++c) radical[c] = table.contact[c].indentation;
-
-  const bool settled = balance->settle(
-      table, neighbor->ago == 0, [this](const char *acts) { return sweep<SOFT>(acts); },
-      [this](int i) { return pressed(i); });
-  if (!settled && !unbalanced) {
-    unbalanced = true;
-    if (comm->me == 0)
-      error->warning(FLERR,
-                     "Contacts are not balanced: after {} iterations forces of both sides differ "
-                     "by up to {:.2g} of the largest. Allow more iterations, or more tolerance "
-                     "than {:.2g} (pair_style deformable/ring balance)",
-                     balance->sweeps, balance->residual, balance->tolerance);
-  }
-
+  gather_contacts<WALLS>();
+  balanced->solve(
+      list, neighbor->ago == 0, table, shape,
+      [this](int i, const Contacts &contacts) { return deform<SOFT>(i, contacts); },
+      [this](int i) -> BalancedRings::Ring {
+        return {ring_radius_of(i), species[atom->type[i]].stiffness};
+      });
   for (int ii = 0; ii < list->inum; ++ii) {
     const int i = list->ilist[ii];
-    const Contacts contacts = table.of(i);
-    const Deformed &d = deformed[i];
-    shape.reset(contacts.size, 0.0);
-    shape.area_deficit = d.area_deficit;
-    shape.perimeter_excess = d.perimeter_excess;
-    shape.arc_radius = d.arc_radius;
-    if (contacts.size > 0)
-      std::copy_n(&responses[table.first(i)], contacts.size, shape.contact.begin());
-    finish<WALLS>(i, contacts, d.energy);
+    const Energy energy = balanced->result(i, table, shape);
+    finish<WALLS>(i, table.of(i), energy);
   }
-  if (comm->me != 0) return;
-  pvector[2] = balance->sweeps;
-  pvector[3] = balance->residual;
-}
-
-/* ---------------------------------------------------------------------- */
-
-template <bool SOFT> ContactBalance::Load PairDeformableRing::sweep(const char *acts)
-{
-  ContactBalance::Load load = {0.0, 0.0};
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii];
-    Deformed &d = deformed[i];
-    if (!acts[i]) {
-      load.energy += d.energy.value;
-      load.largest = std::max(load.largest, d.largest);
-      continue;
-    }
-    const Contacts contacts = table.of(i);
-    const std::size_t first = contacts.size > 0 ? table.first(i) : 0;
-    const int sides = balance->sides_of(i);
-    for (int c = 0; c < sides; ++c)
-      table.contact[first + c].indentation = radical[first + c] + balance->shift(i, c);
-
-    const Energy energy = deform<SOFT>(i, contacts);
-    std::copy_n(shape.contact.begin(), contacts.size, responses.begin() + first);
-    double largest = 0.0;
-    for (int c = 0; c < contacts.size; ++c) {
-      const double force = energy.derivative * shape.contact[c].length;
-      largest = std::max(largest, force);
-      if (c < sides) balance->press(i, c, force);
-    }
-    d = {shape.area_deficit, shape.perimeter_excess, shape.arc_radius, largest, energy};
-    load.energy += energy.value;
-    load.largest = std::max(load.largest, largest);
-  }
-  return load;
-}
-
-/* ---------------------------------------------------------------------- */
-
-PressedRing PairDeformableRing::pressed(int i) const
-{
-  const int type = atom->type[i];
-  const Deformed &d = deformed[i];
-  return {ring_radius_of(i),
-          d.perimeter_excess / (2.0 * PI),
-          species[type].stiffness,
-          d.energy.derivative,
-          table.of(i),
-          &responses[table.first(i)]};
+  if (comm->me != 0) return;    // compute pair sums over ranks
+  pvector[2] = balanced->evaluations();
+  pvector[3] = balanced->imbalance();
 }
 
 /* ---------------------------------------------------------------------- */
@@ -241,10 +166,10 @@ void PairDeformableRing::no_shape(int i, int contacts)
 }
 
 /* ----------------------------------------------------------------------
-   The outline reaches out of the undeformed circle where it bulges and
-   because the whole ring has moved out. Within depth it meets no line that is
-   not a candidate: walls, and lines with the smallest particles, which come
-   nearest, lie at least as far out. Only the largest bulge is asked for.
+   The outline bulges out of the undeformed circle and expands as a whole. The
+   lines of all particles and walls within the cutoff are known; any other
+   line is at least `depth` outside of the circle. The nearest of those belong
+   to the smallest particles.
 ------------------------------------------------------------------------- */
 
 void PairDeformableRing::check_reach(int i, const Contacts &contacts)
@@ -252,15 +177,15 @@ void PairDeformableRing::check_reach(int i, const Contacts &contacts)
   const double r = radius_of(i), cutoff = (1.0 + reach) * (r + smallest);
   const double depth =
       std::min(reach * r, -contact_line(cutoff, 1.0 / cutoff, r, smallest).indentation_i);
-  const double breath = shape.perimeter_excess / (2.0 * PI);
-  if (breath + ring_bulge_at_most(contacts, shape) <= bulge_over_reach * depth) return;
-  const double ratio = (breath + ring_bulge(ring_radius_of(i), contacts, shape)) / depth;
+  const double expansion = shape.perimeter_excess / (2.0 * PI);
+  if (expansion + ring_bulge_at_most(contacts, shape) <= bulge_over_reach * depth) return;
+  const double ratio = (expansion + ring_bulge(ring_radius_of(i), contacts, shape)) / depth;
   if (ratio > 1.0)
     error->one(
         FLERR,
-        "The outline of atom {} bulges by {:.4g}, {:.3g} times as far as 'reach {}' looks "
-        "for neighbors: use a reach of {:.2g} or more, or press it less (part particles that "
-        "overlap first, take smaller steps or a smaller timestep)",
+        "The outline of atom {} bulges by {:.4g}, {:.3g} times as far as 'reach {}' allows: use a "
+        "reach of {:.2g} or more, or deform the particle less (separate particles that overlap "
+        "first, take smaller steps or a smaller timestep)",
         atom->tag[i], ratio * depth, ratio, reach, 1.2 * ratio * reach);
   if (ratio > bulge_over_reach) bulge_over_reach = ratio;
 }
@@ -269,6 +194,6 @@ void PairDeformableRing::check_reach(int i, const Contacts &contacts)
 
 double PairDeformableRing::memory_usage()
 {
-  return PairDeformable::memory_usage() + carried.bytes() + bytes_of(deformed, responses, radical) +
-         (balance ? balance->memory_usage() : 0.0);
+  return PairDeformable::memory_usage() + active_contacts.bytes() +
+         (balanced ? balanced->memory_usage() : 0.0);
 }

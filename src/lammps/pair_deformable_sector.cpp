@@ -1,5 +1,7 @@
 #include "pair_deformable_sector.h"
 
+#include "parameter_rules.h"
+
 #include "comm.h"
 #include "error.h"
 #include "fix.h"
@@ -43,16 +45,12 @@ void PairDeformableSector::settings(int narg, char **arg)
 
 void PairDeformableSector::check_species(const Species &s) const
 {
-  if (!std::isinf(s.stiffness.kA) && !std::isinf(s.stiffness.kP))
+  const std::string problem = invalid_for_sectors(s.stiffness.kA, s.stiffness.kP, s.skin);
+  if (!problem.empty())
     error->all(FLERR,
-               "Pair style deformable/sector conserves the perimeter or the area: it needs kP = "
-               "inf or kA = inf, but species {} has kA = {} and kP = {}",
-               s.name, s.stiffness.kA, s.stiffness.kP);
-  if (s.skin > 0.0)
-    error->all(FLERR,
-               "Pair style deformable/sector knows no skin, but species {} has one of {}: leave "
-               "that column out, or use pair_style deformable/ring",
-               s.name, s.skin);
+               "Species {} cannot be used with pair_style deformable/sector: {}. "
+               "pair_style deformable/ring has no such limit",
+               s.name, problem);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -109,7 +107,7 @@ template <bool WALLS> void PairDeformableSector::evaluate(int eflag, int vflag)
 }
 
 /* ----------------------------------------------------------------------
-   the shape of a particle with two contacts or more, and its energy
+   Shape and energy of a particle with two contacts or more.
 ------------------------------------------------------------------------- */
 
 Energy PairDeformableSector::deform(int i, const Contacts &contacts)
@@ -135,7 +133,7 @@ Energy PairDeformableSector::deform(int i, const Contacts &contacts)
 
   const Energy energy = harmonic(conserves_perimeter ? stiffness.kA : stiffness.kP, change);
   double pressure = energy.derivative;
-  if (!conserves_perimeter) {    // each arc has its own, tension/radius: their mean over the contacts
+  if (!conserves_perimeter) {    // each arc has its own pressure, tension/radius: take the mean over contacts
     double force = 0.0, length = 0.0;
     for (int c = 0; c < contacts.size; ++c) {
       force += energy.derivative * shape.contact[c].d_indentation;
@@ -148,8 +146,8 @@ Energy PairDeformableSector::deform(int i, const Contacts &contacts)
 }
 
 /* ----------------------------------------------------------------------
-   U = k/2 (1 - d/(R_i + R_j))^2, by both ends in halves where both have one
-   contact. A wall stands in for a partner's mirror image: U = k/2 (1 - h/R)^2
+   U = k/2 (1 - d/(R_i + R_j))^2 for a pair. If both particles have a single
+   contact, each adds one half. For a wall, U = k/2 (1 - h/R)^2.
 ------------------------------------------------------------------------- */
 
 template <bool WALLS> void PairDeformableSector::repel(const SingleContact &single)
@@ -157,16 +155,16 @@ template <bool WALLS> void PairDeformableSector::repel(const SingleContact &sing
   const int i = single.atom, j = single.partner;
   const double ri = radius_of(i), distance = single.distance;
   const double nx = single.contact.nx, ny = single.contact.ny;
-  const auto strength = [this](int atom_index) {
+  const auto stiffness = [this](int atom_index) {
     const Stiffness &s = species[atom->type[atom_index]].stiffness;
     return std::isinf(s.kA) ? s.kP : s.kA;
   };
 
   if (WALLS && j < 0) {
-    const Energy energy = harmonic(strength(i), 1.0 - distance / ri);
+    const Energy energy = harmonic(stiffness(i), 1.0 - distance / ri);
     const double force = energy.derivative / ri;
-    walls[-1 - j]->press(i, -force * nx, -force * ny, -distance * nx, -distance * ny);
-    see(i, j, single.contact, 0.0, force, distance);
+    walls[-1 - j]->add_force(i, -force * nx, -force * ny, -distance * nx, -distance * ny);
+    record(i, j, single.contact, 0.0, force, distance);
     if (eflag_global) eng_vdwl += energy.value;
     if (eflag_atom) eatom[i] += energy.value;
     return;
@@ -174,10 +172,10 @@ template <bool WALLS> void PairDeformableSector::repel(const SingleContact &sing
 
   const double sum = ri + radius_of(j);
   const double share = ncontacts[j] == 1.0 ? 0.5 : 1.0;
-  const Energy energy = harmonic(0.5 * share * (strength(i) + strength(j)), 1.0 - distance / sum);
+  const Energy energy = harmonic(0.5 * share * (stiffness(i) + stiffness(j)), 1.0 - distance / sum);
   const double force_per_distance = energy.derivative / (sum * distance);
   const double dx = -distance * nx, dy = -distance * ny;    // from the partner to i
-  see(i, j, single.contact, 0.0, force_per_distance * distance / share, distance);
+  record(i, j, single.contact, 0.0, force_per_distance * distance / share, distance);
   double *const *const f = atom->f;
   f[i][0] += force_per_distance * dx;
   f[i][1] += force_per_distance * dy;

@@ -23,12 +23,12 @@ class PairDeformableSector : public PairDeformable {
   void check_species(const Species &) const override;
 
  private:
-  Recall<int> order;    // of the contacts by angle
+  WarmStart<int> order;    // of the contacts by angle
 
-  // A particle with one contact has no sector; the pair repels as soft disks, once. Who shares the pair
-  // depends on how many contacts the partner has, which its own rank knows.
+  // A particle with one contact has no sector: the pair repels as soft disks, once. The partner's number of
+  // contacts, which only its own rank knows, decides whether both particles add one half.
   struct SingleContact {
-    int atom, partner;    // the latter -1 - w for wall w
+    int atom, partner;    // partner: -1 - w for wall w
     deformable::Contact contact;
     double distance;
   };

@@ -1,5 +1,7 @@
 #include "species.h"
 
+#include "parameter_rules.h"
+
 #include "comm.h"
 #include "error.h"
 #include "lammps.h"
@@ -18,7 +20,7 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-// `inf` is a number here; what is none, or too large for one, becomes a nan.
+// `inf` is a number; any other word that is not a finite number becomes nan.
 double number_of(const std::string &word)
 {
   using Limits = std::numeric_limits<double>;
@@ -37,7 +39,7 @@ std::string read_text(LAMMPS *lmp, const std::string &file)
     if (FILE *fp = path.empty() ? nullptr : std::fopen(path.c_str(), "rb")) {
       char buffer[4096];
       while (const std::size_t n = std::fread(buffer, 1, sizeof buffer, fp)) text.append(buffer, n);
-      // a folder opens, but cannot be read
+      // fopen opens a folder too, which cannot be read
       if (!std::ferror(fp)) size = static_cast<int>(text.size());
       std::fclose(fp);
     }
@@ -50,8 +52,8 @@ std::string read_text(LAMMPS *lmp, const std::string &file)
   return text;
 }
 
-// The head of a potential file says in what units it is and of what date. (LAMMPS' own reader of it
-// prints whatever it finds there.)
+// The first line of a potential file names its units and date. (LAMMPS' own reader of that line does not mask
+// characters that cannot be printed.)
 void check_head(LAMMPS *lmp, const std::string &file, const std::string &head)
 {
   const std::vector<std::string> words = utils::split_words(head);
@@ -85,11 +87,10 @@ std::vector<Species> LAMMPS_NS::read_species(LAMMPS *lmp, const std::string &fil
   std::vector<Species> all;
 
   if (text.find('\0') != std::string::npos)
-    error->all(FLERR,
-               "Species file '{}' is no plain text, it has bytes that are zero: save it as UTF-8",
+    error->all(FLERR, "Species file '{}' is not plain text, it has zero bytes: save it as UTF-8",
                file);
   check_head(lmp, file, text.substr(0, text.find('\n')));
-  const std::string byte_order_mark = "\xEF\xBB\xBF";    // which some editors begin a text with
+  const std::string byte_order_mark = "\xEF\xBB\xBF";    // some editors begin a text with it
 
   int number = 0;
   for (std::size_t begin = text.compare(0, 3, byte_order_mark) == 0 ? 3 : 0; begin < text.size();) {
@@ -107,35 +108,27 @@ std::vector<Species> LAMMPS_NS::read_species(LAMMPS *lmp, const std::string &fil
           "Species file '{}', line {}: expected 'name radius kA kP [skin]', got {} words: '{}'",
           file, number, words.size(), shown(utils::trim(line)));
     const std::string name = shown(words[0]);
-    const char *const names[] = {"radius", "kA", "kP"};
-    double values[3];
-    for (int k = 0; k < 3; ++k) {
+    const char *const names[] = {"radius", "kA", "kP", "skin"};
+    double values[4] = {0.0, 0.0, 0.0, 0.0};
+    for (std::size_t k = 0; k + 1 < words.size(); ++k) {
       values[k] = number_of(words[k + 1]);
-      if (!(values[k] > 0.0))
+      if (std::isnan(values[k]))
         error->all(FLERR,
-                   "Species file '{}', line {}: {} of species {} is '{}': it must be a positive "
-                   "number{}",
-                   file, number, names[k], name, shown(words[k + 1]), k ? " or inf" : "");
+                   "Species file '{}', line {}: {} of species {} is '{}', which is not a number",
+                   file, number, names[k], name, shown(words[k + 1]));
     }
-    if (std::isinf(values[0]))
-      error->all(FLERR, "Species file '{}', line {}: the radius of species {} must be finite", file,
-                 number, name);
-    if (std::isinf(values[1]) && std::isinf(values[2]))
-      error->all(FLERR,
-                 "Species file '{}', line {}: kA and kP of species {} are both inf, which leaves "
-                 "a rigid disk: give one of them a finite value",
-                 file, number, name);
-    const double skin = words.size() == 5 ? number_of(words[4]) : 0.0;
-    if (!(skin >= 0.0 && skin < values[0]))
-      error->all(FLERR,
-                 "Species file '{}', line {}: skin of species {} is '{}': it must be zero or a "
-                 "positive number below its radius {}",
-                 file, number, name, shown(words[4]), shown(words[1]));
+    const auto [radius, kA, kP, skin] = values;
+    for (const std::string &problem :
+         {deformable::invalid_radius(radius), deformable::invalid_stiffness(kA, kP),
+          deformable::invalid_skin(skin, radius)})
+      if (!problem.empty())
+        error->all(FLERR, "Species file '{}', line {}: species {}: {}", file, number, name,
+                   problem);
     for (const Species &other : all)
       if (other.name == words[0])
         error->all(FLERR, "Species file '{}', line {}: species {} is defined twice", file, number,
                    name);
-    all.push_back({words[0], values[0], {values[1], values[2]}, skin});
+    all.push_back({words[0], radius, {kA, kP}, skin});
   }
   if (all.empty()) error->all(FLERR, "Species file '{}' defines no species", file);
   return all;

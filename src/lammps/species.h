@@ -19,11 +19,11 @@ struct Species {
   double skin;    // thickness of the rigid shell around the ring
 };
 
-// Reads the file on rank 0 and hands it to all ranks; stops with LAMMPS' error on all of them where the
-// file is missing or malformed.
+// Reads the file on rank 0 and sends it to all ranks. Stops with LAMMPS' error on all of them if the file is missing
+// or invalid.
 std::vector<Species> read_species(LAMMPS *lmp, const std::string &file);
 
-// A text as error messages can show it: short, and of nothing but printable characters.
+// A text for error messages: shortened, with printable characters only.
 std::string shown(const std::string &text);
 
 }    // namespace LAMMPS_NS

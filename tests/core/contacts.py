@@ -1,8 +1,9 @@
-"""Random contacts, and what every contact law is asked about them."""
+"""Random contacts, and the contact laws as functions of them."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pytest
 from deformable import core
 from hypothesis import strategies as st
 
@@ -11,7 +12,7 @@ LAWS = {"sector": core.sector, "area_sector": core.area_sector, "ring": core.rin
 
 @dataclass(frozen=True)
 class Contacts:
-    """What presses on one particle."""
+    """The contacts of one particle."""
 
     radius: float
     angle: np.ndarray
@@ -57,3 +58,22 @@ def contacts(draw, size=(2, 6), gap=0.8, indentation=(1e-3, 0.02)):
 
 def regular_polygon(n, indentation, radius=1.0):
     return Contacts(radius, 0.1 + 2 * np.pi * np.arange(n) / n, np.full(n, float(indentation)))
+
+
+IRREGULAR = Contacts(
+    1.2, np.array([0.0, 1.3, 2.6, 4.0, 5.2]), np.array([0.02, 0.03, 0.01, 0.03, 0])
+)
+
+# kA and kP
+STIFFNESSES = {
+    "soft perimeter": (1.0, 0.01),
+    "equal": (1.0, 1.0),
+    "stiff perimeter": (0.5, 1e3),
+    "area conserved": (np.inf, 0.7),
+    "perimeter conserved": (2.0, np.inf),
+}
+stiffnesses = pytest.mark.parametrize(("kA", "kP"), STIFFNESSES.values(), ids=STIFFNESSES)
+
+
+def soft_ring(contacts, kA, kP, skin=0.0):
+    return core.soft_ring(contacts.radius, contacts.angle, contacts.indentation, kA, kP, skin)

@@ -2,8 +2,8 @@
 // and arithmetic. Input: `radius z`, then z lines `angle indentation`, and so on. Ends with an error where
 // an answer is not finite.
 
-#include "balance.h"
 #include "contact.h"
+#include "contact_stiffness.h"
 #include "outline.h"
 #include "ring.h"
 #include "sector.h"
@@ -50,22 +50,22 @@ bool finite(const Outline &outline)
 // One memory for all particles, as in a force loop.
 struct Kernels {
   Shape shape;
-  RingProgramme programme;
+  RingLCP lcp;
   std::vector<int> order;
-  std::vector<char> carries;
+  std::vector<char> is_active;
 
   void ring(double radius, const std::vector<Contact> &memory)
   {
     const Contacts contacts = {static_cast<int>(memory.size()), memory.data()};
-    ring_shape(radius, contacts, carries.data(), programme, shape);
+    ring_shape(radius, contacts, is_active.data(), lcp, shape);
     require(finite(shape, contacts.size), "ring", memory);
     const double cold = shape.area_deficit;
 
     // what carried is the next guess, and so is anything else: the answer does not depend on it
     for (int guess = 0; guess < 3; ++guess) {
-      ring_shape(radius, contacts, carries.data(), programme, shape);
+      ring_shape(radius, contacts, is_active.data(), lcp, shape);
       require(std::fabs(shape.area_deficit - cold) <= 1e-10 * cold, "ring with a guess", memory);
-      for (std::size_t c = 0; c < memory.size(); ++c) carries[c] = (c + guess) % 2;
+      for (std::size_t c = 0; c < memory.size(); ++c) is_active[c] = (c + guess) % 2;
     }
     Outline outline;
     ring_outline(radius, contacts, shape, order.data(), 60, outline);
@@ -80,7 +80,7 @@ struct Kernels {
     for (int guess = 0; guess < 4; ++guess) {
       Energy energy;
       const bool exists =
-          soft_ring_shape(radius, stiffness, contacts, carries.data(), programme, shape, energy);
+          soft_ring_shape(radius, stiffness, contacts, is_active.data(), lcp, shape, energy);
       require(exists || std::isinf(stiffness.kA), "soft ring", memory);
       if (!exists) return;
       require(finite(shape, contacts.size) && std::isfinite(energy.value) &&
@@ -89,28 +89,28 @@ struct Kernels {
       if (shape.arc_radius < 0.0) return;
       if (guess == 0) cold = energy.value;
       require(std::fabs(energy.value - cold) <= 1e-10 * cold, "soft ring with a guess", memory);
-      stiffen(radius, stiffness, energy.derivative, memory);
-      for (std::size_t c = 0; c < memory.size(); ++c) carries[c] = (c + guess) % 2;
+      check_stiffness(radius, stiffness, energy.derivative, memory);
+      for (std::size_t c = 0; c < memory.size(); ++c) is_active[c] = (c + guess) % 2;
     }
   }
 
-  void stiffen(double radius, const Stiffness &stiffness, double pressure,
-               const std::vector<Contact> &memory)
+  void check_stiffness(double radius, const Stiffness &stiffness, double pressure,
+                       const std::vector<Contact> &memory)
   {
     const Contacts contacts = {static_cast<int>(memory.size()), memory.data()};
-    std::vector<int> carrying;
+    std::vector<int> active;
     for (int c = 0; c < contacts.size; ++c)
-      if (shape.contact[c].length > 0.0) carrying.push_back(c);
-    const int n = static_cast<int>(carrying.size());
+      if (shape.contact[c].length > 0.0) active.push_back(c);
+    const int n = static_cast<int>(active.size());
     std::vector<double> inverse(n * n), rate, matrix(n * n);
-    green_inverse(contacts, n, carrying.data(), programme, inverse.data());
-    const PressedRing ring = {radius,    shape.perimeter_excess / (2.0 * PI),
-                              stiffness, pressure,
-                              contacts,  shape.contact.data()};
-    contact_stiffness(ring, n, carrying.data(), inverse.data(), rate, matrix.data());
+    green_inverse(contacts, n, active.data(), lcp, inverse.data());
+    const RingState ring = {radius,    shape.perimeter_excess / (2.0 * PI),
+                            stiffness, pressure,
+                            contacts,  shape.contact.data()};
+    contact_stiffness(ring, n, active.data(), inverse.data(), rate, matrix.data());
     for (const double k : matrix) require(std::isfinite(k), "contact stiffness", memory);
     for (int c = 0; c < contacts.size; ++c)
-      require(std::isfinite(room_before(ring, c)), "room before a ring", memory);
+      require(std::isfinite(gap_to_line(ring, c)), "gap to a line", memory);
   }
 
   void sectors(double radius, const std::vector<Contact> &memory)
@@ -130,7 +130,7 @@ struct Kernels {
 
   void operator()(double radius, const std::vector<Contact> &memory, bool distinct)
   {
-    carries.assign(memory.size(), 0);
+    is_active.assign(memory.size(), 0);
     order.resize(memory.size());
     std::iota(order.begin(), order.end(), 0);
     ring(radius, memory);

@@ -1,4 +1,4 @@
-"""Bad input is a ValueError that names it."""
+"""Invalid input raises a ValueError that names it."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from deformable import core
 
 ANGLE, INDENTATION = [0.0, 2.0, 4.0], [0.01, 0.02, 0.01]
 BAD = {
-    "unequal lengths": (1.0, ANGLE[:2], INDENTATION, "angle has 2 entries but indentation has 3"),
+    "unequal lengths": (1.0, ANGLE[:2], INDENTATION, "angle has 2.*indentation has 3"),
     "angle nan": (1.0, [0.0, np.nan, 4.0], INDENTATION, r"angle\[1\] is .*nan"),
     "angle inf": (1.0, [0.0, 2.0, np.inf], INDENTATION, r"angle\[2\] is inf"),
     "indentation nan": (1.0, ANGLE, [np.nan, 0.02, 0.01], r"indentation\[0\] is .*nan"),
@@ -16,11 +16,11 @@ BAD = {
     "radius negative": (-1.0, ANGLE, INDENTATION, "radius is -1"),
     "radius nan": (np.nan, ANGLE, INDENTATION, "radius is nan"),
     "radius inf": (np.inf, ANGLE, INDENTATION, "radius is inf"),
-    "behind the centre": (
+    "behind the center": (
         1.0,
         ANGLE,
         [0.01, 1.2, 0.01],
-        r"indentation\[1\] is 1.2.*behind the centre",
+        r"indentation\[1\] is 1.2",
     ),
 }
 
@@ -38,8 +38,8 @@ def test_bad_contacts(law, radius, angle, indentation, message):
 @pytest.mark.parametrize(
     ("law", "message"),
     [
-        ("sector", "angle: two contacts press in the same direction"),
-        ("area_sector", "no room for a sector of this area"),
+        ("sector", "angle: .*same direction"),
+        ("area_sector", "indentation: .*area"),
     ],
 )
 @pytest.mark.parametrize("angle", [[0.5, 0.5, 3.0], [0.0, 3.0, 2 * np.pi]], ids=["equal", "a turn"])
@@ -53,15 +53,15 @@ def test_sectors_need_different_directions(law, message, angle):
 
 def test_area_sector_that_cannot_exist():
     arguments = 1.0, 2 * np.pi * np.arange(6) / 6, np.full(6, 0.2)
-    with pytest.raises(ValueError, match="no room for a sector of this area"):
+    with pytest.raises(ValueError, match=r"indentation: .*area"):
         core.area_sector(*arguments)
-    with pytest.raises(ValueError, match="no room for a sector of this area"):
+    with pytest.raises(ValueError, match=r"indentation: .*area"):
         core.outline("area_sector", *arguments)
 
 
 def test_outline_options():
     arguments = 1.0, np.array(ANGLE), np.array(INDENTATION)
-    with pytest.raises(ValueError, match=r"law is 'star'.*'ring', 'sector' or 'area_sector'"):
+    with pytest.raises(ValueError, match="law is 'star'"):
         core.outline("star", *arguments)
     with pytest.raises(ValueError, match="points is 3"):
         core.outline("ring", *arguments, 3)
@@ -70,7 +70,7 @@ def test_outline_options():
 def test_contact_line():
     with pytest.raises(ValueError, match="distance is 0"):
         core.contact_line(0.0, 0.5, 0.5)
-    with pytest.raises(ValueError, match="same length"):
+    with pytest.raises(ValueError, match="length"):
         core.contact_line(np.ones(2), np.ones(2), np.ones(3))
     with pytest.raises(ValueError, match=r"distance is .*nan"):
         core.contact_line(np.nan, 0.5, 0.5)
@@ -87,7 +87,7 @@ def test_lists_and_whole_numbers_are_taken():
         ((0.0, 1.0, 1.0), "distance is 0"),
         ((np.inf, 1.0, 1.0), "distance is inf"),
         ((1.0, -1.0, 1.0), "radius_i is -1"),
-        (([1.0, 1.0], [1.0], [1.0, 1.0]), "must have the same length"),
+        (([1.0, 1.0], [1.0], [1.0, 1.0]), "length"),
         (([1.0, np.nan], [1.0, 1.0], [1.0, 1.0]), r"distance\[1\] is .*nan"),
     ],
 )

@@ -17,7 +17,7 @@ def green(t):
 
 
 def reference(contacts):
-    """Maximise a.L - L.G.L/2 over L >= 0 as a least-squares problem, on G = C C^T."""
+    """Maximize a.L - L.G.L/2 over L >= 0 as a least-squares problem, on G = C C^T."""
     factor = np.linalg.cholesky(green(contacts.angle[:, None] - contacts.angle))
     target = solve_triangular(factor, contacts.indentation, lower=True)
     length, _ = nnls(factor.T, target)

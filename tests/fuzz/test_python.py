@@ -179,7 +179,7 @@ def test_other_values(host, saved, examples):
         lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner),
         max_leaves=5,
     )
-    places = [("radii",), ("model",), ("state",), *(("model", key) for key in summary["model"])]
+    places = [("radii",), ("law",), ("state",), *(("law", key) for key in summary["law"])]
 
     @settings(max_examples=examples, deadline=None)
     @given(st.sampled_from(places), values)

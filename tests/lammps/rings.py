@@ -59,9 +59,9 @@ def perimeter(outline):
     return np.hypot(*(np.roll(outline, -1, axis=0) - outline).T).sum()
 
 
-def regular(number, radius, centre=(0, 0)):
+def regular(number, radius, center=(0, 0)):
     turn = 2 * np.pi * np.arange(number) / number
-    return np.array(centre) + radius * np.column_stack([np.cos(turn), np.sin(turn)])
+    return np.array(center) + radius * np.column_stack([np.cos(turn), np.sin(turn)])
 
 
 def data_file(outlines, box=BOX, tilt=0.0, molecules=None, others=()):
@@ -152,7 +152,7 @@ class Rings:
 
     @property
     def table(self):
-        """Rows of the fix: area, perimeter, rest area, centre."""
+        """Rows of the fix: area, perimeter, rest area, center."""
         return np.array(
             [
                 [self.lmp.extract_fix("area", 0, 2, m, column) for column in range(5)]

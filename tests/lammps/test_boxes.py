@@ -21,7 +21,7 @@ def test_a_particle_that_touches_its_own_images(law):
 SMALL_CELLS = {
     "one particle": (np.array([[0.2, 0.3]]), (0, 0.97, 0, 0.96), 0.0),
     "one particle, tilted cell": (np.array([[0.2, 0.3]]), (0, 0.97, 0, 0.86), 0.4),
-    "two images of one neighbour": (np.array([[0.3, 0.3], [0.8, 1.1]]), (0, 0.98, 0, 1.68), 0.0),
+    "two images of one neighbor": (np.array([[0.3, 0.3], [0.8, 1.1]]), (0, 0.98, 0, 1.68), 0.0),
     "two particles, tilted cell": (np.array([[0.3, 0.3], [0.7, 1.1]]), (0, 0.98, 0, 1.68), -0.2),
 }
 
@@ -29,7 +29,7 @@ SMALL_CELLS = {
 @laws
 @pytest.mark.parametrize(("x", "box", "tilt"), SMALL_CELLS.values(), ids=SMALL_CELLS)
 def test_cells_smaller_than_their_particles(law, x, box, tilt):
-    """Neighbours are images of oneself, or several images of one other: the same as 2 x 2 cells."""
+    """Neighbors are images of oneself, or several images of one other: the same as 2 x 2 cells."""
     style = f"deformable/{law}"
     small = Scene(x, ["small"] * len(x), box, style, tilt=tilt).evaluate()
     across, up = np.array([box[1], 0]), np.array([tilt, box[3]])
@@ -69,7 +69,10 @@ def test_overlay_adds_another_style(law):
         Scene.packing(
             case,
             f"hybrid/overlay {style} {SOFT}",
-            coeff=f"pair_coeff * * {style} {SPECIES} small large\npair_coeff * * {SOFT} {k} 1.1",
+            coeff=(
+                f"pair_coeff * * {style.split()[0]} {SPECIES} small large\n"
+                f"pair_coeff * * {SOFT} {k} 1.1"
+            ),
         ).evaluate()
         for k in (0.02, 0.04)
     )
@@ -92,7 +95,10 @@ def test_types_of_another_style_are_not_seen(law):
     mixed = Scene.packing(
         case,
         f"hybrid {style} {SOFT}",
-        coeff=f"pair_coeff * * {style} {SPECIES} small NULL\npair_coeff * 2 {SOFT} 0.02 1.2",
+        coeff=(
+            f"pair_coeff * * {style.split()[0]} {SPECIES} small NULL\n"
+            f"pair_coeff * 2 {SOFT} 0.02 1.2"
+        ),
     ).evaluate()
     box = (0, case["L"], 0, case["L"])
     alone = Scene(x[small], ["small"] * small.sum(), box, style).evaluate()
@@ -115,7 +121,10 @@ def test_types_of_another_style_have_no_results(law):
     scene = Scene.packing(
         case,
         f"hybrid {style} {SOFT}",
-        coeff=f"pair_coeff * * {style} {SPECIES} small NULL\npair_coeff * 2 {SOFT} 0.02 1.2",
+        coeff=(
+            f"pair_coeff * * {style.split()[0]} {SPECIES} small NULL\n"
+            f"pair_coeff * 2 {SOFT} 0.02 1.2"
+        ),
     )
     assert scene.evaluate().shape["area"][0] > 0
     scene.run("set atom 1 type 2")
@@ -130,11 +139,11 @@ def test_species_without_particles_do_not_narrow_the_reach(tmp_path):
     x, species = np.array([[0.0, 0.0], [1.9, 0.0]]), ["unit", "unit"]
     bulges = []
     for types, names in ((1, "unit"), (2, "unit tiny")):
-        scene = Scene(x, species, (-3, 3, -3, 3), "deformable/ring")
+        scene = Scene(x, species, (-3, 3, -3, 3), "deformable/ring contact radical")
         scene.run(
             "clear\nunits lj\ndimension 2\nregion box block -3 3 -3 3 -0.5 0.5\n"
             f"create_box {types} box\nmass * 1\ncreate_atoms 1 single 0 0 0\n"
-            "create_atoms 1 single 1.9 0 0\npair_style deformable/ring\n"
+            "create_atoms 1 single 1.9 0 0\npair_style deformable/ring contact radical\n"
             f"pair_coeff * * {file} {names}\ncompute pair all pair deformable/ring\n"
             "thermo_style custom step pe c_pair[1] c_pair[2]\nrun 0"
         )

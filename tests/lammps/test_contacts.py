@@ -15,7 +15,9 @@ def contacts(scene):
     return dict(zip(COLUMNS, rows.T, strict=True))
 
 
-@pytest.mark.parametrize("style", ["ring reach 0.3", "ring contact balanced reach 0.3", "sector"])
+@pytest.mark.parametrize(
+    "style", ["ring contact radical reach 0.3", "ring contact balanced reach 0.3", "sector"]
+)
 @pytest.mark.parametrize("case", PACKINGS[:2])
 def test_packing(case, style):
     scene = Scene.packing(case, f"deformable/{style}", commands=CONTACTS)
@@ -87,7 +89,9 @@ def test_one_contact_of_the_sector_law():
 
 
 def test_refusals():
-    scene = Scene([[0, 0], [0.96, 0]], ["small"] * 2, (-3, 3, -3, 3), "deformable/ring")
+    scene = Scene(
+        [[0, 0], [0.96, 0]], ["small"] * 2, (-3, 3, -3, 3), "deformable/ring contact radical"
+    )
     with pytest.raises(Exception, match="Unknown compute deformable/contact argument 'x'"):
         scene.run("compute c all deformable/contact x")
     scene.run("compute c all deformable/contact\npair_style zero 2.0\npair_coeff * *\nunfix shape")

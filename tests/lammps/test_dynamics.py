@@ -62,7 +62,7 @@ def test_jump_of_the_sector_law():
     assert after / before == pytest.approx(1.54, abs=5e-3)  # as the manual page says
 
     # the ring has felt the third wall since it bulged up to it; S is linear in what is so small
-    before, after = (between_walls("ring", 1 + s * apart) for s in (1, -1))
+    before, after = (between_walls("ring contact radical", 1 + s * apart) for s in (1, -1))
     assert after == pytest.approx(before, rel=1e-12)
 
 

@@ -30,11 +30,11 @@ PAIRS = {
     "sector, two stiffnesses": ("sector", ("small", "soft")),
     "sector, area conserved": ("sector", ("fixed", "fixedlarge")),
     "sector, one of each": ("sector", ("fixed", "large")),
-    "ring": ("ring", ("small", "large")),
-    "ring, two stiffnesses": ("ring", ("small", "soft")),
-    "ring, finite stiffness": ("ring", ("both", "bothlarge")),
-    "ring, area conserved": ("ring", ("fixed", "fixedlarge")),
-    "ring, a skin beside kP = inf": ("ring", ("small", "skinned")),
+    "radical": ("ring contact radical", ("small", "large")),
+    "radical, two stiffnesses": ("ring contact radical", ("small", "soft")),
+    "radical, finite stiffness": ("ring contact radical", ("both", "bothlarge")),
+    "radical, area conserved": ("ring contact radical", ("fixed", "fixedlarge")),
+    "radical, a skin beside kP = inf": ("ring contact radical", ("small", "skinned")),
 }
 pairs = pytest.mark.parametrize(("law", "species"), PAIRS.values(), ids=PAIRS)
 
@@ -84,21 +84,21 @@ WALLS = {
 
 
 @pytest.mark.parametrize("walls", WALLS.values(), ids=WALLS)
-@pytest.mark.parametrize("law", ["sector", "ring reach 0.2"])
+@pytest.mark.parametrize("law", ["sector", "ring contact radical reach 0.2"])
 def test_walls(law, walls):
     """Four particles that touch each other and the wall."""
     x = np.array([[-0.481, -0.477], [0.483, -0.479], [0.478, 0.482], [-0.479, 0.479]])
     species = ["small", "small", "weak", "small"]
     scene = Scene(x, species, BOX, f"deformable/{law}", boundary="f f p", commands=walls)
     contacts = scene.evaluate().shape["contacts"]
-    assert (contacts > 2).all()  # two neighbours and the wall
+    assert (contacts > 2).all()  # two neighbors and the wall
     assert_forces(scene, x)
 
 
 def test_ring_where_a_contact_appears():
-    """At the very position where the outline begins to touch a neighbour: no jump of the force."""
+    """At the very position where the outline begins to touch a neighbor: no jump of the force."""
     case = PACKINGS[0]
-    scene = Scene.packing(case, "deformable/ring")
+    scene = Scene.packing(case, "deformable/ring contact radical")
     start = np.array(case["x"])
     direction = np.zeros_like(start)
     direction[3] = [0.6, 0.8]
@@ -133,7 +133,7 @@ def test_ring_where_a_contact_appears():
 def test_ring_work_along_a_path_of_switching_contacts():
     """The integral of the force is the energy difference, whichever contacts come and go."""
     case = PACKINGS[1]
-    scene = Scene.packing(case, "deformable/ring")
+    scene = Scene.packing(case, "deformable/ring contact radical")
     start = np.array(case["x"])
     direction = np.random.default_rng(3).normal(size=start.shape)
     path, step = np.linspace(0, 0.03, 1201, retstep=True)

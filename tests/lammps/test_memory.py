@@ -103,14 +103,16 @@ run 4
 
 
 SCENES = {
-    "ring": packing("deformable/ring", "small large"),
-    "ring, radius of the atom": spheres(packing("deformable/ring radius atom", "small large")),
-    "ring, soft": packing("deformable/ring reach 0.3", "both skinned"),
-    "ring, area kept": packing("deformable/ring reach 0.3", "fixed fixedlarge", ROOM),
-    "ring, balanced": packing("deformable/ring contact balanced reach 0.3", "small large"),
-    "ring, balanced, soft": packing(
-        "deformable/ring contact balanced reach 0.3", "both bothlarge", WALL
+    "radical": packing("deformable/ring contact radical", "small large"),
+    "radical, radius of the atom": spheres(
+        packing("deformable/ring contact radical radius atom", "small large")
     ),
+    "radical, soft": packing("deformable/ring contact radical reach 0.3", "both skinned"),
+    "radical, area kept": packing(
+        "deformable/ring contact radical reach 0.3", "fixed fixedlarge", ROOM
+    ),
+    "balanced": packing("deformable/ring contact balanced reach 0.3", "small large"),
+    "balanced, soft": packing("deformable/ring contact balanced reach 0.3", "both bothlarge", WALL),
     "sector": packing("deformable/sector", "small large", WALL),
     "sector, area kept": packing("deformable/sector", "fixed fixedlarge", ROOM),
     "one in a polygon": f"""{HEADER.format(boundary="p p p")}
@@ -118,7 +120,7 @@ region box block -3 3 -3 3 -0.5 0.5
 create_box 1 box
 mass * 1.0
 create_atoms 1 single 0 0 0
-pair_style deformable/ring
+pair_style deformable/ring contact radical
 pair_coeff * * {SPECIES} unit
 {polygon_walls(6, 0.97)}
 run 1

@@ -11,8 +11,8 @@ from scene import HEADER, MEASURE, PACKINGS, SPECIES, Scene
 
 STYLES = {
     "sector": ("deformable/sector", "small large"),
-    "ring": ("deformable/ring reach 0.3", "small large"),
-    "ring, any stiffness": ("deformable/ring reach 0.3", "fixed skinned"),
+    "radical": ("deformable/ring contact radical reach 0.3", "small large"),
+    "radical, any stiffness": ("deformable/ring contact radical reach 0.3", "fixed skinned"),
 }
 GRIDS = {1: ["1 1 1"], 2: ["2 1 1", "1 2 1"], 4: ["2 2 1", "4 1 1"]}
 # Waiting ranks give way: without it, more ranks than cores take a hundred times as long.
@@ -125,13 +125,13 @@ def test_ranks_and_grids(style, names, boundary, commands, tmp_path):
 def test_errors_end_all_ranks(tmp_path):
     """A species file is read by one rank: all of them stop where it is missing."""
     data = tmp_path / "data"
-    Scene.packing(PACKINGS[0], "deformable/ring").run(f"write_data {data} nofix")
+    Scene.packing(PACKINGS[0], "deformable/ring contact radical").run(f"write_data {data} nofix")
     script = SCRIPT.format(
         atoms="atomic",
         boundary="p p p",
         grid="2 1 1",
         data=data,
-        style="deformable/ring",
+        style="deformable/ring contact radical",
         name="deformable/ring",
         species="nowhere.txt small large",
         commands="",

@@ -190,8 +190,8 @@ def test_periodic_images(tilt):
         moved = Rings([SEVEN + n1 @ h, FIVE + n2 @ h], tilt=tilt, commands=REST)
         assert moved.energy() == pytest.approx(energy, rel=1e-13)
         np.testing.assert_allclose(moved.force, reference.force, atol=1e-13)
-        centres = reference.table[:, 3:] + np.array([n1, n2]) @ h
-        np.testing.assert_allclose(moved.table[:, 3:], centres, rtol=1e-13)
+        centers = reference.table[:, 3:] + np.array([n1, n2]) @ h
+        np.testing.assert_allclose(moved.table[:, 3:], centers, rtol=1e-13)
 
 
 @tilts

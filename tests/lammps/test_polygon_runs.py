@@ -1,4 +1,4 @@
-"""The area term of bead rings: which atoms, runs, minimisers, boxes, files, ranks."""
+"""The area term of bead rings: which atoms, runs, minimizers, boxes, files, ranks."""
 
 import numpy as np
 import pytest
@@ -74,7 +74,7 @@ def test_a_ring_keeps_its_sense():
     assert rings.table[0, 0] == pytest.approx(-area, rel=1e-13)
 
 
-# ---- runs, minimisers, boxes ----
+# ---- runs, minimizers, boxes ----
 
 MOVE = """
 velocity all create 0.02 4711 loop all
@@ -157,9 +157,9 @@ def test_beside_fix_deform():
     rings.run("timestep 0.01\nrun 80")
     assert rings.lmp.get_thermo("xy") < -1
     np.testing.assert_allclose(rings.table[:, 0], areas, rtol=1e-13)
-    centres = [outline.mean(axis=0) for outline in rings.outlines]
+    centers = [outline.mean(axis=0) for outline in rings.outlines]
     # the box has moved on since the last forces, by a strain of 0.01
-    np.testing.assert_allclose(rings.table[:, 3:], centres, atol=0.01 * BOX[1])
+    np.testing.assert_allclose(rings.table[:, 3:], centers, atol=0.01 * BOX[1])
 
 
 # ---- files ----

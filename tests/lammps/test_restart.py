@@ -33,7 +33,7 @@ def test_round_trip(law, write, read, tmp_path):
     continued = Continued(read.format(file=file), style)
     continued.run("run 20")
     expected, found = scene.evaluate(), continued.evaluate()
-    # both files hold every digit; the order of neighbours, and so of sums, is new
+    # both files hold every digit; the order of neighbors, and so of sums, is new
     np.testing.assert_allclose(continued.x, scene.x, rtol=0, atol=1e-13)
     assert found.energy == pytest.approx(expected.energy, rel=1e-11)
     atol = 1e-11 * np.abs(expected.force).max()

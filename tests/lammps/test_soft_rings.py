@@ -25,7 +25,7 @@ OF_RADIUS = {
 }
 
 
-def mixture(case, style="deformable/ring", **options):
+def mixture(case, style="deformable/ring contact radical", **options):
     """A packing with all species of the sizes of its particles in turn."""
     radius = np.array([0.5, 0.7])[np.array(case["type"]) - 1]
     species = [OF_RADIUS[r][i // 2 % 4] for i, r in enumerate(radius)]
@@ -45,10 +45,10 @@ def test_forces_of_a_mixture():
     assert_forces(scene, pushed(case))
 
 
-@pytest.mark.parametrize("law", ["ring", "ring reach 0.3"])
+@pytest.mark.parametrize("law", ["ring contact radical reach 0.1", "ring contact radical"])
 def test_results_are_those_of_the_kernel(law):
     case = PACKINGS[1]
-    reach = 0.3 if "reach" in law else 0.1
+    reach = 0.1 if "reach" in law else 0.3
     scene, species, radius = mixture(case, f"deformable/{law}")
     state, x, length = scene.evaluate(), np.array(case["x"]), case["L"]
     for i, name in enumerate(species):
@@ -90,7 +90,7 @@ def test_sums_and_virial_of_a_mixture():
 def test_stiff_species_do_not_notice_soft_ones():
     """Species that conserve their perimeter have the same energies with soft ones in the file."""
     case = PACKINGS[0]
-    stiff = Scene.packing(case, "deformable/ring").evaluate()
+    stiff = Scene.packing(case, "deformable/ring contact radical").evaluate()
     scene, species, _ = mixture(case)
     state = scene.evaluate()
     alike = [i for i, name in enumerate(species) if name in ("small", "large", "thick")]
@@ -107,7 +107,7 @@ def test_walls(walls):
     x = np.array([[-0.481, -0.477], [0.483, -0.479], [0.478, 0.482], [-0.479, 0.479]])
     species = ["small", "both", "fixed", "both"]
     options = {"boundary": "f f p", "commands": walls}
-    scene = Scene(x, species, BOX, "deformable/ring reach 0.2", **options)
+    scene = Scene(x, species, BOX, "deformable/ring contact radical reach 0.2", **options)
     state = scene.evaluate()
     assert (state.shape["contacts"] > 2).all()
     np.testing.assert_allclose(scene.force_on_wall("walls"), -state.force.sum(0), rtol=1e-12)
@@ -122,7 +122,7 @@ def test_regular_polygon(n):
         np.zeros((1, 2)),
         ["both"],
         BOX,
-        "deformable/ring",
+        "deformable/ring contact radical",
         boundary="f f p",
         commands=polygon_walls(n, radius - a),
     )
@@ -145,7 +145,13 @@ def test_reach_includes_the_breath():
     walls = "region walls block -0.4 0.4 -2 2 -0.5 0.5\nfix walls all deformable/wall walls"
     ratios = []
     for species in ("small", "fixed"):
-        scene = Scene(np.zeros((1, 2)), [species], BOX, "deformable/ring reach 0.5", commands=walls)
+        scene = Scene(
+            np.zeros((1, 2)),
+            [species],
+            BOX,
+            "deformable/ring contact radical reach 0.5",
+            commands=walls,
+        )
         ratios.append(scene.evaluate().bulge)
     # between walls 2 h apart the outline ends in half circles of radius h: pi h^2 + 4 h b = pi R^2
     # keeps the area, 2 pi h + 4 b = 2 pi R the perimeter, and it bulges by h + b - R
@@ -161,7 +167,7 @@ def test_energy_is_conserved():
     """The energy error falls with the square of the time step, for all species at once."""
     error = []
     for halvings in range(4):
-        scene, *_ = mixture(PACKINGS[1], "deformable/ring reach 0.2")
+        scene, *_ = mixture(PACKINGS[1], "deformable/ring contact radical reach 0.2")
         step = 0.2 / 2**halvings
         scene.run(
             f"velocity all create 1e-5 4711 loop all\nfix move all nve\ntimestep {step}\n"

@@ -46,8 +46,8 @@ def test_regular_polygon(law, n):
 
 def test_deep_hexagon():
     """The free arcs are gone beyond a = 0.0931 R: counted, and still finite."""
-    assert alone("ring", polygon_walls(6, 1 - 0.092)).evaluate().beyond == 0
-    assert alone("ring", polygon_walls(6, 1 - 0.094)).evaluate().beyond == 1
+    assert alone("ring contact radical", polygon_walls(6, 1 - 0.092)).evaluate().beyond == 0
+    assert alone("ring contact radical", polygon_walls(6, 1 - 0.094)).evaluate().beyond == 1
 
 
 @laws
@@ -73,7 +73,10 @@ def test_one_contact_with_a_wall(law):
     plane = f"region walls plane {1 - a} 0 0 -1 0 0\nfix walls all deformable/wall walls"
     scene = alone(law, plane)
     deficit, slope = a**2 * 2 * np.pi / 3, a * 4 * np.pi / 3
-    energy, force = {"ring": (deficit**2 / 2, deficit * slope), "sector": (a**2 / 2, a)}[law]
+    energy, force = {
+        "ring contact radical": (deficit**2 / 2, deficit * slope),
+        "sector": (a**2 / 2, a),
+    }[law]
     state = scene.evaluate()
     assert state.energy == pytest.approx(energy, rel=1e-12)
     np.testing.assert_allclose(state.force, [[-force, 0]], rtol=1e-12)
@@ -192,8 +195,10 @@ def test_other_calls_of_the_pair_style_leave_the_wall_alone(order):
     walls = polygon_walls(5, 0.97)
     commands = f"{numdiff}\n{walls}" if order == "before" else f"{walls}\n{numdiff}"
     x = np.array([[0.01, 0.005]])
-    expected = alone("ring", walls, x).evaluate().force
-    np.testing.assert_array_equal(alone("ring", commands, x).evaluate().force, expected)
+    expected = alone("ring contact radical", walls, x).evaluate().force
+    np.testing.assert_array_equal(
+        alone("ring contact radical", commands, x).evaluate().force, expected
+    )
 
 
 def test_both_laws_beside_each_other_meet_the_wall():
@@ -212,10 +217,15 @@ def test_both_laws_beside_each_other_meet_the_wall():
             "pair_coeff 1 2 none",
         ]
     )
-    both = forces("hybrid deformable/ring deformable/sector", coeff=coeff).evaluate().force
+    both = (
+        forces("hybrid deformable/ring contact radical deformable/sector", coeff=coeff)
+        .evaluate()
+        .force
+    )
     alike = f"pair_coeff * * {SPECIES} small small"
     ring, sector = (
-        forces(f"deformable/{law}", coeff=alike).evaluate().force for law in ("ring", "sector")
+        forces(f"deformable/{law}", coeff=alike).evaluate().force
+        for law in ("ring contact radical", "sector")
     )
     assert ring[0, 0] > 0 > sector[1, 0]
     np.testing.assert_array_equal(both, [ring[0], sector[1]])

@@ -15,13 +15,14 @@ from mpi4py import MPI
 
 from ..common.errors import ParameterError
 from ..common.progress import print_once
+from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
 from ..io.frames import frames_in
 from ..io.run_folder import refuse
 from ..model.laws import LAWS
 from ..protocols.jamming import jam
 from ..runs.record import load
-from ..runs.resume import LARGEST_TOLERANCE, TOLERANCE, check_compression, compress_in
+from ..runs.resume import LARGEST_TOLERANCE, check_compression, compress_in
 from ..runs.resume import resume as resume_in
 from ..state.state import State
 from .options import law_option

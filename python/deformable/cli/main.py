@@ -17,10 +17,10 @@ from ..common.errors import FileError, LammpsError, ParameterError
 from ..common.progress import print_once
 from ..common.versions import mpi_of_lammps, mpi_of_python, versions
 from ..engine.lammps import silent_lammps
+from ..engine.relaxation import TOLERANCE
 from ..model.beads import Beads
 from ..plugin import directory
 from ..runs.movie import movie as draw_movie
-from ..runs.resume import TOLERANCE
 from .compress import compress_command
 from .jam import jam_command
 from .options import refuse_ranks

@@ -1,4 +1,4 @@
-"""Errors and warnings that name what went wrong and the way out."""
+"""Errors and warnings; their messages name the bad value and the way out."""
 
 
 class ParameterError(ValueError):
@@ -6,11 +6,11 @@ class ParameterError(ValueError):
 
 
 class FileError(RuntimeError):
-    """A folder or file cannot be read back."""
+    """A folder or file cannot be read."""
 
 
 class LammpsError(RuntimeError):
-    """LAMMPS refused a command; carries its one useful line."""
+    """LAMMPS refused a command; the message is one line of LAMMPS' error."""
 
 
 class StalledWarning(UserWarning):
@@ -18,8 +18,8 @@ class StalledWarning(UserWarning):
 
 
 class UnjammedWarning(UserWarning):
-    """A packing that was rigid rearranged under compression into one that bears no force."""
+    """A rigid packing rearranged under compression into a loose one, without contact forces."""
 
 
 class BeyondModelWarning(UserWarning):
-    """Particles are deformed further than the model describes, e.g. past confluence."""
+    """Particles are deformed further than their law describes, e.g. past confluence."""

@@ -1,4 +1,4 @@
-"""Lines of output, and progress bars on long work: silent off rank 0; bars off a terminal too."""
+"""Lines of output and progress bars, only on rank 0; progress bars only on a terminal."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tqdm import tqdm
 
 
 def progress(description: str, unit: str, total: int | None = None, initial: int = 0) -> tqdm[Any]:
-    """A progress bar on stderr; tqdm itself keeps it off anything that is not a terminal."""
+    """A progress bar on stderr, which tqdm hides if stderr is no terminal."""
     hidden = MPI.COMM_WORLD.rank > 0 or parent_process() is not None or None
     return tqdm(
         desc=description, unit=unit, total=total, initial=initial, leave=False, disable=hidden

@@ -1,4 +1,4 @@
-"""Former names of arguments and attributes: they go on working, with a DeprecationWarning."""
+"""Former names of arguments and attributes, which still work, with a DeprecationWarning."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ C = TypeVar("C", bound=Callable[..., Any])
 
 
 def former_arguments(**names: str) -> Callable[[C], C]:
-    """A decorator of a function that also takes keywords by their former names.
+    """A decorator: the function also takes keywords by their former names.
 
     Args:
         names: the present name of each former one.
@@ -31,7 +31,7 @@ def former_arguments(**names: str) -> Callable[[C], C]:
 
 
 class FormerAttributes:
-    """A class whose attributes can also be read by their former names."""
+    """A base class: attributes can also be read by their former names, in `_FORMER`."""
 
     _FORMER: ClassVar[dict[str, str]] = {}
 

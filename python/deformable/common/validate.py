@@ -1,4 +1,4 @@
-"""Arguments of the right kind, or one line that says which is not."""
+"""Checks of arguments; their errors name the argument and its value in one line."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import ParameterError
 
-# Objects that take more letters are named by their kind.
+# An object that takes more letters than these is described by its kind.
 _LONG = 60
 
 
 def number_or_nan(value: object) -> float:
-    """The value as a float; nan if it is no single number that a float can hold."""
+    """The value as a float; nan if it is not a single number."""
     try:
         array = np.asarray(value)
     except ValueError:  # rows of unequal length
@@ -58,7 +58,7 @@ def numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
 
 
 def expect(name: str, value: object, *kinds: type) -> None:
-    """Refuse an object of another kind."""
+    """Raise an error for an object of another kind."""
     if isinstance(value, kinds):
         return
     found = shown(value)
@@ -71,7 +71,7 @@ def expect(name: str, value: object, *kinds: type) -> None:
 
 
 def shown(value: object) -> str:
-    """A value as a message can show it: as Python writes it, in one line, and short."""
+    """A value for a message: its `repr` in one short line."""
     plain = value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
     line = " ".join(repr(plain).split())
     return line if len(line) <= 200 else line[:200] + "..."

@@ -1,4 +1,4 @@
-"""Which versions make up a result."""
+"""Versions of the software and the machine behind a result."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .. import core
 
 
 def versions() -> dict[str, str]:
-    """Versions of everything that takes part in a number."""
+    """Versions of all packages that affect results."""
     return {
         "deformable": core.version,
         "lammps": core.lammps_version,
@@ -28,7 +28,7 @@ def versions() -> dict[str, str]:
 
 
 def machine() -> dict[str, str | int]:
-    """What the times of a result were measured on."""
+    """The machine, for measured times."""
     return {
         "processor": _processor(),
         "cores": len(os.sched_getaffinity(0)),
@@ -37,7 +37,7 @@ def machine() -> dict[str, str | int]:
 
 
 def _processor() -> str:
-    """The processor's name where Linux tells it."""
+    """Name of the processor, from Linux if possible."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
         return next(line.split(": ", 1)[1] for line in lines if line.startswith("model name"))
@@ -46,12 +46,12 @@ def _processor() -> str:
 
 
 def mpi_of_python() -> str:
-    """The MPI library that mpi4py runs on."""
+    """The MPI library of mpi4py."""
     return _first_line(MPI.Get_library_version())
 
 
 def mpi_of_lammps(library: ctypes.CDLL) -> str:
-    """The MPI library that liblammps runs on: the same, or ranks cannot talk to each other."""
+    """The MPI library of liblammps; ranks can only communicate if it is that of mpi4py."""
     text = ctypes.create_string_buffer(MPI.MAX_LIBRARY_VERSION_STRING)
     library.MPI_Get_library_version(text, ctypes.byref(ctypes.c_int()))
     return _first_line(text.value.decode())

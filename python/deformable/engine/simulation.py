@@ -1,15 +1,12 @@
-"""A packing of deformable particles inside LAMMPS: relax it, look at it, change its box."""
+"""Deformable particles in LAMMPS: relax them, take their state, change their box."""
 
 from __future__ import annotations
 
-import tempfile
 import warnings
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 
 from ..common.errors import BeyondModelWarning, LammpsError, StalledWarning, UnjammedWarning
 from ..common.renamed import FormerAttributes, former_arguments
@@ -22,51 +19,54 @@ from ..state.contact_table import contact_table
 from ..state.state import State
 from .lammps import (
     Engine,
-    change_box,
     gather,
     local_array,
     open_lammps,
     radii_of_atoms,
     run,
+    shared_file,
+)
+from .relaxation import (
+    TOLERANCE,
+    Forces,
+    largest_force,
+    minimize_command,
+    minimize_until_relaxed,
+    stress,
+    thermo_commands,
 )
 
-# Results by fix pair. It reads the pair style once on a time step, which a run of no steps does not
-# advance: each evaluation defines it anew, and removes it lest minimizations and runs pay for it.
+# Results of the pair style for each particle, which fix pair makes available. It reads them once in
+# a time step, but a run of no steps does not advance the step. So each evaluation defines the fix
+# anew, and removes it again: it would slow down minimizations and runs.
 _RESULTS = ("area", "perimeter", "contacts", "pressure", "arc_radius", "contact_length")
 
-_MEASURE = """
-compute virial all pressure NULL virial
-compute beyond all pair {style}
-thermo_style custom step pe c_virial[1] c_virial[2] c_virial[4] c_beyond[1]
-thermo_modify norm no
-"""
-
-# FIRE starts from this part of 1/sqrt(p), p the pressure of the hardest particle (mass 1), and may
+# FIRE starts from this part of 1/sqrt(p), p the largest pressure in a particle (mass 1), and may
 # stretch it tenfold. Measured, N = 40 and 128: 0.03 is the fastest, 0.04 three times slower.
 _TIMESTEP = 0.02
 
-# The pressure falls by decades while a packing relaxes, and the time step has to follow it. Once it
-# stays within a factor two, each call of the minimizer is twice as long as the last one: soft modes
-# near the onset of jamming need more iterations than this, and each call begins at rest.
+# The pressure falls by decades while a packing relaxes, and the time step has to follow it. Once
+# the pressure falls by less than a factor two in a call of the minimizer, the next call is twice as
+# long: soft modes near the onset of jamming need many iterations, and each call starts at rest.
 _ITERATIONS = 2000
 
-# Relative change of area and perimeter below which a particle counts as round, because the energy
-# of a loose packing only tends to zero. An indentation of 1e-7 R changes them by about this much.
-_LOOSE = 1e-14
+# Relative change of area and perimeter below which a particle counts as round: the energy of a
+# loose packing only tends to zero. An indentation of 1e-7 R changes them by about this much.
+_ROUND = 1e-14
 
-# What the pair styles say of particles that overlap too much, and what Python knows against it.
+# Words in the pair styles' error for particles that overlap too much, and the way out in Python.
 _TOO_DEEP = "contact line"
-_CURE = " (push_off parts overlaps, jam does so by itself)"
+_WAY_OUT = " (push_off separates overlaps, jam does so by itself)"
 
-# Iterations without halving the largest force after which a relaxation counts as stalled. It falls
-# by decades in a packing that loosens, where its ratio to the mean force may stay what it is.
+# Iterations without halving the largest force after which a relaxation counts as stalled. The force
+# falls by decades in a packing that loosens, while its ratio to the mean force may stay the same.
 _PATIENCE = 60_000
 
 
 class Simulation(FormerAttributes, Engine):
     """Deformable particles in LAMMPS.
 
-    Every rank of an MPI run makes the same calls and sees the same values.
+    Every rank of an MPI run must make the same calls, and gets the same values.
 
     Args:
         packing: where particles start, e.g. from `jam`.
@@ -93,19 +93,19 @@ class Simulation(FormerAttributes, Engine):
         expect("law", law, Ring, Sector)
         self.law = law
         self.comm = MPI.COMM_WORLD if comm is None else comm
-        packing = self.comm.bcast(packing)  # ranks on unlike machines may have jammed differently
+        packing = self.comm.bcast(packing)  # packings of different machines may differ
         self._rigid_phi = np.inf
         self._open(packing)
 
     def restart(self, packing: Packing) -> None:
-        """Go on from a packing as if nothing had been before: the result depends on it alone.
+        """Start anew from a packing, with the same law: later results depend on it alone.
 
-        Otherwise the last digits depend on what LAMMPS and the pair style remember, such as the
-        order of particles and how contacts were shared, and with them where a packing rearranges
-        to. What was given to `lmp` is lost.
+        Without this, the last digits depend on what LAMMPS and the pair style remember, such as the
+        order of particles and the shares of both sides in a contact; and so may the arrangement
+        that a packing relaxes to. Commands given to `lmp` are lost.
 
         Args:
-            packing: the one of a state of this simulation.
+            packing: of a state of this simulation.
         """
         self.lmp.close()
         self._open(packing)
@@ -113,92 +113,82 @@ class Simulation(FormerAttributes, Engine):
     def _open(self, packing: Packing) -> None:
         law = self.law
         self._species, self._radii = packing.species, packing.radii
-        parameters = species_file(law, self._radii.tolist())
         self.lmp = open_lammps(packing, self.comm)
-        with tempfile.TemporaryDirectory() as folder:
-            file = self.comm.bcast(str(Path(folder, "species.txt")))
-            if self.comm.rank == 0:
-                Path(file).write_text(parameters)
+        with shared_file(self.comm, species_file(law, self._radii.tolist())) as file:
             run(self.lmp, law_commands(packing, law, file))
-        run(self.lmp, _MEASURE.format(style=pair_style(law)))
+        run(self.lmp, f"compute beyond all pair {pair_style(law)}")
+        run(self.lmp, thermo_commands("pe c_beyond[1]"))
         smallest = float(packing.radius.min())
         stiffness = law.single_contact_stiffness(smallest)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
         self._single_contact_force = stiffness * smallest
 
-    def deform(self, box: NDArray[np.float64]) -> None:
-        """Give the box other lattice vectors, and let the centers follow affinely.
-
-        Args:
-            box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
-
-        Raises:
-            ParameterError: the box has another form; the simulation stays as it was.
-        """
-        change_box(self.lmp, box)
-
     @former_arguments(bearing="minimum_contact_force")
-    def relax(self, tolerance: float = 1e-6, minimum_contact_force: float = 0.0) -> State:
+    def relax(self, tolerance: float = TOLERANCE, minimum_contact_force: float = 0.0) -> State:
         """Minimize the energy by FIRE until no force exceeds a part of the mean contact force.
 
         Args:
             tolerance: largest force on a particle over the mean contact force.
-            bearing: mean contact force below which the packing counts as loose: it then takes the
-                place of the mean [energy/length].
+            minimum_contact_force: replaces the mean contact force where that is smaller, as in a
+                loose packing [energy/length].
 
         Returns:
-            The relaxed state; its `stalled` is true where the tolerance was not reached.
+            The relaxed state; its `stalled` is true if the tolerance was not reached.
 
         Raises:
-            LammpsError: LAMMPS gave up, e.g. a contact line behind a center.
+            LammpsError: LAMMPS gave up, e.g. because a contact line is behind a center.
 
         Warns:
-            UnjammedWarning: a packing that was rigid bears no force any more without expanding.
-            StalledWarning: the forces stopped falling (energies of `Sector` jump).
-            BeyondModelWarning: outlines with negative radius of curvature, e.g. past confluence.
+            UnjammedWarning: a packing that was rigid has become loose without expanding.
+            StalledWarning: the forces stopped falling (the energy of `Sector` jumps).
+            BeyondModelWarning: outlines have a negative radius of curvature, e.g. past confluence.
 
         Source: FIRE: Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006), in the form of Guenole et
         al., Comput. Mater. Sci. 175, 109584 (2020).
         """
         positive("tolerance", tolerance)
-        residual = self._evaluate(minimum_contact_force)
-        best, patience, iterations = self._largest_force, _PATIENCE, _ITERATIONS
-        while residual > tolerance and patience > 0:
-            pressure = self._largest_pressure
+        pressure, iterations = np.inf, _ITERATIONS
+
+        def minimize(forces: Forces, left: int) -> int:
+            nonlocal pressure, iterations
+            before, pressure = pressure, self._largest_pressure
+            iterations = _ITERATIONS if pressure < 0.5 * before else 2 * iterations
             timestep = _TIMESTEP / np.sqrt(max(pressure, self._single_contact_pressure))
-            force = 0.5 * tolerance * self._force_scale  # it falls a little further on the way
-            self._run(
-                f"timestep {float(timestep)!r}\nminimize 0 {float(force)!r} {iterations} "
-                f"{2 * iterations}",
-            )
-            residual = self._evaluate(minimum_contact_force)
-            patience -= iterations
-            iterations = _ITERATIONS if self._largest_pressure < 0.5 * pressure else 2 * iterations
-            if self._largest_force < 0.5 * best:
-                best, patience = self._largest_force, _PATIENCE
-        run(self.lmp, "velocity all set 0 0 0")  # FIRE's
-        state = self._snapshot(residual, stalled=residual > tolerance)
-        self._judge(state, tolerance)
+            force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
+            self._run(f"timestep {float(timestep)!r}\n{minimize_command(float(force), iterations)}")
+            return iterations
+
+        forces = minimize_until_relaxed(
+            self._evaluate(minimum_contact_force),
+            tolerance,
+            _PATIENCE,
+            minimize,
+            lambda: self._evaluate(minimum_contact_force),
+            indicator=lambda forces: forces.largest,
+        )
+        run(self.lmp, "velocity all set 0 0 0")  # FIRE leaves velocities
+        state = self._snapshot(forces, stalled=forces.residual > tolerance)
+        self._warn(state, tolerance)
         return state
 
     def state(self) -> State:
         """The present state, not relaxed."""
         return self._snapshot(self._evaluate(), stalled=False)
 
-    def _evaluate(self, minimum_contact_force: float = 0.0) -> float:
-        """Bring forces and per-atom results up to date; returns the residual, see `relax`."""
+    def _evaluate(self, minimum_contact_force: float = 0.0) -> Forces:
+        """Bring forces and results of the particles up to date; returns the forces."""
         results = " ".join(f"{name} 0" for name in _RESULTS)
         run(
             self.lmp,
             f"fix results all pair 1 {pair_style(self.law)} {results}\n"
-            "compute seen all deformable/contact",
+            "compute contact_rows all deformable/contact",
         )
         try:
             self._run("run 0 post no")
             self._results = gather(self.lmp, "f_results", len(_RESULTS))
-            self._seen = local_array(self.lmp, "seen", 9)
+            self._contact_rows = local_array(self.lmp, "contact_rows", 9)
         finally:
-            run(self.lmp, "unfix results\nuncompute seen")
+            run(self.lmp, "unfix results\nuncompute contact_rows")
 
         area, perimeter, contacts, pressure, _, length = self._results.T
         species = np.array(self.lmp.gather("type", 0, 1)) - 1
@@ -206,26 +196,23 @@ class Simulation(FormerAttributes, Engine):
         radius = self._radii[species] if self._particle_radii is None else self._particle_radii
         radius = radius - self.law.skins(len(self._radii))[species]
         strain = 1.0 - area / (np.pi * radius**2) + perimeter / (2.0 * np.pi * radius) - 1.0
-        self._largest_force = float(np.linalg.norm(gather(self.lmp, "f", 3), axis=1).max())
         self._largest_pressure = float(pressure.max())
-        self._loose = bool(strain.max() <= _LOOSE)
+        self._loose = bool(strain.max() <= _ROUND)
         mean = (
             self._single_contact_force if self._loose else float(pressure @ length / contacts.sum())
         )
-        self._force_scale = max(mean, minimum_contact_force)
-        return self._largest_force / self._force_scale if self._force_scale > 0.0 else 0.0
+        return Forces(largest_force(self.lmp), scale=max(mean, minimum_contact_force))
 
     def _run(self, commands: str) -> None:
-        """Run commands that evaluate forces."""
+        """Run commands that evaluate forces, with a way out added to the error for overlaps."""
         try:
             run(self.lmp, commands)
         except LammpsError as error:
-            raise LammpsError(f"{error}{_CURE if _TOO_DEEP in str(error) else ''}") from None
+            raise LammpsError(f"{error}{_WAY_OUT if _TOO_DEEP in str(error) else ''}") from None
 
-    def _snapshot(self, residual: float, stalled: bool) -> State:
-        """Gather the state of the last evaluation."""
+    def _snapshot(self, forces: Forces, stalled: bool) -> State:
+        """The state at the last evaluation."""
         area, perimeter, contacts, pressure, arc_radius, _ = np.ascontiguousarray(self._results.T)
-        xx, yy, _, xy, *_ = self.lmp.numpy.extract_compute("virial", 0, 1)
         positions = gather(self.lmp, "x", 3)[:, :2]
         packing = Packing(positions, self._species, self._radii, self.box, self._particle_radii)
         return State(
@@ -237,17 +224,17 @@ class Simulation(FormerAttributes, Engine):
             particle_pressure=pressure,
             arc_radius=arc_radius,
             energy=float(self.lmp.get_thermo("pe")),
-            stress=np.array([[xx, xy], [xy, yy]]),
-            residual=residual,
+            stress=stress(self.lmp),
+            residual=forces.residual,
             stalled=stalled,
             beyond=round(self.lmp.numpy.extract_compute("beyond", 0, 1)[0]),
             velocities=gather(self.lmp, "v", 3)[:, :2],
-            contact_table=contact_table(self._seen, packing, self.comm),
+            contact_table=contact_table(self._contact_rows, packing, self.comm),
             root=self.comm.rank == 0,
         )
 
-    def _judge(self, state: State, tolerance: float) -> None:
-        """Say what is wrong with a relaxed state."""
+    def _warn(self, state: State, tolerance: float) -> None:
+        """Warn of a relaxed state that has become loose, has stalled, or is beyond the model."""
         phi = state.packing.phi
         unjammed = self._loose and phi >= self._rigid_phi
         self._rigid_phi = np.inf if self._loose else phi

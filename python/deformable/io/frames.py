@@ -1,4 +1,4 @@
-"""The frames on record in a folder of a run: how many there are, and whether they are all there."""
+"""Recorded frames of a run: each has a row in the series and a frame in the trajectory."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .run_folder import DATA, SERIES, TRAJECTORY
 
 
 def frames_in(folder: Path) -> int:
-    """Frames on record up to the state in a folder; all of them if `State.save` has written it."""
+    """Number of recorded frames up to the saved state in a folder, in its title or its series."""
     if (folder / DATA).exists():
         title = (folder / DATA).read_text(errors="replace").partition("\n")[0]
         counted = re.search(r", (\d+) frames$", title)
@@ -31,7 +31,7 @@ def frames_in(folder: Path) -> int:
 
 
 def check_frames(folder: Path) -> None:
-    """Refuse a series or a trajectory that lacks states on record; both may have more."""
+    """Raise an error if the series or the trajectory lacks a frame; both may have more frames."""
     count = frames_in(folder)
     for path, numbers in (
         (folder / TRAJECTORY, _frames_of_trajectory(folder / TRAJECTORY)),
@@ -40,13 +40,13 @@ def check_frames(folder: Path) -> None:
         for n in range(count):
             if next(numbers, None) != n:
                 raise FileError(
-                    f"{path} lacks frame {n}, of the {count} frames on record: restore the file, "
-                    "or begin in another folder"
+                    f"{path} lacks frame {n} of {count} recorded frames: restore the file, or name "
+                    "another folder"
                 )
 
 
 def _frames_of_series(path: Path) -> Iterator[int]:
-    """Numbers of the frames that have a row."""
+    """Frame numbers of the rows; -1 for a row without one."""
     if path.exists():
         with path.open(newline="") as file:
             for row in csv.DictReader(file):
@@ -54,7 +54,7 @@ def _frames_of_series(path: Path) -> Iterator[int]:
 
 
 def _frames_of_trajectory(path: Path) -> Iterator[int]:
-    """Numbers of the frames, up to the first one that is not whole."""
+    """Frame numbers, up to the first incomplete frame."""
     if not path.exists():
         return
     with path.open() as file:
@@ -69,7 +69,7 @@ def _frames_of_trajectory(path: Path) -> Iterator[int]:
 
 
 def keep_frames(folder: Path, first: int) -> None:
-    """Leave the first frames of the series and the trajectory; a killed run may have left more."""
+    """Cut the series and the trajectory after their first frames: a killed run may have more."""
     _keep(folder / TRAJECTORY, first, r"(?=ITEM: TIMESTEP\n)")
     _keep(folder / SERIES, first + 1 if first > 0 else 0, r"(?<=\n)")
 
@@ -81,7 +81,7 @@ def append_frame(
     columns: Mapping[str, NDArray[Any]],
     numbers: Mapping[str, Any],
 ) -> None:
-    """Append a state to the trajectory and the series.
+    """Append a state to the trajectory, then to the series, whose rows count complete frames.
 
     Args:
         folder: of the run.
@@ -105,7 +105,7 @@ def _append(path: Path, text: str) -> None:
 
 
 def _keep(path: Path, count: int, boundary: str) -> None:
-    """Leave the first parts of a file; a killed run may have left more, or a part of one."""
+    """Cut a file after its first parts, which begin at the boundary (a regular expression)."""
     text = path.read_bytes().decode() if path.exists() else ""
     parts = [part for part in re.split(boundary, text) if part]
     if len(parts) > count:

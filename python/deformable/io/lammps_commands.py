@@ -1,4 +1,4 @@
-"""What LAMMPS is told about a packing and its contact law, as text."""
+"""LAMMPS commands for a packing, its contact law and the minimizer, as text."""
 
 from __future__ import annotations
 
@@ -20,16 +20,18 @@ box tilt large
 _LAW = """
 pair_style {style} {arguments} radius {whose}
 pair_coeff * * "{file}" {names}
+"""
 
+_MINIMIZER = """
 neighbor {skin!r} bin
 neigh_modify delay 0 every 1 check yes
 min_style fire
-min_modify dmax {dmax!r} norm max
+min_modify dmax {dmax!r} norm max tmax {tmax!r}
 """
 
 
 def atom_style(packing: Packing) -> str:
-    """The style of atoms that have what a packing tells of its particles."""
+    """LAMMPS atom_style for this packing."""
     return "atomic" if packing.particle_radii is None else "sphere"
 
 
@@ -61,20 +63,31 @@ def species_file(law: Law, radii: Sequence[float]) -> str:
 
 
 def law_commands(packing: Packing, law: Law, file: str) -> str:
-    """What LAMMPS is told once it has the particles: the law, and settings for their sizes.
+    """Commands for the contact law and the minimizer, to run once LAMMPS has the particles.
 
     Args:
-        packing: the particles.
+        packing: gives the particles' sizes.
         law: the contact law.
         file: its species file.
     """
     smallest = float(packing.radius.min())
-    return _LAW.format(
+    commands = _LAW.format(
         style=pair_style(law),
         arguments=pair_style_arguments(law),
         whose="type" if packing.particle_radii is None else "atom",
         file=file,
         names=" ".join(f"s{n}" for n in range(1, len(packing.radii) + 1)),
-        skin=0.1 * smallest,
-        dmax=0.005 * smallest,
     )
+    return commands + minimizer_commands(skin=0.1 * smallest, dmax=0.005 * smallest)
+
+
+def minimizer_commands(skin: float, dmax: float, tmax: float = 10.0) -> str:
+    """Commands that choose neighbor lists and FIRE.
+
+    Args:
+        skin: of the neighbor lists [length].
+        dmax: the largest displacement in an iteration: without a bound, particles of a loose
+            packing jump through one another [length].
+        tmax: how far FIRE may stretch its first time step.
+    """
+    return _MINIMIZER.format(skin=skin, dmax=dmax, tmax=tmax)

@@ -1,4 +1,4 @@
-"""What a folder of results holds, so that nothing is written over by what is something else."""
+"""The files of a folder of results, and a check so that no command overwrites those of another."""
 
 from __future__ import annotations
 
@@ -8,9 +8,13 @@ from typing import Literal
 
 from ..common.errors import FileError, ParameterError
 
-# Of a run, see `files`; `deformable jam` has a summary of another kind, and a table before it.
-DATA, SUMMARY, TABLE = "packing.data", "summary.json", "table.csv"
+# Files of a run, see `runs.record`.
+DATA, SUMMARY = "packing.data", "summary.json"
 SERIES, TRAJECTORY = "series.csv", "trajectory.lammpstrj"
+SPECIES, SCRIPT = "species.deformable", "in.lammps"
+
+# `deformable jam` writes this table first, and a summary of its own at the end.
+TABLE = "table.csv"
 
 Kind = Literal["compression", "jamming", "report"]
 
@@ -22,14 +26,14 @@ _SHOWN: dict[Kind, str] = {
 
 
 def holds(folder: str | Path) -> Kind | None:
-    """What has been written into a folder, if anything: as far as it is worth keeping."""
+    """Kind of results in a folder, or None if it has none."""
     folder = Path(folder)
     try:
         summary = json.loads((folder / SUMMARY).read_text())
     except (OSError, ValueError):
         summary = None
-    begun = summary is None and (folder / TABLE).exists()
-    if begun or (isinstance(summary, dict) and "onset" in summary):
+    interrupted = summary is None and (folder / TABLE).exists()
+    if interrupted or (isinstance(summary, dict) and "onset" in summary):
         return "jamming"
     if any((folder / name).exists() for name in (DATA, SERIES, TRAJECTORY)):
         return "compression"
@@ -39,19 +43,19 @@ def holds(folder: str | Path) -> Kind | None:
 
 
 def refuse(folder: str | Path, but: Kind | None = None, ways: tuple[str, ...] = ()) -> Path:
-    """Refuse what is no folder, and one that holds something.
+    """Raise an error unless a folder is free for new results.
 
     Args:
         folder: may be missing.
-        but: what it may hold nevertheless.
-        ways: out where it holds a run, beside another folder.
+        but: kind of results that it may hold.
+        ways: ways out to name in the error if it holds a run.
 
     Returns:
         The folder.
 
     Raises:
         ParameterError: its name is empty.
-        FileError: it is a file or within one, or it holds something else.
+        FileError: it is a file or within one, or it holds other results.
     """
     if str(folder) == "":
         raise ParameterError("a folder needs a name, not '': for this one give '.'")
@@ -61,6 +65,6 @@ def refuse(folder: str | Path, but: Kind | None = None, ways: tuple[str, ...] = 
             raise FileError(f"'{place}' is a file, not a folder: name another folder")
     found = holds(folder)
     if found is not None and found != but:
-        out = (*(ways if found == "compression" else ()), "name another folder")
-        raise FileError(f"'{folder}' holds {_SHOWN[found]}: {', or '.join(out)}")
+        ways_out = (*(ways if found == "compression" else ()), "name another folder")
+        raise FileError(f"'{folder}' holds {_SHOWN[found]}: {', or '.join(ways_out)}")
     return folder

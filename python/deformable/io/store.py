@@ -1,24 +1,26 @@
-"""The last state of a run in its folder: data file, species, LAMMPS script and summary."""
+"""A saved state: data file, species file, LAMMPS script and summary in one folder."""
 
 from __future__ import annotations
 
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 from ..common.errors import FileError
 from ..common.files import write_whole
 from ..common.versions import versions
-from ..model.laws import Law, Ring, Sector
+from ..model.laws import LAWS, Law
 from ..model.packing import Packing
+from .data_file import packing_file, packing_in
 from .lammps_commands import species_file
-from .lammps_files import SCRIPT, SPECIES, data_file, packing_in, script
-from .run_folder import DATA, SUMMARY, refuse
+from .lammps_script import script
+from .run_folder import DATA, SCRIPT, SPECIES, SUMMARY, refuse
 
-_LAWS: dict[str, type[Ring] | type[Sector]] = {"Ring": Ring, "Sector": Sector}
+# Names of laws in summaries of version 0.1, where Ring has a setting `contact` beside.
+_FORMER_NAMES = {"Ring": "balanced", "Sector": "sector"}
 
 
 def save(
@@ -30,7 +32,7 @@ def save(
     parameters: Mapping[str, Any] | None = None,
     frames: int | None = None,
 ) -> None:
-    """Write a state. Only one process may call this.
+    """Write a state. Only one rank may call this.
 
     Args:
         folder: made if missing; an older state there is replaced.
@@ -38,15 +40,15 @@ def save(
         law: its contact law.
         timestep: for the LAMMPS script [time].
         numbers: the state in numbers, for the summary.
-        parameters: anything JSON that belongs into the summary.
-        frames: on record up to this state, if any.
+        parameters: anything JSON for the summary.
+        frames: number of recorded frames up to this state, if any.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
+    settings = {name: _strict(value) for name, value in asdict(law).items() if name != "contact"}
     summary = {
         "state": dict(numbers),
-        "law": {"name": type(law).__name__}
-        | {name: _strict(value) for name, value in asdict(law).items()},
+        "law": {"name": law.name} | settings,
         "radii": packing.radii.tolist(),
         "parameters": {name: _strict(value) for name, value in (parameters or {}).items()},
         "versions": versions(),
@@ -54,18 +56,22 @@ def save(
     write_whole(folder / SPECIES, species_file(law, packing.radii.tolist()))
     write_whole(folder / SCRIPT, script(packing, law, timestep))
     write_whole(folder / SUMMARY, json.dumps(summary, indent=2, default=str) + "\n")
-    write_whole(folder / DATA, data_file(packing, frames))
+    write_whole(folder / DATA, packing_file(packing, frames))  # last: it completes the state
 
 
 def _strict(value: Any) -> Any:
-    """JSON has no infinity; `float` reads it back from a string."""
+    """Infinity as a string, because JSON has none."""
     if isinstance(value, tuple):
         return [_strict(each) for each in value]
     return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def summary_in(folder: Path) -> dict[str, Any]:
-    """What `summary.json` says."""
+    """Content of `summary.json`.
+
+    Raises:
+        FileError: the file is missing or damaged.
+    """
     path = folder / SUMMARY
     try:
         return dict(json.loads(_text(path, folder)))
@@ -83,7 +89,7 @@ def _text(path: Path, folder: Path) -> str:
 
 
 def _setting(value: Any) -> Any:
-    """A word, a number, or numbers, as `_strict` has written them."""
+    """Inverse of `_strict`: numbers as floats, words unchanged."""
     if isinstance(value, list):
         return [_setting(each) for each in value]
     try:
@@ -93,18 +99,23 @@ def _setting(value: Any) -> Any:
 
 
 def read(folder: Path) -> tuple[Packing, Law]:
-    """The packing in a folder, to the last digit, and its model."""
+    """The packing in a folder, with every digit, and its contact law.
+
+    Raises:
+        FileError: a file is missing or damaged, or the folder holds other results.
+    """
     summary, path = summary_in(refuse(folder, but="compression")), folder / SUMMARY
     try:
-        settings = dict(summary.get("law") or summary["model"])  # its name in version 0.1
-        name = settings.pop("name")
-        if name not in _LAWS:
+        settings = dict(summary["model"] if "model" in summary else summary["law"])  # version 0.1
+        given: str = settings.pop("name")
+        name = _FORMER_NAMES.get(given, given)
+        if name not in LAWS:
             raise ValueError(f"there is no law {name!r}")
-        law: Law = _LAWS[name](**{key: _setting(value) for key, value in settings.items()})
+        law = replace(LAWS[name], **{key: _setting(value) for key, value in settings.items()})
         radii = summary["radii"]
         path = folder / DATA
         return packing_in(_text(path, folder), radii), law
     except KeyError as error:
-        raise FileError(f"{path} cannot be read: it does not tell {error}") from None
+        raise FileError(f"{path} cannot be read: it lacks {error}") from None
     except (ValueError, TypeError) as error:
         raise FileError(f"{path} cannot be read: {error}") from None

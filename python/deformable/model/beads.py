@@ -1,4 +1,4 @@
-"""Rings of beads as settings: the deformable-polygon model that the contact laws stand in for."""
+"""Settings of rings of beads, the deformable-polygon model that the contact laws approximate."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from ..common.errors import ParameterError
 from ..common.validate import positive, shown
 from .laws import one_or_each, per_species
 
-# Least spacing of beads over their radius p. LAMMPS lists at most 2000 neighbors of a bead, from
-# within 2.5 p of it. What a ring has there is convex and thus no longer than 5 pi p, 262 beads; and
-# particles have radii above 2 p, so that no more than 7 of them reach there.
+# Least spacing of beads over their radius p. LAMMPS lists at most 2000 neighbors of a bead, within
+# a distance of 2.5 p. The part of a ring in this circle is convex, thus no longer than 5 pi p, with
+# 262 beads; and no more than 7 particles reach into it, because their radii are above 2 p.
 _LEAST_SPACING = 0.06
 
 
@@ -24,9 +24,9 @@ class Beads:
 
         U = kL/2 sum (L - L0)^2 + kA/2 sum (A - A0)^2 + kr/2 sum (2p - |v - v'|)^2
 
-    over all springs, all rings, and all overlapping beads of different rings. At rest a particle
-    of radius R is a regular polygon of circumradius R - p, so that its beads reach out to R.
-    Stiffnesses of springs and areas are numbers, or sequences of a number a species.
+    summed over all springs, all rings, and all overlapping beads of different rings. At rest a
+    particle of radius R is a regular polygon of circumradius R - p, so that its beads reach to R.
+    kL and kA are numbers, or sequences of one number for each species.
 
     Args:
         number: beads on a ring of the smallest species; larger ones get more, N_v ~ R - p. Or a
@@ -72,9 +72,9 @@ class Beads:
         """The undeformed rings of species of these radii [length].
 
         Raises:
-            ParameterError: beads too large for a particle, so few that others slip through between
-                them, or so many that LAMMPS cannot list their neighbors; numbers or stiffnesses
-                for another number of species.
+            ParameterError: beads are too large for a particle, so few that others slip between
+                them, or so many that LAMMPS cannot list their neighbors; or numbers or stiffnesses
+                are for another number of species.
         """
         ring = radii - self.radius
         if not (ring > self.radius).all():
@@ -85,7 +85,8 @@ class Beads:
         one = np.ndim(self.number) == 0
         if not one and len(np.asarray(self.number)) != len(radii):
             raise ParameterError(
-                f"number must be one, or one a species ({len(radii)}), not {self.number}"
+                f"number must be one number, or one for each of {len(radii)} species, not "
+                f"{self.number}"
             )
         share = ring / ring.min() if one else np.ones_like(ring)
         number = np.rint(np.asarray(self.number, dtype=np.float64) * share)
@@ -93,11 +94,11 @@ class Beads:
         widest, closest = int(spacing.argmax()), int(spacing.argmin())
         if spacing[widest] >= 4.0 * self.radius:
             enough = np.floor(_beads_at(4.0 * self.radius, ring)) + 1.0
-            # of the smallest species, so that n share rounds to enough for each
+            # `number` is that of the smallest species: number * share must round to enough
             least = (np.floor((enough - 0.5) / share) + 1.0).max() if one else enough[widest]
             raise ParameterError(
                 f"{number[widest]:g} beads of radius {self.radius:g} are too few for a particle of "
-                f"radius {radii[widest]:g}, others slip through between them: take "
+                f"radius {radii[widest]:g}, others slip between them: take "
                 f"{'number = ' if one else ''}{least:g} or more"
             )
         if spacing[closest] < _LEAST_SPACING * self.radius:
@@ -120,22 +121,22 @@ class Beads:
 
 
 def _beads_at(spacing: float, ring: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How many beads on circles of these radii have this spacing, pi/arcsin(spacing/2r)."""
+    """Number of beads with this spacing on circles of these radii, pi/arcsin(spacing/2r)."""
     return np.asarray(np.pi / np.arcsin(np.minimum(0.5 * spacing / ring, 1.0)))
 
 
 @dataclass(frozen=True, eq=False)
 class Rings:
-    """Undeformed rings, one a species, each array of shape (number of species,).
+    """Undeformed rings, one for each species; arrays of shape (number of species,).
 
     Attributes:
         number: of beads, N_v.
         radius: of the circle through the beads, R - p [length].
         spacing: rest length of the springs, L0 = 2 (R - p) sin(pi/N_v) [length].
         area: rest area, A0 = N_v/2 (R - p)^2 sin(2 pi/N_v) [length^2].
-        effective_radius: of the smooth particle that a ring is to other rings,
-            R - p + sqrt(4p^2 - L0^2/4)/2 [length]: facing rows of beads interlock. A smooth wall
-            meets the radius R.
+        effective_radius: of the smooth particle that equals a ring for other rings,
+            R - p + sqrt(4p^2 - L0^2/4)/2 [length], because facing rows of beads interlock. For a
+            smooth wall the radius is R.
         kL: stiffness of the springs [energy/length^2].
         kA: stiffness of the area [energy/length^4].
     """
@@ -150,20 +151,21 @@ class Rings:
 
     @property
     def kP(self) -> NDArray[np.float64]:
-        """Stiffness of the perimeter, kL/N_v: what a uniform stretch meets [energy/length^2]."""
+        """Stiffness of the perimeter against a uniform stretch, kL/N_v [energy/length^2]."""
         return self.kL / self.number
 
     @property
     def skin(self) -> NDArray[np.float64]:
-        """Thickness of what the beads add to the ring, `effective_radius - radius` [length]."""
+        """Thickness that the beads add to the ring, `effective_radius - radius` [length]."""
         return self.effective_radius - self.radius
 
     def fastest_frequency(self, kr: float) -> float:
-        """Above the frequencies of beads of mass 1 with contacts of stiffness kr.
+        """An upper bound of the frequencies of beads of mass 1 with contacts of stiffness kr.
 
             omega^2 = 4 kL + 4 kr + kA N_v L0^2
 
-        A row of springs, one of contacts, and the area, whose derivative by a bead is L0 at most.
+        The terms are of a row of springs, of a row of contacts, and of the area, whose derivative
+        with respect to the position of a bead is at most L0.
         """
         area = self.kA * self.number * self.spacing**2
         return float(np.sqrt((4.0 * (self.kL + kr) + area).max()))

@@ -1,4 +1,4 @@
-"""Packings: where undeformed disks of any sizes sit in a periodic box."""
+"""Packings: undeformed disks of any sizes in a periodic box."""
 
 from __future__ import annotations
 
@@ -13,11 +13,10 @@ from ..common.errors import ParameterError
 from ..common.renamed import FormerAttributes, former_arguments
 from ..common.validate import finite, numbers, positive, shown, whole
 
-# Atoms that LAMMPS can count.
+# Largest number of atoms in LAMMPS.
 _MOST = 2**31 - 1
 
-
-# LAMMPS brings particles back into a periodic box by one length at a time.
+# Largest distance from the box, in box lengths: LAMMPS brings particles back by one length a step.
 _FARTHEST = 1e6
 
 
@@ -69,13 +68,13 @@ class Packing(FormerAttributes):
             far = int(boxes.argmax())
             raise ParameterError(
                 f"positions of particle {far}, {self.positions[far].tolist()}, are "
-                f"{boxes[far]:.2g} boxes away: bring it back into the box"
+                f"{boxes[far]:.2g} boxes away: move it into the box"
             )
         if self.radii.ndim != 1 or not (self.radii > 0.0).all():
             raise ParameterError(f"radii must be positive, not {self.radii.tolist()}")
         if self.species.min() < 0 or self.species.max() >= len(self.radii):
             raise ParameterError(
-                f"species must lie in 0..{len(self.radii) - 1}, one radius each, "
+                f"species must lie in 0..{len(self.radii) - 1}, the numbers of the radii, "
                 f"not {self.species.min()}..{self.species.max()}"
             )
         if self.particle_radii is not None:
@@ -110,7 +109,7 @@ class Packing(FormerAttributes):
         return float(np.pi * np.sum(self.radius**2) / np.prod(self.box.diagonal()))
 
     def at(self, phi: float) -> Packing:
-        """The same packing, box and centers scaled alike to another packing fraction."""
+        """The packing at another packing fraction: box and centers are scaled by one factor."""
         factor = np.sqrt(self.phi / positive("phi", phi))
         return replace(self, positions=self.positions * factor, box=self.box * factor)
 
@@ -140,7 +139,7 @@ def bidisperse(
     seed: int = 1,
     ratio: float | None = None,
 ) -> Packing:
-    """Disks of two sizes at random places, overlaps allowed: the start of a jamming run.
+    """Disks of two sizes at random positions, which may overlap: the start of `jam`.
 
     Args:
         number: number of particles N.
@@ -169,15 +168,15 @@ def bidisperse(
         raise ParameterError(f"radii must be two numbers, not {shown(radii)}")
     if not 0.0 <= fraction <= 1.0:
         raise ParameterError(f"fraction must lie between 0 and 1, not {fraction}")
-    places = _random_places(number, _generator(seed))
+    positions = _random_positions(number, _generator(seed))
     small, large = (positive("radii", radius) for radius in pair)
     species = (np.arange(number) >= number - round(fraction * number)).astype(np.int64)
     box = _box(np.where(species == 1, large, small), phi, aspect, tilt)
-    return Packing(places @ box, species, np.array([small, large]), box)
+    return Packing(positions @ box, species, np.array([small, large]), box)
 
 
 class Distribution(Protocol):
-    """What scipy.stats calls a frozen distribution."""
+    """A frozen distribution of scipy.stats."""
 
     def rvs(self, *, size: int, random_state: np.random.Generator) -> Any: ...
 
@@ -190,28 +189,28 @@ def polydisperse(
     tilt: float = 0.0,
     seed: int = 1,
 ) -> Packing:
-    """Disks of any sizes at random places, overlaps allowed: the start of a jamming run.
+    """Disks of any sizes at random positions, which may overlap: the start of `jam`.
 
         polydisperse(64, scipy.stats.lognorm(0.1, scale=0.5))
         polydisperse(64, lambda rng: rng.uniform(0.4, 0.6, 64))
 
     Args:
         number: number of particles N.
-        radii: of all particles, shape (N,) [length]; or a distribution to draw them from, one of
-            scipy.stats or a function of a generator that returns all of them.
+        radii: of all particles, shape (N,) [length]; or a distribution of scipy.stats; or a
+            function that draws all of them with a generator of random numbers.
         phi: packing fraction, sum pi R^2 / box area.
         aspect: height over width of the box, ly / lx.
         tilt: shear of the box, xy / ly; 0 is a rectangle.
-        seed: seed of numpy's default generator, for places first and radii after them.
+        seed: seed of numpy's default generator, for the positions and then the radii.
 
     Returns:
         The packing, of one species; particles are in the order of their radii as given or drawn.
 
     Raises:
-        ParameterError: a value is out of range, e.g. a radius that was drawn is not positive.
+        ParameterError: a value is out of range, e.g. a drawn radius is not positive.
     """
     number, rng = whole("number", number), _generator(seed)
-    places = _random_places(number, rng)
+    positions = _random_positions(number, rng)
     drawn: Any = radii
     if hasattr(radii, "rvs"):
         drawn = radii.rvs(size=number, random_state=rng)
@@ -226,11 +225,11 @@ def polydisperse(
     if len(wrong) > 0:
         raise ParameterError(
             f"radii must be positive, but {len(wrong)} of {number} are not, such as {wrong[0]:g}: "
-            "give them, or draw them from, a distribution above zero"
+            "take positive numbers only"
         )
     box = _box(particle_radii, phi, aspect, tilt)
     species = np.zeros(number, dtype=np.int64)
-    return Packing(places @ box, species, np.array([particle_radii.max()]), box, particle_radii)
+    return Packing(positions @ box, species, np.array([particle_radii.max()]), box, particle_radii)
 
 
 def _generator(seed: int) -> np.random.Generator:
@@ -240,19 +239,19 @@ def _generator(seed: int) -> np.random.Generator:
     return np.random.default_rng(seed)
 
 
-def _random_places(number: int, rng: np.random.Generator) -> NDArray[np.float64]:
-    """Places in a unit square, shape (N, 2)."""
+def _random_positions(number: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Positions in a unit square, shape (N, 2)."""
     if number < 1:
         raise ParameterError(f"number must be at least 1, not {number}")
     if number > _MOST:
-        raise ParameterError(f"number must be at most {_MOST}, not {shown(number)}: LAMMPS' limit")
+        raise ParameterError(f"number must be at most {_MOST} in LAMMPS, not {shown(number)}")
     return rng.random((number, 2))
 
 
 def _box(
     radius: NDArray[np.float64], phi: float, aspect: float, tilt: float
 ) -> NDArray[np.float64]:
-    """Lattice vectors of the box that disks of these radii fill to phi, shape (2, 2) [length]."""
+    """Lattice vectors of the box in which disks of these radii have phi, shape (2, 2) [length]."""
     tilt = finite("tilt", tilt)
     area = np.pi * np.sum(radius**2) / positive("phi", phi)
     lx = np.sqrt(area / positive("aspect", aspect))

@@ -7,27 +7,27 @@ import numpy as np
 from .laws import Law
 from .packing import Packing
 
-# Energies are quartic in the indentation a: S ~ K a^2/2, p = kA S, L = K a, so that a contact has
-# the stiffness d(p L)/da = 3 K p whatever the law, with K about 15.
+# Energies are quartic in the indentation a: S ~ K a^2/2, p = kA S, L = K a. So a contact has the
+# stiffness d(p L)/da = 3 K p for any law, with K about 15.
 STIFFNESS_PER_PRESSURE = 50.0
 
-# Verlet is stable up to dt = 2/omega. Contacts of stiffness k give at most omega^2 = 6 k, all
-# neighbours of a triangular lattice moving against the particle (mass 1).
+# Verlet is stable up to dt = 2/omega. Contacts of stiffness k give omega^2 = 6 k at most, where all
+# neighbors of a triangular lattice move against the particle (mass 1).
 _STABLE = 2.0 / np.sqrt(6.0 * STIFFNESS_PER_PRESSURE)
 
-# The default is this part of the longest stable step. Kinetic energies of oscillators are wrong by
-# (omega dt)^2/8 then, 2 % for the very stiffest.
+# The default is this part of the longest stable step. The kinetic energy of an oscillator is then
+# wrong by (omega dt)^2/8, which is 2 % for the stiffest one.
 _ACCURATE = 0.2
 
-# Energy that collisions may gather in one particle, over the temperature: a probability of e^-10.
+# Energy of one particle over the temperature that collisions exceed with a probability of e^-10.
 _HOT = 10.0
 
-# Particles at rest that press less than this part of their stiffness do not move: any step will do.
+# Smallest pressure that limits the step, over the stiffness: particles at rest do not move.
 _AT_REST = 1e-12
 
 
 def accurate_step(packing: Packing, law: Law, pressure: float, temperature: float) -> float:
-    """The time step of `move` if none is given [time]; the minimizer's is about the same.
+    """The default time step of `move` [time]; that of the minimizer is about the same.
 
     Arguments as for `longest_step`.
     """
@@ -37,8 +37,9 @@ def accurate_step(packing: Packing, law: Law, pressure: float, temperature: floa
 def longest_step(packing: Packing, law: Law, pressure: float, temperature: float) -> float:
     """The longest stable time step [time].
 
-    Contacts are as stiff as the pressure p of their particles, which is that of the hardest one or
-    what a hot one can reach: U >= p^2 / (2 kA), and U >= (p R)^2 / (2 kP).
+    The stiffness of contacts is proportional to the pressure p of their particles. The largest p is
+    the present one, or that of a particle with much thermal energy U: U >= p^2 / (2 kA) and
+    U >= (p R)^2 / (2 kP).
 
     Args:
         packing: the particles.
@@ -46,11 +47,7 @@ def longest_step(packing: Packing, law: Law, pressure: float, temperature: float
         pressure: the largest pressure inside a particle [energy/length^2].
         temperature: of the motion [energy].
     """
-    kinds = len(packing.radii)
-    kA, kP, skin = (
-        np.broadcast_to(values, kinds)[packing.species]
-        for values in (law.kA, law.kP, law.skins(kinds))
-    )
+    kA, kP, skin = np.array(law.species(packing.radii.tolist())).T[:, packing.species]
     stiffness = float(np.minimum(kA, kP / (packing.radius - skin) ** 2).max())
     hot = np.sqrt(2.0 * stiffness * _HOT * temperature)
     at_rest = _AT_REST * stiffness * float(packing.radius.min()) ** 2

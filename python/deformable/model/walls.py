@@ -16,10 +16,9 @@ class Walls:
     """A convex polygon around the origin.
 
     Attributes:
-        angle: directions of the sides as seen from the origin, rising, shape (n,), n >= 3 [rad].
+        angle: directions from the origin to the sides, increasing, shape (n,), n >= 3 [rad].
         height: distance of each side from the origin, shape (n,) [length].
-        stick: beads that touch a side keep their place along it (the paper's walls); else they
-            slip.
+        stick: beads that touch a side keep their place along it; otherwise they slip.
 
     Raises:
         ParameterError: the sides do not close a polygon around the origin.
@@ -33,10 +32,10 @@ class Walls:
         angle, height = (numbers(f"{n} of walls", getattr(self, n)) for n in ("angle", "height"))
         if angle.ndim != 1 or len(angle) < 3 or not _turns_once(angle):
             raise ParameterError(
-                "angles of walls must rise through one turn, by less than half a turn from one to "
-                f"the next, not {angle.tolist()}"
+                "angles of walls must increase through one turn, by less than half a turn from one "
+                f"to the next, not {angle.tolist()}"
             )
-        if height.shape != angle.shape or not (np.isfinite(height) & (height > 0.0)).all():
+        if height.shape != angle.shape or not (height > 0.0).all():
             raise ParameterError(
                 f"heights of walls must be {len(angle)} positive numbers, not {height.tolist()}"
             )
@@ -50,11 +49,11 @@ class Walls:
         return np.column_stack([np.cos(self.angle), np.sin(self.angle)])
 
     def seen_from(self, center: ArrayLike) -> NDArray[np.float64]:
-        """Distance of each side from a point, negative beyond it, shape (n,) [length]."""
+        """Distance of each side from a point, negative beyond the side, shape (n,) [length]."""
         return self.height - self.normal @ np.asarray(center)
 
 
 def _turns_once(angle: NDArray[np.float64]) -> bool:
-    """Whether directions rise through one turn, by less than half a turn each."""
+    """Whether directions increase through one turn, by less than half a turn each."""
     turns = np.diff(angle, append=angle[:1] + 2.0 * np.pi)
     return bool(((turns > 0.0) & (turns < np.pi)).all())

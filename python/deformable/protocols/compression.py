@@ -17,7 +17,7 @@ from ..engine.simulation import Simulation
 
 
 class Snapshot(Protocol):
-    """What the progress bar shows of a state."""
+    """A state whose numbers a progress bar can show."""
 
     @property
     def phi(self) -> float: ...
@@ -30,7 +30,7 @@ S_co = TypeVar("S_co", bound=Snapshot, covariant=True)
 
 
 class Compressible(Protocol[S_co]):
-    """A simulation in a periodic box: `Simulation`, or `BeadReference`."""
+    """A simulation in a periodic box: `Simulation`, `Disks` or `BeadReference`."""
 
     @property
     def box(self) -> NDArray[np.float64]: ...
@@ -43,13 +43,13 @@ def compress(
 ) -> Iterator[S]:
     """Compress isotropically in equal steps, relaxing after each one.
 
-    After step n each length of the box is 1 - strain n / steps of what it was at the call.
+    After step n the box lengths are those at the call times 1 - strain n / steps.
 
     Args:
-        sim: a `Simulation` or a `BeadReference`; it ends in the last state.
-        strain: linear strain in all, below 1; negative expands.
+        sim: a `Simulation`, `Disks` or a `BeadReference`; it ends in the last state.
+        strain: total linear strain, below 1; negative expands.
         steps: number of steps.
-        tolerance: of each relaxation, see `relax` of the simulation, whose default it is.
+        tolerance: of each relaxation; by default that of `sim.relax`.
 
     Yields:
         The relaxed state after each step.
@@ -63,7 +63,7 @@ def compress(
 
 
 def check_protocol(strain: float, steps: int) -> None:
-    """Refuse what `compress` cannot do."""
+    """Refuse a strain or a number of steps that `compress` cannot take."""
     if not -1.0 < finite("strain", strain) < 1.0:
         raise ParameterError(f"strain must lie between -1 and 1, not {strain}")
     if whole("steps", steps) < 1:
@@ -78,7 +78,7 @@ def go_on(
     done: int,
     tolerance: float | None,
 ) -> Iterator[S]:
-    """The steps of a compression that are left, `done` of them being behind, from its first box."""
+    """The remaining steps of a compression that started at this box, after the steps done."""
     with progress("compressing", unit="step", total=steps, initial=done) as bar:
         for n in range(done + 1, steps + 1):
             sim.deform(box * (1.0 - strain * n / steps))

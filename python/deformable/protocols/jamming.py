@@ -18,18 +18,19 @@ from ..model.packing import Packing
 from ..state.disk_state import DiskState
 from ..state.state import State
 
-# Energies only fall in a relaxation: one that is loose at a coarser tolerance need not go on, which
-# saves time where forces fall slowly. Those of disks do not.
+# Factors of the tolerance in stages of a relaxation. The energy only falls: a packing that is loose
+# after one stage needs no other one. This saves time for deformable particles, whose forces fall
+# slowly; it does not for disks.
 _STAGES = (1000.0, 100.0, 10.0, 1.0)
 
-# Pressure of soft disks at which the start of a deformable packing counts as pushed apart.
-_APART = 1e-6
+# Pressure of soft disks below which the start of a deformable packing counts as separated.
+_SEPARATED = 1e-6
 
-# `push_off` ends at forces of 1e-3 of this pressure times the smallest radius: far below those of
-# disks that touch at random.
+# Pressure of soft disks for `push_off`. It ends at forces of 1e-3 of this pressure times the
+# smallest radius, far below those of disks at random positions.
 _PUSHED_OFF = 1e-3
 
-# A rearrangement may leave the pressure no value in the window: the bisection ends at this step.
+# A rearrangement may leave no packing between one and two thresholds: bisection ends at this step.
 _SMALLEST_STEP = 1e-10
 
 
@@ -43,28 +44,28 @@ def jam(
 ) -> Packing:
     """Compress particles from a loose start to the onset of rigidity.
 
-    Overlaps of the start are pushed apart as soft disks. The packing is then compressed
-    isotropically in steps of packing fraction and relaxed by FIRE after each one. Once the pressure
-    exceeds the threshold, the last loose packing is taken up again with half the step, until the
-    rigid one lies within a factor two above the threshold (bisection to the onset).
+    The particles of the start are separated as soft disks. Then the packing is compressed
+    isotropically in steps of packing fraction and relaxed by FIRE after each one. If the pressure
+    exceeds the threshold, the step is halved and repeated from the last loose packing, until the
+    pressure is above the threshold by at most a factor two (bisection to the onset).
 
-    Every rank of an MPI run does the same work: where a packing jams is chaotic, so sharing it out
-    would make the result depend on the number of ranks.
+    Every rank of an MPI run does the same work: relaxation near jamming is chaotic, so that results
+    of shared work would depend on the number of ranks.
 
     Args:
-        packing: a packing below jamming, e.g. from `bidisperse`; overlaps are pushed apart.
+        packing: a packing below jamming, e.g. from `bidisperse`; particles may overlap.
         law: contact law; soft disks of the energy k/2 (R_i + R_j - d)^2 if not given.
-        pressure: threshold of rigidity, in units of `natural_pressure`. How near to the onset that
-            is depends on the law: disks have p ~ phi - phi_J, rings p ~ (phi - phi_J)^3.
+        pressure: threshold of rigidity, in units of `natural_pressure`. The distance to the onset
+            depends on the law: p ~ phi - phi_J for disks, p ~ (phi - phi_J)^3 for rings.
         step: first step of packing fraction.
-        tolerance: largest force on a particle over that of a contact at the threshold. To count
-            contacts take 1e-6: the weakest ones bear little.
+        tolerance: largest force on a particle over that of a contact at the threshold. Take 1e-6 to
+            count contacts, because the weakest ones have small forces.
 
     Returns:
         The jammed packing; phi is about 0.84 for an equal mixture of sizes 1 : 1.4.
 
     Warns:
-        StalledWarning: relaxations did not end; large packings of disks, and the sector law.
+        StalledWarning: relaxations stalled, as in large packings of disks and with the sector law.
 
     Raises:
         ParameterError: the start is rigid already, or a value is out of range.
@@ -78,9 +79,9 @@ def jam(
     positive("pressure", pressure)
     positive("step", step)
     positive("tolerance", tolerance)
-    apart = _APART if law else pressure
-    start = _relaxed(packing, None, apart, tolerance)
-    if start.pressure > apart:
+    separated = _SEPARATED if law else pressure
+    start = _relaxed(packing, None, separated, tolerance)
+    if start.pressure > separated:
         raise ParameterError(
             f"packing is rigid already at phi = {packing.phi:.4f}: start from a lower phi"
         )
@@ -100,7 +101,7 @@ def jam(
                 step /= 2.0
     if stalled:
         warnings.warn(
-            f"relaxations stalled on the way to phi = {trial.phi:.6f}, the last one at a largest "
+            f"relaxations stalled on the way to phi = {trial.phi:.6f}, the last one with a largest "
             f"force of {trial.residual:.2g} of the mean contact force: the onset of jamming is "
             "uncertain",
             StalledWarning,
@@ -110,26 +111,26 @@ def jam(
 
 
 def push_off(packing: Packing) -> Packing:
-    """Push overlapping disks apart, as soft ones, at the packing fraction that they have.
+    """Relax particles as soft disks, at constant packing fraction, to reduce their overlaps.
 
-    Random places overlap deeper than a deformable particle can be dented. Soft disks have no such
-    limit: what is left of the overlaps, at any packing fraction, is a start for `Simulation`.
+    Disks at random positions overlap too deeply for contact lines in front of their centers. Soft
+    disks have no such limit. The result is a start for `Simulation`, at any packing fraction.
 
     Args:
         packing: e.g. from `bidisperse`, with any overlaps.
 
     Returns:
-        The packing with its disks at rest, where their forces balance.
+        The packing with balanced forces between its disks.
 
     Warns:
-        StalledWarning: forces are left that do not.
+        StalledWarning: the forces are not balanced.
     """
     expect("packing", packing, Packing)
     pushed = _relaxed(packing, None, _PUSHED_OFF, 1e-3)
     if pushed.stalled:
         warnings.warn(
-            f"disks were not parted to the end: the largest force is {pushed.residual:.2g} of the "
-            "mean contact force",
+            f"separating the disks stalled: the largest force is {pushed.residual:.2g} of the mean "
+            "contact force",
             StalledWarning,
             stacklevel=2,
         )
@@ -139,34 +140,32 @@ def push_off(packing: Packing) -> Packing:
 def natural_pressure(packing: Packing, law: Law | None) -> float:
     """The unit of pressure of a contact law [energy/length^2].
 
-    It is k for soft disks, 1 here, and kA R0^2 kP/(kA R0^2 + kP) for deformable particles, the mean
-    over them, with the mean radius R0. That is kA R0^2 where the perimeter is conserved, kP where
-    the area is.
+        <kA R0^2 kP / (kA R0^2 + kP)>
+
+    is the mean over deformable particles, with their mean radius R0: kA R0^2 if the perimeter is
+    conserved, kP if the area is. For soft disks it is their stiffness, 1.
     """
     if law is None:
         return 1.0
-    species, r0 = packing.species, float(packing.radius.mean())
-    kA, kP = (
-        np.broadcast_to(np.asarray(k, dtype=np.float64), len(packing.radii))[species]
-        for k in (law.kA, law.kP)
-    )
+    r0 = float(packing.radius.mean())
+    kA, kP, _ = np.array(law.species(packing.radii.tolist())).T[:, packing.species]
     return float(np.mean(1.0 / (1.0 / (kA * r0**2) + 1.0 / kP)))
 
 
 def simulate(packing: Packing, law: Law | None) -> Disks | Simulation:
-    """Particles of a contact law, or soft disks, on this rank alone."""
+    """A simulation of a contact law, or of soft disks, on this rank alone."""
     return Disks(packing) if law is None else Simulation(packing, law, MPI.COMM_SELF)
 
 
 def _relaxed(
     packing: Packing, law: Law | None, pressure: float, tolerance: float
 ) -> DiskState | State:
-    """The packing relaxed until it is loose, below a pressure, or else to the tolerance."""
-    # contacts of a packing at this pressure bear about so much
+    """The packing, relaxed until its pressure is below the given one, or else to the tolerance."""
+    # about the contact force at this pressure
     minimum_contact_force = pressure * float(packing.radius.min())
     with simulate(packing, law) as sim, warnings.catch_warnings():
-        warnings.simplefilter("ignore", StalledWarning)  # `jam` says it once for all of them
-        warnings.simplefilter("ignore", UnjammedWarning)  # as it should be below the onset
+        warnings.simplefilter("ignore", StalledWarning)  # `jam` warns once for all
+        warnings.simplefilter("ignore", UnjammedWarning)  # expected below the onset
         for part in _STAGES if law else _STAGES[-1:]:
             state = sim.relax(part * tolerance, minimum_contact_force)
             if state.pressure <= pressure or state.stalled:

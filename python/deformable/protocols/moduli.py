@@ -1,4 +1,4 @@
-"""Shear and bulk modulus of a packing, from its answer to small strains."""
+"""Shear and bulk modulus of a packing, from its response to small strains."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from ..state.state import State
 from .jamming import simulate
 from .shear import sheared
 
-# Values at two strains, one twice the other, agree if they differ by no more than this part of the
-# modulus, or of the pressure, below which a modulus is none.
+# Values at two strains, one twice the other, agree if they differ by at most this part of the
+# modulus or of the pressure. A modulus below this part of the pressure counts as zero.
 _AGREEMENT = 0.01
 
-# How often the strain is halved before the answer counts as not linear.
+# Number of times that the strain is halved before the response counts as not linear.
 _HALVINGS = 6
 
 
@@ -29,8 +29,8 @@ class Modulus:
     Attributes:
         value: the modulus at the smallest strain [energy/length^2].
         strain: that strain.
-        error: how far it is from the value at twice the strain [energy/length^2].
-        linear: the two agree to 1 %.
+        error: difference to the value at twice the strain [energy/length^2].
+        linear: whether both values agree to 1 %.
     """
 
     value: float
@@ -42,23 +42,25 @@ class Modulus:
 def shear_modulus(
     state: State | DiskState, strain: float, tolerance: float = 1e-8, pure: bool = False
 ) -> Modulus:
-    """G = d(shear stress)/d(shear strain) of a relaxed state, which stays as it is.
+    """G = d(shear stress)/d(shear strain) of a relaxed state, which does not change.
 
-    The packing is sheared by the strain and its opposite and relaxed, which leaves out stresses
-    that were there before. The strain is halved until two values agree.
+    The packing is sheared by the strain and by its opposite, each time from the state, and relaxed:
+    half the difference of the stresses does not contain the stress of the state. The strain is
+    halved until two values agree.
 
     Args:
-        state: of a `Simulation` or of `Disks`, relaxed; it bears a pressure.
-        strain: to begin with. Contacts change at strains of some part of phi - phi_J, so that a
+        state: of a `Simulation` or of `Disks`, relaxed, with a pressure above zero.
+        strain: the first one. Contacts change at strains of some part of phi - phi_J, so that a
             hundredth of that is a good start.
-        tolerance: of the relaxations: their largest force over the mean contact force. What is left
-            is an error of the stress.
+        tolerance: of the relaxations: their largest force over the mean contact force. Forces that
+            remain are an error of the stress.
         pure: stretch along x and shrink along y, at constant area, instead of simple shear along x.
             A small packing is not isotropic: its modulus varies as the sine of four times the
-            direction, and the mean of these two is that over all directions.
+            direction. The mean of the two moduli is the mean over all directions.
 
     Returns:
-        The modulus; negative where a packing is held only by its box, as some at their onset are.
+        The modulus; negative if a packing is stable only because its box is fixed, as some are at
+        onset.
 
     Raises:
         ParameterError: a value is out of range.
@@ -75,7 +77,7 @@ def shear_modulus(
 
 
 def bulk_modulus(state: State | DiskState, strain: float, tolerance: float = 1e-8) -> Modulus:
-    """K = d(pressure)/d(compressive strain of the area) of a relaxed state; as `shear_modulus`."""
+    """K = d(pressure)/d(compressive strain of the area) of a relaxed state, as `shear_modulus`."""
     return _modulus(
         state,
         strain,
@@ -95,18 +97,18 @@ def _modulus(
     """Half the difference of a component of stress at two opposite strains, over the strain."""
     expect("state", state, State, DiskState)
     positive("strain", strain)
-    before, none = np.inf, _AGREEMENT * state.pressure
+    before, zero = np.inf, _AGREEMENT * state.pressure
     for halving in range(_HALVINGS + 1):
-        ends, stalled = [], False
+        stresses, stalled = [], False
         for sign in (1.0, -1.0):
             with simulate(state.packing, state.law) as sim:
                 sim.deform(deformed(sim.box, sign * strain))
-                end = sim.relax(tolerance)
-            ends.append(component(end.stress))
-            stalled |= end.stalled
-        value = (ends[0] - ends[1]) / (2.0 * strain)
+                relaxed = sim.relax(tolerance)
+            stresses.append(component(relaxed.stress))
+            stalled |= relaxed.stalled
+        value = (stresses[0] - stresses[1]) / (2.0 * strain)
         error = abs(value - before)
-        linear = error <= max(_AGREEMENT * abs(value), none) and not stalled
+        linear = error <= max(_AGREEMENT * abs(value), zero) and not stalled
         if linear or stalled or halving == _HALVINGS:
             break
         before, strain = value, strain / 2.0

@@ -14,16 +14,15 @@ from ..model.laws import Sector
 from ..model.timestep import accurate_step, longest_step
 from ..state.state import State
 
-# Steps from state to state in a long motion.
+# Default number of steps between states.
 _EVERY = 100
 
-# The integrator of the heat bath: Gronbech-Jensen and Farago's keeps positions and half-step
-# velocities of an oscillator at their temperature for any time step, and does not draw its forces
-# anew where a run begins, as fix langevin does. But it shakes particles along z too, by far less
-# than a radius in _FLATTENED steps: forces do not feel that, the search for neighbors would in the
-# end.
+# The integrator of the heat bath by Gronbech-Jensen and Farago keeps positions and half-step
+# velocities of an oscillator at their temperature for any time step. Unlike fix langevin, it does
+# not draw its forces anew where a run begins. But it also moves particles along z, which matters
+# for neighbor lists in the end; so z is set to 0 after every _FLATTEN steps.
 _BATH = "fix move all gjf {temperature!r} {temperature!r} {time!r} {seed}"
-_FLATTENED = 1000
+_FLATTEN = 1000
 
 
 def move(
@@ -45,14 +44,15 @@ def move(
     Args:
         sim: of the law `Ring`; it ends in the last state.
         steps: number of time steps.
-        timestep: their length [time]; if not given, a fifth of the longest stable one, by the
-            pressure in the particles and by the temperature.
-        temperature: velocities are drawn at it to begin with, with no momentum in all, and with
-            friction it is that of the heat bath [energy]. If not given, the velocities stay what
-            they are: zero after `relax`, and those of the last state after another `move`.
+        timestep: length of a step [time]; if not given, a fifth of the longest stable one, which
+            depends on the pressure in the particles and on the temperature.
+        temperature: of the initial velocities, which are drawn with zero total momentum, and of the
+            heat bath if there is friction [energy]. If not given, the velocities are those of the
+            simulation: zero after `relax`, those of the last state after another `move`.
         friction: rate at which velocities decay [1/time].
-        every: steps from state to state; divides `steps`. If not given 100, or all if fewer.
-        seed: of velocities and noise; the noise depends on the number of ranks as well.
+        every: number of steps between states, a divisor of `steps`; if not given 100, or all steps
+            if there are fewer.
+        seed: of velocities and noise; the noise also depends on the number of ranks.
 
     Yields:
         The state after each `every` steps, with its `time` and `velocities`.
@@ -60,7 +60,7 @@ def move(
     Raises:
         ParameterError: a value is out of range, the time step is too long for the contacts, or the
             law is `Sector`, whose energy jumps.
-        LammpsError: particles that overlap too much, to begin with (`push_off` helps) or later.
+        LammpsError: particles overlap too much, at the start (`push_off` helps) or later.
 
     Source: heat bath: Gronbech-Jensen and Farago, Mol. Phys. 111, 983 (2013), and Jensen and
     Gronbech-Jensen, Mol. Phys. 117, 2511 (2019); velocity Verlet: Swope et al., J. Chem. Phys. 76,
@@ -69,8 +69,8 @@ def move(
     expect("sim", sim, Simulation)
     if isinstance(sim.law, Sector):
         raise ParameterError(
-            "the energy of Sector jumps where contacts appear, so its motion neither keeps nor "
-            "loses energy as it should: take Ring"
+            "the energy of Sector jumps where contacts appear, so that it is not conserved in "
+            "motion: take Ring"
         )
     if timestep is not None:
         timestep = positive("timestep", timestep)
@@ -80,7 +80,7 @@ def move(
     steps, seed = whole("steps", steps), whole("seed", seed)
     every = min(steps, _EVERY) if every is None else whole("every", every)
     if temperature and sim.lmp.get_natoms() < 2:
-        raise ParameterError("one particle alone has no temperature: take two at least")
+        raise ParameterError("a single particle has no temperature: take at least two")
     if every < 1 or steps < 1 or steps % every:
         raise ParameterError(
             f"steps must be a multiple of every, both at least 1, not {steps} and {every}: give "
@@ -111,7 +111,7 @@ def _move(
     if temperature is not None:
         run(sim.lmp, f"velocity all create {temperature!r} {seed} loop all mom yes")
     state = sim.state()
-    dt = accurate_step(*state.hardest()) if timestep is None else timestep
+    dt = accurate_step(*state.step_limits()) if timestep is None else timestep
     bath = _BATH.format(temperature=temperature or 0.0, time=1.0 / (friction or 1.0), seed=seed)
     run(
         sim.lmp,
@@ -126,26 +126,26 @@ def _move(
                 bar.update()
                 yield state
     finally:
-        if not sim.closed:  # an abandoned motion may outlive its simulation
+        if not sim.closed:  # a caller may close it before the motion ends
             run(sim.lmp, "unfix move\nunfix plane")
 
 
-def _advance(sim: Simulation, steps: int, timestep: float, hot: bool) -> State:
-    motion = f'run {steps} post no every {_FLATTENED} "set group all z 0.0"'
+def _advance(sim: Simulation, steps: int, timestep: float, thermal: bool) -> State:
+    motion = f'run {steps} post no every {_FLATTEN} "set group all z 0.0"'
     try:
-        run(sim.lmp, f"timestep {timestep!r}\n{motion}")  # `relax` between states has its own
+        run(sim.lmp, f"timestep {timestep!r}\n{motion}")  # `relax` between states changes it
         return sim.state()
     except LammpsError as error:
-        raise LammpsError(f"{error}; or lower the temperature" if hot else str(error)) from None
+        raise LammpsError(f"{error}; or lower the temperature" if thermal else str(error)) from None
 
 
 def _check(state: State, timestep: float) -> None:
     """Refuse a time step at which contacts are unstable."""
-    longest = longest_step(*state.hardest())
+    longest = longest_step(*state.step_limits())
     if timestep > longest:
-        hardest = int(state.particle_pressure.argmax())
+        n = int(state.particle_pressure.argmax())
         raise ParameterError(
-            f"timestep = {timestep:g} is too long for particle {hardest}, whose pressure is "
-            f"{state.particle_pressure[hardest]:.3g}, at temperature {state.temperature:.3g}: take "
+            f"timestep = {timestep:g} is too long for particle {n}, whose pressure is "
+            f"{state.particle_pressure[n]:.3g}, at temperature {state.temperature:.3g}: take "
             f"at most {longest:.2g}, or leave it out"
         )

@@ -22,15 +22,15 @@ def shear(
 ) -> Iterator[State | DiskState]:
     """Shear in equal steps, relaxing after each one; the area of the box stays.
 
-    After step n the upper side of the box has moved by strain n / steps of its height along x. The
-    shear stress that resists is -stress[0, 1] of the state. A box that leans over by more than half
-    its width is replaced by the equivalent one that leans less, so that strains may be large.
+    After step n the upper side of the box has moved along x by strain n / steps times its height.
+    The shear stress that resists is -stress[0, 1] of the state. A box whose tilt exceeds half its
+    width is replaced by the equivalent box with the smallest tilt, so that strains may be large.
 
     Args:
-        sim: it ends in the last state.
-        strain: shear strain gamma in all; negative shears the other way.
+        sim: a `Simulation` or `Disks`; it ends in the last state.
+        strain: total shear strain gamma; negative shears in the other direction.
         steps: number of steps.
-        tolerance: of each relaxation, see `Simulation.relax`, whose default it is.
+        tolerance: of each relaxation; by default that of `sim.relax`.
 
     Yields:
         The relaxed state after each step.
@@ -64,8 +64,8 @@ def sheared(box: NDArray[np.float64], strain: float) -> NDArray[np.float64]:
 
 
 def straighten(sim: Simulation | Disks) -> None:
-    """Replace the box by the equivalent one that leans over least; the particles stay."""
+    """Replace the box by the equivalent one with the smallest tilt; the particles stay."""
     (lx, _), (xy, _) = sim.box.tolist()
-    turns = round(xy / lx)
-    if turns:
-        run(sim.lmp, f"change_box all xy final {xy - turns * lx!r} units box")
+    widths = round(xy / lx)
+    if widths:
+        run(sim.lmp, f"change_box all xy final {xy - widths * lx!r} units box")

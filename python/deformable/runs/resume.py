@@ -15,6 +15,7 @@ from mpi4py import MPI
 
 from ..common.errors import FileError, ParameterError
 from ..common.validate import positive
+from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
 from ..io.frames import check_frames, frames_in
 from ..io.run_folder import DATA, refuse
@@ -23,8 +24,6 @@ from ..model.packing import Packing
 from ..protocols.compression import check_protocol, go_on
 from ..state.state import State
 from .record import recorded, write
-
-TOLERANCE = 1e-6
 
 # With a larger one the forces on a particle are far from balanced.
 LARGEST_TOLERANCE = 1e-2

@@ -1,4 +1,4 @@
-"""One state of a simulation of bead rings, and what a contact law makes of the same centers."""
+"""A state of rings of beads: a snapshot, which later steps do not change."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ..model.packing import Packing
 
 @dataclass(frozen=True, eq=False)
 class RingContacts:
-    """Rings whose beads overlap, each pair once.
+    """Pairs of rings whose beads overlap, each pair once.
 
     Attributes:
-        i: ring, shape (M,).
-        j: the other ring, above i, shape (M,).
-        image: periodic image of j that is met, in lattice vectors, shape (M, 2).
+        i: number of a ring, shape (M,).
+        j: number of the other ring, larger than i, shape (M,).
+        image: periodic image of j in the contact, in lattice vectors, shape (M, 2).
         force: on i, shape (M, 2) [energy/length].
     """
 
@@ -38,19 +38,19 @@ def sum_contacts(
     """Sum the forces of overlapping beads by pairs of rings.
 
     Args:
-        beads: of all rings, each ring unwrapped, shape (number of beads, 2) [length].
+        beads: positions in all rings, each ring unwrapped, shape (number of beads, 2) [length].
         first: the beads of ring m are first[m] to first[m + 1] - 1, shape (N + 1,).
         pairs: numbers, from 1, of two beads that overlap, shape (K, 2).
-        overlaps: vector from the second to the first of them and force on the first, shape (K, 4).
+        overlaps: vector from the second to the first bead and force on the first, shape (K, 4).
         box: lattice vectors as rows, shape (2, 2) [length].
     """
     a, b = pairs.astype(np.int64).T - 1
-    # an exact integer, the same for all beads of a contact whatever their rounding
+    # an exact integer, equal for all beads of a contact in spite of rounding
     image = np.rint((beads[a] - overlaps[:, :2] - beads[b]) @ np.linalg.inv(box)).astype(np.int64)
     i, j = (np.searchsorted(first, bead, side="right") - 1 for bead in (a, b))
     sign = np.where(i > j, -1, 1)[:, None]  # each pair of rings once, from its lower number
-    ends = np.column_stack([np.minimum(i, j), np.maximum(i, j), sign * image])
-    contacts, which = np.unique(ends, axis=0, return_inverse=True)
+    sides = np.column_stack([np.minimum(i, j), np.maximum(i, j), sign * image])
+    contacts, which = np.unique(sides, axis=0, return_inverse=True)
     force = np.zeros((len(contacts), 2))
     np.add.at(force, which.ravel(), sign * overlaps[:, 2:])
     return RingContacts(i=contacts[:, 0], j=contacts[:, 1], image=contacts[:, 2:], force=force)
@@ -67,12 +67,12 @@ class BeadState:
         outlines: beads of each ring, unwrapped around its center, arrays (N_v, 2) [length].
         area: of the polygons, shape (N,) [length^2].
         perimeter: of the polygons, shape (N,) [length].
-        contacts: rings that touch, with their forces.
+        contacts: pairs of rings in contact, with their forces.
         energy: of all rings [energy].
         stress: pressure tensor, compression positive, shape (2, 2) [energy/length^2].
-        residual: largest force on a bead over what a bead in a contact bears, the mean of
-            kA max(A0 - A, 0) L0 over the rings; 0 where no more than rounding is left.
-        stalled: the relaxation stopped before its tolerance.
+        residual: largest force on a bead over the force on a bead in a contact, which is the mean
+            of kA max(A0 - A, 0) L0 over the rings; 0 if forces are only rounding.
+        stalled: the relaxation stopped before the tolerance.
     """
 
     packing: Packing
@@ -104,5 +104,5 @@ class BeadState:
 
     @property
     def coordination(self) -> float:
-        """Mean number of rings that a ring touches."""
+        """Mean number of contacts of a ring, rattlers included."""
         return 2.0 * len(self.contacts.i) / len(self.packing)

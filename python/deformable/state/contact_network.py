@@ -1,4 +1,4 @@
-"""What bears a packing: its contacts without those of rattlers."""
+"""The contact network of a packing: its active contacts without those of rattlers."""
 
 from __future__ import annotations
 
@@ -14,27 +14,28 @@ from ..model.packing import Packing
 
 
 def without_rattlers(i: NDArray[np.int64], j: NDArray[np.int64], number: int) -> NDArray[np.bool_]:
-    """Which contacts are left once rattlers are taken out one after another, shape (M,).
+    """Whether contacts remain after rattlers are removed one after another, shape (M,).
 
     Args:
         i: particle of each side of a contact, shape (M,).
         j: its partner, -1 for a wall, shape (M,).
         number: of particles.
     """
-    bonds = np.ones(len(i), dtype=bool)
+    remaining = np.ones(len(i), dtype=bool)
     while True:
-        z = np.bincount(i[bonds], minlength=number)
-        held = np.append(z >= 3, True)  # walls, j = -1, are
-        kept = bonds & held[i] & held[j]
-        if (kept == bonds).all():
+        z = np.bincount(i[remaining], minlength=number)
+        rigid = np.append(z >= 3, True)  # the last one is for walls, j = -1
+        kept = remaining & rigid[i] & rigid[j]
+        if (kept == remaining).all():
             return kept
-        bonds = kept
+        remaining = kept
 
 
 class ContactNetwork(FormerAttributes, ABC):
-    """Contacts of a state, counted once rattlers are taken out one after another.
+    """Numbers of a state's contacts after rattlers are removed one after another.
 
-    A rattler has fewer than three contacts with particles that are none.
+    A rattler is a particle with fewer than three active contacts with other particles that are no
+    rattlers, or with walls.
     """
 
     _FORMER: ClassVar[dict[str, str]] = {
@@ -47,36 +48,37 @@ class ContactNetwork(FormerAttributes, ABC):
 
     @property
     @abstractmethod
-    def _ends(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Both ends of each bearing contact, as either side sees it; -1 is a wall."""
+    def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Particle and partner of each side of an active contact, shape (M,); -1 is a wall."""
 
     @cached_property
-    def _bonds(self) -> NDArray[np.bool_]:
-        """Which contacts are left, one value for each of `_ends`."""
-        return without_rattlers(*self._ends, len(self.packing))
+    def _in_network(self) -> NDArray[np.bool_]:
+        """Whether each of `_contact_sides` belongs to a contact without a rattler."""
+        return without_rattlers(*self._contact_sides, len(self.packing))
 
     @property
     def rattlers(self) -> NDArray[np.bool_]:
-        """Particles with fewer than three bearing contacts, rattlers not counted, shape (N,)."""
-        return np.bincount(self._ends[0][self._bonds], minlength=len(self.packing)) == 0
+        """Particles with fewer than three active contacts with non-rattlers, shape (N,)."""
+        particles = self._contact_sides[0][self._in_network]
+        return np.bincount(particles, minlength=len(self.packing)) == 0
 
     @property
     def coordination(self) -> float:
-        """Mean number z of bearing contacts of the particles that are not rattlers; else 0."""
-        held = int(np.sum(~self.rattlers))
-        return float(np.sum(self._bonds) / held) if held else 0.0
+        """Mean number z of network contacts of a particle that is no rattler; 0 without any."""
+        rigid = int(np.sum(~self.rattlers))
+        return float(np.sum(self._in_network) / rigid) if rigid else 0.0
 
     @property
     def network_contacts(self) -> int:
-        """Number of bearing contacts, each counted once, those of rattlers left out."""
-        wall = self._ends[1][self._bonds] < 0
+        """Number of active contacts without those of rattlers, each counted once."""
+        wall = self._contact_sides[1][self._in_network] < 0
         return int(np.sum(wall) + np.sum(~wall) // 2)
 
     @property
     def isostatic_contacts(self) -> int:
-        """The fewest contacts that bear a pressure in a periodic box, 2 N' - 1; 0 without any.
+        """Smallest number of contacts that supports a pressure in a periodic box, 2 N' - 1.
 
-        The N' particles that are not rattlers have 2 N' - 2 ways to move against each other; one
-        contact more than these makes a state of stress.
+        The N' particles that are not rattlers have 2 N' - 2 relative degrees of freedom; one more
+        contact makes a state of self stress possible. It is 0 if all are rattlers.
         """
         return max(2 * int(np.sum(~self.rattlers)) - 1, 0)

@@ -1,4 +1,4 @@
-"""Who touches whom: the contacts of a state, from compute deformable/contact."""
+"""The table of active contacts of a state, from compute deformable/contact."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from numpy.typing import NDArray
 
 from ..model.packing import Packing
 
-# Each contact stands twice, as either particle sees it; one with a wall stands once, with j = -1.
+# Each contact has two rows, one for each side; a contact with a wall has one row, with j = -1.
 COLUMNS = np.dtype(
     [
         ("i", np.int64),
         ("j", np.int64),
-        ("image", np.int64, 2),  # periodic image of j that is met, in lattice vectors
+        ("image", np.int64, 2),  # periodic image of j in the contact, in lattice vectors
         ("angle", float),  # direction from i to j [rad]
         ("distance", float),  # of the centers, or of i from the wall [length]
         ("indentation", float),  # of i [length]
         ("length", float),  # of the contact on i [length]
-        ("force", float),  # with which i presses, dU_i/da [energy/length]
-        ("position", float, 2),  # of the contact line, nearest to i, around where i is [length]
+        ("force", float),  # of this side, dU_i/da [energy/length]
+        ("position", float, 2),  # of the contact line's point nearest to i [length]
     ]
 )
 
@@ -34,11 +34,11 @@ def contact_table(rows: NDArray[np.float64], packing: Packing, comm: MPI.Comm) -
     Args:
         rows: of compute deformable/contact on this rank, shape (M, 9).
         packing: centers and box at the same time.
-        comm: who has the other rows.
+        comm: of the ranks with the other rows.
 
     Returns:
-        Structured array of `COLUMNS`, both sides of each pair. A side that does not press has no
-        row in LAMMPS; here it has one with length and force 0, and the rest of the overlap.
+        Structured array of `COLUMNS`, with both sides of each pair. A side without force has no row
+        in LAMMPS; here it has one with length and force 0, and the rest of the overlap.
     """
     rows = np.concatenate(comm.allgather(rows))
     table = np.zeros(len(rows), COLUMNS)
@@ -51,7 +51,7 @@ def contact_table(rows: NDArray[np.float64], packing: Packing, comm: MPI.Comm) -
         table[name] = column
     table["position"] = rows[:, 5:7]
     pair = table["j"] >= 0
-    # an exact integer: both sides agree on it whatever their rounding
+    # an exact integer, equal for both sides in spite of rounding
     i, j = table["i"][pair], table["j"][pair]
     angle = table["angle"][pair]
     out = np.column_stack([np.cos(angle), np.sin(angle)])
@@ -62,10 +62,10 @@ def contact_table(rows: NDArray[np.float64], packing: Packing, comm: MPI.Comm) -
 
 
 def _missing_sides(pairs: ContactTable, packing: Packing) -> ContactTable:
-    """The other side of each contact that presses on one only."""
-    there = {_key(row["i"], row["j"], row["image"]) for row in pairs}
+    """The other side of each contact with a force on one side only."""
+    found = {_key(row["i"], row["j"], row["image"]) for row in pairs}
     sides = np.array(
-        [row for row in pairs if _key(row["j"], row["i"], -row["image"]) not in there], COLUMNS
+        [row for row in pairs if _key(row["j"], row["i"], -row["image"]) not in found], COLUMNS
     )
     overlap = packing.radius[sides["i"]] + packing.radius[sides["j"]] - sides["distance"]
     sides["i"], sides["j"] = sides["j"].copy(), sides["i"].copy()

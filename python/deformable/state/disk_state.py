@@ -1,4 +1,4 @@
-"""One state of soft disks: a snapshot that stays as it is while the simulation goes on."""
+"""A state of soft disks: a snapshot, which later steps do not change."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ class DiskState(ContactNetwork):
     """A snapshot of soft disks of contact stiffness k. Particles are numbered from 0.
 
     Attributes:
-        packing: centres, species, radii and box.
+        packing: centers, species, radii and box.
         law: None, which stands for soft disks.
         energy: of all particles [k length^2].
         stress: pressure tensor of the packing, compression positive, shape (2, 2) [k].
-        pairs: who overlaps, each pair once, shape (M, 2).
+        pairs: numbers of particles that overlap, each pair once, shape (M, 2).
         residual: largest force on a particle over the mean contact force; 0 without contacts.
-        stalled: the relaxation stopped before its tolerance.
+        stalled: the relaxation stopped before the tolerance.
     """
 
     packing: Packing
@@ -44,6 +44,6 @@ class DiskState(ContactNetwork):
         return float(np.trace(self.stress) / 2.0)
 
     @property
-    def _ends(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         i, j = self.pairs.T
         return np.concatenate([i, j]), np.concatenate([j, i])

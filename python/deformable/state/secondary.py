@@ -1,8 +1,9 @@
-"""Secondary contacts: outlines of the sector law that bulge into one another are pressed flat.
+"""Secondary contacts: outlines of the sector law that bulge into each other are pressed flat.
 
-The first pass shapes each particle by the neighbors whose undeformed circles it meets. Between its
-contacts the outline bulges, and may run into particles that are no neighbors in this sense. Two
-such arcs share a contact as two circles do, and the sector law shapes each arc between its ends.
+The law shapes each particle by its primary contacts, with neighbors whose undeformed circles
+overlap its own. Between these contacts the outline bulges, and may overlap the outline of another
+particle. Two such arcs then share a contact as two circles do, and the sector law shapes each arc
+between its ends.
 """
 
 from __future__ import annotations
@@ -23,8 +24,8 @@ from .state import State
 _Array = NDArray[np.float64]
 _Contact = tuple[float, float]  # direction and indentation
 
-# An arc of radius q and opening phi has room for indentations up to q phi^2/6. Below this opening
-# they are less than the rounding of q.
+# The indentation of an arc of radius q and opening phi can be q phi^2/6 at most. Below this opening
+# it is less than the rounding of q.
 _NARROWEST = np.sqrt(6.0 * np.finfo(float).eps)
 
 
@@ -34,13 +35,14 @@ class SecondaryOutlines:
 
     Attributes:
         outlines: of each particle, closed polygons of shape (m, 2) [length].
-        arcs: of each particle, shape (m, 5): center x, y about that of the particle, radius
-            [length], first and last direction of the normals [rad]. Straight flats join them.
-        residual: largest penetration of two outlines over the mean undeformed radius, after the
-            first pass and after each iteration, shape (iterations + 1,).
+        arcs: of each particle, shape (m, 5): x, y of the arc's center from that of the particle,
+            radius [length], directions of the first and the last normal [rad]. Straight contacts
+            join them.
+        residual: largest overlap of two outlines over the mean undeformed radius, at the start and
+            after each iteration, shape (iterations + 1,).
         overlaps: number of places where two outlines overlap, likewise.
-        beyond: number of arcs without a positive radius, beyond the model: they were left alone,
-            and their overlaps are not part of the above.
+        beyond: number of arcs without a positive radius, beyond the model: they do not change, and
+            their overlaps do not count above.
     """
 
     outlines: list[_Array]
@@ -51,23 +53,23 @@ class SecondaryOutlines:
 
 
 def resolve_secondary(state: State, iterations: int = 3) -> SecondaryOutlines:
-    """Press outlines that overlap flat against each other, as the sector law does with circles.
+    """Press overlapping outlines flat against each other, as the sector law does with circles.
 
-    Two arcs overlap where their centers are closer than the sum q_i + q_j of their radii and lie in
-    a direction that is normal to both. Their contact is on the radical axis of their circles. A
-    contact of indentation a divides its arc into two sectors of a circle of radius q, with the
+    Two arcs overlap if the distance of their centers is less than the sum q_i + q_j of their radii,
+    and its direction is normal to both arcs. Their contact is on the radical axis of their circles.
+    A contact of indentation a divides its arc into two sectors of a circle of radius q, with the
     indentations 0 at the arc's ends and a in between. So the perimeter is conserved, and the
-    tangents at both ends stay. Each iteration does so for all overlaps at once.
+    tangents at both ends do not change. Each iteration does so for all overlaps at once.
 
-    Not resolved, but part of the residual: a contact of a particle that has no other, because the
-    law leaves it a circle; a contact too close in direction to a deeper one, or to the end of its
-    arc, to leave an arc of positive radius. Primary contacts are not looked at: the first pass
-    separates them, except from a particle with no other contact.
+    Some overlaps remain, as a part of the residual: the only contact of a particle, because the law
+    leaves it a circle; and a contact so close in direction to a deeper one, or to the end of its
+    arc, that no arc of positive radius would remain. Primary contacts are not changed: the law
+    separates these outlines already, except if a particle has no other contact.
 
     Args:
         state: of the sector law at constant perimeter; `Simulation(packing, Sector()).state()` has
             the centers of any packing.
-        iterations: how many at most; nothing changes any more once nothing overlaps.
+        iterations: largest number of iterations; nothing changes once nothing overlaps.
 
     Raises:
         ParameterError: another law, or a negative number of iterations.
@@ -83,7 +85,7 @@ def resolve_secondary(state: State, iterations: int = 3) -> SecondaryOutlines:
         raise ParameterError(f"iterations must not be negative, not {iterations}")
     radius = state.packing.radius
     contacts = [
-        np.column_stack([seen["angle"], seen["indentation"]]) for seen in state.particle_contacts
+        np.column_stack([rows["angle"], rows["indentation"]]) for rows in state.particle_contacts
     ]
     arcs = [core.sector_arcs(r, *pressed.T) for r, pressed in zip(radius, contacts, strict=True)]
     outlines = list(state.outlines)
@@ -125,9 +127,9 @@ def _divided(arc: _Array, new: list[_Contact]) -> _Array:
 def _accepted(radius: float, contacts: _Array, new: list[_Contact], closed: bool) -> _Array:
     """The contacts with those new ones, deepest first, that leave all arcs a positive radius."""
     for angle, indentation in sorted(new, key=lambda contact: -contact[1]):
-        apart = np.remainder(contacts[:, 0] - angle + np.pi, 2.0 * np.pi) - np.pi
-        # the line must cross the circle, and in front of its center
-        if not 0.0 < indentation < radius or (np.abs(apart) < _NARROWEST).any():
+        opening = np.remainder(contacts[:, 0] - angle + np.pi, 2.0 * np.pi) - np.pi
+        # the line must cross the circle, in front of its center
+        if not 0.0 < indentation < radius or (np.abs(opening) < _NARROWEST).any():
             continue
         trial = np.vstack([contacts, (angle, indentation)])
         if (core.sector_arcs(radius, trial[:, 0], trial[:, 1], closed)[:, 2] > 0.0).all():
@@ -143,18 +145,18 @@ def _overlaps(
     depths: list[float] = []
     # outlines that were pressed flat touch, up to the rounding of their centers' coordinates
     rounding = 16.0 * np.finfo(float).eps * np.abs(packing.box).sum()
-    for i, j, apart in _pairs(packing, arcs):
-        mine, other = arcs[i][:, np.newaxis], arcs[j] + [*apart, 0.0, 0.0, 0.0]
-        dx, dy = np.moveaxis(other[:, :2] - mine[..., :2], -1, 0)
+    for i, j, vector in _pairs(packing, arcs):
+        own, other = arcs[i][:, np.newaxis], arcs[j] + [*vector, 0.0, 0.0, 0.0]
+        dx, dy = np.moveaxis(other[:, :2] - own[..., :2], -1, 0)
         angle, distance = np.arctan2(dy, dx), np.hypot(dx, dy)
-        overlap = mine[..., 2] + other[:, 2] - distance
-        facing = _normal_to(mine, angle) & _normal_to(other, angle + np.pi)
+        overlap = own[..., 2] + other[:, 2] - distance
+        facing = _normal_to(own, angle) & _normal_to(other, angle + np.pi)
         for k, m in np.argwhere(facing & (overlap > rounding)):
             d, theta, q_i, q_j = distance[k, m], angle[k, m], arcs[i][k, 2], arcs[j][m, 2]
             found[i, int(k)].append((theta, core.contact_line(d, q_i, q_j)))
             found[j, int(m)].append((theta + np.pi, core.contact_line(d, q_j, q_i)))
             depths.append(overlap[k, m])
-        over = _over_flats(arcs[i], -apart, arcs[j]), _over_flats(arcs[j], apart, arcs[i])
+        over = _over_flats(arcs[i], -vector, arcs[j]), _over_flats(arcs[j], vector, arcs[i])
         depths += [depth for depth in np.concatenate(over) if depth > rounding]
     return found, depths
 
@@ -166,15 +168,16 @@ def _normal_to(arcs: _Array, angle: _Array) -> NDArray[np.bool_]:
 
 
 def _over_flats(arcs: _Array, center: _Array, other: _Array) -> _Array:
-    """How far arcs reach over flats of the other particle, `center` the place of theirs from it.
+    """How far arcs reach over straight contacts of another particle.
 
-    That happens where only one side of a contact took it.
+    This happens if only one side of a contact could be pressed flat. `center` is the vector from
+    the other particle's center to that of the arcs.
     """
     theta, last = other[:, 4], np.roll(other[:, :2], -1, axis=0)
     normal = np.column_stack([np.cos(theta), np.sin(theta)])
     tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
-    apart = arcs[:, np.newaxis, :2] + center - other[:, :2]
-    along, height = np.sum(apart * tangent, axis=2), np.sum(apart * normal, axis=2)
+    vector = arcs[:, np.newaxis, :2] + center - other[:, :2]
+    along, height = np.sum(vector * tangent, axis=2), np.sum(vector * normal, axis=2)
     on_flat = (along > 0.0) & (along < np.sum((last - other[:, :2]) * tangent, axis=1))
     in_front = np.sum((center - other[:, :2]) * normal, axis=1) > other[:, 2]
     over = _normal_to(arcs[:, np.newaxis], theta + np.pi) & on_flat & in_front
@@ -182,9 +185,9 @@ def _over_flats(arcs: _Array, center: _Array, other: _Array) -> _Array:
 
 
 def _pairs(packing: Packing, arcs: list[_Array]) -> Iterator[tuple[int, int, _Array]]:
-    """Particles whose circles do not meet but whose outlines may, and the vector between them.
+    """Pairs whose circles do not overlap but whose outlines may, and the vector between them.
 
-    Each pair comes once, with every periodic image of the second that is close enough.
+    Each pair comes once for every periodic image of the second particle that is close enough.
     """
     extent = np.array([np.max(np.hypot(*rows[:, :2].T) + np.abs(rows[:, 2])) for rows in arcs])
     to_fraction = np.linalg.inv(packing.box)
@@ -197,8 +200,8 @@ def _pairs(packing: Packing, arcs: list[_Array]) -> Iterator[tuple[int, int, _Ar
     half = which > len(images) // 2  # of a particle's own images
     radius = packing.radius
     for i, origin in enumerate(packing.positions):
-        apart = ghost - origin
-        distance = np.hypot(*apart.T)
+        vector = ghost - origin
+        distance = np.hypot(*vector.T)
         close = (distance > radius[i] + radius[other]) & (distance < extent[i] + extent[other])
         for n in np.flatnonzero(close & ((other > i) | (half & (other == i)))):
-            yield i, int(other[n]), apart[n]
+            yield i, int(other[n]), vector[n]

@@ -1,4 +1,4 @@
-"""One state of a simulation: a snapshot that stays as it is while the simulation goes on."""
+"""A state of a simulation: a snapshot, which later steps do not change."""
 
 from __future__ import annotations
 
@@ -32,24 +32,24 @@ class State(ContactNetwork):
 
     Attributes:
         packing: centers, species, undeformed radii and box.
-        law: contact law with its stiffness.
+        law: the contact law.
         area: of each particle, within its skin if it has one, shape (N,) [length^2].
         perimeter: of each particle, likewise, shape (N,) [length].
-        contacts: number of contacts that bear force on each particle, shape (N,).
+        contacts: number of active contacts of each particle, shape (N,).
         particle_pressure: inside each particle, shape (N,) [energy/length^2].
         arc_radius: smallest radius of curvature of the free outline, shape (N,) [length].
         energy: of all particles [energy].
         stress: pressure tensor of the contacts, compression positive, shape (2, 2)
             [energy/length^2]; motion adds N T / box area to its diagonal.
         residual: largest force on a particle over the mean contact force; 0 without contacts.
-        stalled: the relaxation stopped before its tolerance.
+        stalled: the relaxation stopped before the tolerance.
         beyond: number of particles that the model does not describe (negative radius of curvature).
         velocities: of the centers, zero after a relaxation, shape (N, 2) [length/time].
-        contact_table: contacts with a length or a force, as either side sees them, sorted by
-            (i, j, image): structured array with the fields i, j (-1 for a wall), image (2,), angle,
-            distance, indentation, length, force, position (2,), see `contact_table.COLUMNS`.
-        root: this process writes the files (rank 0 of the run).
-        time: since `move` began, 0 without motion [time].
+        contact_table: active contacts, with a row for each side, sorted by (i, j, image):
+            structured array with the fields i, j (-1 for a wall), image (2,), angle, distance,
+            indentation, length, force, position (2,), see `contact_table.COLUMNS`.
+        root: whether this process writes files (rank 0 of the run).
+        time: since the start of `move`, 0 without motion [time].
     """
 
     packing: Packing
@@ -102,12 +102,12 @@ class State(ContactNetwork):
 
     @property
     def temperature(self) -> float:
-        """Temperature of the motion, masses and k_B being 1 [energy].
+        """Temperature of the motion, sum (v - mean v)^2 / (2 N - 2) [energy].
 
-        sum (v - mean v)^2 / (2 N - 2), as many degrees of freedom as the common motion leaves.
+        Masses and k_B are 1.
         """
-        apart = self.velocities - self.velocities.mean(axis=0)
-        return float(np.sum(apart**2) / (2.0 * max(len(apart) - 1, 1)))
+        relative = self.velocities - self.velocities.mean(axis=0)
+        return float(np.sum(relative**2) / (2.0 * max(len(relative) - 1, 1)))
 
     @property
     def _skin(self) -> NDArray[np.float64]:
@@ -115,7 +115,7 @@ class State(ContactNetwork):
         return self.law.skins(len(self.packing.radii))[self.packing.species]
 
     @property
-    def _ends(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         return self.contact_table["i"], self.contact_table["j"]
 
     @cached_property
@@ -129,16 +129,16 @@ class State(ContactNetwork):
     def parallels(
         self, inset: NDArray[np.float64] | None = None, points: int = 180
     ) -> list[NDArray[np.float64]]:
-        """Lines within the outlines, each about its particle's center, arrays (m, 2) [length].
+        """Lines parallel to the outlines, about each particle's center, arrays (m, 2) [length].
 
         Args:
-            inset: distance from each outline, shape (N,) [length]; none gives the outlines.
-            points: how finely a whole turn is divided.
+            inset: distance inward from each outline, shape (N,) [length]; 0 if not given.
+            points: number of points on a whole turn.
         """
         inset = np.zeros(len(self.packing)) if inset is None else inset
         return [
-            self.law.outline(kind, radius, seen["angle"], seen["indentation"], within, points)
-            for kind, radius, within, seen in zip(
+            self.law.outline(kind, radius, rows["angle"], rows["indentation"], distance, points)
+            for kind, radius, distance, rows in zip(
                 self.packing.species,
                 self.packing.radius,
                 inset,
@@ -164,12 +164,12 @@ class State(ContactNetwork):
         """Draw the outlines, colored by a value of each particle; returns the axes.
 
         Args:
-            ax: axes to draw into; a new figure without.
-            color_by: name of an attribute with one number a particle, e.g. `area_deficit`.
-            contacts: draw the contacts, the straight parts of either outline, on top.
-            forces: draw the force chains on top, lines from center to center as wide as the force
-                on them is large.
-            scale: of colors and forces, for several pictures on one scale, see `plot.scale`.
+            ax: axes to draw into; a new figure if not given.
+            color_by: name of an attribute with one number for each particle, e.g. `area_deficit`.
+            contacts: draw the contacts, the straight parts of both outlines.
+            forces: draw the force chains: lines between centers, with widths proportional to the
+                forces.
+            scale: of colors and forces, to use one for several pictures, see `plot.scale`.
 
         Raises:
             ParameterError: `color_by` is no such attribute.
@@ -192,7 +192,7 @@ class State(ContactNetwork):
         )
 
     def values(self, name: str) -> NDArray[np.float64]:
-        """An attribute with one number a particle, shape (N,).
+        """An attribute with one number for each particle, by its name, shape (N,).
 
         Raises:
             ParameterError: there is no such attribute.
@@ -200,7 +200,7 @@ class State(ContactNetwork):
         values = np.asarray(getattr(self, name, None))
         if values.shape != (len(self.packing),) or values.dtype.kind not in "bif":
             raise ParameterError(
-                f"color_by must name an attribute with one number a particle, not '{name}'"
+                f"color_by must name an attribute with one number for each particle, not '{name}'"
             )
         return values.astype(float)
 
@@ -214,11 +214,11 @@ class State(ContactNetwork):
 
         Args:
             folder: made if missing; an older state there is replaced.
-            parameters: anything JSON that belongs into the summary, e.g. seed and protocol.
-            frames: on record up to this state, see `record`.
+            parameters: anything JSON for the summary, e.g. seed and protocol.
+            frames: number of recorded frames up to this state, see `record`.
         """
         if self.root:
-            step = accurate_step(*self.hardest())
+            step = accurate_step(*self.step_limits())
             save(folder, self.packing, self.law, step, self.numbers(), parameters, frames)
 
     def numbers(self) -> dict[str, Any]:
@@ -231,7 +231,7 @@ class State(ContactNetwork):
             "xy": xy,
             "phi": self.phi,
             "pressure": self.pressure,
-            "shear_stress": -float(self.stress[0, 1]),  # as `shear` has it: resists shear along x
+            "shear_stress": -float(self.stress[0, 1]),  # positive if it resists shear along x
             "energy": self.energy,
             "temperature": self.temperature,
             "time": self.time,
@@ -243,7 +243,7 @@ class State(ContactNetwork):
         }
 
     def particle_values(self) -> dict[str, NDArray[Any]]:
-        """Values of the particles by name, as they stand in a trajectory, arrays of shape (N,)."""
+        """Values of the particles by their names in a trajectory, arrays of shape (N,)."""
         return {
             "radius": self.packing.radius,
             "area": self.area,
@@ -256,6 +256,6 @@ class State(ContactNetwork):
             "vy": self.velocities[:, 1],
         }
 
-    def hardest(self) -> tuple[Packing, Law, float, float]:
-        """What limits the time step, see `longest_step`."""
+    def step_limits(self) -> tuple[Packing, Law, float, float]:
+        """The arguments of `longest_step` and `accurate_step`."""
         return self.packing, self.law, float(self.particle_pressure.max()), self.temperature

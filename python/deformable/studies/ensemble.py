@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import StalledWarning, UnjammedWarning
+from ..engine.relaxation import TOLERANCE
 from ..model import laws
 from ..model.laws import Law
 from ..model.packing import bidisperse
@@ -26,9 +27,9 @@ LAWS: dict[str, Law | None] = {"disk": None, **laws.LAWS}
 # Packings are averaged over that have these in common.
 GROUP = ("law", "onset_pressure", "number")
 
-# Strain of a modulus over phi - phi_J, and tolerance of the relaxations: balanced contacts know
+# Strain of a modulus over phi - phi_J, and tolerance of its relaxations: balanced contacts know
 # their forces to 1e-8.
-_STRAIN, _TOLERANCE = 0.01, 1e-8
+_STRAIN, _MODULUS_TOLERANCE = 0.01, 1e-8
 
 # A packing has rearranged if its pressure rises by so much more or less than the integral of the
 # bulk modulus, relative to the latter.
@@ -36,9 +37,6 @@ _REARRANGED = 0.25
 
 # Means are fitted if they are over so many packings, and so many standard errors above zero.
 _FEWEST_PACKINGS, _STANDARD_ERRORS = 3, 2.0
-
-# Tolerance of the onset, where contacts are counted.
-_ONSET_TOLERANCE = 1e-6
 
 Row = dict[str, Any]
 
@@ -68,7 +66,7 @@ def measure(
         warnings.simplefilter("ignore", UnjammedWarning)
         warnings.simplefilter("always", StalledWarning)
         start = bidisperse(number, seed=seed)
-        packing = jam(start, contact_law, onset_pressure, tolerance=_ONSET_TOLERANCE)
+        packing = jam(start, contact_law, onset_pressure, tolerance=TOLERANCE)  # counts contacts
         stalled = any(issubclass(warning.category, StalledWarning) for warning in caught)
         with simulate(packing, contact_law) as sim:
             onset = sim.relax()
@@ -77,7 +75,7 @@ def measure(
             compressed = []
             for excess in excess_phi:
                 sim.deform(onset.packing.at(onset.packing.phi + excess).box)
-                state = sim.relax(_TOLERANCE)
+                state = sim.relax(_MODULUS_TOLERANCE)
                 if state.pressure < onset_pressure * unit or state.stalled:
                     break  # it lost its rigidity
                 reached = key | {"excess_phi": state.phi - onset.phi} | _numbers(state, unit)
@@ -103,8 +101,8 @@ def _numbers(state: State | DiskState, unit: float) -> Row:
 def _moduli(state: State | DiskState, excess_phi: float, unit: float) -> Row:
     strain = _STRAIN * excess_phi
     found = {
-        "shear": [shear_modulus(state, strain, _TOLERANCE, pure) for pure in (False, True)],
-        "bulk": [bulk_modulus(state, strain, _TOLERANCE)],
+        "shear": [shear_modulus(state, strain, _MODULUS_TOLERANCE, pure) for pure in (False, True)],
+        "bulk": [bulk_modulus(state, strain, _MODULUS_TOLERANCE)],
     }
     row: Row = {}
     for name, moduli in found.items():  # the mean over all directions of shear

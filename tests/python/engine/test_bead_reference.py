@@ -1,10 +1,7 @@
-"""Rings of beads in LAMMPS against their energy written down in numpy, and what they refuse."""
+"""Rings of beads in LAMMPS against their energy written down in numpy."""
 
-import itertools
 import json
-import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,67 +10,16 @@ import numpy as np
 import pytest
 from deformable.engine import bead_reference
 from deformable.engine.lammps import gather
-from test_mpi import python
+from naive_rings import area, naive, pair
+from ranks import python
+
+pytestmark = pytest.mark.filterwarnings("error")
+
 
 SOFT = deformable.Beads(number=14, radius=0.08, kL=[7.0, 20.0], kA=[3.0, 0.5], kr=11.0)
+
+
 SCENES = [{"number": 5, "seed": 2}, {"number": 4, "seed": 1, "tilt": 0.6, "aspect": 0.7}]
-
-
-@pytest.fixture(autouse=True)
-def _strict() -> Iterator[None]:
-    """A warning that a test does not expect is a failure."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        yield
-
-
-def area(ring: np.ndarray) -> float:
-    x, y = ring.T
-    return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
-
-
-@dataclass
-class Naive:
-    """U = kL/2 sum (L - L0)^2 + kA/2 sum (A - A0)^2 + kr/2 sum (2p - |v - v'|)^2, term by term."""
-
-    energy: float
-    force: list[np.ndarray]
-    contacts: dict[tuple[int, int, int, int], np.ndarray]
-
-
-def naive(state: deformable.BeadState, rings: list[np.ndarray], box: np.ndarray) -> Naive:
-    """Energy, forces on beads and forces of ring j's image on ring i, for these beads."""
-    beads, rest, kinds = state.beads, state.rings, state.packing.species
-    energy, force, contacts = 0.0, [np.zeros_like(ring) for ring in rings], {}
-    for ring, f, kind in zip(rings, force, kinds, strict=True):
-        count = len(ring)
-        radius = state.packing.radii[kind] - beads.radius
-        rest_length = 2.0 * radius * np.sin(np.pi / count)
-        rest_area = 0.5 * count * radius**2 * np.sin(2.0 * np.pi / count)
-        kA, kL = rest.kA[kind], rest.kL[kind]
-        pressure = kA * (rest_area - area(ring))
-        energy += 0.5 * kA * (rest_area - area(ring)) ** 2
-        for n in range(count):
-            before, after = ring[n - 1], ring[(n + 1) % count]
-            bond = after - ring[n]
-            length = np.hypot(*bond)
-            energy += 0.5 * kL * (length - rest_length) ** 2
-            tension = kL * (length - rest_length) * bond / length
-            f[n] += tension
-            f[(n + 1) % count] -= tension
-            f[n] += 0.5 * pressure * np.array([after[1] - before[1], before[0] - after[0]])
-    for i, j in itertools.combinations(range(len(rings)), 2):
-        for a, b in itertools.product(range(-3, 4), repeat=2):
-            apart = rings[i][:, None] - rings[j] - np.array([a, b]) @ box
-            distance = np.hypot(apart[..., 0], apart[..., 1])
-            overlap = np.maximum(2.0 * beads.radius - distance, 0.0)
-            push = (beads.kr * overlap / distance)[..., None] * apart
-            if overlap.any():
-                energy += 0.5 * beads.kr * float(np.sum(overlap**2))
-                force[i] += push.sum(axis=1)
-                force[j] -= push.sum(axis=0)
-                contacts[i, j, a, b] = push.sum(axis=(0, 1))
-    return Naive(energy, force, contacts)
 
 
 @pytest.fixture(params=SCENES, ids=["square", "tilted"])
@@ -166,13 +112,6 @@ def test_undeformed_rings_are_at_rest() -> None:
     perimeter = 0.5 * kP * (stretched.perimeter - rest) ** 2
     assert stretched.energy == pytest.approx(
         np.sum(perimeter + 0.5 * kA * stretched.area_deficit**2), rel=1e-11
-    )
-
-
-def pair(width: float) -> deformable.Packing:
-    """Two equal particles that meet each other through four images, 45 degrees off the axes."""
-    return deformable.Packing(
-        [[0.0, 0.0], [0.5 * width, 0.5 * width]], [0, 0], [0.5], width * np.eye(2)
     )
 
 
@@ -306,165 +245,6 @@ def test_two_ranks_give_the_serial_answer(tmp_path: Path) -> None:
     )
     assert shared_table == table
     assert shared == pytest.approx(seen, rel=1e-9, abs=1e-12)  # roundings, grown in 100 steps
-
-
-# ---- walls ----
-
-
-def square(height: float, stick: bool = False) -> deformable.Walls:
-    return deformable.Walls(0.3 + np.arange(4) * np.pi / 2.0, np.full(4, height), stick)
-
-
-ALONE = deformable.Packing(np.zeros((1, 2)), [0], [0.5], 3.0 * np.eye(2))
-LONE_BEADS = deformable.Beads(number=40, radius=0.03)
-
-
-def test_walls_press_like_beads() -> None:
-    with deformable.BeadReference(ALONE, LONE_BEADS, square(0.5)) as ring:
-        assert ring.state().residual == 0.0
-        ring.confine(square(0.49))
-        state = ring.relax(0.01)
-        force = gather(ring.lmp, "f", 3)[:, :2]
-    (beads,) = state.outlines
-    exact = naive(state, [beads], state.packing.box)
-    walls = square(0.49)
-    overlap = np.maximum(LONE_BEADS.radius - (walls.height - beads @ walls.normal.T), 0.0)
-    assert overlap.any(axis=0).all()
-    energy = exact.energy + 0.5 * LONE_BEADS.kr * np.sum(overlap**2)
-    assert state.energy == pytest.approx(energy, rel=1e-10)
-    pushed = exact.force[0] - LONE_BEADS.kr * overlap @ walls.normal
-    assert force == pytest.approx(pushed, abs=1e-12)
-    assert state.residual <= 0.01
-    assert state.contacts.i.size == 0
-
-
-def test_beads_keep_their_place_on_walls_that_stick() -> None:
-    slides = {}
-    for stick in (True, False):
-        angle = np.array([0.0, 1.8, 3.9])
-        with deformable.BeadReference(
-            ALONE, LONE_BEADS, deformable.Walls(angle, np.full(3, 0.5), stick)
-        ) as ring:
-            for height in (0.49, 0.48):
-                ring.confine(deformable.Walls(angle, np.full(3, height), stick))
-                before = ring.state().outlines[0]
-                state = ring.relax(0.01)
-                assert ring.walls is not None
-                assert ring.walls.height == pytest.approx(np.full(3, height))
-        after = state.outlines[0]
-        touching = before @ ring.walls.normal[0] > 0.48 - LONE_BEADS.radius
-        assert touching.any()
-        slides[stick] = np.abs(after - before)[touching, 1].max()
-    assert slides[True] < 0.2 * slides[False]
-
-
-def test_walls_do_not_jump_over_beads() -> None:
-    with deformable.BeadReference(ALONE, LONE_BEADS, square(0.5)) as ring:
-        with pytest.raises(
-            deformable.ParameterError, match=r"a step of 0\.04 puts beads .* wall .* a bead, 0\.03"
-        ):
-            ring.confine(square(0.46))
-        assert ring.walls is not None
-        assert ring.walls.height[0] == 0.5
-        ring.confine(square(0.48))
-        assert ring.state().energy > 0.0
-
-
-@pytest.mark.parametrize(
-    "walls",
-    [
-        deformable.Walls([0.0, 2.0, 4.0], np.full(3, 0.5)),
-        deformable.Walls(np.arange(4) * np.pi / 2.0, np.full(4, 0.5), stick=True),
-    ],
-)
-def test_confine_moves_the_walls_that_are_there(walls: deformable.Walls) -> None:
-    with (
-        deformable.BeadReference(ALONE, LONE_BEADS, square(0.5)) as ring,
-        pytest.raises(deformable.ParameterError, match="their number and kind stay"),
-    ):
-        ring.confine(walls)
-
-
-def test_confine_needs_walls() -> None:
-    with (
-        deformable.BeadReference(ALONE, LONE_BEADS) as ring,
-        pytest.raises(deformable.ParameterError, match="their number and kind stay"),
-    ):
-        ring.confine(square(0.5))
-
-
-def test_walls_do_not_follow_the_box() -> None:
-    with deformable.BeadReference(ALONE, LONE_BEADS, square(0.5)) as ring:
-        with pytest.raises(deformable.ParameterError, match="confine"):
-            ring.deform(2.0 * np.eye(2))
-        assert ring.box == pytest.approx(3.0 * np.eye(2))
-
-
-@pytest.mark.parametrize(
-    ("packing", "height", "message"),
-    [
-        (pair(2.0), 0.5, "single particle at the origin"),
-        (deformable.Packing([[0.1, 0.0]], [0], [0.5], 3.0 * np.eye(2)), 0.5, "at the origin"),
-        (deformable.Packing([[0.0, 0.0]], [0], [0.5], np.eye(2)), 0.5, "wider than the particle"),
-        (ALONE, 0.47, r"a wall at 0\.47 cuts through the particle of radius 0\.5"),
-    ],
-)
-def test_walls_are_around_one_particle(
-    packing: deformable.Packing, height: float, message: str
-) -> None:
-    with pytest.raises(deformable.ParameterError, match=message):
-        deformable.BeadReference(packing, LONE_BEADS, square(height))
-
-
-@pytest.mark.parametrize(
-    ("angle", "height", "message"),
-    [
-        ([0.0, 3.0], [1.0, 1.0], "less than half a turn"),
-        ([0.0, 1.0, 2.0], [1.0, 1.0, 1.0], "less than half a turn"),
-        ([0.0, 4.0, 2.0], [1.0, 1.0, 1.0], "must rise through one turn"),
-        ([0.0, np.nan, 4.0], [1.0, 1.0, 1.0], "angle of walls must be finite numbers"),
-        (None, None, "angle of walls must be finite numbers"),
-        ([], [], "must rise"),
-        ([0.0, 2.0, 4.0], "high", "height of walls must be finite numbers, not 'high'"),
-        ([0.0, [2.0, 4.0]], [1.0, 1.0, 1.0], "angle of walls must be finite numbers"),
-        ([0.0, 2.0, 4.0], [1.0, 1.0], "3 positive numbers"),
-        ([0.0, 2.0, 4.0], [1.0, 0.0, 1.0], "3 positive numbers"),
-    ],
-)
-def test_walls_are_a_polygon(angle: Any, height: Any, message: str) -> None:
-    with pytest.raises(deformable.ParameterError, match=message):
-        deformable.Walls(angle, height)
-
-
-# ---- what packings of rings refuse ----
-
-
-def test_rings_do_not_start_in_each_other() -> None:
-    deformable.BeadReference(pair(1.4), deformable.Beads(20)).close()  # by 0.01
-    with pytest.raises(
-        deformable.ParameterError, match=r"particles 0 and 1 overlap by 0\.0808.*at jamming"
-    ):
-        deformable.BeadReference(pair(1.3), deformable.Beads(20))
-
-
-def test_overlaps_are_seen_in_any_cell_of_the_lattice() -> None:
-    for shear in (2.0, 42.0, -38.0):  # one lattice
-        packing = deformable.Packing(
-            [[0.0, 0.0], [0.0, 0.65]], [0, 0], [0.5], [[4.0, 0.0], [shear, 1.2]]
-        )
-        with pytest.raises(deformable.ParameterError, match=r"0 and 1 overlap by 0\.35"):
-            deformable.BeadReference(packing, deformable.Beads(20))
-
-
-def test_a_ring_does_not_meet_itself() -> None:
-    message = r"particle 0 reaches its own image, 0\.98 away.*repeat the packing"
-    lone = deformable.Packing([[0.0, 0.0]], [0], [0.5], [[0.98, 0.0], [0.0, 2.0]])
-    with pytest.raises(deformable.ParameterError, match=message):
-        deformable.BeadReference(lone, deformable.Beads(20))
-    with deformable.BeadReference(pair(1.5), deformable.Beads(20)) as rings:
-        rings.deform(np.diag([0.9, 2.5]))
-        with pytest.raises(deformable.ParameterError, match=r"reaches its own image, 0\.9 away"):
-            rings.relax(0.01)
 
 
 def test_errors_of_lammps_come_as_one_line() -> None:

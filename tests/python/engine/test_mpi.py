@@ -1,12 +1,11 @@
 """The same script on one process and on two ranks."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from ranks import python
 
 SCRIPT = """
 import json
@@ -27,6 +26,7 @@ with deformable.load("run") as again:
 if MPI.COMM_WORLD.rank == 0:
     print(json.dumps(seen))
 """
+
 
 FARM = """
 from mpi4py import MPI
@@ -49,20 +49,6 @@ sim = deformable.Simulation(start, deformable.Ring(contact="radical"))
 for state in deformable.compress_in("run", sim, strain=0.005, steps=5, tolerance=1e-9):
     pass
 """
-
-
-def python(script: str, cwd: Path, ranks: int) -> str:
-    """Output of a python script, under MPI if there are several ranks."""
-    (cwd / "script.py").write_text(script)
-    command = [sys.executable, "script.py"]
-    if ranks > 1:
-        mpiexec = str(Path(sys.executable).parent / "mpiexec")
-        command = [mpiexec, "-n", str(ranks), sys.executable, "-m", "mpi4py", "script.py"]
-    result = subprocess.run(
-        command, cwd=cwd, capture_output=True, text=True, timeout=120, check=False
-    )
-    assert result.returncode == 0, result.stderr
-    return result.stdout
 
 
 STARTS = ["bidisperse(32, seed=3)", "polydisperse(32, lambda rng: rng.uniform(0.4, 0.6, 32))"]

@@ -1,45 +1,11 @@
-"""What is written can be read: by us to go on, by others to look at."""
+"""Files of a saved state, and damage to them."""
 
-import csv
 import json
 from pathlib import Path
 
 import deformable
-import numpy as np
 import pytest
-
-
-def test_saved_state_goes_on_as_it_was(state: deformable.State, tmp_path: Path) -> None:
-    state.save(tmp_path, {"seed": 3, "kP": float("inf")})
-    with deformable.load(tmp_path) as sim:
-        again = sim.state()
-        assert sim.law == state.law
-    assert again.packing.positions == pytest.approx(state.packing.positions, abs=1e-13)
-    assert np.array_equal(again.packing.species, state.packing.species)
-    assert np.array_equal(again.packing.box, state.packing.box)
-    assert again.energy == pytest.approx(state.energy, rel=1e-12)
-    # forces of both sides may differ by 1e-8 of the largest one
-    assert again.residual == pytest.approx(state.residual, abs=1e-7)
-
-
-def test_tilted_sector_packing_goes_on(tmp_path: Path) -> None:
-    jammed = deformable.jam(deformable.bidisperse(12, tilt=-0.4, aspect=1.3, seed=2))
-    with deformable.Simulation(jammed.at(0.86), deformable.Sector(kP=2.0)) as sim:
-        state = sim.state()
-    state.save(tmp_path)
-    with deformable.load(tmp_path) as sim:
-        assert sim.law == deformable.Sector(kP=2.0)
-        assert sim.state().energy == pytest.approx(state.energy, rel=1e-12)
-
-
-def test_species_keep_their_stiffness(jammed: deformable.Packing, tmp_path: Path) -> None:
-    ring = deformable.Ring(kA=(2.0, float("inf")), kP=(float("inf"), 3.0), skin=0.05)
-    with deformable.Simulation(jammed.at(0.86), ring) as sim:
-        state = sim.state()
-    state.save(tmp_path)
-    with deformable.load(tmp_path) as sim:
-        assert sim.law == ring
-        assert sim.state().energy == pytest.approx(state.energy, rel=1e-12)
+from deformable.io.store import read
 
 
 def test_summary_says_how_it_was_made(state: deformable.State, tmp_path: Path) -> None:
@@ -47,122 +13,44 @@ def test_summary_says_how_it_was_made(state: deformable.State, tmp_path: Path) -
     text = (tmp_path / "summary.json").read_text()
     summary = json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
     assert summary["state"]["phi"] == state.phi
-    settings = {"kA": 2.0, "reach": 0.3, "kP": "inf", "skin": 0.0, "contact": "balanced"}
-    assert summary["law"] == {"name": "Ring"} | settings
+    settings = {"kA": 2.0, "reach": 0.3, "kP": "inf", "skin": 0.0}
+    assert summary["law"] == {"name": "balanced"} | settings
     assert summary["parameters"] == {"seed": 3, "kP": "inf"}
     assert {"deformable", "lammps", "numpy", "python", "mpi"} <= summary["versions"].keys()
 
 
-def test_record_writes_as_the_run_goes(jammed: deformable.Packing, tmp_path: Path) -> None:
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        run = deformable.record(deformable.compress(sim, strain=0.02, steps=4), tmp_path)
-        first, second = next(run), next(run)  # and interrupted here
-    with (tmp_path / "series.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    assert [float(row["phi"]) for row in rows] == [first.phi, second.phi]
-
-    with deformable.load(tmp_path) as sim:
-        steps = deformable.compress(sim, strain=0.01, steps=1)
-        (third,) = deformable.record(steps, tmp_path, {"steps": 1}, append=True)
-    with (tmp_path / "series.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    assert [int(row["frame"]) for row in rows] == [0, 1, 2]
-    assert float(rows[2]["energy"]) == third.energy > second.energy
+@pytest.mark.parametrize(
+    ("former", "law"),
+    [
+        (
+            {"name": "Ring", "kA": 2.0, "contact": "radical"},
+            deformable.Ring(2.0, contact="radical"),
+        ),
+        ({"name": "Ring", "kA": 2.0, "contact": "balanced"}, deformable.Ring(2.0)),
+        ({"name": "Sector", "kA": "inf", "kP": 2.0}, deformable.Sector(kP=2.0)),
+    ],
+)
+def test_summaries_of_version_0_1_are_read(
+    former: dict[str, object], law: object, state: deformable.State, tmp_path: Path
+) -> None:
+    state.save(tmp_path)
     summary = json.loads((tmp_path / "summary.json").read_text())
-    assert summary["parameters"] == {"steps": 1, "before": {}}
-    assert (tmp_path / "trajectory.lammpstrj").read_text().count("ITEM: TIMESTEP") == 3
-
-
-@pytest.mark.parametrize("tilt", [0.0, 0.3, -0.3])
-@pytest.mark.filterwarnings("ignore::DeprecationWarning")
-def test_mdanalysis_reads_the_trajectory(tilt: float, tmp_path: Path) -> None:
-    mdanalysis = pytest.importorskip("MDAnalysis")
-    jammed = deformable.jam(deformable.bidisperse(16, tilt=tilt, seed=4))
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        steps = deformable.compress(sim, strain=0.02, steps=2)
-        states = list(deformable.record(steps, tmp_path))
-    universe = mdanalysis.Universe(
-        str(tmp_path / "trajectory.lammpstrj"),
-        format="LAMMPSDUMP",
-        additional_columns=True,
-        dt=1.0,
-    )
-    assert len(universe.trajectory) == 2
-    for frame, state in zip(universe.trajectory, states, strict=True):
-        assert frame.data["area"] == pytest.approx(state.area)
-        assert frame.data["pressure"] == pytest.approx(state.particle_pressure, rel=1e-5)
-        assert frame.data["contacts"] == pytest.approx(state.contacts)
-        assert frame.data["radius"] == pytest.approx(state.packing.radius)
-        assert frame.positions[:, :2] == pytest.approx(state.packing.positions, abs=1e-5)
-        (lx, _), (xy, ly) = state.packing.box
-        vectors = frame.triclinic_dimensions[:2, :2]
-        assert vectors == pytest.approx(np.array([[lx, 0.0], [xy, ly]]), rel=1e-5)
-
-
-def test_shear_stress_of_a_series_resists(tmp_path: Path) -> None:
-    """Positive where the upper side has been drawn along x."""
-    jammed = deformable.jam(deformable.bidisperse(16, seed=1))
-    with deformable.Simulation(jammed.at(jammed.phi + 0.03), deformable.Ring()) as sim:
-        start = sim.relax()
-        states = list(deformable.record(deformable.shear(sim, 1e-3, 2), tmp_path / "run"))
-    with (tmp_path / "run" / "series.csv").open(newline="") as file:
-        stress = [float(row["shear_stress"]) for row in csv.DictReader(file)]
-    assert stress == [-state.stress[0, 1] for state in states]
-    assert stress[1] > stress[0] > -start.stress[0, 1]
+    del summary["law"]
+    (tmp_path / "summary.json").write_text(json.dumps(summary | {"model": former}))
+    assert read(tmp_path)[1] == law
 
 
 def test_missing_and_broken_runs_are_named(state: deformable.State, tmp_path: Path) -> None:
     with pytest.raises(deformable.FileError, match=r"summary\.json is missing"):
-        deformable.load(tmp_path / "nowhere")
+        read(tmp_path / "nowhere")
     state.save(tmp_path)
     (tmp_path / "summary.json").write_text('{"law": {"name": "Foam"}}')
     with pytest.raises(deformable.FileError, match=r"cannot be read.*Foam"):
-        deformable.load(tmp_path)
+        read(tmp_path)
     state.save(tmp_path)
     (tmp_path / "packing.data").unlink()
     with pytest.raises(deformable.FileError, match=r"packing\.data"):
-        deformable.load(tmp_path)
-
-
-def test_append_cuts_off_half_a_frame(jammed: deformable.Packing, tmp_path: Path) -> None:
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        for _ in deformable.record(deformable.compress(sim, 0.01, 1), tmp_path):
-            pass
-        trajectory = tmp_path / "trajectory.lammpstrj"
-        whole = trajectory.read_text()
-        trajectory.write_text(whole + whole[: len(whole) // 2])  # killed in the second frame
-        for _ in deformable.record(deformable.compress(sim, 0.01, 1), tmp_path, append=True):
-            pass
-    text = trajectory.read_text()
-    assert text.startswith(whole)
-    assert text.count("ITEM: TIMESTEP") == 2
-    assert len(text.splitlines()) == 2 * len(whole.splitlines())
-
-
-def test_append_without_a_summary_is_refused(state: deformable.State, tmp_path: Path) -> None:
-    for _ in deformable.record([state], tmp_path):
-        pass
-    (tmp_path / "summary.json").unlink()
-    with pytest.raises(deformable.FileError, match=r"summary\.json is missing"):
-        next(iter(deformable.record([state], tmp_path, append=True)))
-
-
-def test_a_row_stands_for_a_whole_frame(
-    jammed: deformable.Packing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Whatever ends the writing of a frame, the series does not count it."""
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        steps = deformable.record(deformable.compress(sim, 0.01, 2), tmp_path)
-        next(steps)
-
-        def killed(*_: object) -> str:
-            raise KeyboardInterrupt
-
-        monkeypatch.setattr("deformable.io.store._dump_frame", killed)
-        with pytest.raises(KeyboardInterrupt):
-            next(steps)
-    with (tmp_path / "series.csv").open(newline="") as file:
-        assert len(list(csv.DictReader(file))) == 1
+        read(tmp_path)
 
 
 def test_a_data_file_that_lacks_an_atom(state: deformable.State, tmp_path: Path) -> None:
@@ -170,7 +58,7 @@ def test_a_data_file_that_lacks_an_atom(state: deformable.State, tmp_path: Path)
     data = tmp_path / "packing.data"
     data.write_text(data.read_text().replace("\n32 2 ", "\n99 2 "))
     with pytest.raises(deformable.FileError, match=r"packing\.data cannot be read: atom IDs must"):
-        deformable.load(tmp_path)
+        read(tmp_path)
 
 
 def halved(path: Path) -> None:
@@ -182,7 +70,7 @@ BROKEN = {
     "bad JSON": ("summary.json", lambda path: path.write_text('{"law": '), "Expecting value"),
     "a list": ("summary.json", lambda path: path.write_text("[1]"), "cannot convert"),
     "bytes": ("summary.json", lambda path: path.write_bytes(b"\xff\xfe"), "codec can't decode"),
-    "empty": ("summary.json", lambda path: path.write_text("{}"), "it does not tell 'model'"),
+    "empty": ("summary.json", lambda path: path.write_text("{}"), "it lacks 'law'"),
     "garbage": ("packing.data", lambda path: path.write_text("garb age"), "it is no packing as"),
     "bytes as data": ("packing.data", lambda path: path.write_bytes(b"\xff\n"), "can't decode"),
     "half": ("packing.data", halved, r"it has \d+ of 32 atoms"),
@@ -195,30 +83,11 @@ def test_errors_name_the_file(case: str, state: deformable.State, tmp_path: Path
     state.save(tmp_path)
     spoil(tmp_path / name)
     with pytest.raises(deformable.FileError, match=f"{name} cannot be read: .*{message}") as caught:
-        deformable.load(tmp_path)
+        read(tmp_path)
     assert "\n" not in str(caught.value)
 
 
 def test_a_file_is_no_folder(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(deformable.FileError, match="file' is a file, not a folder"):
-        deformable.load(tmp_path / "file")
-
-
-@pytest.mark.parametrize(("left", "whole"), [(0.0, 0), (0.4, 0), (0.6, 1), (0.999999, 1)])
-def test_nothing_is_added_to_a_broken_trajectory(
-    left: float, whole: int, state: deformable.State, tmp_path: Path
-) -> None:
-    list(deformable.record([state, state], tmp_path))
-    trajectory = tmp_path / "trajectory.lammpstrj"
-    text = trajectory.read_text()
-    cut = text[: int(left * len(text))]
-    if cut:
-        trajectory.write_text(cut)
-    else:
-        trajectory.unlink()
-    message = rf"trajectory\.lammpstrj lacks frame {whole}, of the 2 frames on record"
-    with pytest.raises(deformable.FileError, match=message):
-        next(deformable.record([state], tmp_path, append=True))
-    assert (trajectory.read_text() if cut else "") == cut
-    assert len((tmp_path / "series.csv").read_text().splitlines()) == 3
+        read(tmp_path / "file")

@@ -65,11 +65,11 @@ def test_settings_are_positive(name: str, value: Any) -> None:
         (float("nan"), "be positive and finite, not nan"),
         ([1.0, float("inf")], r"be positive and finite, not \[1\.0, inf\]"),
         ((1.0, 0.0), r"be positive and finite, not \[1\.0, 0\.0\]"),
-        ("1", "be a number, or one number a species, not '1'"),
-        (None, "be a number, or one number a species, not None"),
-        ([], r"be a number, or one number a species, not \[\]"),
-        ([1.0, [2.0]], r"be a number, or one number a species, not \[1\.0, \[2\.0\]\]"),
-        (10**400, "be a number, or one number a species, not 1000"),
+        ("1", "be a number, or one number for each species, not '1'"),
+        (None, "be a number, or one number for each species, not None"),
+        ([], r"be a number, or one number for each species, not \[\]"),
+        ([1.0, [2.0]], r"be a number, or one number for each species, not \[1\.0, \[2\.0\]\]"),
+        (10**400, "be a number, or one number for each species, not 1000"),
     ],
 )
 def test_stiffnesses_are_positive(name: str, value: Any, message: str) -> None:
@@ -104,7 +104,7 @@ def test_settings_may_be_numpy_numbers() -> None:
 
 @pytest.mark.parametrize("number", [[50], [50, 60, 70]])
 def test_one_number_a_species(number: list[int]) -> None:
-    with pytest.raises(deformable.ParameterError, match=r"one a species \(2\), not \["):
+    with pytest.raises(deformable.ParameterError, match=r"one for each of 2 species, not \["):
         deformable.Beads(number=number).rings(RADII)
 
 

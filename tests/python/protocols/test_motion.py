@@ -253,7 +253,7 @@ def test_too_hot_is_said(loose: deformable.Packing) -> None:
 def test_one_particle_has_no_temperature() -> None:
     alone = deformable.Packing([[1.0, 1.0]], [0], [0.5], 4.0 * np.eye(2))
     with deformable.Simulation(alone, SOFT) as sim:
-        with pytest.raises(deformable.ParameterError, match="alone"):
+        with pytest.raises(deformable.ParameterError, match="temperature"):
             next(move(sim, 100, temperature=1e-5))
         assert next(move(sim, 100)).temperature == 0.0
 

@@ -1,7 +1,7 @@
-// The quadratic programme of the ring law: L >= 0, g = a - G L <= 0, L.g = 0.
+// The linear complementarity problem (LCP) of the ring law: L >= 0, g = a - G L <= 0, L.g = 0.
 
-#ifndef DEFORMABLE_RING_PROGRAMME_H
-#define DEFORMABLE_RING_PROGRAMME_H
+#ifndef DEFORMABLE_RING_LCP_H
+#define DEFORMABLE_RING_LCP_H
 
 #include "green.h"
 #include "shape.h"
@@ -14,12 +14,12 @@
 
 namespace deformable {
 
-// What follows is written once for any number of contacts n and compiled for each small n by itself
-// (ring_shape), where all loops unroll: a particle has 3 to 7 contacts, and loops of unknown short length
+// These functions are written for any number of contacts n. The compiler makes a separate copy for each small
+// n (ring_shape) and unrolls all loops: a particle has 3 to 7 contacts, and loops of unknown short length
 // would cost more than the arithmetic.
 #define DEFORMABLE_INLINE inline __attribute__((always_inline))
 
-// The contacts that may be active, row m of G and G' up to column m.
+// The contacts that may be active. Of the matrices G and G' only the lower triangle is stored.
 struct RingCandidates {
   int stride;
   int *contact;    // indices in Contacts
@@ -27,18 +27,19 @@ struct RingCandidates {
   double *green, *d_green;
 };
 
-// The turn from candidate k to a contact: |t|, its sine (which turns its sign with t) and its cosine.
-struct Turn {
-  bool back;
-  double angle, sine, cosine;
+// The angle t from candidate k to a contact: its sign, |t|, sin |t| and cos |t|.
+struct AngleBetween {
+  bool negative;
+  double magnitude, sine, cosine;
 };
 
-DEFORMABLE_INLINE Turn turn_from(const RingCandidates &r, int k, const Contact &to)
+DEFORMABLE_INLINE AngleBetween angle_between(const RingCandidates &r, int k, const Contact &to)
 {
   const double difference = to.angle - r.angle[k];
   const double cross = r.nx[k] * to.ny - r.ny[k] * to.nx;
-  const bool back = difference < 0.0;
-  return {back, std::fabs(difference), back ? -cross : cross, r.nx[k] * to.nx + r.ny[k] * to.ny};
+  const bool negative = difference < 0.0;
+  return {negative, std::fabs(difference), negative ? -cross : cross,
+          r.nx[k] * to.nx + r.ny[k] * to.ny};
 }
 
 DEFORMABLE_INLINE void add_candidate(const RingCandidates &r, int m, const Contacts &contacts,
@@ -52,16 +53,16 @@ DEFORMABLE_INLINE void add_candidate(const RingCandidates &r, int m, const Conta
   r.indentation[m] = contact.indentation;
 #pragma GCC unroll 8
   for (int k = 0; k < m; ++k) {
-    const Turn t = turn_from(r, k, contact);
-    const double slope = d_green(t.angle, t.sine, t.cosine);
-    r.green[m * r.stride + k] = green(t.angle, t.sine, t.cosine);
-    r.d_green[m * r.stride + k] = t.back ? -slope : slope;
+    const AngleBetween t = angle_between(r, k, contact);
+    const double slope = d_green(t.magnitude, t.sine, t.cosine);
+    r.green[m * r.stride + k] = green(t.magnitude, t.sine, t.cosine);
+    r.d_green[m * r.stride + k] = t.negative ? -slope : slope;
   }
   r.green[m * r.stride + m] = GREEN_AT_ZERO;
 }
 
-// x = G^-1 x by L D L^T in place. Returns the row whose pivot vanishes, a direction that the rows before
-// it already hold up to rounding, or -1.
+// x = G^-1 x by L D L^T in place. Returns -1, or the row whose pivot vanishes: the direction of that contact
+// is, up to rounding, the direction of a contact before it.
 DEFORMABLE_INLINE int solve_dense(int n, double *g, int stride, double *x, double *per_pivot)
 {
   constexpr double SMALLEST_PIVOT = 1e-13;
@@ -87,9 +88,9 @@ DEFORMABLE_INLINE int solve_dense(int n, double *g, int stride, double *x, doubl
   return -1;
 }
 
-// x = G^-1 x once more, by the factors that solve_dense has left in g and per_pivot.
-DEFORMABLE_INLINE void solve_again(int n, const double *g, int stride, const double *per_pivot,
-                                   double *x)
+// x = G^-1 x with the factors that solve_dense has left in g and per_pivot.
+DEFORMABLE_INLINE void solve_factored(int n, const double *g, int stride, const double *per_pivot,
+                                      double *x)
 {
 #pragma GCC unroll 8
   for (int c = 0; c < n; ++c) {
@@ -105,39 +106,39 @@ DEFORMABLE_INLINE void solve_again(int n, const double *g, int stride, const dou
   }
 }
 
-// Can the outline, moved out by `breath`, reach a contact outside of the circle? False only where it
-// certainly cannot.
+// Whether the outline, moved out by `expansion`, may reach a contact line outside of the circle. False only
+// where it certainly does not.
 DEFORMABLE_INLINE bool may_reach(const Contacts &contacts, int c, int n, const RingCandidates &r,
-                                 const double *length, double breath)
+                                 const double *length, double expansion)
 {
   double gap = contacts[c].indentation;
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m)
     gap -= length[m] * green_bound(r.nx[m] * contacts[c].nx + r.ny[m] * contacts[c].ny);
-  return gap > -breath;
+  return gap > -expansion;
 }
 
-// The slack g = a - G L of a contact that carries nothing; negative where the outline stays off its line.
+// g = a - G L of a contact that is not active; negative where the outline does not reach its line.
 DEFORMABLE_INLINE double slack(const Contacts &contacts, int c, int n, const RingCandidates &r,
                                const double *length)
 {
   double gap = contacts[c].indentation;
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    const Turn t = turn_from(r, m, contacts[c]);
-    gap -= length[m] * green(t.angle, t.sine, t.cosine);
+    const AngleBetween t = angle_between(r, m, contacts[c]);
+    gap -= length[m] * green(t.magnitude, t.sine, t.cosine);
   }
   return gap;
 }
 
-// Any number of contacts, any of them active: the memory to solve it in.
-struct RingProgramme {
+// The problem for any number of contacts, and its memory.
+struct RingLCP {
   // a DUPLICATE has the direction of a deeper contact
   enum State : char { FREE, ACTIVE, DUPLICATE };
 
   int size = 0;
   int stride = 0;
-  int pushing = 0;    // entries of `active`
+  int active_count = 0;
   std::vector<int> contact, active;
   std::vector<double> angle, nx, ny, indentation, green, d_green;
   std::vector<State> state;
@@ -168,10 +169,10 @@ struct RingProgramme {
             ny.data(), indentation.data(), green.data(), d_green.data()};
   }
 
-  void add(const Contacts &contacts, int c, double breath, State as)
+  void add(const Contacts &contacts, int c, double expansion, State as)
   {
     add_candidate(candidates(), size, contacts, c);
-    indentation[size] += breath;
+    indentation[size] += expansion;
     candidate[c] = 1;
     state[size++] = as;
   }
@@ -179,16 +180,16 @@ struct RingProgramme {
   double between(int m, int k) const { return green[m > k ? m * stride + k : k * stride + m]; }
 };
 
-// L = G^-1 a on the active block. Of two contacts in the same direction, the deeper one carries everything.
-inline void solve_active(RingProgramme &p)
+// L = G^-1 a of the active contacts. Of two contacts in the same direction only the deeper one is active.
+inline void solve_active(RingLCP &p)
 {
   for (bool again = true; again;) {
     int n = 0;
     for (int m = 0; m < p.size; ++m) {
       p.length[m] = 0.0;
-      if (p.state[m] == RingProgramme::ACTIVE) p.active[n++] = m;
+      if (p.state[m] == RingLCP::ACTIVE) p.active[n++] = m;
     }
-    p.pushing = n;
+    p.active_count = n;
     for (int r = 0; r < n; ++r) {
       for (int c = 0; c <= r; ++c) p.block[r * p.stride + c] = p.between(p.active[r], p.active[c]);
       p.block_length[r] = p.indentation[p.active[r]];
@@ -201,17 +202,18 @@ inline void solve_active(RingProgramme &p)
       int twin = p.active[0];
       for (int c = 1; c < row; ++c)
         if (p.between(m, p.active[c]) > p.between(m, twin)) twin = p.active[c];
-      p.state[p.indentation[twin] < p.indentation[m] ? twin : m] = RingProgramme::DUPLICATE;
+      p.state[p.indentation[twin] < p.indentation[m] ? twin : m] = RingLCP::DUPLICATE;
     } else {
       for (int r = 0; r < n; ++r) p.length[p.active[r]] = p.block_length[r];
     }
   }
 }
 
-// L >= 0, g = a - G L <= 0, L.g = 0 by block principal pivoting: exchange every contact that violates its
-// condition as long as their number falls, one at a time (Murty's rule, which must end) where it does not.
+// Solves L >= 0, g = a - G L <= 0, L.g = 0 by block principal pivoting: every contact that violates its
+// condition changes sides while the number of violations falls. Otherwise only the last one does (Murty's
+// rule, which always ends).
 // J. J. Judice and F. M. Pires, Comput. Oper. Res. 21, 587 (1994).
-inline void solve(RingProgramme &p)
+inline void solve(RingLCP &p)
 {
   constexpr double ROUNDING = 8.0 * std::numeric_limits<double>::epsilon();
   int fewest = p.size + 1, patience = 3;
@@ -223,9 +225,9 @@ inline void solve(RingProgramme &p)
     for (int m = 0; m < p.size; ++m) sum += std::fabs(p.length[m]);
     for (int m = 0; m < p.size; ++m) {
       p.violates[m] = 0;
-      if (p.state[m] == RingProgramme::ACTIVE) {
+      if (p.state[m] == RingLCP::ACTIVE) {
         p.violates[m] = p.length[m] < 0.0;
-      } else if (p.state[m] == RingProgramme::FREE) {
+      } else if (p.state[m] == RingLCP::FREE) {
         double gap = p.indentation[m];
         for (int k = 0; k < p.size; ++k) gap -= p.between(m, k) * p.length[k];
         p.violates[m] = gap > ROUNDING * (std::fabs(p.indentation[m]) + sum);
@@ -244,8 +246,7 @@ inline void solve(RingProgramme &p)
     }
     for (int m = falls || patience-- > 0 ? 0 : last; m < p.size; ++m)
       if (p.violates[m])
-        p.state[m] =
-            p.state[m] == RingProgramme::ACTIVE ? RingProgramme::FREE : RingProgramme::ACTIVE;
+        p.state[m] = p.state[m] == RingLCP::ACTIVE ? RingLCP::FREE : RingLCP::ACTIVE;
   }
   for (int m = 0; m < p.size; ++m) p.length[m] = std::max(p.length[m], 0.0);
 }

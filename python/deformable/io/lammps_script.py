@@ -1,0 +1,36 @@
+"""The script by which LAMMPS takes up a saved packing by itself."""
+
+from __future__ import annotations
+
+from ..model.laws import Law
+from ..model.packing import Packing
+from .lammps_commands import SETUP, atom_style, law_commands
+from .run_folder import DATA, SCRIPT, SPECIES
+
+_SCRIPT = """
+# A packing saved by lammps-deformable. Run it in this folder: lmp -in {script}
+# Later saves replace this file: copy it before you change it.
+{setup}
+read_data {data}
+{law}
+thermo_style custom step pe ke press
+thermo_modify norm no format float %.16g
+run 0
+
+# To relax it:
+# minimize 0 1e-12 10000 20000
+
+# To let it move at constant energy (not with deformable/sector):
+# velocity all create 1e-8 12345
+# fix move all nve
+# fix plane all enforce2d
+# thermo 100
+# run 1000
+"""
+
+
+def script(packing: Packing, law: Law, timestep: float) -> str:
+    """Text of a LAMMPS script that reads a saved packing and evaluates it."""
+    commands = law_commands(packing, law, SPECIES) + f"timestep {timestep!r}\n"
+    setup = SETUP.format(style=atom_style(packing))
+    return _SCRIPT.format(script=SCRIPT, setup=setup, data=DATA, law=commands).lstrip()

@@ -1,0 +1,61 @@
+"""Keywords of pair_style deformable/ring for its contacts, and the messages about balance."""
+
+import pytest
+from balanced import of_compute_pair
+from lammps import lammps
+from scene import HEADER, PACKINGS, SPECIES
+from test_refusals import refuses
+from test_soft_rings import mixture, pushed
+
+
+def test_too_few_evaluations_warn_once(tmp_path):
+    log = tmp_path / "log"
+    scene = mixture(PACKINGS[0], "deformable/ring contact balanced balance 1e-8 2", log=log)[0]
+    for _ in range(2):
+        scene.evaluate()
+        evaluations, imbalance = of_compute_pair(scene)
+        scene.x = pushed(PACKINGS[0])
+    assert evaluations == 2
+    assert imbalance > 1e-8
+    (line,) = [line for line in log.read_text().splitlines() if "not balanced" in line]
+    assert line.startswith("WARNING")
+    assert "2 evaluations" in line
+    assert "1e-08" in line
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("contact flat", "contact 'flat'"),
+        ("contact", "contact command: missing argument"),
+        ("contact balanced balance 0 100", "tolerance 0 "),
+        ("contact balanced balance nan 100", "tolerance nan|Expected floating point"),
+        ("contact balanced balance 1e-8 0", "balance: 0 "),
+        ("contact balanced balance 1e-8", "missing argument"),
+        ("contact radical balance 1e-8 100", "balance is for 'contact balanced'"),
+        ("balance 1e-8 100 contact radical", "balance is for 'contact balanced'"),
+        ("tolerance 1", "Unknown .*'tolerance'"),
+    ],
+)
+def test_bad_words(words, message):
+    lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+    lmp.commands_string(HEADER.format(boundary="p p p"))
+    with refuses(message):
+        lmp.command(f"pair_style deformable/ring {words}")
+
+
+def test_no_atom_ids():
+    lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+    lmp.commands_string(
+        f"""
+        dimension 2
+        atom_modify id no
+        region box block -3 3 -3 3 -0.5 0.5
+        create_box 1 box
+        create_atoms 1 single 0 0 0
+        mass * 1.0
+        pair_style deformable/ring
+        pair_coeff * * {SPECIES} small"""
+    )
+    with refuses("needs atom IDs"):
+        lmp.command("run 0")

@@ -1,0 +1,194 @@
+"""Balanced contacts: scenes with a known answer."""
+
+import numpy as np
+import pytest
+from balanced import DEFAULT, EXACT, of_compute_pair
+from scene import PACKINGS, SPECIES, Scene, polygon_walls
+from test_forces import BOX, assert_forces
+from test_soft_rings import mixture
+
+
+def squeezed(species, places, top, style=EXACT):
+    """Particles of radius 0.5 in a column between two walls at 0 and `top`."""
+    walls = "\n".join(
+        f"region {name} plane 0 {y!r} 0 0 {n} 0\nfix {name} all deformable/wall {name}"
+        for name, y, n in (("bottom", 0.0, 1), ("top", float(top), -1))
+    )
+    x = np.column_stack([np.zeros(len(places)), places])
+    return Scene(x, species, BOX, style, boundary="p f p", commands=walls)
+
+
+def test_stiff_on_soft():
+    """kA a^3 is the same on both sides: S = pi a^2 between parallel lines, L = pi a."""
+    stiff, soft, overlap = 1.0, 0.3, 0.03
+    a = overlap / (1 + (stiff / soft) ** (1 / 3))
+    b = overlap - a
+    scene = squeezed(["small", "weak"], [0.5 - a, 1.5 - a - overlap], 2 - 2 * overlap)
+    state = scene.evaluate()
+    deficit = np.pi * np.array([a, b]) ** 2
+    expected = 0.5 * np.array([stiff, soft]) * deficit**2
+    np.testing.assert_allclose(state.atom_energy, expected, rtol=1e-11)
+    np.testing.assert_allclose(state.shape["pressure"], [stiff, soft] * deficit, rtol=1e-11)
+    force = stiff * np.pi**2 * a**3
+    assert scene.force_on_wall("bottom")[1] == pytest.approx(-force, rel=1e-11)
+    # at rest, which on the radical axis they are not
+    assert np.abs(state.force).max() <= 1e-11 * force
+    assert scene.force_on_wall("top")[1] == pytest.approx(force, rel=1e-11)
+
+
+def test_alike():
+    """Two that are alike share their overlap in halves: nothing to be done."""
+    places = [0.49, 1.47]
+    state, radical = (
+        squeezed(["small", "small"], places, 1.96, style).evaluate()
+        for style in (DEFAULT, "deformable/ring contact radical")
+    )
+    assert state.energy == radical.energy
+    assert state.force.tolist() == radical.force.tolist()
+
+
+def test_one_contact():
+    """A pair alone: L = a/G(0), S = a^2/2G(0), so kA a^3 is the same on both sides."""
+    x = np.array([[0.0, 0.0], [0.97, 0.0]])
+    ratio = (1 / 0.3) ** (1 / 3)
+    a = 0.03 / (1 + ratio)
+    state = Scene(x, ["small", "weak"], BOX, EXACT).evaluate()
+    per_green = 4 * np.pi / 3
+    assert state.atom_energy[0] == pytest.approx(0.5 * (0.5 * per_green * a**2) ** 2, rel=1e-11)
+    assert state.force[0, 0] == pytest.approx(-0.5 * per_green**2 * a**3, rel=1e-11)
+
+
+def test_pairs_that_come_apart(tmp_path):
+    """No force is left, no search for its last digits and no warning."""
+    log = tmp_path / "log"
+    x = np.array([[0.0, 0.0], [0.97, 0.0]])
+    scene = Scene(x, ["small", "weak"], BOX, DEFAULT, log=log)
+    assert scene.energy() > 0
+    for gap in (1e-9, 1e-4, 1e-3, 0.01, 0.1):
+        scene.evaluate(np.array([[0.0, 0.0], [1.0 + gap, 0.0]]))
+        evaluations, imbalance = of_compute_pair(scene)
+        assert scene.energy() == 0.0
+        assert evaluations <= 3
+        assert imbalance == 0.0
+    assert "not balanced" not in log.read_text()
+
+
+def test_clusters():
+    """What happens in one cluster does not reach another one."""
+    pair = np.array([[0.0, 0.0], [0.97, 0.0]])
+    both = np.vstack([pair - [2.4, 2.0], pair[:, ::-1] + [1.0, 1.0]])
+    species = ["small", "weak", "both", "weak"]
+    state = Scene(both, species, BOX, EXACT).evaluate()
+    for k in (0, 2):
+        alone = Scene(both[k : k + 2], species[k : k + 2], BOX, EXACT).evaluate()
+        np.testing.assert_allclose(state.atom_energy[k : k + 2], alone.atom_energy, rtol=1e-11)
+
+
+def test_many_small_neighbors():
+    """Thirty around one, pushed in by turns."""
+    theta = 2 * np.pi * np.arange(30) / 30
+    distance = 1.115 + 0.004 * np.cos(5 * theta)
+    x = np.vstack([np.column_stack([np.cos(theta), np.sin(theta)]) * distance[:, None], [[0, 0]]])
+    scene = Scene(x, ["tiny"] * 30 + ["unit"], BOX, EXACT + " reach 0.4")
+    assert scene.evaluate().shape["contacts"][30] > 20
+    assert_forces(scene, x)
+
+
+def test_rattler_in_a_cage():
+    """A small one among six that press each other: free, then touched by one of them."""
+    theta = np.arange(6) * np.pi / 3
+    cage = 1.36 * np.column_stack([np.cos(theta), np.sin(theta)])
+    species = ["large", "soft"] * 3 + ["small"]
+    for place, touches in ((0.0, False), (0.17, True)):
+        scene = Scene(np.vstack([cage, [[place, 0.02]]]), species, BOX, EXACT)
+        state = scene.evaluate()
+        assert (state.shape["contacts"][:6] >= 2).all()
+        assert (state.shape["contacts"][6] > 0) == touches
+        assert of_compute_pair(scene)[1] <= 1e-12
+
+
+def test_periodic_images():
+    """Two particles that meet each other, and their own images, from both sides."""
+    x, box = np.array([[0.3, 0.2], [0.8, 1.05]]), (0, 0.985, 0, 1.7)
+    scene = Scene(x, ["small", "weak"], box, EXACT)
+    state = scene.evaluate()
+    assert (state.shape["contacts"] >= 4).all()
+    # the same, nine times
+    cells = [(i, j) for i in range(3) for j in range(3)]
+    many = np.vstack([x + np.array(c) * [0.985, 1.7] for c in cells])
+    wide = Scene(many, ["small", "weak"] * 9, (0, 3 * 0.985, 0, 3 * 1.7), EXACT).evaluate()
+    assert state.energy == pytest.approx(wide.energy / 9, rel=1e-11)
+    np.testing.assert_allclose(state.force, wide.force[:2], rtol=0, atol=1e-11 * state.virial.max())
+
+
+def test_hybrid():
+    case = PACKINGS[0]
+    alone = mixture(case, EXACT)[0].evaluate()
+    names = " ".join(dict.fromkeys(mixture(case)[1]))
+    coeff = f"pair_coeff * * deformable/ring {SPECIES} {names}\npair_coeff * * zero"
+    style = f"hybrid/overlay {EXACT} zero 1.0"
+    state = mixture(case, style, coeff=coeff)[0].evaluate()
+    assert state.energy == pytest.approx(alone.energy, rel=1e-13)
+
+
+def test_only_walls():
+    scene = Scene(
+        np.zeros((1, 2)), ["both"], BOX, DEFAULT, boundary="f f p", commands=polygon_walls(6, 0.48)
+    )
+    radical = Scene(
+        np.zeros((1, 2)),
+        ["both"],
+        BOX,
+        "deformable/ring contact radical",
+        boundary="f f p",
+        commands=polygon_walls(6, 0.48),
+    )
+    assert scene.energy() == radical.energy() > 0
+    assert of_compute_pair(scene).tolist() == [1, 0]
+
+
+EXTREMES = {
+    "kP/kA": lambda rng: (1.0, 10 ** rng.uniform(-6, 12), 0.0),
+    "kA": lambda rng: (10 ** rng.uniform(-2, 2), np.inf, 0.0),
+    "both": lambda rng: (10 ** rng.uniform(-3, 3), 10 ** rng.uniform(-3, 3), 0.05 * rng.random()),
+}
+
+
+def scattered(draw, seed, folder, scale=1.0):
+    """A packing in which every particle has a stiffness of its own."""
+    case, rng = PACKINGS[1], np.random.default_rng(seed)
+    names = [f"s{n}" for n in range(case["N"])]
+    lines = []
+    for name, kind in zip(names, case["type"], strict=True):
+        kA, kP, skin = (float(value) for value in draw(rng))
+        lines.append(f"{name} {(0.5, 0.7)[kind - 1]} {kA * scale!r} {kP * scale!r} {skin!r}\n")
+    (folder / "species").write_text("# UNITS: lj\n" + "".join(lines))
+    coeff = f"pair_coeff * * {folder / 'species'} {' '.join(names)}"
+    box = (0, case["L"], 0, case["L"])
+    return Scene(case["x"], names, box, DEFAULT + " reach 0.5", coeff=coeff)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("draw", EXTREMES.values(), ids=EXTREMES)
+def test_stiff_beside_soft(draw, seed, tmp_path):
+    """Neighbors that differ by orders of magnitude, and all of them scaled: nothing but a unit."""
+    scene = scattered(draw, seed, tmp_path)
+    state = scene.evaluate()
+    evaluations, imbalance = of_compute_pair(scene)
+    assert imbalance <= 1e-8
+    assert evaluations <= 40
+    for power in (-27, 27):
+        scaled = scattered(draw, seed, tmp_path, 2.0**power).evaluate()
+        assert scaled.energy == pytest.approx(2.0**power * state.energy, rel=1e-13)
+
+
+def test_more_reach_than_the_box():
+    """Images of a particle in one direction have each its own other side."""
+    x, box = np.array([[0.0, 0.0], [0.95, 0.0]]), (-2, 2, -2, 2)
+    here, far = (
+        Scene(x, ["small", "weak"], box, f"deformable/ring contact balanced reach {r}").evaluate()
+        for r in (0.3, 4.0)  # the second image is 4.95 away
+    )
+    # both balance to 1e-8, and the energy errs by the square of that
+    assert far.energy == pytest.approx(here.energy, rel=1e-13)
+    np.testing.assert_allclose(far.force, here.force, rtol=0, atol=1e-7 * np.abs(here.force).max())

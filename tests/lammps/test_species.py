@@ -1,0 +1,113 @@
+"""The species file and pair_coeff: an invalid line or word stops with an error that names it."""
+
+import pytest
+from scene import SPECIES
+from test_refusals import laws, refuses, two_particles
+
+
+def with_species(tmp_path, text):
+    file = tmp_path / "species.txt"
+    file.write_text(text)
+    lmp = two_particles()
+    lmp.command("pair_style deformable/ring contact radical")
+    return lmp, f"pair_coeff * * {file} a a"
+
+
+def test_species_of_other_units(tmp_path):
+    lmp, coeff = with_species(tmp_path, "# DATE: 2026-01-01 UNITS: metal\na 1 1 inf\n")
+    with refuses("units metal.*lj"):
+        lmp.command(coeff)
+    lmp, coeff = with_species(tmp_path, "# UNITS:\r\x80\ra 1 1 inf\n")
+    with refuses(r"units \?+"):  # plain characters, whatever there is
+        lmp.command(coeff)
+    lmp, coeff = with_species(tmp_path, "# DATE: 2026-01-01 UNITS: lj\na 1 1 inf\n")
+    lmp.command(coeff)
+
+
+@laws
+def test_unknown_species(law):
+    lmp = two_particles()
+    lmp.command(f"pair_style deformable/{law}")
+    with refuses("Species 'huge'.*species.txt.*unit small large"):
+        lmp.command(f"pair_coeff * * {SPECIES} small huge")
+
+
+@laws
+@pytest.mark.parametrize(("names", "number"), [("small", 1), ("small small small", 3)])
+def test_wrong_number_of_species(law, names, number):
+    lmp = two_particles()
+    lmp.command(f"pair_style deformable/{law}")
+    with refuses(f"{number} species.* 2 atom types"):
+        lmp.command(f"pair_coeff * * {SPECIES} {names}")
+
+
+def test_missing_file():
+    lmp = two_particles()
+    lmp.command("pair_style deformable/ring contact radical")
+    with refuses("Cannot open.*nowhere.txt"):
+        lmp.command("pair_coeff * * nowhere.txt small small")
+
+
+@laws
+def test_too_few_words(law):
+    lmp = two_particles()
+    lmp.command(f"pair_style deformable/{law}")
+    with refuses("pair_coeff command: missing argument"):
+        lmp.command(f"pair_coeff * * {SPECIES}")
+
+
+@laws
+def test_coefficients_of_single_types(law):
+    lmp = two_particles()
+    lmp.command(f"pair_style deformable/{law}")
+    with refuses(f"Pair_coeff must start with .* for pair style deformable/{law.split()[0]}"):
+        lmp.command(f"pair_coeff 1 1 {SPECIES} small small")
+
+
+MALFORMED = {
+    "too few words": ("a 0.5 1.0", "line 2: .*got 3 words"),
+    "too many words": ("a 0.5 1.0 inf 0 7", "line 2: .*got 6 words"),
+    "radius no number": ("a half 1.0 inf", "line 2: radius.* a .*'half'"),
+    "radius zero": ("a 0 1.0 inf", "line 2: species a: radius .*not 0"),
+    "radius negative": ("a -0.5 1.0 inf", "species a: radius .*not -0.5"),
+    "radius nan": ("a nan 1.0 inf", "radius.* a .*'nan'"),
+    "radius inf": ("a inf 1.0 inf", "species a: radius .*not inf"),
+    "radius hexadecimal": ("a 0x1 1.0 inf", "radius.* a .*'0x1'"),
+    "kA no number": ("a 0.5 1.0x inf", "kA.* a .*'1.0x'"),
+    "kA too large": ("a 0.5 1e400 inf", "kA.* a .*'1e400'"),
+    "kA zero": ("a 0.5 0.0 inf", "species a: kA .*not 0"),
+    "kP negative": ("a 0.5 1.0 -inf", "kP.* a .*'-inf'"),
+    "skin no number": ("a 0.5 1.0 inf thin", "skin.* a .*'thin'"),
+    "skin negative": ("a 0.5 1.0 inf -0.1", "species a: skin .*not -0.1"),
+    "skin too thick": ("a 0.5 1.0 inf 0.5", "species a: skin .*radius 0.5"),
+    "skin empty": ("a 0.5 1.0 inf ''", "skin.* a .*''"),
+    "both inf": ("a 0.5 inf inf", "species a: kA and kP"),
+    "twice": ("a 0.5 1.0 inf\nb 0.5 1 inf\na 0.6 1.0 inf", "line 4: species a .*twice"),
+    "not printable": ("a \x01 \xe4", "got 3 words: 'a [?] [?][?]'"),
+    "long": ("a " * 3000, "got 3000 words: '(a ){40}[.]{3}'"),
+    "zero byte": ("a 0.5 1.0 inf\0", "zero bytes"),
+    "nothing": ("", "no species"),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), MALFORMED.values(), ids=MALFORMED)
+def test_malformed_file(text, message, tmp_path):
+    lmp, pair_coeff = with_species(tmp_path, "# DATE: 2026-11-20 UNITS: lj\n" + text)
+    with refuses(rf"Species file '.*species.txt'.*{message}"):
+        lmp.command(pair_coeff)
+
+
+def test_comments_and_blank_lines_are_no_species(tmp_path):
+    lmp, pair_coeff = with_species(tmp_path, "# a\n\n  # b\n a 0.5 1.0 inf # the only one\n\n")
+    lmp.command(pair_coeff)
+
+
+def test_byte_order_mark(tmp_path):
+    lmp, pair_coeff = with_species(tmp_path, "\ufeffa 0.5 1.0 inf")
+    lmp.command(pair_coeff)
+
+
+def test_folder(tmp_path):
+    lmp, pair_coeff = with_species(tmp_path, "")
+    with refuses("Cannot open.*Is a directory"):
+        lmp.command(pair_coeff.replace("species.txt", "."))

@@ -1,0 +1,51 @@
+"""What states should be by the kernels, from all pairs and images, without LAMMPS."""
+
+import deformable
+import numpy as np
+from deformable import core
+
+
+def shapes(state: deformable.State) -> list[core.Shape]:
+    """What the kernel makes of each particle."""
+    return [
+        core.ring(radius, seen["angle"], seen["indentation"])
+        for radius, seen in zip(state.packing.radius, state.particle_contacts, strict=True)
+    ]
+
+
+def brute_force_contacts(state: deformable.State) -> dict[tuple[int, int, int, int], bool]:
+    """Pairs (i, j, image) in range and whether either side presses, by looking at all images."""
+    packing, found = state.packing, {}
+    for i in range(len(packing)):
+        keys, angle, indentation = [], [], []
+        for j in range(len(packing)):
+            for a in range(-3, 4):
+                for b in range(-3, 4):
+                    apart = packing.positions[j] - packing.positions[i] + (a, b) @ packing.box
+                    distance = float(np.hypot(*apart))
+                    reach = (1.0 + 0.3) * (packing.radius[i] + packing.radius[j])
+                    if (i, 0, 0) != (j, a, b) and distance <= reach:
+                        keys.append((i, j, a, b))
+                        angle.append(np.arctan2(apart[1], apart[0]))
+                        indentation.append(
+                            core.contact_line(distance, packing.radius[i], packing.radius[j])
+                        )
+        shape = core.ring(packing.radius[i], np.array(angle), np.array(indentation))
+        found.update(zip(keys, shape.contact_length > 0, strict=True))
+    return {(i, j, a, b): found[i, j, a, b] or found[j, i, -a, -b] for i, j, a, b in found}
+
+
+def brute_force_rattlers(contacts: dict[tuple[int, int, int, int], bool], number: int) -> set[int]:
+    rattlers: set[int] = set()
+    while True:
+        z = [
+            sum(
+                bears and i == n and j not in rattlers and i not in rattlers
+                for (i, j, _, _), bears in contacts.items()
+            )
+            for n in range(number)
+        ]
+        now = {n for n in range(number) if z[n] < 3}
+        if now == rattlers:
+            return rattlers
+        rattlers = now

@@ -1,0 +1,90 @@
+"""A ring of beads between walls."""
+
+import deformable
+import numpy as np
+import pytest
+from deformable.engine.lammps import gather
+from naive_rings import ALONE, LONE_BEADS, naive, square
+
+pytestmark = pytest.mark.filterwarnings("error")
+
+
+def test_walls_press_like_beads() -> None:
+    with deformable.BeadReference(ALONE, LONE_BEADS, square(0.5)) as ring:
+        assert ring.state().residual == 0.0
+        ring.confine(square(0.49))
+        state = ring.relax(0.01)
+        force = gather(ring.lmp, "f", 3)[:, :2]
+    (beads,) = state.outlines
+    exact = naive(state, [beads], state.packing.box)
+    walls = square(0.49)
+    overlap = np.maximum(LONE_BEADS.radius - (walls.height - beads @ walls.normal.T), 0.0)
+    assert overlap.any(axis=0).all()
+    energy = exact.energy + 0.5 * LONE_BEADS.kr * np.sum(overlap**2)
+    assert state.energy == pytest.approx(energy, rel=1e-10)
+    pushed = exact.force[0] - LONE_BEADS.kr * overlap @ walls.normal
+    assert force == pytest.approx(pushed, abs=1e-12)
+    assert state.residual <= 0.01
+    assert state.contacts.i.size == 0
+
+
+def test_beads_keep_their_place_on_walls_that_stick() -> None:
+    slides = {}
+    for stick in (True, False):
+        angle = np.array([0.0, 1.8, 3.9])
+        with deformable.BeadReference(
+            ALONE, LONE_BEADS, deformable.Walls(angle, np.full(3, 0.5), stick)
+        ) as ring:
+            for height in (0.49, 0.48):
+                ring.confine(deformable.Walls(angle, np.full(3, height), stick))
+                before = ring.state().outlines[0]
+                state = ring.relax(0.01)
+                assert ring.walls is not None
+                assert ring.walls.height == pytest.approx(np.full(3, height))
+        after = state.outlines[0]
+        touching = before @ ring.walls.normal[0] > 0.48 - LONE_BEADS.radius
+        assert touching.any()
+        slides[stick] = np.abs(after - before)[touching, 1].max()
+    assert slides[True] < 0.2 * slides[False]
+
+
+def test_walls_do_not_jump_over_beads() -> None:
+    with deformable.BeadReference(ALONE, LONE_BEADS, square(0.5)) as ring:
+        with pytest.raises(
+            deformable.ParameterError, match=r"a step of 0\.04 puts beads .* wall .* a bead, 0\.03"
+        ):
+            ring.confine(square(0.46))
+        assert ring.walls is not None
+        assert ring.walls.height[0] == 0.5
+        ring.confine(square(0.48))
+        assert ring.state().energy > 0.0
+
+
+@pytest.mark.parametrize(
+    "walls",
+    [
+        deformable.Walls([0.0, 2.0, 4.0], np.full(3, 0.5)),
+        deformable.Walls(np.arange(4) * np.pi / 2.0, np.full(4, 0.5), stick=True),
+    ],
+)
+def test_confine_moves_the_walls_that_are_there(walls: deformable.Walls) -> None:
+    with (
+        deformable.BeadReference(ALONE, LONE_BEADS, square(0.5)) as ring,
+        pytest.raises(deformable.ParameterError, match=r"number.*stick"),
+    ):
+        ring.confine(walls)
+
+
+def test_confine_needs_walls() -> None:
+    with (
+        deformable.BeadReference(ALONE, LONE_BEADS) as ring,
+        pytest.raises(deformable.ParameterError, match=r"number.*stick"),
+    ):
+        ring.confine(square(0.5))
+
+
+def test_walls_do_not_follow_the_box() -> None:
+    with deformable.BeadReference(ALONE, LONE_BEADS, square(0.5)) as ring:
+        with pytest.raises(deformable.ParameterError, match="confine"):
+            ring.deform(2.0 * np.eye(2))
+        assert ring.box == pytest.approx(3.0 * np.eye(2))

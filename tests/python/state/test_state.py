@@ -1,0 +1,119 @@
+"""Values of a state: energy, contacts, outlines and pictures."""
+
+from dataclasses import replace
+
+import deformable
+import numpy as np
+import pytest
+from brute_force import brute_force_contacts, brute_force_rattlers, shapes
+
+pytestmark = pytest.mark.filterwarnings("error")
+
+
+def test_energy_and_areas_are_those_of_the_kernels(state: deformable.State) -> None:
+    deficit = np.array([shape.area_deficit for shape in shapes(state)])
+    assert state.area_deficit == pytest.approx(deficit, rel=1e-9, abs=1e-15)
+    assert state.particle_pressure == pytest.approx(2.0 * deficit, rel=1e-9, abs=1e-15)
+    assert state.energy == pytest.approx(np.sum(2.0 * deficit**2 / 2.0), rel=1e-9)
+
+
+def test_pressure_is_the_derivative_of_the_energy(jammed: deformable.Packing) -> None:
+    squeezed = jammed.at(jammed.phi * 1.05)
+    energy = []
+    for factor in (1.0 - 1e-6, 1.0 + 1e-6):
+        scaled = replace(squeezed, positions=squeezed.positions * factor, box=squeezed.box * factor)
+        with deformable.Simulation(scaled, deformable.Ring()) as sim:
+            energy.append(sim.state().energy)
+    with deformable.Simulation(squeezed, deformable.Ring()) as sim:
+        pressure = sim.state().pressure
+    area = np.prod(squeezed.box.diagonal())
+    assert pressure == pytest.approx(-(energy[1] - energy[0]) / (4e-6 * area), rel=1e-6)
+
+
+def test_outlines_have_the_areas(state: deformable.State) -> None:
+    for outline, area in zip(state.outlines, state.area, strict=True):
+        x, y = outline.T
+        polygon = 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)
+        assert polygon == pytest.approx(area, rel=1e-3)
+    assert state.phi == pytest.approx(state.area.sum() / np.prod(state.packing.box.diagonal()))
+
+
+@pytest.mark.parametrize(
+    "asked", [{"number": 3}, {"number": 24, "tilt": 0.6, "aspect": 0.7}, {"number": 40, "seed": 8}]
+)
+def test_contacts_and_rattlers_against_brute_force(asked: dict[str, float]) -> None:
+    jammed = deformable.jam(deformable.bidisperse(**asked))  # type: ignore[arg-type]
+    law = deformable.Ring(contact="radical")
+    with deformable.Simulation(jammed.at(jammed.phi * 1.01), law) as sim:
+        state = sim.relax()
+    contacts = brute_force_contacts(state)
+    table = state.contact_table
+    seen = zip(table["i"], table["j"], *table["image"].T, strict=True)
+    assert {tuple(map(int, key)) for key in seen} == {key for key, c in contacts.items() if c}
+    # both sides of every contact stand on one line
+    height = state.packing.radius[table["i"]] - table["indentation"]
+    out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
+    foot = state.packing.positions[table["i"]] + height[:, None] * out
+    np.testing.assert_allclose(foot, table["position"], rtol=0, atol=1e-13)
+    sides = {}
+    for row in table:
+        here = (int(row["i"]), int(row["j"]), *row["image"].tolist())
+        sides[here] = row["position"]
+    for (i, j, a, b), place in sides.items():
+        other = sides[j, i, -a, -b] + np.array([a, b]) @ state.packing.box
+        np.testing.assert_allclose(place, other, rtol=0, atol=1e-13)
+    rattlers = brute_force_rattlers(contacts, len(jammed))
+    assert set(np.flatnonzero(state.rattlers).tolist()) == rattlers
+    held = [i not in rattlers and j not in rattlers for (i, j, _, _), c in contacts.items() if c]
+    assert state.coordination == pytest.approx(sum(held) / (len(jammed) - len(rattlers)))
+
+
+def test_state_stays_while_the_simulation_goes_on(state: deformable.State) -> None:
+    with pytest.raises(ValueError, match="read-only"):
+        state.area[0] = 0.0
+
+
+def test_plot_draws_every_particle(state: deformable.State) -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("agg")
+    axes = state.plot(color_by="area_deficit")
+    polygons = axes.collections[0]
+    assert len(polygons.get_paths()) >= len(state.packing)
+    assert set(state.area_deficit) == set(polygons.get_array())
+    assert state.plot(ax=axes) is axes
+    with pytest.raises(deformable.ParameterError, match="'beauty'"):
+        state.plot(color_by="beauty")
+    matplotlib.pyplot.close("all")
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        deformable.Ring(),
+        deformable.Ring(kP=2.0, skin=0.05, contact="balanced"),
+        deformable.Sector(),
+    ],
+    ids=["ring", "balanced", "sector"],
+)
+def test_plot_draws_every_contact(
+    jammed: deformable.Packing, law: deformable.Ring | deformable.Sector
+) -> None:
+    """Each side as long as its contact, and at every image that reaches into the box."""
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("agg")
+    with deformable.Simulation(jammed, law) as sim:
+        sim.deform(0.98 * sim.box)
+        state = sim.state()
+    lines = state.plot(contacts=True).collections[1]
+    ends = np.array(lines.get_segments())
+    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    expected = state.contact_table["length"]
+    expected = expected[expected > 0.0]
+    assert len(expected) > len(jammed)
+    # differences of coordinates, rounded in them
+    rounding = 16.0 * np.finfo(float).eps * np.abs(ends).max()
+    nearest = np.abs(length[:, None] - expected).min(axis=0)
+    assert nearest.max() < rounding
+    assert np.abs(length[:, None] - expected).min(axis=1).max() < rounding
+    assert len(state.plot().collections) == 1
+    matplotlib.pyplot.close("all")
