@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ..engine.relaxation import TOLERANCE
 from ..studies.law_styles import BEADS, STYLES
-from .numbers import CONVERGED
 
 
 def pareto(rows: Sequence[dict[str, Any]]) -> Figure:
@@ -43,7 +43,7 @@ def pareto(rows: Sequence[dict[str, Any]]) -> Figure:
             if row["method"] == "beads":
                 continue
             style = STYLES[row["method"]]
-            converged = row.get("residual", 0.0) <= CONVERGED
+            converged = row.get("residual", 0.0) <= TOLERANCE
             ax.loglog(
                 row["seconds"],
                 row[key],

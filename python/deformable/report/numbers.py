@@ -1,12 +1,9 @@
-"""Numbers as text: two or three digits, ranges, and the tolerance of relaxations."""
+"""Numbers as text for a reader: two or three digits, ranges, lists."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from typing import Any
-
-# Residual at which a relaxation of a law has converged.
-CONVERGED = 1e-6
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from statistics import median
 from typing import Any
 
+from ..engine.relaxation import TOLERANCE
 from ..studies.law_styles import STYLES
 from . import columns as c
-from .numbers import CONVERGED, listed, percent, show, span
+from .numbers import listed, percent, show, span
 from .page import Column, Picture, Section, Table
 
 Row = dict[str, Any]
@@ -89,7 +90,7 @@ def large(rows: Sequence[Row]) -> Section:
             f"{percent(first['strain'])} in one step from jamming. The rings of beads relax in "
             f"{show(first['seconds_beads'], 3)} s, until no force on a bead exceeds 10⁻³ of the "
             "force on a bead in a contact. The laws relax until no force exceeds "
-            f"{show(CONVERGED, 1)} of the mean contact force: {faster}." + _stalled(rows),
+            f"{show(TOLERANCE, 1)} of the mean contact force: {faster}." + _stalled(rows),
         ),
         pictures=[
             Picture(
@@ -285,7 +286,7 @@ def _by_error(rows: Sequence[Row]) -> tuple[str, dict[str, float]]:
 
 
 def _converged(row: Row) -> bool:
-    return row.get("residual") is None or bool(row["residual"] <= CONVERGED)
+    return row.get("residual") is None or bool(row["residual"] <= TOLERANCE)
 
 
 def _stalled(rows: Sequence[Row]) -> str:

@@ -21,13 +21,13 @@ from numpy.typing import NDArray
 from .. import core
 from ..common.errors import BeyondModelWarning, LammpsError
 from ..common.parallel import parallel_map
+from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
 from ..model.laws import LAWS, Law, Ring, Sector
 from ..model.packing import Packing, bidisperse
 from ..protocols.jamming import jam
 from ..state.state import State
 from ..studies import paper
-from .numbers import CONVERGED
 
 # Both ring laws have one kernel.
 KERNELS = {"ring": core.ring, "sector": core.sector}
@@ -68,7 +68,7 @@ def strained(packing: Packing, law: Law, strain: float = 0.01) -> State:
     with Simulation(packing, law, MPI.COMM_SELF) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         sim.deform(sim.box * (1.0 - strain))
-        return sim.relax(CONVERGED)
+        return sim.relax(TOLERANCE)
 
 
 def at_rest(packing: Packing, law: Law) -> State:
@@ -77,7 +77,7 @@ def at_rest(packing: Packing, law: Law) -> State:
 
 
 def stiffness_rows(jammed: Packing) -> Iterator[dict[str, Any]]:
-    """kA scales energies and nothing else; the limit of stiff perimeters is that of kP = inf.
+    """Energies are proportional to kA, and tend to those of kP = inf for stiff perimeters.
 
     At kP the energy is lower than at kP = inf by (p sum L)^2/(8 pi^2 kP) to leading order, the work
     of the radial expansion of the ring. With p = kA S, U = kA S^2/2 and sum L <= 2 pi R this is at
@@ -93,7 +93,7 @@ def stiffness_rows(jammed: Packing) -> Iterator[dict[str, Any]]:
         yield row("kA 1e-6 to 1e6", name, "energy/kA against kA = 1", off, ROUNDING)
         left = max(strained(jammed, each).residual for each in laws.values())
         why = JUMPS if name == "sector" else ""
-        yield row("kA 1e-6 to 1e6", name, "largest residual of FIRE", left, CONVERGED, why)
+        yield row("kA 1e-6 to 1e6", name, "largest residual of FIRE", left, TOLERANCE, why)
 
     kP = 10.0 ** np.arange(-6, 13, 2)
     for contact in ("radical", "balanced"):
@@ -121,7 +121,7 @@ def density_rows(jammed: Packing) -> Iterator[dict[str, Any]]:
                     with warnings.catch_warnings(record=True) as caught:
                         warnings.simplefilter("always")
                         sim.deform(jammed.at(fraction).box)
-                        state = sim.relax(CONVERGED)
+                        state = sim.relax(TOLERANCE)
                     warned = any(issubclass(each.category, BeyondModelWarning) for each in caught)
                     beyond = state.beyond
                     silent += beyond > 0 and not warned
@@ -146,9 +146,9 @@ def size_rows() -> Iterator[dict[str, Any]]:
         case, jammed = f"sizes 1 to {ratio:g}", jam(bidisperse(16, ratio=ratio, seed=1))
         for contact in ("radical", "balanced"):
             state = strained(jammed, Ring(contact=contact, reach=reach))
-            yield row(case, contact, "residual of FIRE", state.residual, CONVERGED)
+            yield row(case, contact, "residual of FIRE", state.residual, TOLERANCE)
         state = strained(jammed, Sector())
-        yield row(case, "sector", "residual of FIRE", state.residual, CONVERGED, JUMPS)
+        yield row(case, "sector", "residual of FIRE", state.residual, TOLERANCE, JUMPS)
 
 
 def kernel_rows() -> Iterator[dict[str, Any]]:

@@ -36,7 +36,7 @@ thermo_style custom step pe ke etotal
 thermo_modify norm no
 """
 
-# Waiting ranks give way: without it, more ranks than cores take a hundred times as long.
+# Waiting ranks release their core; else more ranks than cores take a hundred times as long.
 _PATIENT = {
     "MPIR_CVAR_CH4_PROGRESS_THROTTLE": "1",
     "MPIR_CVAR_CH4_PROGRESS_THROTTLE_NO_PROGRESS_COUNT": "16",

@@ -53,7 +53,7 @@ def write_report(
     results = measure(QUICK if quick else FULL, parts, print_once)
     content = results.rows() | {"machine": machine(), "versions": versions(), "quick": quick}
 
-    from .sections import pictures, sections  # with matplotlib, which nothing else here needs
+    from .sections import pictures, sections  # needs matplotlib
 
     for name, figure in pictures(results).items():
         figure.savefig(folder / name, dpi=150)

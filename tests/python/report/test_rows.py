@@ -79,8 +79,8 @@ def test_laws_have_the_stiffness_of_each_species():
     assert matching_laws["balanced, kP inf"] == Ring(
         kA, kP=[0.2, math.inf], skin=skin, contact="balanced"
     )
-    alike = Beads(number=[20, 30], kL=[4.0, 1500.0], kA=[2.0, 2.0])
-    assert packings.matching_laws(alike, rings=alike.rings(np.array([0.5, 0.7])))[
+    equal = Beads(number=[20, 30], kL=[4.0, 1500.0], kA=[2.0, 2.0])
+    assert packings.matching_laws(equal, rings=equal.rings(np.array([0.5, 0.7])))[
         "sector"
     ] == Sector(2.0)
 
