@@ -26,16 +26,17 @@ def pareto(rows: Sequence[dict[str, Any]]) -> Figure:
     for ax, (key, label) in zip(panels, labels.items(), strict=True):
         x, y = [row["seconds"] for row in free], [row[key] for row in free]
         ax.loglog(x, y, "o-", color=BEADS.color, label="rings of beads")
-        for row in beads:
+        for n, row in enumerate(beads):
             if row["reference"]:
                 ax.loglog(row["seconds"], row[key], "o", color=BEADS.color, fillstyle="none")
+            below = n % 2 == 0  # neighbors may be close: below and above the falling line in turn
             ax.annotate(
                 f"{row['beads']}",
                 (row["seconds"], row[key]),
                 textcoords="offset points",
-                xytext=(-5, -4),  # below the falling line
-                ha="right",
-                va="top",
+                xytext=(1, -5) if below else (0, 4),
+                ha="right" if below else "left",
+                va="top" if below else "bottom",
                 color=BEADS.color,
                 fontsize=8,
             )
@@ -105,7 +106,6 @@ def compressions(rows: Sequence[dict[str, Any]]) -> Figure:
             for law in laws:
                 _path(ax, [r for r in rows if (r["law"], r["seed"]) == (law, seed)], key)
             ax.grid(alpha=0.3)
-            ax.set_ylim(bottom=0.0)
             if seed == seeds[0]:
                 ax.set_ylabel(label)
         column[0].axhline(1.0, color=BEADS.color, linewidth=1.0)
@@ -113,6 +113,8 @@ def compressions(rows: Sequence[dict[str, Any]]) -> Figure:
         strain = np.array(sorted({row["strain"] for row in rows}))
         column[1].plot(100.0 * strain, 2.0 * strain, ":", color="0.3")
         column[1].set_xlabel("strain beyond jamming [%]")
+    for ax in panels[:, 0]:  # once all columns that share it are drawn
+        ax.set_ylim(bottom=0.0)
     handles = [
         Line2D([], [], color=STYLES[law].color, marker=STYLES[law].marker, label=law)
         for law in laws
