@@ -14,7 +14,7 @@ from deformable.report.plan import Plan
 SMALLEST = Plan(
     ablation={"number": 64, "steps": 2, "repeats": 1},
     pareto={"number": 8, "seeds": (1,), "strain": 0.03, "bead_numbers": [20, 22, 25]},
-    large=(8, 1, 0.03, Beads(number=16)),
+    large=(8, 3, 0.03, Beads(number=16)),
     packings=[(8, 2, 0.03, Beads(number=16))],
     compression=[(8, 1, Beads(number=25), 0.06, 1)],
     mixtures=[(8, 1, 0.03, 16, (1.0, 10.0), (0.1, math.inf))],
