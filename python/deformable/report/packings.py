@@ -1,4 +1,4 @@
-"""Packings of bead rings against the contact laws, at the rings' own centers and relaxed alone."""
+"""Packings of bead rings against the contact laws: at the rings' centers, and relaxed alone."""
 
 from __future__ import annotations
 
@@ -27,52 +27,53 @@ from ..state.state import State
 from ..studies.comparison import Comparison, compare
 from ..studies.shape_error import shape_error
 
-# Runs of a law or of disks whose median time counts: they take milliseconds.
+# Runs of a law or of disks, which take milliseconds; the time is their median.
 _REPEATS = 5
 
-# A packing with less than this part of the beads' pressure has lost its rigidity on its way.
+# A packing with less than this part of the beads' pressure has lost its rigidity.
 _UNJAMMED = 1e-6
 
-# kP/(kA R^2) of rings that stand for inextensible ones: kA q^2/kP, the part of S that their springs
-# take by giving way, is below a tenth. Stiffer ones take longer, as the root of their stiffness.
+# kP/(kA R^2) of rings that stand for inextensible ones: the springs lower S by kA q^2/kP, below a
+# tenth. The time of a relaxation grows as the root of the stiffness.
 _STIFF = 10.0
 
-# Of relaxations of mixtures, where soft rings creep at the small time step of the stiff ones: from
-# 1e-2 to here they took as long again, and S_rms moved from 0.0159 to 0.0150.
+# Tolerance of mixtures, where soft rings creep at the small time step of the stiff ones. From 1e-2
+# to this value the time doubled, and S_rms moved from 0.0159 to 0.0150.
 _MIXED_TOLERANCE = 3e-3
 
 
 def matching_laws(beads: Beads, rings: Rings, rigid: Sequence[bool] = ()) -> dict[str, Law]:
-    """The contact laws that stand in for rings of such beads, by name.
+    """The contact laws for rings of such beads, by name.
 
-    `ring` keeps perimeters as the paper does; `soft ring` has the rings' own stiffness kP =
-    kL/N_v, and their beads as a rigid skin; `balanced` also has the contact lines where both
-    sides press with the same force. `sector` has a single kA, and is there if the species have.
+    `radical` and `balanced` have the rings' own stiffness kP = kL/N_v, and their beads as a rigid
+    skin. `radical, kP inf` conserves perimeters, as the paper does. `sector`, which has a single
+    kA, is left out if the kA of the species differ.
 
     Args:
-        beads: what the rings are made of.
+        beads: of the rings.
         rings: the undeformed ones.
-        rigid: species whose rings stand for inextensible ones; `balanced, inf` has kP = inf there.
+        rigid: species whose rings stand for inextensible ones. If there are any,
+            `balanced, kP inf` has kP = inf for them.
     """
     kA, kP, skin = beads.kA, rings.kP.tolist(), rings.skin.tolist()
     found: dict[str, Law] = {}
     if len(set(rings.kA)) == 1:
         found["sector"] = Sector(rings.kA[0])
     found |= {
-        "ring": Ring(kA, contact="radical"),
-        "soft ring": Ring(kA, kP=kP, skin=skin, contact="radical"),
+        "radical, kP inf": Ring(kA, contact="radical"),
+        "radical": Ring(kA, kP=kP, skin=skin, contact="radical"),
         "balanced": Ring(kA, kP=kP, skin=skin, contact="balanced"),
     }
     if any(rigid):
         kP = np.where(rigid, math.inf, kP).tolist()
-        found["balanced, inf"] = Ring(kA, kP=kP, skin=skin, contact="balanced")
+        found["balanced, kP inf"] = Ring(kA, kP=kP, skin=skin, contact="balanced")
     return found
 
 
 def strain_beads(
     start: Packing, beads: Beads, strain: float, tolerance: float = 1e-3
 ) -> tuple[BeadState, float]:
-    """Rings after one strain step from jamming, and the seconds of processor time it took."""
+    """Rings after one strain step from jamming, and the seconds of processor time."""
     with BeadReference(start, beads, comm=MPI.COMM_SELF) as rings:
         rings.deform(rings.box * (1.0 - strain))
         began = time.process_time()
@@ -81,11 +82,11 @@ def strain_beads(
 
 
 def strain_law(start: Packing, law: Law, strain: float) -> tuple[State, float]:
-    """Particles after one strain step from jamming, and the seconds of processor time it takes."""
+    """Particles after one strain step from jamming, and the seconds of processor time."""
     seconds = []
     for _ in range(_REPEATS):
         with Simulation(start, law, MPI.COMM_SELF) as sim, warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what a law cannot do shows in its row
+            warnings.simplefilter("ignore")  # the row has the residual
             sim.deform(sim.box * (1.0 - strain))
             began = time.process_time()
             state = sim.relax()
@@ -94,7 +95,7 @@ def strain_law(start: Packing, law: Law, strain: float) -> tuple[State, float]:
 
 
 def strain_disks(start: Packing, strain: float) -> float:
-    """Seconds of processor time of soft disks for the same step, relaxed as far as particles."""
+    """Seconds of processor time of soft disks for the same step, to the tolerance of the laws."""
     force = 1e-6 * strain * 2.0 * float(start.radius.mean())  # of the overlap, stiffness 1
     seconds = []
     for _ in range(_REPEATS):
@@ -109,17 +110,17 @@ def strain_disks(start: Packing, strain: float) -> float:
 def mixed_rows(
     number: int, seed: int, strain: float, count: int, kA: Sequence[float], kP: Sequence[float]
 ) -> list[dict[str, Any]]:
-    """As `packing_rows`, of rings whose species differ in stiffness.
+    """As `packing_rows`, for rings whose species differ in stiffness.
 
     Args:
         number: of particles.
         seed: of the random start.
         strain: linear strain.
-        count: beads on a ring of the small particles.
+        count: number of beads on a ring of the small particles.
         kA: stiffness of the area of the small and of the large particles [energy/length^4].
-        kP: stiffness of their perimeters [energy/length^2]. No spring is rigid: rings of which it
-            is infinite have one large enough to matter little, and `balanced, inf` is the law with
-            the infinite one.
+        kP: stiffness of their perimeters [energy/length^2]. Where it is infinite, rings have a
+            large one instead, because no spring is rigid; `balanced, kP inf` is the law with the
+            infinite value.
     """
     radii = bidisperse(number).radii
     rings = Beads(number=count).rings(radii)
@@ -144,15 +145,15 @@ def packing_rows(
         number: of particles.
         seed: of the random start.
         strain: linear strain.
-        beads: what the rings are made of.
-        rigid: as for `laws`.
+        beads: of the rings.
+        rigid: as for `matching_laws`.
         tolerance: of the relaxation of the rings.
 
     Returns:
-        A row for each law, and the comparisons by the law's name. A row has the error of the
-        law's shapes and areas, its energy and its pressure over the beads', all at the beads'
-        centers; its `own_` energy and pressure are those of the packing that it relaxes to itself
-        from the same start, none where that is `unjammed`.
+        A row for each law, and the comparisons by the law's name. A row has the errors of the
+        law's shapes and areas, and its energy and pressure over the beads', all at the beads'
+        centers. Its `own_` energy and pressure are those of the packing that the law itself
+        relaxes to from the same start, None if that is `unjammed`.
     """
     start = jam(bidisperse(number, seed=seed))
     rings, seconds_beads = strain_beads(start, beads, strain, tolerance)
@@ -171,7 +172,7 @@ def packing_rows(
         "kP_law": None,
         "I": _error_of_disks(rings),
         "S_rms": 1.0,  # a disk keeps its area, S = 0
-        "energy_ratio": None,  # its stiffness is a free parameter
+        "energy_ratio": None,  # the stiffness of a disk is a free parameter
         "pressure_ratio": None,
         "own_energy_ratio": None,
         "own_pressure_ratio": None,
@@ -208,7 +209,7 @@ def packing_rows(
 
 
 def _finite(ratio: float) -> float | None:
-    """None over rings that bear nothing: JSON has no infinity."""
+    """None for a ratio to rings without load: JSON has no infinity."""
     return ratio if math.isfinite(ratio) else None
 
 

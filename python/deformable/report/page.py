@@ -1,81 +1,164 @@
-"""The report as one HTML page: sections of text, tables and pictures beside it."""
+"""The report as one HTML page: a table of contents, sections of text, figures and tables."""
 
 from __future__ import annotations
 
 import html
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from .numbers import show
+
 _STYLE = """
-body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;
-       color: #1a1a1a; }
+body { font: 16px/1.55 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;
+       color: #1a1a1a; background: #fff; }
 h1, h2 { line-height: 1.2; }
 h2 { margin-top: 3rem; border-bottom: 1px solid #ccc; }
-img { max-width: 100%; }
-table { border-collapse: collapse; margin: 1rem 0; font-size: 0.9rem; display: block;
-        overflow-x: auto; }
-th, td { padding: 0.25rem 0.7rem; text-align: right; border-bottom: 1px solid #ddd; }
-th:first-child, td:first-child { text-align: left; }
-figcaption, .note { color: #555; font-size: 0.9rem; }
-code { background: #f3f3f3; padding: 0 0.2rem; }
+nav { background: #f6f6f6; padding: 0.5rem 1rem; }
+figure { margin: 1.5rem 0; }
+img { max-width: 100%; height: auto; }
+table { border-collapse: collapse; margin: 1rem 0; font-size: 0.9rem; max-width: 100%; }
+caption { text-align: left; color: #444; padding-bottom: 0.3rem; }
+th, td { padding: 0.25rem 0.6rem; text-align: right; border-bottom: 1px solid #ddd;
+         vertical-align: bottom; }
+td { vertical-align: top; white-space: nowrap; }
+th:first-child, td:first-child, .text { text-align: left; white-space: normal; }
+th abbr { text-decoration: underline dotted; }
+.unit { font-weight: normal; color: #444; }
+code { background: #f1f1f1; padding: 0 0.2rem; white-space: nowrap; }
+figcaption { color: #444; font-size: 0.9rem; }
+summary { cursor: pointer; }
+dl { display: grid; grid-template-columns: max-content 1fr; gap: 0.3rem 1rem; }
+dt { font-weight: bold; }
+dd { margin: 0; }
 """
 
 
-@dataclass
-class Section:
-    """A part of the page.
+@dataclass(frozen=True)
+class Picture:
+    """A figure of the page: file name, caption, and a description for readers without it."""
+
+    file: str
+    caption: str
+    alt: str
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table.
 
     Attributes:
-        title: its heading.
-        text: paragraphs of plain text.
-        figures: file names of pictures with their captions.
-        table: rows with the same keys, or none.
+        key: of the values in the rows.
+        head: its title in words.
+        note: meaning, as a tooltip of the title.
+        unit: of the values.
+        text: align to the left.
+        show: a value as text.
+    """
+
+    key: str
+    head: str
+    note: str = ""
+    unit: str = ""
+    text: bool = False
+    show: Callable[[Any], str] = show
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows with the keys of the columns; a folded one opens on a click on its caption."""
+
+    caption: str
+    columns: Sequence[Column]
+    rows: Sequence[Mapping[str, Any]]
+    folded: bool = False
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the page: paragraphs, terms with meanings, figures, tables.
+
+    Text is plain but for `names` between backticks.
     """
 
     title: str
     text: Sequence[str] = ()
-    figures: Mapping[str, str] = field(default_factory=dict)
-    table: Sequence[Mapping[str, Any]] = ()
+    terms: Mapping[str, str] = field(default_factory=dict)
+    pictures: Sequence[Picture] = ()
+    tables: Sequence[Table] = ()
 
 
 def page(title: str, lead: str, sections: Sequence[Section]) -> str:
     """The page as HTML, complete but for the pictures."""
-    parts = [f"<h1>{html.escape(title)}</h1>", f"<p>{html.escape(lead)}</p>"]
-    for section in sections:
-        parts.append(f"<h2>{html.escape(section.title)}</h2>")
-        parts += [f"<p>{html.escape(paragraph)}</p>" for paragraph in section.text]
-        for file, caption in section.figures.items():
-            parts.append(
-                f'<figure><img src="{html.escape(file)}" alt="{html.escape(caption)}">'
-                f"<figcaption>{html.escape(caption)}</figcaption></figure>"
-            )
-        parts.append(_table(section.table))
-    body = "\n".join(parts)
+    contents = "\n".join(
+        f'<li><a href="#{_anchor(section)}">{html.escape(section.title)}</a></li>'
+        for section in sections
+    )
+    body = "\n".join(_section(section) for section in sections)
+    name = html.escape(title)
     return (
-        f'<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        f"<title>{html.escape(title)}</title>\n<style>{_STYLE}</style>\n</head>\n"
-        f"<body>\n{body}\n</body>\n</html>\n"
+        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{name}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n"
+        f"<h1>{name}</h1>\n<p>{_marked(lead)}</p>\n"
+        f'<nav aria-label="Contents">\n<ol>\n{contents}\n</ol>\n</nav>\n'
+        f"<main>\n{body}\n</main>\n</body>\n</html>\n"
     )
 
 
-def _table(rows: Sequence[Mapping[str, Any]]) -> str:
-    if not rows:
-        return ""
-    columns = list(dict.fromkeys(key for row in rows for key in row))
-    head = "".join(f"<th>{html.escape(column)}</th>" for column in columns)
-    lines = [
-        "<tr>" + "".join(f"<td>{_cell(row.get(column))}</td>" for column in columns) + "</tr>"
-        for row in rows
+def _anchor(section: Section) -> str:
+    return re.sub(r"[^a-z]+", "-", section.title.lower()).strip("-")
+
+
+def _section(section: Section) -> str:
+    parts = [f'<h2 id="{_anchor(section)}">{html.escape(section.title)}</h2>']
+    parts += [f"<p>{_marked(paragraph)}</p>" for paragraph in section.text]
+    if section.terms:
+        terms = "\n".join(
+            f"<dt>{html.escape(term)}</dt><dd>{_marked(meaning)}</dd>"
+            for term, meaning in section.terms.items()
+        )
+        parts.append(f"<dl>\n{terms}\n</dl>")
+    parts += [
+        f'<figure><img src="{html.escape(picture.file)}" alt="{html.escape(picture.alt)}">'
+        f"<figcaption>{_marked(picture.caption)}</figcaption></figure>"
+        for picture in section.pictures
     ]
-    return f"<table>\n<tr>{head}</tr>\n" + "\n".join(lines) + "\n</table>"
+    parts += [_table(table) for table in section.tables]
+    return "\n".join(parts)
 
 
-def _cell(value: Any) -> str:
-    if value is None:
-        return "–"
-    if isinstance(value, float):
-        return f"{value:.3g}"
-    if isinstance(value, list):
-        return ", ".join(_cell(each) for each in value)
-    return html.escape(str(value))
+def _marked(text: str) -> str:
+    """Plain text as HTML, with `names` between backticks as code."""
+    return re.sub(r"`([^`]+)`", r"<code>\1</code>", html.escape(text))
+
+
+def _table(table: Table) -> str:
+    caption = html.escape(table.caption)
+    head = "".join(_head(column) for column in table.columns)
+    lines = "\n".join(
+        "<tr>" + "".join(_cell(column, row.get(column.key)) for column in table.columns) + "</tr>"
+        for row in table.rows
+    )
+    inner = f"<thead><tr>{head}</tr></thead>\n<tbody>\n{lines}\n</tbody>\n</table>"
+    if table.folded:
+        return f"<details><summary>{caption}</summary>\n<table>\n{inner}\n</details>"
+    return f"<table>\n<caption>{caption}</caption>\n{inner}"
+
+
+def _head(column: Column) -> str:
+    title = html.escape(column.head)
+    if column.note:
+        title = f'<abbr title="{html.escape(column.note)}">{title}</abbr>'
+    if column.unit:
+        title += f' <span class="unit">[{html.escape(column.unit)}]</span>'
+    return f'<th scope="col"{_class(column)}>{title}</th>'
+
+
+def _cell(column: Column, value: Any) -> str:
+    return f"<td{_class(column)}>{html.escape(column.show(value))}</td>"
+
+
+def _class(column: Column) -> str:
+    return ' class="text"' if column.text else ""

@@ -1,8 +1,8 @@
-"""Error against run time: every method on the same packings, against bead rings without end.
+"""Error against run time: every method on the same packings, against the limit of many beads.
 
-Rings of different numbers of beads N_v stand for the same smooth particles: their radii are such
-that the effective ones agree, and kL = N_v kP. What they tend to for many beads is the reference;
-it is extrapolated from the two finest in 1/N_v^2, the order of a polygon's error.
+Rings of different numbers of beads N_v stand for the same smooth particles: their effective radii
+are the same, and kL = N_v kP. The reference is their limit for many beads, extrapolated in 1/N_v^2,
+the order of a polygon's error, from the two largest N_v.
 """
 
 from __future__ import annotations
@@ -34,15 +34,15 @@ def pareto_rows(
         number: of particles.
         seeds: of the random starts; errors and times are means over the packings.
         strain: linear strain.
-        bead_numbers: N_v of the small particles, rising, at least two.
+        bead_numbers: N_v of the small particles in rising order, at least two.
         kP: stiffness of the perimeter of a small ring [energy/length^2].
 
     Returns:
         A row for each method: `error`, the root mean square error of the area deficits over their
         root mean square; `shape_error`, the mean over particles and directions of the error of
         the outline over the radius, each about its own center; `seconds`; `residual`, the largest
-        of the laws' relaxations; for beads N_v as `beads`, and `reference` for the two from which
-        the reference is made: their errors are what the extrapolation takes them to be.
+        of the laws' relaxations; for beads N_v as `beads`, and `reference` for the two of which
+        the reference is made: their errors follow from the extrapolation.
     """
     found = [_one_packing(number, seed, strain, bead_numbers, kP) for seed in seeds]
     common = {"n": number, "seeds": list(seeds), "strain": strain}
@@ -113,7 +113,7 @@ def extrapolated(
 
 
 def matching(packing: Packing, beads: Beads) -> Packing:
-    """The packing with radii whose rings act on each other as smooth particles of its own radii."""
+    """The packing with other radii, such that the rings have its own radii as effective ones."""
     radii = packing.radii
     for _ in range(10):  # the roughness hardly depends on the radius: each step gains two digits
         radii = radii + packing.radii - beads.rings(radii).effective_radius
@@ -121,10 +121,10 @@ def matching(packing: Packing, beads: Beads) -> Packing:
 
 
 def _dents(state: BeadState) -> NDArray[np.float64]:
-    """How far each ring lies within its circle at rest, shape (N, directions) [length].
+    """Distance from each ring outward to its circle at rest, shape (N, directions) [length].
 
-    Straight lines between beads cut the arcs off by the order 1/N_v^2, which the extrapolation
-    takes away.
+    Straight lines between beads lie within the arcs by the order 1/N_v^2, which the extrapolation
+    removes.
     """
     radii = state.rings.radius[state.packing.species]
     return np.array(
@@ -138,7 +138,7 @@ def _dents(state: BeadState) -> NDArray[np.float64]:
 
 
 def _error_of_beads(state: BeadState, dents: NDArray[np.float64]) -> float:
-    """The shape error of rings where their beads are, and not in between."""
+    """The shape error of rings at their beads."""
     errors = []
     for ring, center, kind, exact in zip(
         state.outlines, state.packing.positions, state.packing.species, dents, strict=True

@@ -1,4 +1,4 @@
-"""How far each law goes before it breaks, as rows of the report."""
+"""Limits of each law, as rows of the report."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ def stability_rows(
     """All cases, of 16 particles.
 
     Args:
-        packings: relaxed by each law.
+        packings: number relaxed by each law.
         steps: of the longest run at constant energy.
-        ranks: that share a packing, at most.
+        ranks: largest number that share a packing.
 
     Returns:
-        Rows `case`, `parameter`, `quantity`, `value` (none where there is no number), `limit`, `ok`
-        and `reason`, see `stability_cases`.
+        Rows `case`, `law`, `quantity`, `value` (None after an error), `limit`, `ok` and `reason`,
+        see `stability_cases`.
     """
     jammed = jam(bidisperse(16, seed=1))
     return [

@@ -1,4 +1,4 @@
-"""Stability of runs: energy against the time step and the time, what ends a run, any ranks."""
+"""Stability of runs: energy against time step and time, errors that end a run, MPI ranks."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from ..common.errors import LammpsError
 from ..common.parallel import launched
 from ..engine.lammps import run
 from ..engine.simulation import Simulation
-from ..model.laws import Law
+from ..model.laws import LAWS, Law
 from ..model.packing import Packing
-from .stability_cases import JUMPS, LAWS, ROUNDING, at_rest, row
+from .stability_cases import JUMPS, ROUNDING, at_rest, row
 
 T = TypeVar("T")
 
-# At the start, far below the potential energy, which drives the motion.
+# Temperature at the start, far below the potential energy, which drives the motion.
 TEMPERATURE = 1e-6
 
 _RUN = """
@@ -36,13 +36,13 @@ thermo_style custom step pe ke etotal
 thermo_modify norm no
 """
 
-# Waiting ranks give way: without it, more ranks than cores take a hundred times as long.
+# Waiting ranks release their core; else more ranks than cores take a hundred times as long.
 _PATIENT = {
     "MPIR_CVAR_CH4_PROGRESS_THROTTLE": "1",
     "MPIR_CVAR_CH4_PROGRESS_THROTTLE_NO_PROGRESS_COUNT": "16",
 }
 
-# What a rank count must not change: energies, and forces by atom, of saved runs.
+# Energies, and forces by atom, of saved runs: independent of the number of ranks.
 _RANKS = """
 import json, sys
 import deformable
@@ -64,45 +64,52 @@ def energies(
     """Total energy at samples + 1 times of a run, and its last kinetic energy.
 
     Args:
-        kick: velocity that the first particle gets on top.
+        kick: additional velocity of the first particle.
     """
     with Simulation(packing, law, MPI.COMM_SELF) as sim:
         run(sim.lmp, f"velocity all create {TEMPERATURE} 4711 loop all{_RUN.format(dt=dt)}")
         if kick:
             run(sim.lmp, f"group first id 1\nvelocity first set {kick!r} 0 0 sum yes")
         run(sim.lmp, "run 0 post no")
-        seen = [sim.lmp.get_thermo("etotal")]
+        recorded = [sim.lmp.get_thermo("etotal")]
         for _ in range(samples):
             run(sim.lmp, f"run {steps // samples} post no")
-            seen.append(sim.lmp.get_thermo("etotal"))
-        return np.array(seen), float(sim.lmp.get_thermo("ke"))
+            recorded.append(sim.lmp.get_thermo("etotal"))
+        return np.array(recorded), float(sim.lmp.get_thermo("ke"))
 
 
 def energy_rows(packing: Packing, steps: int) -> Iterator[dict[str, Any]]:
     """Energy error of velocity Verlet: against the time step, over many steps, after a kick.
 
-    The error falls as dt^2 where the force is continuous, as dt where the force jumps, and not at
-    all where the energy does: half way between the first two is the limit of the order. Kinks add
-    to the energy at random: over n samples by sqrt(n) times what one adds, and hardly ever by three
-    times that, which a drift exceeds.
+    The error falls as dt^2 if the force is continuous, as dt if the force jumps, and not at all if
+    the energy jumps. The limit of the order is half way between the first two. Kinks of the force
+    add random amounts to the energy: over n samples sqrt(n) times a single one, and hardly ever
+    three times that. A drift exceeds this limit.
     """
     for name, law in LAWS.items():
-        order, why = _told(name, _order, packing, law)
+        order, why = _measured(name, _order, packing, law)
         off = None if order is None else abs(order - 2.0)
-        yield row("dt 0.4 to 0.025", name, "order of the energy error, off 2", off, 0.5, why)
+        yield row(
+            "time step 0.4 to 0.025",
+            name,
+            "order of the energy error, distance from 2",
+            off,
+            0.5,
+            why,
+        )
 
-        found, why = _told(name, _drift, packing, law, steps)
+        found, why = _measured(name, _drift, packing, law, steps)
         drift, limit = (None, 0.0) if found is None else found
-        case, what = f"{steps:.0e} steps of 0.1", "drift of a particle over its kinetic energy"
+        case, what = f"{steps:g} steps of 0.1", "energy drift over the kinetic energy"
         yield row(case, name, what, drift, limit, why)
 
-        ratio, why = _told(name, _kicked, packing, law)
-        what = "energy error over that of twice the step"
-        yield row("a particle kicked", name, what, ratio, 0.5, why)
+        ratio, why = _measured(name, _kicked, packing, law)
+        what = "energy error over that at twice the time step"
+        yield row("one particle kicked", name, what, ratio, 0.5, why)
 
 
-def _told(name: str, measure: Callable[..., T], *arguments: Any) -> tuple[T | None, str]:
-    """What is measured, or none, and why it may be wrong."""
+def _measured(name: str, measure: Callable[..., T], *arguments: Any) -> tuple[T | None, str]:
+    """The measured value, or None after an error, and the reason of a failure."""
     why = JUMPS if name == "sector" else ""
     try:
         return measure(*arguments), why
@@ -118,7 +125,7 @@ def _order(packing: Packing, law: Law) -> float:
 
 
 def _drift(packing: Packing, law: Law, steps: int) -> tuple[float, float]:
-    """Energy from the first to the last quarter, over the kinetic energy, and its limit."""
+    """Energy drift from the first to the last quarter over the kinetic energy, and its limit."""
     samples = 200
     total, kinetic = energies(packing, law, 0.1, steps, samples)
     quarter = samples // 4
@@ -127,7 +134,7 @@ def _drift(packing: Packing, law: Law, steps: int) -> tuple[float, float]:
 
 
 def _kicked(packing: Packing, law: Law) -> float:
-    """Error over that of twice the step, once a particle has ten times the mean energy."""
+    """Energy error over that at twice the time step, for one particle of tenfold energy."""
     kick = float(np.sqrt(20.0 * at_rest(packing, law).energy / len(packing)))
     coarse, fine = (
         energies(packing, law, dt, round(20.0 / dt), 20, kick)[0].std() for dt in (0.05, 0.025)
@@ -136,7 +143,7 @@ def _kicked(packing: Packing, law: Law) -> float:
 
 
 def error_rows(packing: Packing) -> Iterator[dict[str, Any]]:
-    """What cannot go well ends with one line that says why, and no number is none until then."""
+    """Impossible runs end with one line that names the reason, and all values before are finite."""
     for name, law in LAWS.items():
         silent = 0
         for dt in (1e1, 1e3, 1e6, 1e12):
@@ -145,7 +152,9 @@ def error_rows(packing: Packing) -> Iterator[dict[str, Any]]:
                 silent += not np.isfinite(total).all()
             except LammpsError as error:
                 silent += not re.search(r"atoms? \d+|Lost atoms|Non-numeric", str(error), re.I)
-        yield row("time steps 10 to 1e12", name, "runs that end without a word", silent, 0.0)
+        yield row(
+            "time steps 10 to 1e12", name, "runs that end without an error message", silent, 0.0
+        )
 
         silent = 0
         ends = {
@@ -160,11 +169,11 @@ def error_rows(packing: Packing) -> Iterator[dict[str, Any]]:
                     silent += 1
                 except LammpsError as error:
                     silent += line not in str(error)
-        yield row("lost particles", name, "runs that go on without them", silent, 0.0)
+        yield row("particles lost", name, "runs that go on without them", silent, 0.0)
 
 
 def rank_rows(packing: Packing, most: int) -> Iterator[dict[str, Any]]:
-    """Several ranks: sums in another order. No rows under mpiexec, which cannot start ranks."""
+    """Several ranks add in another order. No rows under mpiexec, where ranks cannot be started."""
     mpiexec = Path(sys.executable).with_name("mpiexec")
     if launched() or not mpiexec.exists():
         return
@@ -194,13 +203,13 @@ def rank_rows(packing: Packing, most: int) -> Iterator[dict[str, Any]]:
     for n, name in enumerate(LAWS):
         alone, *shared = (None if each is None else each[n] for each in answers)
         # balanced contacts are found by iteration, to 1e-8 of the largest force
-        limit = 1e-8 if name == "ring balanced" else 100.0 * ROUNDING
-        off = None
+        limit = 1e-8 if name == "balanced" else 100.0 * ROUNDING
+        change = None
         if alone is not None and all(each is not None for each in shared):
             forces = np.array(alone[1])
-            off = max(
+            change = max(
                 float(np.abs(np.array(each[1]) - forces).max() / np.abs(forces).max())
                 for each in shared
                 if each is not None
             )
-        yield row(f"1 to {most} ranks", name, "change of forces, over the largest", off, limit)
+        yield row(f"1 to {most} ranks", name, "change of forces over the largest", change, limit)

@@ -37,7 +37,8 @@ def movie(
         rate: pictures per second.
 
     Raises:
-        ParameterError: another format, no ffmpeg, no states, or no such attribute.
+        ParameterError: the format is another, ffmpeg is missing, or there are no states or no such
+            attribute.
         FileError: the folder cannot be read.
         ImportError: matplotlib is missing.
     """

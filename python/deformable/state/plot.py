@@ -25,41 +25,50 @@ _LABELS = {
     "shape_parameter": r"shape parameter $P^2 / 4 \pi A$",
 }
 
-# Values of circles, where scales of color begin; 0 if not here.
+# Values of circles, at which scales of color begin; 0 for all others.
 _ROUND = {"shape_parameter": 1.0}
 
-# Width of the line of the largest force [points].
-_WIDEST = 5.0
+# Width of the line of the largest force [points]: at most so wide, and in packings of many
+# particles so wide times sqrt(N), about a tenth of a particle.
+_WIDEST, _WIDEST_OF_MANY = 3.0, 36.0
 
-# Points of an outline this near to a contact line, over R, lie on it: rounding is less, and an arc
-# has left the line within 1e-4 R.
+# Values that differ by less than this part of them are equal up to rounding.
+_EQUAL = 1e-12
+
+# Points of an outline closer to a contact line than this, over R, lie on it: rounding is less, and
+# an arc has left the line within 1e-4 R.
 _ON_LINE = 1e-9
 
 
 @dataclass(frozen=True)
 class Scale:
-    """What colors and widths stand for.
+    """Meaning of colors and widths.
 
     Attributes:
         low: value of the first color.
-        high: value of the last one.
-        force: of the widest line.
+        high: value of the last color; `low` if all values are equal.
+        force: force of the widest line.
+        widest: its width [points].
     """
 
     low: float
     high: float
     force: float
+    widest: float
 
 
 def scale(
     values: Sequence[NDArray[np.float64]], forces: Sequence[NDArray[np.float64]], color_by: str
 ) -> Scale:
-    """The scale on which several pictures fit: values of the particles and forces of each."""
+    """One scale for several pictures, from the values of the particles and the forces of each."""
     begin = _ROUND.get(color_by, 0.0)
     low = min(begin, *(each.min() for each in values))
     high = max(begin, *(each.max() for each in values))
     force = max(each.max(initial=0.0) for each in forces)
-    return Scale(low, high if high > low else low + 1.0, force or 1.0)
+    if high - low <= _EQUAL * max(abs(low), abs(high)):
+        high = low
+    widest = min(_WIDEST, _WIDEST_OF_MANY / np.sqrt(len(values[0])))
+    return Scale(low, high, force or 1.0, widest)
 
 
 def draw(
@@ -80,7 +89,7 @@ def draw(
         packing: centers and box.
         outlines: of the particles.
         contacts: of each particle.
-        values: that colors stand for, shape (N,).
+        values: shown as colors, shape (N,).
         color_by: name of the values.
         title: of the picture.
         on: scale of colors and forces.
@@ -99,7 +108,7 @@ def draw(
     images, colors, flats, halves, widths = [], [], [], [], []
     to_fraction = np.linalg.inv(box)
     pressed = _flats(outlines, packing.radius, contacts) if flat else [[]] * len(values)
-    for outline, value, pressed_here, center, seen in zip(
+    for outline, value, pressed_here, center, table in zip(
         outlines,
         values,
         pressed,
@@ -117,25 +126,32 @@ def draw(
                 colors.append(value)
                 flats += [flat - shift for flat in pressed_here]
                 if forces:  # each particle draws the half within its outline
-                    halves += [np.array([center, met]) - shift for met in seen["position"]]
-                    widths += (_WIDEST * seen["force"] / on.force).tolist()
+                    halves += [np.array([center, end]) - shift for end in table["position"]]
+                    widths += (on.widest * table["force"] / on.force).tolist()
     particles = PolyCollection(
         images, array=np.array(colors), cmap="YlGnBu", edgecolors="0.2", linewidths=0.6
     )
-    particles.set_clim(on.low, on.high)
+    one_value = on.high == on.low
+    particles.set_clim(on.low, on.low + 1.0 if one_value else on.high)
     ax.add_collection(particles)
     particles.set_clip_path(frame)
     for lines in (
         *([LineCollection(flats, colors="tab:red", linewidths=1.8, capstyle="butt")] * flat),
         *(
-            [LineCollection(halves, colors="orangered", linewidths=widths, capstyle="round")]
+            [
+                LineCollection(
+                    halves, colors="orangered", linewidths=widths, capstyle="round", alpha=0.6
+                )
+            ]
             * forces
         ),
     ):
         ax.add_collection(lines)
         lines.set_clip_path(frame)
 
-    ax.figure.colorbar(particles, ax=ax, label=_LABELS.get(color_by, color_by), shrink=0.85)
+    bar = ax.figure.colorbar(particles, ax=ax, label=_LABELS.get(color_by, color_by), shrink=0.85)
+    if one_value:  # the first color is all there is: no numbers that no particle has
+        bar.set_ticks([on.low])
     ax.set_title(title, fontsize=11)
     margin = 0.01 * np.ptp(corners, axis=0)
     ax.set(
@@ -152,12 +168,12 @@ def _flats(
     radii: NDArray[np.float64],
     contacts: Sequence[ContactTable],
 ) -> list[list[NDArray[np.float64]]]:
-    """The straight parts of each outline, where its contacts are, arrays of two ends (2, 2)."""
+    """The straight parts of each outline at its contacts, arrays of two ends (2, 2)."""
     flats = []
-    for outline, radius, seen in zip(outlines, radii, contacts, strict=True):
-        seen = seen[seen["length"] > 0.0]
-        out = np.column_stack([np.cos(seen["angle"]), np.sin(seen["angle"])])
-        beyond = np.sum(seen["position"] * out, axis=1) - outline @ out.T
+    for outline, radius, table in zip(outlines, radii, contacts, strict=True):
+        table = table[table["length"] > 0.0]
+        out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
+        beyond = np.sum(table["position"] * out, axis=1) - outline @ out.T
         along = outline @ (out[:, ::-1] * [-1.0, 1.0]).T
         on = [np.flatnonzero(column <= _ON_LINE * radius) for column in beyond.T]
         flats.append(

@@ -1,4 +1,4 @@
-"""What a contact law says about the centers of bead rings, and how far off it is."""
+"""A contact law at the centers of bead rings, and its errors."""
 
 from __future__ import annotations
 
@@ -37,32 +37,32 @@ class Comparison:
 
     @property
     def area_deficit_error(self) -> float:
-        """Root mean square of S - S_beads over that of S_beads; inf where there is none."""
+        """Root mean square of S - S_beads over that of S_beads; inf if all S_beads are zero."""
         exact = self.beads.area_deficit
         wrong = self.state.area_deficit - exact
         return _over(float(np.linalg.norm(wrong)), float(np.linalg.norm(exact)))
 
     @property
     def energy_ratio(self) -> float:
-        """Energy of the law over that of the beads; inf where they bear none."""
+        """Energy of the law over that of the beads; inf if that is zero."""
         return _over(self.state.energy, self.beads.energy)
 
     @property
     def pressure_ratio(self) -> float:
-        """Pressure of the law over that of the beads; inf where they bear none."""
+        """Pressure of the law over that of the beads; inf if that is zero."""
         return _over(self.state.pressure, self.beads.pressure)
 
 
 def _over(ours: float, exact: float) -> float:
-    """A ratio, inf where it has no denominator."""
+    """A ratio, inf if the denominator is zero."""
     return ours / exact if exact else math.inf
 
 
 @former_arguments(model="law")
 def predict(beads: BeadState, law: Law, comm: MPI.Comm | None = None) -> State:
-    """The state that a contact law gives particles at the centers of bead rings, not relaxed.
+    """The state of a contact law for particles at the centers of bead rings, not relaxed.
 
-    Their radius is the effective one of the rings, `Rings.effective_radius`.
+    Their radii are the effective ones of the rings, `Rings.effective_radius`.
     """
     packing = replace(beads.packing, radii=beads.rings.effective_radius)
     with Simulation(packing, law, comm) as sim:
@@ -71,13 +71,13 @@ def predict(beads: BeadState, law: Law, comm: MPI.Comm | None = None) -> State:
 
 @former_arguments(model="law")
 def compare(beads: BeadState, law: Law, comm: MPI.Comm | None = None) -> Comparison:
-    """Compare a contact law with bead rings, both with the same centers."""
+    """Compare a contact law with bead rings at the same centers."""
     state = predict(beads, law, comm)
     return Comparison(beads, state, shape_errors(beads, state))
 
 
 def ring_outlines(beads: BeadState, state: State) -> list[NDArray[np.float64]]:
-    """The lines that a law has the beads draw, about each particle's own center, arrays (m, 2)."""
+    """Lines of bead centers in a law, about each particle's own center, arrays (m, 2) [length]."""
     rings = beads.rings.radius[beads.packing.species]
     return state.parallels(state.packing.radius - rings, _POINTS)
 
@@ -86,7 +86,7 @@ def shape_errors(beads: BeadState, state: State) -> NDArray[np.float64]:
     """I of each particle, shape (N,): the outlines of a state against the beads.
 
     Raises:
-        ParameterError: an outline folds, as of particles beyond the model.
+        ParameterError: an outline folds: the particle is beyond the model.
     """
     errors = np.zeros(len(beads.packing))
     for n, (ring, center, outline, radius) in enumerate(
@@ -102,7 +102,7 @@ def shape_errors(beads: BeadState, state: State) -> NDArray[np.float64]:
             errors[n] = shape_error(ring - center, outline, radius)
         except ParameterError:
             raise ParameterError(
-                f"the outline of particle {n} folds in the {state.law.name} law, which no longer "
-                "describes it: compress less"
+                f"the outline of particle {n} folds in the {state.law.name} law, which does not "
+                "describe particles pressed that much: compress less"
             ) from None
     return errors

@@ -1,7 +1,7 @@
-"""The paper's results: one ring of beads in polygons, and a packing of rings, against both laws.
+"""The paper's results: one ring of beads in polygons, and a packing of rings, against the laws.
 
-Each function runs one of them and returns data; `paper_figures` draws it. R. Maharana, "Efficient
-Simulation of Deformable Particles", sections 4 and 5. `docs/paper.md` has what comes out.
+Each function computes one result and returns data; `paper_figures` draws it. R. Maharana,
+"Efficient Simulation of Deformable Particles", sections 4 and 5. `docs/paper.md` lists the results.
 """
 
 from __future__ import annotations
@@ -23,25 +23,24 @@ from ..protocols.compression import compress
 from ..protocols.jamming import jam
 from .comparison import Comparison, compare
 from .shape_error import shape_error
-from .single import IRREGULAR, STEP, Squeezed, regular, squeeze
+from .single import IRREGULAR, LAWS, STEP, Squeezed, regular, squeeze
 
 # a/R0 of the paper.
 INDENTATIONS = tuple(n / 200 for n in range(1, 11))
 
 POLYGONS = (*map(regular, (3, 4, 5, 6)), *IRREGULAR.values())
 
-# From these two kP the limit of infinite stiffness is extrapolated.
+# The two kP from which the limit of infinite stiffness is extrapolated.
 _STIFF = (200.0, 400.0)
 
 
 def ring_in_walls(number: int, kL: float) -> Beads:
-    """The ring for walls: R0 = kA = 1.
+    """The ring of beads for walls: R0 = kA = 1.
 
-    Walls are smooth, so the radius of the beads does not matter; it bounds the steps of walls that
-    slip.
-    They yield by p L0/kr under the pressure p in the ring: below 3e-6 R0 for 188 beads in a hexagon
-    at a/R0 = 0.05, and for soft springs far below p q/(2 pi kP), by which the ring widens. Stiffer
-    walls would only cost time steps.
+    Walls are smooth, so that the radius of the beads does not matter; it bounds the steps of walls
+    that slip. Walls yield by p L0/kr at the pressure p in the ring: below 3e-6 R0 for 188 beads in
+    a hexagon at a/R0 = 0.05, and for soft springs far below p q/(2 pi kP), by which the ring
+    expands. Stiffer walls would only cost time steps.
     """
     return Beads(number=number, radius=0.1, kL=kL, kA=1.0, kr=min(kL, 1e3))
 
@@ -52,7 +51,7 @@ def shapes(
     kL: float = 1e4,
     workers: int | None = None,
 ) -> list[Squeezed]:
-    """Rings in regular and irregular polygons, walls that stick, then walls that slip."""
+    """Rings in regular and asymmetric polygons: walls that stick, then walls that slip."""
     beads = ring_in_walls(number, kL)
     runs = [(angle, indentations, beads, stick) for stick in (True, False) for angle in POLYGONS]
     return _steps(runs, workers, "shapes")
@@ -66,7 +65,7 @@ def stiffness_sweep(
 ) -> list[Squeezed]:
     """A ring in a hexagon whose walls stick, for springs from soft to stiff.
 
-    The stiffest relax for minutes: their walls take larger steps, of 0.005.
+    Rings with the stiffest springs relax for minutes: their walls take larger steps, of 0.005.
     """
     runs = [
         (regular(6), indentations, ring_in_walls(number, k), True, 1e-3, STEP if k < 3e5 else 0.005)
@@ -75,40 +74,8 @@ def stiffness_sweep(
     return _steps(runs, workers, "stiffness")
 
 
-def any_stiffness(
-    kL: Sequence[float] = (1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6),
-    indentations: Sequence[float] = (0.01, 0.02, 0.03, 0.04, 0.05),
-    number: int = 314,
-    workers: int | None = None,
-) -> list[Squeezed]:
-    """A ring in a hexagon along whose walls it slips, for springs from soft to stiff.
-
-    The ring law has an answer to each, and walls must not add their own: however soft the springs,
-    they press with kr = 1e3, and yield by p L0/kr < 2e-6 R0.
-    """
-    runs = [
-        (regular(6), indentations, replace(ring_in_walls(number, k), kr=1e3), False) for k in kL
-    ]
-    return _steps(runs, workers, "any stiffness")
-
-
-def number_sweep(
-    numbers: Sequence[int] = (24, 48, 96, 192, 288, 384),
-    kP: Sequence[float] = (1.0, 10.0, 100.0),
-    indentations: Sequence[float] = INDENTATIONS,
-    workers: int | None = None,
-) -> list[Squeezed]:
-    """A ring in a hexagon whose walls stick, of few to many beads with the same kP = kL/N_v."""
-    runs = [
-        (regular(6), indentations, ring_in_walls(number, k * number), True)
-        for k in kP
-        for number in numbers
-    ]
-    return _steps(runs, workers, "number of beads")
-
-
 def _steps(runs: list[tuple[Any, ...]], workers: int | None, description: str) -> list[Squeezed]:
-    """The results of all steps of all runs of `squeeze`, in order; the last runs take longest."""
+    """The results of all steps of all runs of `squeeze`, in order; the last ones start first."""
     results = parallel_map(squeeze, runs[::-1], workers, description)
     return [step for steps in reversed(results) for step in steps]
 
@@ -116,8 +83,9 @@ def _steps(runs: list[tuple[Any, ...]], workers: int | None, description: str) -
 def single_row(result: Squeezed) -> dict[str, str | int | float]:
     """One measurement on a single particle for a table; lengths in R0, S in R0^2, times in s.
 
-    Times are those of a processor: seconds_dp of the beads since the indentation before,
-    seconds_model of one call of the ring law.
+    I and S of a law have its name behind an underscore, see `LAWS`: I_ring_kP_inf. Times are
+    processor times: seconds_dp of the beads since the indentation before, seconds_law of one call
+    of the ring law with kP = inf.
     """
     angle = result.walls.angle
     turns = np.diff(angle, append=angle[0] + 2.0 * np.pi)
@@ -128,23 +96,23 @@ def single_row(result: Squeezed) -> dict[str, str | int | float]:
         "beads": int(result.beads.rings.number[0]),
         "kL": result.kL,
         "a_over_R": float(result.indentation),
-        "I_sector": result.shape_error("sector"),
-        "I_ring": result.shape_error("ring"),
-        "I_soft_ring": result.shape_error("soft ring"),
+        **{f"I_{_key(law)}": result.shape_error(law) for law in LAWS},
         "S_dp": float(result.beads.area_deficit[0]),
-        "S_sector": float(result.area_deficit["sector"]),
-        "S_ring": float(result.area_deficit["ring"]),
-        "S_soft_ring": float(result.area_deficit["soft ring"]),
+        **{f"S_{_key(law)}": float(result.area_deficit[law]) for law in LAWS},
         "seconds_dp": float(result.seconds),
-        "seconds_model": float(result.law_seconds["ring"]),
+        "seconds_law": float(result.law_seconds["ring, kP inf"]),
     }
 
 
-def steiner_error(result: Squeezed) -> float:
-    """I of the ring law about the Steiner point of the beads, the center that the law has.
+def _key(law: str) -> str:
+    return law.replace(", ", "_").replace(" ", "_")
 
-    That point is the mean of a polygon's corners, weighted by how far the outline turns at each. It
-    differs from the mean of the beads, the center for `Squeezed`, to second order in a.
+
+def steiner_error(result: Squeezed) -> float:
+    """I of the ring law with kP = inf about the Steiner point of the beads, the law's own center.
+
+    The Steiner point is the mean of a polygon's corners, weighted by the angles of turn. It differs
+    from the mean of the beads, the center of `Squeezed`, to second order in a.
     """
     beads = result.beads.outlines[0]
     edge = np.roll(beads, -1, axis=0) - beads
@@ -153,13 +121,14 @@ def steiner_error(result: Squeezed) -> float:
     turn -= 2.0 * np.pi * np.rint(turn / (2.0 * np.pi))
     point = turn @ beads / (2.0 * np.pi)
     pressed = 1.0 + result.beads.beads.radius - result.walls.seen_from(point)
-    outline = core.outline("ring", 1.0, result.walls.angle, pressed, len(result.outlines["ring"]))
+    points = len(result.outlines["ring, kP inf"])
+    outline = core.outline("ring", 1.0, result.walls.angle, pressed, points)
     return shape_error(beads - point, outline, float(result.beads.rings.radius[0]))
 
 
 @dataclass(frozen=True, eq=False)
 class Limit:
-    """How the area deficit of a ring in a regular polygon tends to the exact S = K a^2.
+    """Convergence of the area deficit of a ring in a regular polygon to the exact S = K a^2.
 
     To first order in each small parameter, with R0 = kA = 1 and the arc radius q = 1 - K a/pi,
 
@@ -223,7 +192,7 @@ def limit(
     kP: Sequence[float] = (5.0, 10.0, 20.0, 40.0),
     workers: int | None = None,
 ) -> Limit:
-    """S of rings in a regular polygon whose walls slip, as beads get more and springs stiffer."""
+    """S of rings in a regular polygon whose walls slip, for more beads and for stiffer springs."""
     most = max(numbers)
     grid = [(number, k) for number in numbers for k in _STIFF] + [(most, k) for k in kP]
     runs = [
@@ -267,16 +236,16 @@ def packing(
     beads: Beads | None = None,
     seed: int = 1,
 ) -> dict[str, Comparison]:
-    """A bidisperse packing of rings beyond jamming, against both laws by name.
+    """A bidisperse packing of rings of beads beyond jamming, against `sector` and `radical`.
 
     Args:
         number: of particles, N.
         strain: linear, from the onset of jamming.
-        steps: in which the strain is applied.
-        beads: what rings are made of; by default the paper's, 50 and 72 beads of radius 0.05.
+        steps: number of strain steps.
+        beads: of the rings; by default the paper's, 50 and 72 beads of radius 0.05.
         seed: of the positions at the start.
     """
     jammed = jam(bidisperse(number, seed=seed))
     with BeadReference(jammed, beads) as rings:
         *_, state = compress(rings, strain, steps)
-    return {"sector": compare(state, Sector()), "ring": compare(state, Ring(contact="radical"))}
+    return {"sector": compare(state, Sector()), "radical": compare(state, Ring(contact="radical"))}

@@ -1,36 +1,36 @@
-"""The paper's figures from the data of `paper`: each function returns a Matplotlib figure."""
+"""The paper's figures of one particle, from the data of `paper`, as Matplotlib figures."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon, Rectangle
 from matplotlib.ticker import FuncFormatter, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
 from . import paper
-from .comparison import Comparison, ring_outlines
+from .law_styles import BEADS, STYLES
 from .single import Squeezed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_BEADS: dict[str, Any] = {"color": "tab:red", "linestyle": "none", "marker": "."}
-_LAWS: dict[str, dict[str, Any]] = {
-    "sector": {"color": "black", "linestyle": "-"},
-    "ring": {"color": "tab:blue", "linestyle": "--"},
-}
-_SOFTER = {
-    "soft ring": {"color": "tab:green", "linestyle": ":"},
-    "balanced": {"color": "tab:orange", "linestyle": "-."},
-}
+# Deviations are magnified by a round factor so that the largest is this part of R.
+_VISIBLE = 0.1
+
 _I = r"shape error $I$"
 _A = r"indentation $a/R_0$"
+
+_MARKERS = "osD^vPX"
+
+# Springs at least this stiff set the scale of the lower panel of `deviation`.
+_STIFF = 1e4
+
+# The laws of the paper's setting: both keep the perimeter.
+_DRAWN = ("sector", "ring, kP inf")
 
 
 def _new(
@@ -41,8 +41,13 @@ def _new(
     return figure, figure.subplots(rows, columns, squeeze=False, sharey=sharey)
 
 
-def _shades(count: int) -> list[tuple[float, float, float, float]]:
-    return [tuple(colormaps["viridis"](x)) for x in np.linspace(0.0, 0.88, count)]
+def _series(count: int) -> list[dict[str, Any]]:
+    """Styles of a series of lines: a color of a scale, and a marker of its own."""
+    shades = colormaps["viridis"](np.linspace(0.0, 0.88, count))
+    return [
+        {"color": tuple(shade), "marker": _MARKERS[n % len(_MARKERS)]}
+        for n, shade in enumerate(shades)
+    ]
 
 
 def _decade(value: float) -> str:
@@ -52,7 +57,11 @@ def _decade(value: float) -> str:
 
 
 def shapes(results: Sequence[Squeezed], stick: bool) -> Figure:
-    """Beads and the outlines of both laws in the polygons, at the largest indentation."""
+    """Beads in the polygons at the largest indentation, and magnified deviations of two laws.
+
+    Each law is drawn at |v| + m (g - |v|) in the direction of each bead v: m times as far from the
+    beads as it is. The factor m stands in each panel.
+    """
     largest = max(result.indentation for result in results)
     chosen = [r for r in results if r.walls.stick == stick and r.indentation == largest]
     figure, axes = _new(5.9, 2, 3)
@@ -69,18 +78,39 @@ def shapes(results: Sequence[Squeezed], stick: bool) -> Figure:
 
 def _shape(ax: Axes, result: Squeezed) -> None:
     corners = _corners(result.walls.angle, 1.0 - result.indentation)
-    ax.plot(*np.vstack([corners, corners[:1]]).T, color="0.7", linewidth=1.0, label="walls")
-    ax.plot(*result.beads.outlines[0].T, **_BEADS, markersize=2.5, label="beads")
-    for law, style in _LAWS.items():
-        outline = result.outlines[law] + result.center
-        ax.plot(*np.vstack([outline, outline[:1]]).T, **style, linewidth=0.9, label=law)
-    text = "\n".join(f"$I$ {law} = {_short(result.shape_error(law))}" for law in _LAWS)
-    ax.text(0.0, 0.0, text, ha="center", va="center", fontsize=9)
-    ax.set(xlim=(-1.12, 1.12), ylim=(-1.12, 1.12), aspect="equal")  # far corners are cut off
+    ax.plot(*_closed(corners), color="0.7", linewidth=1.0, label="walls")
+    beads = result.beads.outlines[0]
+    ax.plot(*beads.T, ".", color=BEADS.color, markersize=2.5, label="beads")
+    order = np.argsort(result.angle)
+    out = np.column_stack([np.cos(result.angle), np.sin(result.angle)])
+    factor = magnification(max(np.abs(result.deviation[law]).max() for law in _DRAWN))
+    for law in _DRAWN:
+        line = (beads - factor * result.deviation[law][:, None] * out)[order]
+        style = STYLES[law]
+        ax.plot(*_closed(line), color=style.color, linestyle=style.line, linewidth=1.0, label=law)
+    text = [rf"deviations $\times$ {factor:g}"]
+    text += [f"$I$ {law} = {short(result.shape_error(law))}" for law in _DRAWN]
+    ax.text(0.0, 0.0, "\n".join(text), ha="center", va="center", fontsize=8.5)
+    ax.set(xlim=(-1.15, 1.15), ylim=(-1.15, 1.15), aspect="equal")  # far corners are cut off
     ax.set_axis_off()
 
 
-def _short(value: float) -> str:
+def magnification(largest: float, radius: float = 1.0) -> float:
+    """The factor 1, 2 or 5 times a power of ten that makes the largest deviation visible."""
+    if largest <= 0.0:
+        return 1.0
+    wanted = max(_VISIBLE * radius / largest, 1.0)
+    power = 10.0 ** np.floor(np.log10(wanted))
+    return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= wanted))
+
+
+def _closed(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """x and y of a closed line."""
+    return np.vstack([points, points[:1]]).T
+
+
+def short(value: float) -> str:
+    """Two digits as a formula."""
     mantissa, power = f"{value:.1e}".split("e")
     return rf"${mantissa}\times 10^{{{int(power)}}}$"
 
@@ -93,18 +123,29 @@ def _corners(angle: NDArray[np.float64], height: float) -> NDArray[np.float64]:
 
 
 def deviation(results: Sequence[Squeezed], indentation: float = 0.02) -> Figure:
-    """|v| - g(theta) along the outline, a line for each stiffness; below, the stiffest larger."""
+    """|v| - g(theta) of the sector law along the outline, a line for each stiffness.
+
+    The lower panel shows the stiffest rings with a larger scale.
+    """
     chosen = [r for r in results if np.isclose(r.indentation, indentation)]
     figure, axes = _new(6.0, 2, 1)
-    for result, shade in zip(chosen, _shades(len(chosen)), strict=True):
+    for result, style in zip(chosen, _series(len(chosen)), strict=True):
         turn = np.degrees(result.angle) % 360.0
         order = np.argsort(turn)
         label = rf"$k_L = {_decade(result.kL)}$"
         for ax, unit in zip(axes[:, 0], (1e-3, 1e-5), strict=True):
             difference = result.deviation["sector"][order] / unit
-            ax.plot(turn[order], difference, color=shade, linewidth=1.1, label=label)
-    stiffest = 1.1e5 * max(np.abs(r.deviation["sector"]).max() for r in chosen[-3:])
-    axes[1, 0].set(xlabel=r"direction $\theta$ [degrees]", ylim=(-stiffest, stiffest))
+            spread = slice(0, None, max(len(order) // 18, 1))
+            ax.plot(turn[order], difference, linewidth=0.9, color=style["color"])
+            ax.plot(turn[order][spread], difference[spread], linestyle="none", **style, ms=3.5)
+            ax.plot([], [], **style, linewidth=0.9, markersize=3.5, label=label)
+    stiff = [r for r in chosen if r.kL >= _STIFF]
+    stiffest = 1e5 * np.concatenate([r.deviation["sector"] for r in stiff or chosen[-1:]])
+    margin = 0.1 * float(np.ptp(stiffest))
+    axes[1, 0].set(
+        xlabel=r"direction $\theta$ [degrees]",
+        ylim=(min(stiffest.min(), 0.0) - margin, stiffest.max() + margin),
+    )
     for ax, power in zip(axes[:, 0], (-3, -5), strict=True):
         ax.set(
             ylabel=rf"$(|\mathbf{{v}}| - g(\theta))/R_0$  [$10^{{{power}}}$]",
@@ -119,76 +160,62 @@ def deviation(results: Sequence[Squeezed], indentation: float = 0.02) -> Figure:
 
 
 def error_by_indentation(results: Sequence[Squeezed]) -> Figure:
-    """I against a for each stiffness, and against the stiffness for several a."""
+    """I of the sector law against a for each stiffness, and against the stiffness for several a.
+
+    Dashed: the ring law, which has the stiffness of the springs.
+    """
     figure, axes = _new(4.8, 1, 2)
     left, right = axes[0]
     stiffnesses = sorted({r.kL for r in results})
-    for kL, shade in zip(stiffnesses, _shades(len(stiffnesses)), strict=True):
+    for kL, style in zip(stiffnesses, _series(len(stiffnesses)), strict=True):
         line = [r for r in results if r.kL == kL]
         label = rf"$k_L = {_decade(kL)}$"
-        _errors(left, [r.indentation for r in line], line, color=shade, label=label)
+        _errors(left, [r.indentation for r in line], line, "sector", label=label, **style)
     left.set(xlabel=_A, ylabel=_I, yscale="log")
     depths = sorted({r.indentation for r in results})[1::2]
-    for a, shade in zip(depths, _shades(len(depths)), strict=True):
+    for a, style in zip(depths, _series(len(depths)), strict=True):
         line = [r for r in results if r.indentation == a]
         label = rf"$a/R_0 = {a:g}$"
-        _errors(right, [r.kL for r in line], line, color=shade, label=label)
+        stiffness = [r.kL for r in line]
+        _errors(right, stiffness, line, "sector", label=label, **style)
+        if a in depths[::-3]:
+            dashed = style | {"linestyle": "--", "fillstyle": "none"}
+            _errors(right, stiffness, line, "ring", label=label + ", ring", **dashed)
     right.set(xlabel=r"stiffness of the springs $k_L/k_A R_0^2$", ylabel=_I)
     right.set(xscale="log", yscale="log")
     spacing = float(results[0].beads.rings.spacing[0])
     for ax in (left, right):
         ax.axhline(spacing**2 / 24.0, color="0.6", linestyle=":", linewidth=1.0)
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=8, ncols=3)
+        ax.grid(alpha=0.3)
     right.text(1.0, spacing**2 / 22.0, "$L_0^2/24R_0$: spacing of the beads", fontsize=7.5)
     figure.suptitle(f"hexagon, {results[0].beads.rings.number[0]} beads, walls stick")
     return figure
 
 
-def _errors(ax: Axes, x: Iterable[float], line: Iterable[Squeezed], **style: Any) -> None:
-    errors = [result.shape_error("sector") for result in line]
-    ax.plot(list(x), errors, marker="o", markersize=3.5, linewidth=1.1, **style)
-
-
-def error_by_number(results: Sequence[Squeezed]) -> Figure:
-    """I against the number of beads at fixed kP = kL/N_v, for three indentations."""
-    depths = sorted({r.indentation for r in results})
-    depths = sorted({depths[len(depths) * part // 10] for part in (1, 3, 9)})
-    figure, axes = _new(3.7, 1, len(depths), sharey=True)
-    stiffness = sorted({_kP(r) for r in results})
-    for ax, a in zip(axes[0], depths, strict=True):
-        for kP, shade in zip(stiffness, _shades(len(stiffness)), strict=True):
-            line = [r for r in results if r.indentation == a and _kP(r) == kP]
-            numbers = [int(r.beads.rings.number[0]) for r in line]
-            _errors(ax, numbers, line, color=shade, label=f"$k_P = {_decade(kP)}$")
-        ax.set(xscale="log", yscale="log", xlabel="number of beads $N_v$")
-        ax.set_title(rf"$a/R_0 = {a:g}$", fontsize=10)
-        _plain_ticks(ax, [20, 50, 100, 200, 400])
-    axes[0, 0].set_ylabel(_I)
-    axes[0, -1].legend(fontsize=8)
-    return figure
-
-
-def _kP(result: Squeezed) -> float:
-    return round(float(result.beads.rings.kP[0]), 9)
+def _errors(ax: Axes, x: Iterable[float], line: Iterable[Squeezed], law: str, **style: Any) -> None:
+    ax.plot(list(x), [r.shape_error(law) for r in line], markersize=3.5, linewidth=1.1, **style)
 
 
 def limits(found: Sequence[paper.Limit]) -> Figure:
     """The error of S against the number of beads, and against the stiffness of the perimeter."""
     figure, axes = _new(4.3, 1, 2)
     left, right = axes[0]
-    for each, shade in zip(found, _shades(len(found)), strict=True):
+    for each, style in zip(found, _series(len(found)), strict=True):
+        shade = style["color"]
         number = f"n = {each.sides}, slope {each.number_rate:.2f}"
-        left.plot(each.numbers, -each.number_error, "o", color=shade, label=number)
+        points = style | {"linestyle": "none"}
+        left.plot(each.numbers, -each.number_error, **points, label=number)
         left.plot(each.numbers, -each.number_prediction, color=shade, linewidth=1.0)
         stiffness = f"n = {each.sides}, slope {each.stiffness_rate:.2f}"
-        right.plot(each.stiffness, -each.stiffness_error, "o", color=shade, label=stiffness)
+        right.plot(each.stiffness, -each.stiffness_error, **points, label=stiffness)
         right.plot(each.stiffness, -each.stiffness_prediction, color=shade, linewidth=1.0)
     left.set(xlabel="number of beads $N_v$", ylabel=r"$1 - S/Ka^2$ at infinite $k_P$")
     right.set(xlabel=r"$k_P/k_A R_0^2$", ylabel=r"share of $k_P$ in $1 - S/Ka^2$")
     _plain_ticks(left, found[0].numbers)
     _plain_ticks(right, found[0].stiffness)
-    left.set_title(r"line: $\pi^2/3N_v^2 a$", fontsize=10)
-    right.set_title(r"lines: $k_A q^2/k_P$", fontsize=10)
+    left.set_title(r"line: expected, $\pi^2/3N_v^2 a$", fontsize=10)
+    right.set_title(r"lines: expected, $k_A q^2/k_P$", fontsize=10)
     left.legend(fontsize=8)
     right.legend(fontsize=8)
     figure.suptitle(rf"regular polygons, $a/R_0 = {found[0].indentation:g}$, walls slip")
@@ -202,90 +229,3 @@ def _plain_ticks(ax: Axes, values: Iterable[float]) -> None:
     ax.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
     ax.xaxis.set_minor_locator(NullLocator())
     ax.xaxis.set_minor_formatter(NullFormatter())
-
-
-def packing(comparisons: Mapping[str, Comparison]) -> Figure:
-    """The outlines of models over the beads: the whole box, and a few particles of it.
-
-    Args:
-        comparisons: of one packing with models, by name: sector, ring, soft ring, balanced.
-    """
-    beads = next(iter(comparisons.values())).beads
-    box = beads.packing.box
-    figure, axes = _new(4.8, 1, 2)
-    middle = 0.5 * box.sum(axis=0)
-    half = 1.3 * beads.packing.radii.max() + 0.12 * np.sqrt(np.linalg.det(box))
-    half = min(half, 0.5 * float(box.diagonal().min()))
-    whole, zoom = axes[0]
-    for ax in (whole, zoom):
-        _packing(ax, comparisons, fine=ax is zoom)
-        ax.set(aspect="equal", xticks=[], yticks=[])
-    frame = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) @ box
-    whole.add_patch(Polygon(frame, fill=False, edgecolor="0.5", linewidth=0.8))
-    margin = 1.05 * beads.packing.radii.max()
-    low, high = frame.min(axis=0) - margin, frame.max(axis=0) + margin
-    whole.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-    whole.add_patch(
-        Rectangle(
-            tuple(middle - half), 2 * half, 2 * half, fill=False, edgecolor="tab:green", zorder=5
-        )
-    )
-    zoom.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
-    for spine in zoom.spines.values():
-        spine.set_edgecolor("tab:green")
-    whole.set_axis_off()
-    means = ", ".join(
-        f"{name} {_short(float(each.shape_error.mean()))}" for name, each in comparisons.items()
-    )
-    figure.suptitle(f"{len(beads.packing)} rings, mean $I$: {means}", fontsize=9)
-    figure.legend(*zoom.get_legend_handles_labels(), loc="outside lower center", ncols=5)
-    return figure
-
-
-def _packing(ax: Axes, comparisons: Mapping[str, Comparison], fine: bool) -> None:
-    """Beads and outlines, with all periodic images that reach into the box."""
-    beads = next(iter(comparisons.values())).beads
-    points = _images(beads.outlines, beads.packing.box)
-    dots = np.vstack(points)
-    if fine:
-        width = np.full(len(dots), 2.0 * beads.beads.radius)
-        discs = EllipseCollection(
-            width,
-            width,
-            np.zeros(len(dots)),
-            units="xy",
-            offsets=dots,
-            offset_transform=ax.transData,
-            facecolor="tab:red",
-            alpha=0.15,
-        )
-        ax.add_collection(discs)
-    ax.plot(*dots.T, **_BEADS, markersize=4.0 if fine else 0.6, label="beads", zorder=3)
-    styles = _LAWS | _SOFTER
-    for name, each in comparisons.items():
-        outlines = [
-            outline + center
-            for outline, center in zip(
-                ring_outlines(beads, each.state), beads.packing.positions, strict=True
-            )
-        ]
-        closed = [np.vstack([line, line[:1]]) for line in _images(outlines, beads.packing.box)]
-        lines = LineCollection(closed, linewidths=1.0 if fine else 0.4, label=name, **styles[name])
-        lines.set_zorder(4)
-        ax.add_collection(lines)
-
-
-def _images(
-    outlines: Iterable[NDArray[np.float64]], box: NDArray[np.float64]
-) -> list[NDArray[np.float64]]:
-    """All periodic images of closed lines that reach into the box."""
-    to_fraction = np.linalg.inv(box)
-    images = []
-    for outline in outlines:
-        fraction = outline @ to_fraction
-        low = np.floor(fraction.min(axis=0)).astype(int)
-        high = np.floor(fraction.max(axis=0)).astype(int)
-        for a in range(low[0], high[0] + 1):
-            for b in range(low[1], high[1] + 1):
-                images.append(outline - np.array([a, b]) @ box)
-    return images

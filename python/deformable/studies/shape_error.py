@@ -1,4 +1,4 @@
-"""How far the outline of a contact law is from the beads of a ring."""
+"""Distance of the outline of a contact law from the beads of a ring."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ def radial_distance(outline: ArrayLike, angle: ArrayLike) -> NDArray[np.float64]
         angle: directions theta, shape (k,) [rad].
 
     Returns:
-        Where the rays meet the polygon, shape (k,) [length].
+        Distance at which each ray crosses the polygon, shape (k,) [length].
 
     Raises:
-        ParameterError: a ray meets the polygon more than once, as of particles beyond the model.
+        ParameterError: a ray crosses the polygon more than once: the particle is beyond the model.
     """
     corners = np.asarray(outline, dtype=np.float64)
     turn = np.arctan2(corners[:, 1], corners[:, 0])
@@ -48,7 +48,7 @@ def deviation(beads: ArrayLike, outline: ArrayLike) -> NDArray[np.float64]:
 
     Args:
         beads: positions about the center of the outline, shape (N_v, 2) [length].
-        outline: as for `radial_distance`, for the particle of radius R - p that the beads draw.
+        outline: as for `radial_distance`, of the line of bead centers in the law.
     """
     v = np.asarray(beads, dtype=np.float64)
     return np.hypot(v[:, 0], v[:, 1]) - radial_distance(outline, np.arctan2(v[:, 1], v[:, 0]))

@@ -1,4 +1,4 @@
-"""One ring of beads between walls, against the contact laws: the paper's first test."""
+"""One ring of beads between walls against the contact laws: the paper's first test."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ from ..model.walls import Walls
 from ..state.bead_state import BeadState
 from .shape_error import deviation
 
-# Steps of the walls, in R0. A step brings beads to a wall that sticks further out than where the
-# contact ends after the relaxation, and there they stay: I converges with the step, not before this
-# one for 188 beads and kL = 1e4 (docs/paper.md).
+# Steps of walls that stick, in R0. A step brings beads to the wall beyond the end of the relaxed
+# contact, and there they stay. So I depends on the step. It has converged at this one for 188 beads
+# and kL = 1e4 (docs/paper.md).
 STEP = 0.00125
 
-# Calls of a law of which the median is timed.
+# Calls of a law; the time is their median.
 _CALLS = 21
 
 # Corners of an outline.
 _POINTS = 2880
 
-# Directions of the sides of the asymmetric polygons. The paper draws but does not list them.
+# Directions of the sides of the asymmetric polygons. The paper draws them and lists no numbers.
 IRREGULAR = {
     3: np.array([0.0, 1.8, 3.9]),
     4: np.array([0.0, 1.2, 2.9, 4.4]),
@@ -47,26 +47,32 @@ def regular(sides: int) -> NDArray[np.float64]:
     return 2.0 * np.pi * np.arange(sides) / sides
 
 
+# Laws of a particle between walls.
+LAWS = ("sector", "ring, kP inf", "ring")
+
+
 @dataclass(frozen=True, eq=False)
 class Squeezed:
-    """A ring squeezed by walls to R - a from the origin, and what the laws make of it.
+    """A ring squeezed by walls at the distance R - a from the origin, and the laws' answers.
 
-    `sector` and `ring` keep the perimeter; `soft ring` has the springs' stiffness of the perimeter,
-    kP = kL/N_v, and the beads as a rigid skin.
+    Between walls both ring laws have the same contact lines, so that they are one law, `ring`. It
+    has the stiffness of the springs, kP = kL/N_v, and the beads as a rigid skin. `sector` and
+    `ring, kP inf` keep the perimeter.
 
-    The laws are given the center that their regime has: with walls that stick the origin, where
-    the particle began; with walls that slip the mean of the beads.
+    The center that the laws get depends on the walls: the origin, where the particle began, if
+    walls stick, and the mean of the beads if they slip.
 
     Attributes:
         walls: around the particle.
         indentation: a, of a particle that stays at the origin [length].
         beads: the relaxed ring.
-        seconds: of processor time, of all relaxations since the result before.
+        seconds: processor time of all relaxations since the result before.
         center: of the particle for the laws, shape (2,) [length].
-        outlines: of each law for the beads, about the center, by name, arrays (m, 2) [length].
+        outlines: line of bead centers in each law, about the center, by name, arrays (m, 2)
+            [length].
         area_deficit: S of each law, by name [length^2].
         deviation: |v| - g(theta) of each bead from each law, by name, shape (N_v,) [length].
-        law_seconds: of processor time, of one call of each law, by name.
+        law_seconds: processor time of one call of each law, by name.
     """
 
     walls: Walls
@@ -91,7 +97,7 @@ class Squeezed:
         return float(self.beads.rings.kL[0])
 
     def shape_error(self, law: str) -> float:
-        """I = 1/(R N_v) sum | |v| - g(theta) | of a law: `sector`, `ring` or `soft ring`."""
+        """I = 1/(R N_v) sum | |v| - g(theta) | of a law, see `LAWS`."""
         return float(np.mean(np.abs(self.deviation[law])) / self.beads.rings.radius[0])
 
 
@@ -107,26 +113,26 @@ def squeeze(
 
     Args:
         angle: directions of the walls, shape (n,) [rad].
-        indentations: a/R0 of the results, rising.
+        indentations: a/R0 of the results, in rising order.
         beads: the ring, N_v its number of beads.
         stick: walls that beads stick to, else walls along which they slip.
         tolerance: of each relaxation, see `BeadReference.relax`.
-        step: by which walls that stick move at most between two relaxations, in R0. Walls that slip
-            remember nothing; they move by up to half the radius of a bead.
+        step: largest step of walls that stick between two relaxations, in R0. Results of walls
+            that slip do not depend on the way; they move by up to half the radius of a bead.
 
     Returns:
         One result for each indentation.
 
     Raises:
-        ParameterError: indentations do not rise, or the walls would meet the center; a step or a
-            tolerance that is not positive.
+        ParameterError: indentations do not rise, or the walls would reach the center; a step or a
+            tolerance is not positive.
     """
     positive("step", step)
     largest = 0.5 * beads.radius  # lest walls pass beads
     step = min(step, largest) if stick else largest
     indentations = list(indentations)
     for before, a in pairwise([0.0, *indentations]):
-        if not before < a < 1.0:  # also where one is no number
+        if not before < a < 1.0:  # also if one is nan
             raise ParameterError(
                 f"walls cannot go from a/R0 = {before:g} to {a:g}: indentations must rise, and "
                 "stay below 1"
@@ -140,7 +146,7 @@ def squeeze(
     with BeadReference(packing, beads, walls, MPI.COMM_SELF) as ring:
         for before, a in pairwise([0.0, *indentations]):
             began = time.process_time()
-            count = max(math.ceil((a - before) / step - 1e-9), 1)  # often whole but for rounding
+            count = max(math.ceil((a - before) / step - 1e-9), 1)  # often an integer up to rounding
             for part in np.linspace(before, a, count + 1)[1:]:
                 walls = replace(walls, height=np.full(len(angle), outer - part))
                 ring.confine(walls)
@@ -152,20 +158,20 @@ def squeeze(
 def _measure(walls: Walls, a: float, beads: BeadState, seconds: float) -> Squeezed:
     center = np.zeros(2) if walls.stick else beads.packing.positions[0]
     pressed = 1.0 + beads.beads.radius - walls.seen_from(center)
-    touching = pressed >= 0.0  # the sector law has contacts only there, the ring law finds them
+    touching = pressed >= 0.0  # contacts of the sector law; the ring law finds its own
     stuck, slipping = (walls.angle[touching], pressed[touching]), (walls.angle, pressed)
     rings, skin = beads.rings, beads.beads.radius
     kA, kP, outer = float(rings.kA[0]), float(rings.kP[0]), 1.0 + skin
-    soft = Ring(kA, kP=kP, skin=skin)
+    ring = Ring(kA, kP=kP, skin=skin)
     calls: dict[str, Callable[[], core.Shape | core.SoftShape]] = {
         "sector": partial(core.sector, 1.0, *stuck),
-        "ring": partial(core.ring, 1.0, *slipping),
-        "soft ring": partial(core.soft_ring, outer, *slipping, kA, kP, skin),
+        "ring, kP inf": partial(core.ring, 1.0, *slipping),
+        "ring": partial(core.soft_ring, outer, *slipping, kA, kP, skin),
     }
     outlines = {
         "sector": core.outline("sector", 1.0, *stuck, _POINTS),
-        "ring": core.outline("ring", 1.0, *slipping, _POINTS),
-        "soft ring": soft.outline(0, outer, *slipping, inset=skin, points=_POINTS),
+        "ring, kP inf": core.outline("ring", 1.0, *slipping, _POINTS),
+        "ring": ring.outline(0, outer, *slipping, inset=skin, points=_POINTS),
     }
     return Squeezed(
         walls=walls,
@@ -183,7 +189,7 @@ def _measure(walls: Walls, a: float, beads: BeadState, seconds: float) -> Squeez
 
 
 def _call_seconds(law: Callable[[], object]) -> float:
-    """Processor time of one call: the median of several, of which the first fill the caches."""
+    """Processor time of one call: the median of several, because the first fill the caches."""
     seconds = []
     for _ in range(_CALLS):
         began = time.process_time()

@@ -34,7 +34,7 @@ def jam_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def no_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
     """A report that is not refused takes minutes."""
-    monkeypatch.setattr(report, "_measure", lambda *_: pytest.fail("the report has begun"))
+    monkeypatch.setattr(report.writing, "measure", lambda *_: pytest.fail("the report has begun"))
 
 
 def test_each_command_leaves_its_mark(

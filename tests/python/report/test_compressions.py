@@ -1,4 +1,4 @@
-"""Compressions of beads and laws side by side: rows, the criterion of a branch, placed beads."""
+"""Compressions of beads and laws side by side: rows, and the criterion of a branch."""
 
 from dataclasses import replace
 
@@ -17,7 +17,6 @@ from deformable import (
 )
 from deformable.report import compressions
 from deformable.report.packings import matching_laws
-from mpi4py import MPI
 
 COARSE = Beads(number=25)
 
@@ -38,7 +37,7 @@ def pair(start) -> tuple[BeadState, State]:
 
 def test_rows_of_a_compression(start):
     rows = compressions.compression_rows(8, 1, COARSE, 0.06, 2)
-    assert [row["law"] for row in rows] == ["ring", "soft ring", "balanced"] * 2
+    assert [row["law"] for row in rows] == ["radical, kP inf", "radical", "balanced"] * 2
     assert [row["strain"] for row in rows[::3]] == [0.03, 0.06]
     with BeadReference(start, COARSE) as rings:
         *_, exact = compress(rings, 0.06, 2)
@@ -46,7 +45,7 @@ def test_rows_of_a_compression(start):
     with Simulation(replace(start, radii=exact.rings.effective_radius), balanced) as sim:
         *_, own = compress(sim, 0.06, 2)
     row, wrong = rows[-1], own.area_deficit - exact.area_deficit
-    # the same calls again, which rounding alone may change
+    # the same calls again, equal up to rounding
     assert row["energy_ratio"] == pytest.approx(own.energy / exact.energy, rel=1e-6)
     assert row["pressure_ratio"] == pytest.approx(own.pressure / exact.pressure, rel=1e-6)
     assert row["S_rms"] == pytest.approx(
@@ -99,17 +98,6 @@ def test_rattlers_do_not_count(pair):
     assert compressions.centers_rms(exact, replace(own, stress=1e-7 * own.stress)) is None
 
 
-def test_smooth_particles_slide_back(pair):
-    """From centers a little off they relax to where they were; a relaxed one stays."""
-    exact, own = pair
-    smooth = replace(own, law=Ring())
-    same = replace(exact, packing=replace(exact.packing, positions=own.packing.positions))
-    assert compressions.slide_rms(same, smooth) == pytest.approx(0.0, abs=1e-14)
-    step = 1e-3 * np.random.default_rng(1).normal(size=(8, 2))
-    off = moved(same, step)
-    assert compressions.slide_rms(off, smooth) < 0.1 * compressions.centers_rms(off, smooth)
-
-
 def test_branch():
     assert compressions.same_branch(0.0199, 0.01)
     assert not compressions.same_branch(0.0201, 0.01)
@@ -125,33 +113,3 @@ def test_net_force(pair):
     assert compressions.net_force(one) == pytest.approx(len(force))
     none = replace(exact.contacts, **{n: v[:0] for n, v in vars(exact.contacts).items()})
     assert compressions.net_force(replace(exact, contacts=none)) == 0.0
-
-
-def test_placed_beads_are_on_the_outlines(start):
-    """Chords of the length s cut the area pi s^2/6 off a convex outline."""
-    beads = Beads(number=100)
-    with BeadReference(start, beads, comm=MPI.COMM_SELF) as rings:
-        smooth = replace(start, radii=rings.rings.effective_radius)
-        with Simulation(smooth, matching_laws(beads, rings.rings)["balanced"]) as sim:
-            (own,) = compress(sim, 0.03, 1)
-        compressions.place(rings, own)
-        placed = rings.state()
-    np.testing.assert_allclose(placed.packing.box, own.packing.box, rtol=1e-14)
-    spacing = own.perimeter / rings.rings.number[own.packing.species]
-    cut = own.area - placed.area
-    # at the ends of flats a chord spans a part of an arc: 2 z of N_v chords
-    np.testing.assert_allclose(cut, np.pi * spacing**2 / 6.0, rtol=0.15)
-    np.testing.assert_allclose(placed.perimeter, own.perimeter, rtol=1e-3)
-
-
-@pytest.mark.slow
-def test_placed_rings_stay_where_the_law_is():
-    """The more beads the nearer; strained rings of as many beads end farther away."""
-    rows = compressions.catching_rows(16, 3, 0.015, (25, 50))
-    end = {(r["start"], r["beads"]): r for r in rows if r["tolerance"] == 1e-3}
-    for number in (25, 50):
-        placed = end["placed", number]
-        assert placed["same_branch"]
-        assert placed["centers_rms"] < end["strained", number]["centers_rms"]
-    assert abs(end["placed", 50]["energy_ratio"] - 1.0) < 0.1
-    assert end["placed", 50]["centers_rms"] < end["placed", 25]["centers_rms"]

@@ -14,7 +14,7 @@ matplotlib.use("agg")
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[deformable.State]]:
-    """A recorded run: two steps of compression, then motion in a sheared box."""
+    """A recorded run: two steps of compression, then motion in a tilted box."""
     folder = tmp_path_factory.mktemp("run")
     jammed = deformable.jam(deformable.bidisperse(12, tilt=0.3, seed=2))
     with deformable.Simulation(jammed, deformable.Ring(kP=2.0, skin=0.02)) as sim:
@@ -92,6 +92,33 @@ def test_force_chains_are_as_wide_as_their_forces(state: deformable.State) -> No
     matplotlib.pyplot.close("all")
 
 
+def test_force_chains_do_not_hide_the_particles(state: deformable.State) -> None:
+    """At most 3 points wide; narrower where particles are many and small."""
+    from deformable.state.plot import scale
+
+    widths = [scale([np.ones(count)], [np.ones(3)], "area").widest for count in (4, 128, 1152)]
+    assert widths[0] == widths[1] == 3.0
+    assert widths[2] == pytest.approx(widths[1] / 3.0, rel=0.1)
+    assert state.plot(forces=True).collections[1].get_alpha() < 1.0
+    matplotlib.pyplot.close("all")
+
+
+@pytest.mark.parametrize(("color_by", "value"), [("particle_pressure", 0.0), ("contacts", 0.0)])
+def test_unloaded_packings_have_one_color_and_one_tick(color_by: str, value: float) -> None:
+    """Without load all values are equal: the color bar names that one, and no other."""
+    grid = 2.5 * np.stack(np.meshgrid(np.arange(4.0), np.arange(2.0)), axis=-1)
+    loose = deformable.Packing(
+        grid.reshape(8, 2), np.arange(8) % 2, np.array([0.5, 0.7]), np.diag([10.0, 5.0])
+    )
+    with deformable.Simulation(loose, deformable.Ring()) as sim:
+        idle = sim.state()
+    ax = idle.plot(color_by=color_by, forces=True)
+    bar = ax.collections[0].colorbar
+    assert bar.get_ticks().tolist() == [value]
+    assert ax.collections[0].norm(value) == 0.0
+    matplotlib.pyplot.close("all")
+
+
 @pytest.mark.parametrize("source", ["folder", "states"])
 def test_movie_has_a_picture_a_state(
     run: tuple[Path, list[deformable.State]], tmp_path: Path, source: str
@@ -124,7 +151,8 @@ def test_pictures_of_a_movie_share_one_scale(
     deformable.movie(states, tmp_path / "movie.gif", forces=True)
     pressure = max(state.particle_pressure.max() for state in states)
     force = [state.contact_table["force"].max() for state in states]
-    expected = [(0.0, pressure, 5.0 * one / max(force)) for one in force]
+    widest = drawn[int(np.argmax(force))][2]
+    expected = [(0.0, pressure, widest * one / max(force)) for one in force]
     assert np.array(drawn) == pytest.approx(np.array(expected))
 
 
@@ -138,7 +166,7 @@ def test_movies_that_cannot_be(
             deformable.movie(states, tmp_path / name, **how)
 
     refused(r"\.gif or an \.mp4, not '.*a\.avi'", name="a.avi")
-    refused("one state at least", states=())
+    refused("at least one state", states=())
     refused("'beauty'", color_by="beauty")
     refused("rate .* 0", rate=0)
     refused("rate .* 2.5", rate=2.5)
@@ -167,4 +195,4 @@ def test_movie_from_the_shell(run: tuple[Path, list[deformable.State]], tmp_path
     assert (tmp_path / "movie.gif").stat().st_size > 10_000
     failed = command("nowhere")
     assert failed.returncode == 2
-    assert failed.stderr == "error: no saved run in 'nowhere': nowhere/summary.json is missing\n"
+    assert failed.stderr.startswith("error: no saved run in 'nowhere'")

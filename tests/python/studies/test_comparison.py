@@ -14,15 +14,15 @@ from deformable.engine.lammps import gather
 from deformable.studies.comparison import ring_outlines, shape_errors
 from deformable.studies.shape_error import shape_error
 
-# Made by a bead code that shares nothing with this project; coordinates have nine decimals. Its
-# own account of itself is its key `about`.
+# Made by a bead code that shares nothing with this project; coordinates have nine decimals. The
+# key `about` describes it.
 REFERENCE = json.loads((Path(__file__).parents[2] / "data" / "bead_packing.json").read_text())
 ROUNDING = 5e-10
 
 
 @pytest.fixture(scope="module")
 def independent() -> deformable.BeadState:
-    """The rings of the independent code in ours, not moved by it."""
+    """The rings of the independent code in ours, not moved."""
     outlines = [np.array(ring) for ring in REFERENCE["beads"]]
     radii = np.unique(REFERENCE["radius"])
     packing = deformable.Packing(
@@ -46,7 +46,7 @@ def independent() -> deformable.BeadState:
 
 
 def place(rings: deformable.BeadReference, outlines: list[np.ndarray]) -> None:
-    """Put beads where they are told, whole rings, by moving each from where it is."""
+    """Put beads at given positions, in whole rings."""
     x = gather(rings.lmp, "x", 3)
     image = np.array(rings.lmp.gather("image", 0, 3)).reshape(-1, 3)
     x[:, :2] = np.vstack(outlines) - image[:, :2] @ rings.box
@@ -63,7 +63,7 @@ def test_the_independent_packing_is_at_rest_here(independent: deformable.BeadSta
 
 
 @pytest.mark.parametrize(
-    ("model", "shape", "deficit", "correlation"),
+    ("law", "shape", "deficit", "correlation"),
     [
         (deformable.Ring(contact="radical"), 2.584e-3, 0.818, 0.732),
         (deformable.Sector(), 3.610e-3, None, None),
@@ -76,11 +76,11 @@ def test_laws_on_the_independent_packing(
     deficit: float | None,
     correlation: float | None,
 ) -> None:
-    seen = deformable.compare(independent, law)
-    assert seen.shape_error.mean() == pytest.approx(shape, abs=1e-6)
+    found = deformable.compare(independent, law)
+    assert found.shape_error.mean() == pytest.approx(shape, abs=1e-6)
     if deficit is not None:
-        assert seen.area_deficit_error == pytest.approx(deficit, abs=1e-3)
-        both = np.corrcoef(seen.state.area_deficit, independent.area_deficit)
+        assert found.area_deficit_error == pytest.approx(deficit, abs=1e-3)
+        both = np.corrcoef(found.state.area_deficit, independent.area_deficit)
         assert both[0, 1] == pytest.approx(correlation, abs=1e-3)
 
 
@@ -88,12 +88,12 @@ def test_balanced_law_on_the_independent_packing(independent: deformable.BeadSta
     """With the rings' own stiffness and skin: areas to 1 %, energy to 1 %, outlines to 2e-4."""
     rings = independent.rings
     kP, skin = 300.0 / rings.number, rings.effective_radius - rings.radius
-    seen = deformable.compare(independent, deformable.Ring(kP=kP, skin=skin, contact="balanced"))
-    assert seen.shape_error.mean() < 2e-4
-    assert seen.area_deficit_error < 0.01
-    assert seen.energy_ratio == pytest.approx(1.0, abs=0.01)
-    # both sides of every contact press alike, to 1e-8 of the largest force
-    table = seen.state.contact_table
+    found = deformable.compare(independent, deformable.Ring(kP=kP, skin=skin, contact="balanced"))
+    assert found.shape_error.mean() < 2e-4
+    assert found.area_deficit_error < 0.01
+    assert found.energy_ratio == pytest.approx(1.0, abs=0.01)
+    # the forces of both sides of every contact are equal, to 1e-8 of the largest force
+    table = found.state.contact_table
     force = {(r["i"], r["j"], *r["image"].tolist()): r["force"] for r in table}
     off = [abs(f - force[j, i, -a, -b]) for (i, j, a, b), f in force.items()]
     assert max(off) < 1e-8 * table["force"].max()
@@ -128,17 +128,17 @@ def test_predictions_are_for_the_centers_and_effective_radii(small: deformable.B
 
 
 def test_measures_of_a_comparison(small: deformable.BeadState) -> None:
-    seen = deformable.compare(small, deformable.Ring())
-    ours, exact = seen.state.area_deficit, small.rings.area[small.packing.species] - small.area
-    assert seen.area_deficit_error == pytest.approx(
+    found = deformable.compare(small, deformable.Ring())
+    ours, exact = found.state.area_deficit, small.rings.area[small.packing.species] - small.area
+    assert found.area_deficit_error == pytest.approx(
         np.sqrt(np.mean((ours - exact) ** 2) / np.mean(exact**2))
     )
-    assert seen.energy_ratio == pytest.approx(np.sum(ours**2) / 2.0 / small.energy)
-    assert seen.pressure_ratio == pytest.approx(
-        np.trace(seen.state.stress) / np.trace(small.stress)
+    assert found.energy_ratio == pytest.approx(np.sum(ours**2) / 2.0 / small.energy)
+    assert found.pressure_ratio == pytest.approx(
+        np.trace(found.state.stress) / np.trace(small.stress)
     )
-    assert seen.shape_error.shape == (6,)
-    assert 0.0 < seen.shape_error.mean() < 0.01
+    assert found.shape_error.shape == (6,)
+    assert 0.0 < found.shape_error.mean() < 0.01
 
 
 @pytest.mark.parametrize("law", [deformable.Ring, deformable.Sector])
@@ -162,7 +162,7 @@ def test_beads_on_the_outlines_have_no_error(
     )
 
 
-def test_an_outline_that_folds_is_named(small: deformable.BeadState) -> None:
+def test_a_folded_outline_is_named(small: deformable.BeadState) -> None:
     packing = small.packing
     pressed = replace(small, packing=packing.at(packing.phi / 0.9**2))
     for law in (deformable.Ring(), deformable.Sector()):
@@ -170,19 +170,19 @@ def test_an_outline_that_folds_is_named(small: deformable.BeadState) -> None:
             deformable.compare(pressed, law)
         state = deformable.predict(pressed, law)
         folds = [n for n, line in enumerate(ring_outlines(pressed, state)) if turns_back(line)]
-        assert f"particle {folds[0]} folds in the {law.law} law" in str(error.value)
+        assert f"particle {folds[0]} folds in the {law.name} law" in str(error.value)
 
 
 def turns_back(outline: np.ndarray) -> bool:
-    """Whether a walk along an outline goes clockwise anywhere, as seen from its center."""
+    """Whether an outline turns clockwise anywhere about its center."""
     x, y = outline.T
     return bool((x * np.roll(y, -1) - np.roll(x, -1) * y < -1e-12).any())
 
 
 def test_no_load_no_ratio(small: deformable.BeadState) -> None:
     idle = replace(small, energy=0.0, stress=np.zeros((2, 2)))
-    seen = deformable.compare(idle, deformable.Ring())
-    assert (seen.energy_ratio, seen.pressure_ratio) == (math.inf, math.inf)
+    found = deformable.compare(idle, deformable.Ring())
+    assert (found.energy_ratio, found.pressure_ratio) == (math.inf, math.inf)
 
 
 def test_outlines_have_the_areas_of_the_law(small: deformable.BeadState) -> None:

@@ -1,4 +1,4 @@
-"""Distances of beads from outlines, on shapes where they are known."""
+"""Distances of beads from outlines, for shapes with known distances."""
 
 import deformable
 import numpy as np
@@ -52,6 +52,6 @@ def test_corners_that_coincide() -> None:
         [[2.0, 0.0], [0.5, 0.4], [1.5, 0.2], [0.0, 2.0], [-2.0, 0.0], [0.0, -2.0]],  # folded
     ],
 )
-def test_rays_meet_an_outline_once(corners: list[list[float]]) -> None:
+def test_rays_cross_an_outline_once(corners: list[list[float]]) -> None:
     with pytest.raises(deformable.ParameterError, match="once around its center"):
         radial_distance(corners, np.array([0.3]))

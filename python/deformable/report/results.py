@@ -1,0 +1,108 @@
+"""All measurements of a report.
+
+The cost of options, the error against run time and the large packing are timed alone. Other calls
+run side by side on the cores. All times are processor times.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from ..common.parallel import call_once, parallel_map
+from ..common.progress import progress
+from ..studies import paper
+from ..studies.comparison import Comparison
+from ..studies.single import Squeezed
+from .ablation import ablation_rows
+from .compressions import compression_rows
+from .packings import mixed_rows, packing_rows
+from .pareto import pareto_rows
+from .plan import Plan
+from .stability import stability_rows
+
+Rows = list[dict[str, Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """Rows for tables, and the data of the figures."""
+
+    ablation: Rows
+    pareto: Rows
+    large: tuple[Rows, dict[str, Comparison]]
+    packings: list[tuple[Rows, dict[str, Comparison]]]
+    compression: list[Rows]
+    mixtures: list[Rows]
+    shapes: list[Squeezed]
+    stiffness: list[Squeezed]
+    limits: list[paper.Limit]
+    stability: Rows
+
+    def rows(self) -> dict[str, Rows]:
+        """The lists of rows of report.json, by name."""
+        packings = [rows for rows, _ in (*self.packings, self.large)]
+        return {
+            "single": [_single_row(result) for result in (*self.shapes, *self.stiffness)],
+            "packing": [row for rows in packings for row in rows],
+            "compression": [row for rows in self.compression for row in rows],
+            "stiffness_packing": [row for rows in self.mixtures for row in rows],
+            "pareto": self.pareto,
+            "ablation": self.ablation,
+            "limit": [_limit_row(limit) for limit in self.limits],
+            "stability": self.stability,
+        }
+
+
+def measure(plan: Plan, keep: Path, print_once: Callable[[str], None]) -> Results:
+    """Measure all parts of a plan, except calls whose results the folder `keep` has."""
+    once = partial(call_once, keep)
+    over_cores = partial(parallel_map, keep=keep)
+    parts: dict[str, Callable[[], Any]] = {
+        "ablation": lambda: once(ablation_rows, **plan.ablation),
+        "pareto": lambda: once(pareto_rows, **plan.pareto),
+        "large": lambda: once(packing_rows, *plan.large),
+        "packings": lambda: over_cores(packing_rows, plan.packings, description="packings"),
+        "compression": lambda: over_cores(
+            compression_rows, plan.compression, description="compressions"
+        ),
+        "mixtures": lambda: over_cores(mixed_rows, plan.mixtures, description="mixtures"),
+        "shapes": lambda: once(paper.shapes, **plan.shapes),
+        "stiffness": lambda: once(paper.stiffness_sweep, **plan.stiffness),
+        "limits": lambda: [once(paper.limit, *arguments) for arguments in plan.limits],
+        "stability": lambda: once(stability_rows, **plan.stability),
+    }
+    found = {}
+    with progress("report", unit="part", total=len(parts)) as bar:
+        for name, part in parts.items():
+            began = time.perf_counter()
+            found[name] = part()
+            print_once(f"{name}: {time.perf_counter() - began:.0f} s")
+            bar.update()
+    return Results(**found)
+
+
+def _single_row(result: Squeezed) -> dict[str, Any]:
+    """A ring between walls; if they slip, also I of the ring law about the Steiner point."""
+    row: dict[str, Any] = paper.single_row(result)
+    if not result.walls.stick:
+        row["I_ring_kP_inf_steiner"] = paper.steiner_error(result)
+    return row
+
+
+def _limit_row(limit: paper.Limit) -> dict[str, Any]:
+    """Convergence of S to K a^2: relative errors by number of beads and by kP, and their powers."""
+    return {
+        "sides": limit.sides,
+        "a_over_R": limit.indentation,
+        "beads": limit.numbers.tolist(),
+        "error_beads": limit.number_error.tolist(),
+        "rate_beads": limit.number_rate,
+        "kP": limit.stiffness.tolist(),
+        "error_kP": limit.stiffness_error.tolist(),
+        "rate_kP": limit.stiffness_rate,
+    }

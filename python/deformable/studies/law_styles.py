@@ -1,0 +1,30 @@
+"""One color, marker and line for each contact law in all figures, in the order of the legends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Style:
+    """Color, marker and line of one law; each of the three alone tells laws apart."""
+
+    color: str
+    marker: str
+    line: Any  # a line style of Matplotlib
+
+
+# Colors that differ for color-blind readers and in gray.
+BEADS = Style("#c22026", "o", "-")
+STYLES = {
+    "disk": Style("0.55", "o", (0, (1, 3))),
+    "sector": Style("black", "s", "-"),
+    "radical, kP inf": Style("#0072b2", "D", "--"),
+    "radical": Style("#009e73", "^", (0, (1, 1))),
+    "balanced": Style("#e69f00", "*", "-."),
+    "balanced, kP inf": Style("#cc79a7", "P", (0, (4, 1, 1, 1, 1, 1))),
+}
+# Between walls there is no choice of contact lines: one style for the ring law.
+STYLES["ring, kP inf"] = STYLES["radical, kP inf"]
+STYLES["ring"] = STYLES["radical"]

@@ -1,0 +1,118 @@
+"""Rows of packings and mixtures, the reference of the error against run time, and limits."""
+
+import math
+
+import numpy as np
+import pytest
+from deformable import Beads, Ring, Sector, Simulation, bidisperse, compare, jam
+from deformable.report import packings, pareto, stability_cases
+
+LAWS = ["sector", "radical, kP inf", "radical", "balanced"]
+
+
+def test_matching_rings_have_the_same_effective_radii():
+    packing = bidisperse(4, seed=1)
+    for number in (25, 100):
+        beads = Beads(number=number)
+        rings = beads.rings(pareto.matching(packing, beads).radii)
+        # ten steps leave the rounding of sums of a few terms
+        np.testing.assert_allclose(rings.effective_radius, packing.radii, rtol=1e-14)
+
+
+def test_extrapolation():
+    limit, error = np.array([1.0, 2.0]), np.array([3.0, -5.0])
+    found = pareto.extrapolated(10, limit + error / 10**2, 14, limit + error / 14**2)
+    np.testing.assert_allclose(found, limit, rtol=1e-14)
+
+
+def test_rows_of_a_packing():
+    """Rows agree with the comparison, the relaxation and the definitions."""
+    beads, strain = Beads(number=20), 0.03
+    rows, comparisons = packings.packing_rows(8, 1, strain, beads)
+    by_law = {row["law"]: row for row in rows}
+    assert list(comparisons) == LAWS
+    rings = comparisons["radical, kP inf"].beads
+    exact = rings.area_deficit
+    again = compare(rings, Ring(beads.kA, contact="radical"))
+    row = by_law["radical, kP inf"]
+    assert row["I"] == pytest.approx(again.shape_error.mean(), rel=1e-12)
+    assert row["S_rms"] == pytest.approx(
+        np.sqrt(np.mean((again.state.area_deficit - exact) ** 2) / np.mean(exact**2)), rel=1e-12
+    )
+    assert row["energy_ratio"] == pytest.approx(again.state.energy / rings.energy, rel=1e-12)
+    start = jam(bidisperse(8, seed=1))
+    start = type(start)(start.positions, start.species, rings.rings.effective_radius, start.box)
+    with Simulation(start, Ring(beads.kA, contact="radical")) as sim:
+        sim.deform(sim.box * (1 - strain))
+        own = sim.relax()
+    # relaxed twice to a residual of 1e-6
+    assert row["own_energy_ratio"] == pytest.approx(own.energy / rings.energy, rel=1e-5)
+    assert not row["unjammed"]
+    kP, skin = beads.kL / rings.rings.number, rings.rings.effective_radius - rings.rings.radius
+    assert comparisons["radical"].state.law == Ring(beads.kA, kP=kP, skin=skin, contact="radical")
+    balanced = Ring(beads.kA, kP=kP, skin=skin, contact="balanced")
+    assert comparisons["balanced"].state.law == balanced
+    # a circle of the radius at rest
+    inner = rings.rings.radius[rings.packing.species]
+    off = [
+        np.mean(np.abs(np.hypot(*(ring - center).T) - r)) / radius
+        for ring, center, r, radius in zip(
+            rings.outlines, rings.packing.positions, inner, rings.packing.radius, strict=True
+        )
+    ]
+    # the circle is a polygon of 1440 corners, within R (2 pi/1440)^2/8 = 2e-6 R
+    assert by_law["disk"]["I"] == pytest.approx(np.mean(off), abs=3e-6)
+
+
+MIXED = Beads(number=[20, 30], kL=[4.0, 1500.0], kA=[1.0, 10.0])
+
+
+def test_laws_have_the_stiffness_of_each_species():
+    rings = MIXED.rings(np.array([0.5, 0.7]))
+    matching_laws = packings.matching_laws(MIXED, rings, rigid=[False, True])
+    kA, skin = (1.0, 10.0), (rings.effective_radius - rings.radius).tolist()
+    # the sector law has one kA
+    assert list(matching_laws) == ["radical, kP inf", "radical", "balanced", "balanced, kP inf"]
+    assert matching_laws["radical, kP inf"] == Ring(kA, contact="radical")
+    assert matching_laws["radical"] == Ring(kA, kP=[0.2, 50.0], skin=skin, contact="radical")
+    assert matching_laws["balanced"] == Ring(kA, kP=[0.2, 50.0], skin=skin, contact="balanced")
+    assert matching_laws["balanced, kP inf"] == Ring(
+        kA, kP=[0.2, math.inf], skin=skin, contact="balanced"
+    )
+    equal = Beads(number=[20, 30], kL=[4.0, 1500.0], kA=[2.0, 2.0])
+    assert packings.matching_laws(equal, rings=equal.rings(np.array([0.5, 0.7])))[
+        "sector"
+    ] == Sector(2.0)
+
+
+@pytest.mark.parametrize(
+    ("kA", "kP"), [((1.0, 10.0), (0.1, math.inf)), ((10.0, 1.0), (math.inf, 0.1))]
+)
+def test_rows_of_a_mixture(kA, kP):
+    rows = {row["law"]: row for row in packings.mixed_rows(8, 1, 0.03, 30, kA, kP)}
+    assert list(rows) == ["disk", *LAWS[1:], "balanced, kP inf"]
+    for row in rows.values():
+        assert row["kA"] == list(kA)
+        for beads, wanted, stiffness, radius in zip(row["kP"], kP, kA, (0.5, 0.7), strict=True):
+            stands = 10.0 * stiffness * radius**2 if math.isinf(wanted) else wanted
+            assert beads == pytest.approx(stands, rel=1e-12)
+        assert row["residual_beads"] <= 3e-3
+    assert rows["disk"]["kP_law"] is None
+    assert rows["radical, kP inf"]["kP_law"] == ["inf", "inf"]
+    of_beads = rows["balanced"]["kP"]
+    assert rows["balanced"]["kP_law"] == of_beads
+    assert rows["balanced, kP inf"]["kP_law"] == [
+        "inf" if math.isinf(wanted) else beads for wanted, beads in zip(kP, of_beads, strict=True)
+    ]
+    # 30 beads are few; still the law with their values is much closer
+    assert rows["balanced"]["S_rms"] < 0.25 * rows["radical, kP inf"]["S_rms"]
+
+
+@pytest.mark.parametrize(
+    ("value", "ok"), [(1.0, True), (1.1, False), (None, False), (np.nan, False), (np.inf, False)]
+)
+def test_values_within_their_limit(value, ok):
+    row = stability_cases.row("case", "law", "quantity", value, 1.0, "why")
+    assert row["ok"] == ok
+    assert row["reason"] == ("" if ok else "why")
+    assert row["value"] is None or np.isfinite(row["value"])
