@@ -81,3 +81,28 @@ bool LAMMPS_NS::warn_out_of_plane(LAMMPS *lmp, const NeighList &list)
                         id);
   return id >= 0;
 }
+
+/* ----------------------------------------------------------------------
+   Radii of atoms have no effect unless the style is told to use them: fix
+   adapt, for example, would change nothing.
+------------------------------------------------------------------------- */
+
+bool LAMMPS_NS::warn_unused_radii(LAMMPS *lmp, const NeighList &list,
+                                  const std::vector<Species> &species)
+{
+  constexpr double ROUNDING = 1e-12;
+  const Atom *atom = lmp->atom;
+  tagint here = -1, id;
+  for (int ii = 0; ii < list.inum; ++ii) {
+    const int i = list.ilist[ii];
+    const double r = species[atom->type[i]].radius;
+    if (std::fabs(atom->radius[i] - r) > ROUNDING * r) here = std::max(here, atom->tag[i]);
+  }
+  MPI_Allreduce(&here, &id, 1, MPI_LMP_TAGINT, MPI_MAX, lmp->world);
+  if (id >= 0 && lmp->comm->me == 0)
+    lmp->error->warning(FLERR,
+                        "Atom {} has another radius than its species, which the pair style takes: "
+                        "use 'radius atom' in pair_style, or set the diameters of the species",
+                        id);
+  return id >= 0;
+}

@@ -20,6 +20,9 @@ void check_special_bonds(LAMMPS *, const NeighList &, const std::vector<Species>
 // Warns if z or vz of a particle is not zero; whether one is, on any rank.
 bool warn_out_of_plane(LAMMPS *, const NeighList &);
 
+// Warns if the radius of a particle is not that of its species; whether one is not, on any rank.
+bool warn_unused_radii(LAMMPS *, const NeighList &, const std::vector<Species> &);
+
 }    // namespace LAMMPS_NS
 
 #endif

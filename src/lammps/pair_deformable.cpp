@@ -135,6 +135,8 @@ void PairDeformable::begin_call(int eflag, int vflag)
   recorded.clear();
   if (neighbor->ago == 0) {
     check_special_bonds(lmp, *list, species);
+    if (atom->radius_flag && !radius_by_atom && !warned_unused_radii)
+      warned_unused_radii = warn_unused_radii(lmp, *list, species);
     bulge_over_reach = 0.0;
   }
   atom_radius = radius_by_atom ? atom->radius : nullptr;

@@ -106,7 +106,7 @@ class PairDeformable : public Pair {
 
   ParticleResults results;
   bool recording = false;    // for compute deformable/contact
-  bool warned_beyond_model = false, warned_out_of_plane = false;
+  bool warned_beyond_model = false, warned_out_of_plane = false, warned_unused_radii = false;
 
   void allocate();
   [[noreturn]] void refuse_behind_center(int pair);

@@ -117,12 +117,16 @@ class Packing:
 
     def results(self):
         """Energy, forces and stress of the pair style at the last step."""
-        stress = self.lmp.extract_compute("sum", LMP_STYLE_GLOBAL, LMP_TYPE_VECTOR)
         return {
             "energy": self.lmp.extract_compute("pair", LMP_STYLE_GLOBAL, LMP_TYPE_SCALAR),
             "force": self.atom("f_pure")[:, :2],
-            "stress": np.array([stress[k] for k in range(3)]),
+            "stress": self.stress(),
         }
+
+    def stress(self):
+        """xx, yy, xy, summed over the atoms."""
+        values = self.lmp.extract_compute("sum", LMP_STYLE_GLOBAL, LMP_TYPE_VECTOR)
+        return np.array([values[k] for k in range(3)])
 
     def fresh(self, folder, commands=""):
         """A new LAMMPS that reads the particles from a data file."""

@@ -19,6 +19,8 @@ class Row:
     go: str = "run 200"
     conserves: str = ""
     atoms: str = "atomic"
+    words: str = ""  # of pair_style
+    species: str = "small large"
 
 
 def of(setup, go="run 200", **options):
@@ -30,11 +32,13 @@ BAROSTAT = "iso 2e-3 2e-3 20"
 FIXES = {
     "fix nve": of(NVE, conserves=ENERGY),
     "fix nve/limit": of("fix move all nve/limit 0.01", conserves=ENERGY),
-    "fix nve/sphere": of("fix move all nve/sphere disc", conserves=ENERGY, atoms="sphere"),
+    "fix nve/sphere": of("fix move all nve/sphere disc", conserves=ENERGY, atoms="sphere 1"),
     "fix nvt": of("fix move all nvt temp 1e-5 1e-5 50", conserves=WITH_BATH),
     "fix nph": of(f"fix move all nph {BAROSTAT} pchain 0", conserves=WITH_BATH),
-    "fix npt": of(f"fix move all npt temp 1e-5 1e-5 50 {BAROSTAT} pchain 0", conserves=WITH_BATH),
-    "fix npt triclinic": of(
+    "fix npt": of(
+        "fix move all npt temp 1e-5 1e-5 50 iso 2e-3 2e-3 100 pchain 0", conserves=WITH_BATH
+    ),
+    "fix npt in a tilted box": of(
         "change_box all triclinic\n"
         "fix move all npt temp 1e-5 1e-5 50 x 2e-3 2e-3 20 y 3e-3 3e-3 20 xy 0 0 20"
     ),
@@ -45,7 +49,7 @@ FIXES = {
         "fix move all nvt/sllod temp 1e-5 1e-5 5"
     ),
     "fix deform": of(NVE + "fix d all deform 1 x scale 0.995 y erate -0.001 remap x"),
-    "fix deform with velocities": of(NVE + "fix d all deform 1 x erate -0.001 remap v"),
+    "fix deform with remap v": of(NVE + "fix d all deform 1 x erate -0.001 remap v"),
     "fix deform with flips": of(
         NVE + "change_box all triclinic\nfix d all deform 1 xy erate 0.2 remap x",
         "run 60",
@@ -93,6 +97,8 @@ FIXES = {
     "fix adapt": of(
         "variable grow equal 1+1e-5*step\nfix b all adapt 1 atom diameter v_grow scale yes\n" + NVE,
         atoms="sphere 1",
+        words=" radius atom",
+        species="any any",
     ),
     "fix deposit": of(
         "change_box all x scale 1.5\nregion r block 5.9 6.6 0 5 0 0\n"
@@ -100,16 +106,16 @@ FIXES = {
         + "fix b all deposit 3 1 10 4711 region r near 1.1"
     ),
     "fix evaporate": of("region r block 0 5 0 5 INF INF\n" + NVE + "fix b all evaporate 20 1 r 1"),
-    "fix atom/swap": of(NVE + "fix b all atom/swap 10 2 4711 1e-5 ke no types 1 2"),
+    "fix atom/swap": of(NVE + "fix b all atom/swap 10 2 4711 0.01 ke no types 1 2"),
     "fix balance": of(NVE + "fix b all balance 20 1.0 shift xy 5 1.1", conserves=ENERGY),
     "fix dt/reset": of(NVE + "fix b all dt/reset 5 1e-6 0.05 1e-4", conserves=ENERGY),
 }
 COMMANDS = {
     "change_box": of("change_box all x scale 0.999 y scale 0.999 remap", "run 0"),
-    "change_box triclinic": of(
+    "change_box to a tilted box": of(
         "change_box all triclinic\nchange_box all xy delta 0.5 remap", "run 0"
     ),
-    "change_box boundary": of("change_box all boundary f f p", "run 0"),
+    "change_box with boundary": of("change_box all boundary f f p", "run 0"),
     "replicate": of("replicate 2 3 1", "run 0"),
     "create_atoms": of(
         "change_box all x scale 1.5 y scale 1.5\n"
@@ -144,7 +150,8 @@ AT_END_OF_STEP = "deform", "sllod", "berendsen", "adapt"
 @pytest.mark.parametrize("name", [*FIXES, *COMMANDS])
 def test_as_a_fresh_run(name, law, tmp_path):
     row = {**FIXES, **COMMANDS}[name]
-    packing = Packing(STYLES[law], atoms=row.atoms, log=tmp_path / "log")
+    log = tmp_path / "log"
+    packing = Packing(STYLES[law] + row.words, species=row.species, atoms=row.atoms, log=log)
     packing.run(row.setup)
     before = packing.conserved(row.conserves)
     packing.run(row.go)
@@ -152,6 +159,6 @@ def test_as_a_fresh_run(name, law, tmp_path):
     if any(word in name for word in AT_END_OF_STEP):
         packing.run("run 0")
     assert_same(packing.results(), packing.fresh(tmp_path).results())
-    assert "leaves the plane" not in (tmp_path / "log").read_text()
+    assert "leaves the plane" not in log.read_text()
     if row.conserves and law != "sector":  # its energy jumps
         assert after == pytest.approx(before, abs=2e-4 * packing.value("ke"))
