@@ -5,6 +5,7 @@
 #include "domain.h"
 #include "error.h"
 #include "force.h"
+#include "group.h"
 #include "lammps.h"
 #include "neigh_list.h"
 
@@ -25,16 +26,13 @@ namespace {
       atoms);
 }
 
-}    // namespace
-
 /* ----------------------------------------------------------------------
    Factors of zero remove pairs from the neighbor list. Other factors only
    mark them, and the pair styles would not scale their energy. The factors
    are those in a call: pair_style hybrid may set its own for each style.
 ------------------------------------------------------------------------- */
 
-void LAMMPS_NS::check_special_bonds(LAMMPS *lmp, const NeighList &list,
-                                    const std::vector<Species> &species)
+void check_special_bonds(LAMMPS *lmp, const NeighList &list, const std::vector<Species> &species)
 {
   Atom *atom = lmp->atom;
   const Force *force = lmp->force;
@@ -57,6 +55,40 @@ void LAMMPS_NS::check_special_bonds(LAMMPS *lmp, const NeighList &list,
               lmp, fmt::format("atoms {} and {} of a molecule", atom->tag[i], atom->special[i][n]));
       }
   }
+}
+
+// The group of comm_modify is a protected member.
+struct BorderGroup : Comm {
+  static int of(const Comm *comm) { return comm->*(&BorderGroup::bordergroup); }
+};
+
+/* ----------------------------------------------------------------------
+   Particles outside of the group of comm_modify have no ghosts: they lack
+   contacts across boundaries of the box and between ranks.
+------------------------------------------------------------------------- */
+
+void check_ghosts(LAMMPS *lmp, const NeighList &list)
+{
+  const Group *group = lmp->group;
+  const int chosen = BorderGroup::of(lmp->comm);
+  if (chosen == 0) return;    // all
+  for (int ii = 0; ii < list.inum; ++ii) {
+    const int i = list.ilist[ii];
+    if (lmp->atom->mask[i] & group->bitmask[chosen]) continue;
+    lmp->error->one(FLERR,
+                    "comm_modify group {} removes contacts of atom {}, which is not in that group: "
+                    "use 'comm_modify group all', or 'neigh_modify include {}'",
+                    group->names[chosen], lmp->atom->tag[i], group->names[chosen]);
+  }
+}
+
+}    // namespace
+
+void LAMMPS_NS::check_contacts(LAMMPS *lmp, const NeighList &list,
+                               const std::vector<Species> &species)
+{
+  check_special_bonds(lmp, list, species);
+  check_ghosts(lmp, list);
 }
 
 /* ----------------------------------------------------------------------

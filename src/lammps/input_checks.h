@@ -14,8 +14,8 @@ namespace LAMMPS_NS {
 class LAMMPS;
 class NeighList;
 
-// Stops with an error if special_bonds removes or scales the contact of two particles of these species (by type).
-void check_special_bonds(LAMMPS *, const NeighList &, const std::vector<Species> &);
+// Stops with an error if special_bonds or comm_modify removes contacts of particles of these species (by type).
+void check_contacts(LAMMPS *, const NeighList &, const std::vector<Species> &);
 
 // Warns if z or vz of a particle is not zero; whether one is, on any rank.
 bool warn_out_of_plane(LAMMPS *, const NeighList &);

