@@ -253,6 +253,7 @@ void PairDeformable::check_own_images(int i, int contacts)
   for (int c = 0; c < contacts; ++c) {
     const int j = partners[c].atom;
     if (j < 0 || atom->tag[j] != atom->tag[i] || atom->tag[i] == 0) continue;
+    if (!(shape.contact[c].length > 0.0)) continue;
     error->one(FLERR,
                "Atom {} of radius {:.6g} has no area left between its own images: the box, {:.6g} "
                "x {:.6g}, is too small for it",
