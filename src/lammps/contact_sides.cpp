@@ -33,7 +33,8 @@ void ContactSides::exchange(SideValues &values)
 
 /* ----------------------------------------------------------------------
    Finds the mirror of each side. In a small box two particles may have several
-   contacts, even in one direction, but each at another relative position.
+   contacts, even in one direction, but each at another relative position. At
+   the end of the neighbor list a side may lack its mirror, by rounding.
 ------------------------------------------------------------------------- */
 
 void ContactSides::match_sides(const ContactTable &table)
@@ -85,12 +86,13 @@ void ContactSides::match_sides(const ContactTable &table)
     exchange(*values);
   matching = false;
 
+  constexpr double ROUNDING = 1e-12;
   mirror.resize(static_cast<std::size_t>(nlocal) * stride);
   for (int i = 0; i < nlocal; ++i)
     for (int c = 0; c < count[i]; ++c) {
       const int k = side(i, c), j = table.partner[table.first(i) + c].atom;
       mirror[k] = k;
-      double nearest = square(xs[k]) + square(ys[k]);
+      double nearest = ROUNDING * (square(xs[k]) + square(ys[k]));
       for (int m = side(j, 0); m < side(j, stride); ++m) {
         if (partners[m] != static_cast<double>(tags[i])) continue;
         const double distance2 = square(xs[m] + xs[k]) + square(ys[m] + ys[k]);

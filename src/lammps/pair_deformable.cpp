@@ -1,6 +1,7 @@
 #include "pair_deformable.h"
 
 #include "compute_deformable_contact.h"
+#include "input_checks.h"
 
 #include "trigonometry.h"
 
@@ -11,6 +12,7 @@
 #include "memory.h"
 #include "modify.h"
 #include "neighbor.h"
+#include "update.h"
 
 #include <limits>
 
@@ -131,7 +133,12 @@ void PairDeformable::begin_call(int eflag, int vflag)
   ev_init(eflag, vflag);
   beyond_model = 0;
   recorded.clear();
-  if (neighbor->ago == 0) bulge_over_reach = 0.0;
+  if (neighbor->ago == 0) {
+    check_contacts(lmp, *list, species);
+    if (atom->radius_flag && !radius_by_atom && !warned_unused_radii)
+      warned_unused_radii = warn_unused_radii(lmp, *list, species);
+    bulge_over_reach = 0.0;
+  }
   atom_radius = radius_by_atom ? atom->radius : nullptr;
   if (radius_by_atom) check_radii();
   table.clear(atom->nlocal);
@@ -150,6 +157,11 @@ void PairDeformable::begin_call(int eflag, int vflag)
 void PairDeformable::end_call()
 {
   if (vflag_fdotr) virial_fdotr_compute();
+
+  // also at the end of each run, after which particles may be written to a file
+  const bool output = eflag_global && update->whichflag == 1;
+  if (!warned_out_of_plane && (neighbor->ago == 0 || output))
+    warned_out_of_plane = warn_out_of_plane(lmp, *list);
 
   pvector[0] = beyond_model;
   if (neighbor->ago != 0) return;
@@ -227,6 +239,26 @@ void PairDeformable::refuse_behind_center(int pair)
       "first, start from a less compressed state, or take smaller steps or a smaller timestep",
       atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(pairs.dx[pair], pairs.dy[pair]),
       radius_of(i), radius_of(j));
+}
+
+/* ----------------------------------------------------------------------
+   A particle in a box smaller than itself: its own images leave it no area.
+------------------------------------------------------------------------- */
+
+void PairDeformable::check_own_images(int i, int contacts)
+{
+  const double r = ring_radius_of(i), area = deformable::PI * r * r - shape.area_deficit;
+  if (area > 0.0) return;
+  const Partner *const partners = &table.partner[table.first(i)];
+  for (int c = 0; c < contacts; ++c) {
+    const int j = partners[c].atom;
+    if (j < 0 || atom->tag[j] != atom->tag[i] || atom->tag[i] == 0) continue;
+    if (!(shape.contact[c].length > 0.0)) continue;
+    error->one(FLERR,
+               "Atom {} of radius {:.6g} has no area left between its own images: the box, {:.6g} "
+               "x {:.6g}, is too small for it",
+               atom->tag[i], radius_of(i), domain->xprd, domain->yprd);
+  }
 }
 
 /* ----------------------------------------------------------------------

@@ -107,10 +107,11 @@ class PairDeformable : public Pair {
 
   ParticleResults results;
   bool recording = false;    // for compute deformable/contact
-  bool warned_beyond_model = false;
+  bool warned_beyond_model = false, warned_out_of_plane = false, warned_unused_radii = false;
 
   void allocate();
   [[noreturn]] void refuse_behind_center(int pair);
+  void check_own_images(int i, int contacts);
 };
 
 // Calls law(i, contacts) for all particles. Pairs are computed for a block of particles at a time, in vectors.
@@ -182,7 +183,10 @@ void PairDeformable::apply(int i, const deformable::Contacts &contacts,
     }
   if (eflag_global) eng_vdwl += energy.value;
   if (eflag_atom) eatom[i] += energy.value;
-  if (shape.arc_radius < 0.0) ++beyond_model;
+  if (shape.arc_radius < 0.0) {
+    ++beyond_model;
+    check_own_images(i, contacts.size);
+  }
 }
 
 }    // namespace LAMMPS_NS

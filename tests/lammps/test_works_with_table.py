@@ -1,0 +1,51 @@
+"""The tables of docs/works_with.md have a row for each command that is tested, and no other."""
+
+import re
+from pathlib import Path
+
+import test_works_with as fresh
+import test_works_with_bonds as bonds
+import test_works_with_hybrid as hybrid
+import test_works_with_outputs as outputs
+import test_works_with_plane as plane
+import test_works_with_refusals as refusals
+import test_works_with_small_boxes as boxes
+
+PAGE = Path(__file__).parents[2] / "docs" / "works_with.md"
+OTHERS = {
+    "bond_style": bonds.test_bonded_particles_keep_their_contacts,
+    "special_bonds": bonds.test_other_factors_are_refused,
+    "fix gjf": plane.test_gjf,
+    "boxes smaller than a particle": boxes.test_same_as_four_cells,
+    "neigh_modify exclude": hybrid.test_excluded_pairs,
+    "neigh_modify include": hybrid.test_included_group,
+    "comm_modify group": hybrid.test_included_group,
+    "pair_style hybrid": hybrid.test_types_without_species,
+    "pair_style hybrid/scaled": hybrid.test_scaled,
+    "pair_style hybrid/overlay with lj/cut": hybrid.test_overlay_with_lj_cut,
+    "pair_style hybrid/overlay with dpd/tstat": hybrid.test_overlay_with_dpd_tstat,
+    "pair_style hybrid of two deformable styles": hybrid.test_two_deformable_styles,
+    "compute pe/atom": outputs.test_per_atom_energies_and_stress,
+    "compute stress/atom": outputs.test_per_atom_energies_and_stress,
+    "compute pressure": outputs.test_per_atom_energies_and_stress,
+    "compute coord/atom": outputs.test_neighborhoods,
+    "compute rdf": outputs.test_neighborhoods,
+    "compute msd": outputs.test_neighborhoods,
+    "compute reduce": outputs.test_reduce_of_contacts,
+    "fix numdiff": outputs.test_numdiff,
+    "dynamical_matrix": outputs.test_dynamical_matrix,
+    "minimize with balanced contacts": outputs.test_minimization,
+    "restart": outputs.test_restart,
+    "write_data": fresh.test_as_a_fresh_run,
+    "rerun": outputs.test_rerun,
+    "read_dump": outputs.test_read_dump,
+}
+
+
+def test_rows():
+    """Each command once."""
+    rows = [line.split(" | ")[0] for line in PAGE.read_text().splitlines() if line[:2] == "| "]
+    cells = [re.sub("[|`*]", "", cell).strip() for cell in rows]
+    listed = [name for cell in cells if cell != "command" for name in cell.split(", ")]
+    tested = [*fresh.FIXES, *fresh.COMMANDS, *refusals.REFUSED, *outputs.GRIDS, *OTHERS]
+    assert sorted(listed) == sorted(set(tested))
