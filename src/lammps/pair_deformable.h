@@ -56,6 +56,16 @@ class PairDeformable : public Pair {
       species;    // by atom type; without a name if the type belongs to another style
   std::vector<FixDeformableWall *> walls;
 
+  // The force of a wall on particle i at this contact.
+  void push_wall(int i, int partner, double fx, double fy, const deformable::Contact &contact)
+  {
+    const int code = -1 - partner, count = static_cast<int>(walls.size());
+    const double ri = radius_of(i), height = ri - contact.indentation;
+    walls[code % count]->add_force(i, code / count, fx, fy, -height * contact.nx,
+                                   -height * contact.ny, (1.0 + reach) * ri);
+  }
+  const char *wall_id(int partner) const { return walls[(-1 - partner) % walls.size()]->id; }
+
   // Undeformed radii: of the species or, with `radius atom`, of each atom.
   void set_radius(int iarg, char **arg);    // from this word of pair_style
   bool radius_by_atom = false;
@@ -157,8 +167,7 @@ void PairDeformable::apply(int i, const deformable::Contacts &contacts,
     const double across = slope * response.d_angle * partner.per_lever;
     const double px = along * nx - across * ny, py = along * ny + across * nx;    // on particle i
     if (WALLS && partner.atom < 0) {
-      const double height = radius_of(i) - contacts[c].indentation;
-      walls[-1 - partner.atom]->add_force(i, px, py, -height * nx, -height * ny);
+      push_wall(i, partner.atom, px, py, contacts[c]);
       continue;
     }
     fx += px;
