@@ -54,7 +54,8 @@ class FixDeformableWall : public Fix {
     if (wrong >= 0) refuse_center(i, wrong);
   }
 
-  // The force of a feature of a wall on atom i, at (dx, dy) from the contact point to the atom.
+  // The force of a feature of a wall on atom i, at (dx, dy) from its point of application to the
+  // atom.
   void add_force(int i, int feature, double fx, double fy, double dx, double dy, double cutoff)
   {
     if (!first_call) return;
@@ -65,7 +66,7 @@ class FixDeformableWall : public Fix {
     force.vyy += dy * fy;
     force.vxy += dx * fy;
     if (scene.moves())
-      scene.add_force(feature, -fx, -fy, atom->x[i][0] - dx, atom->x[i][1] - dy, cutoff);
+      scene.add_force(feature, -fx, -fy, atom->x[i][0], atom->x[i][1], dx, dy, cutoff);
   }
 
  private:

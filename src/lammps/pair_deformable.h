@@ -56,13 +56,15 @@ class PairDeformable : public Pair {
       species;    // by atom type; without a name if the type belongs to another style
   std::vector<FixDeformableWall *> walls;
 
-  // The force of a wall on particle i at this contact.
-  void push_wall(int i, int partner, double fx, double fy, const deformable::Contact &contact)
+  // The force of a wall on particle i at this contact, at `shift` beside the point nearest to the center.
+  void push_wall(int i, int partner, double fx, double fy, const deformable::Contact &contact,
+                 double shift)
   {
     const int code = -1 - partner, count = static_cast<int>(walls.size());
     const double ri = radius_of(i), height = ri - contact.indentation;
-    walls[code % count]->add_force(i, code / count, fx, fy, -height * contact.nx,
-                                   -height * contact.ny, (1.0 + reach) * ri);
+    walls[code % count]->add_force(i, code / count, fx, fy,
+                                   -height * contact.nx + shift * contact.ny,
+                                   -height * contact.ny - shift * contact.nx, (1.0 + reach) * ri);
   }
   const char *wall_id(int partner) const { return walls[(-1 - partner) % walls.size()]->id; }
 
@@ -167,7 +169,12 @@ void PairDeformable::apply(int i, const deformable::Contacts &contacts,
     const double across = slope * response.d_angle * partner.per_lever;
     const double px = along * nx - across * ny, py = along * ny + across * nx;    // on particle i
     if (WALLS && partner.atom < 0) {
-      push_wall(i, partner.atom, px, py, contacts[c]);
+      // The wall exerts the torque dU/dtheta about the center: beyond that of (along, across) at the nearest
+      // point, its force acts beside this point.
+      const double rest = 1.0 - (radius_of(i) - contacts[c].indentation) * partner.per_lever;
+      const double shift =
+          response.d_indentation > 0.0 ? rest * response.d_angle / response.d_indentation : 0.0;
+      push_wall(i, partner.atom, px, py, contacts[c], shift);
       continue;
     }
     fx += px;

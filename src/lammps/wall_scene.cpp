@@ -156,26 +156,30 @@ void WallScene::clear_forces()
   std::fill(loads.begin(), loads.end(), Load{});
 }
 
-void WallScene::add_force(int feature, double fx, double fy, double x, double y, double cutoff)
+void WallScene::add_force(int feature, double fx, double fy, double x, double y, double dx,
+                          double dy, double cutoff)
 {
-  if (!moving) return;
-  for (const Wall &wall : walls) {
-    const int count = wall.kind == WallSource::POLYGON ? 3 * wall.edges : 1;
-    if (feature < wall.first_feature || feature >= wall.first_feature + count) continue;
-    if (wall.kind == WallSource::POLYGON || wall.kind == WallSource::DISK) {
-      double dx = x - wall.x, dy = y - wall.y;    // at the image that the particle touches
-      wrap(wall, cutoff, dx, dy);
-      x = wall.x + dx;
-      y = wall.y + dy;
-    }
-    break;
+  const auto wall = std::upper_bound(walls.begin(), walls.end(), feature,
+                                     [](int f, const Wall &w) { return f < w.first_feature; }) -
+                    1;    // the last one that begins at this feature or before it
+  if (wall->kind == WallSource::POLYGON || wall->kind == WallSource::DISK) {
+    double from_x = x - wall->x,
+           from_y = y - wall->y;    // from the image that the particle touches
+    wrap(*wall, cutoff, from_x, from_y);
+    x = wall->x + from_x;
+    y = wall->y + from_y;
   }
   Load &load = loads[feature];
-  const double dx = x - features[feature].x, dy = y - features[feature].y;
+  double px = x - dx - features[feature].x, py = y - dy - features[feature].y;
+  if (wall->kind == WallSource::DISK || wall->kind == WallSource::RIM) {    // not turned by forces
+    const double to_rim = wall->radius / std::hypot(x - wall->x, y - wall->y);
+    px = to_rim * (x - wall->x);
+    py = to_rim * (y - wall->y);
+  }
   load.fx += fx;
   load.fy += fy;
-  load.moment += dx * fy - dy * fx;
-  load.virial += dx * fx + dy * fy;
+  load.moment += px * fy - py * fx;
+  load.virial += px * fx + py * fy;
 }
 
 /* ----------------------------------------------------------------------

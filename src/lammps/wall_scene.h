@@ -59,8 +59,9 @@ class WallScene {
     return -1;
   }
 
-  // The force of particles on a feature at the contact point of a particle at (x, y).
-  void add_force(int feature, double fx, double fy, double x, double y, double cutoff);
+  // The force on a feature of a particle at (x, y), which is at (dx, dy) from the point of application.
+  void add_force(int feature, double fx, double fy, double x, double y, double dx, double dy,
+                 double cutoff);
   // The energy that particles have given to moving walls since the scene was made: half of it with the forces
   // before a step, half of it with those after it, which is exact to the second order in the step.
   void clear_forces();
