@@ -57,8 +57,10 @@ inline bool intersect(const HalfPlane *planes, int n, Edge *edges)
       if (std::fabs(sine) > 1e-13)
         (sine > 0.0 ? high : low) =
             sine > 0.0 ? std::min(high, room / sine) : std::max(low, room / sine);
-      else if (room < -rounding || (cosine > 0.0 && room <= rounding && m < k))
-        high = -INFINITE;    // outside of b, or the same line again
+      else if (room < -rounding || (cosine > 0.0 && room <= rounding && m < k)) {
+        low = INFINITE;    // outside of b, or the same line again
+        high = -INFINITE;
+      }
     }
     if (low > high && low - high <= rounding) low = high = 0.5 * (low + high);
     edges[k] = {a, low, high};
