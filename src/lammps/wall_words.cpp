@@ -5,6 +5,7 @@
 #include "lammps.h"
 #include "utils.h"
 
+#include <algorithm>
 #include <cmath>
 
 using namespace LAMMPS_NS;
@@ -35,7 +36,7 @@ std::string read_polygon(std::vector<Point> corners, WallShape &shape)
   const int n = static_cast<int>(corners.size());
   double area = 0.0;
   for (int k = 2; k < n; ++k) area += turn(corners[0], corners[k - 1], corners[k]);
-  if (area < 0.0) corners.assign(corners.rbegin(), corners.rend());
+  if (area < 0.0) std::reverse(corners.begin(), corners.end());
   double angle = 0.0;    // that the sides turn by altogether: more than once around in a star
   for (int k = 0; k < n; ++k) {
     const Point a = corners[k], b = corners[(k + 1) % n], c = corners[(k + 2) % n];
