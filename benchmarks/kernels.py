@@ -2,7 +2,7 @@
 
     python benchmarks/kernels.py [--out benchmarks/results/kernels.json]
 
-`geometry` is distance, direction and contact line of z pairs (a force call needs z/2 of them for each
+`geometry` is distance, direction and contact line of z pairs (a force call needs z/2 of them for a
 particle); `ring_any_number` is the ring law without the code that is compiled for each small z.
 """
 

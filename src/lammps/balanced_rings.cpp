@@ -25,20 +25,6 @@ void BalancedRings::begin(const ContactTable &table)
 
 /* ---------------------------------------------------------------------- */
 
-void BalancedRings::store(int i, const ContactTable &table, const Shape &shape, Energy energy)
-{
-  const int contacts = table.of(i).size, sides = balance.sides_of(i);
-  double largest_force = 0.0;
-  if (contacts > 0)
-    std::copy_n(shape.contact.begin(), contacts, responses.begin() + table.first(i));
-  for (int c = 0; c < contacts; ++c) {
-    const double force = energy.derivative * shape.contact[c].length;
-    largest_force = std::max(largest_force, force);
-    if (c < sides) balance.set_force(i, c, force);
-  }
-  shaped[i] = {shape.area_deficit, shape.perimeter_excess, shape.arc_radius, largest_force, energy};
-}
-
 Energy BalancedRings::result(int i, const ContactTable &table, Shape &shape) const
 {
   const int contacts = table.of(i).size;

@@ -50,7 +50,20 @@ class BalancedRings : protected Pointers {
 
   void begin(const ContactTable &);
   void warn_unbalanced();
-  void store(int i, const ContactTable &, const deformable::Shape &, deformable::Energy);
+  void store(int i, int contacts, std::size_t first, const deformable::Shape &shape,
+             deformable::Energy energy)
+  {
+    const int sides = balance.sides_of(i);
+    double largest_force = 0.0;
+    std::copy_n(shape.contact.data(), contacts, responses.data() + first);
+    for (int c = 0; c < contacts; ++c) {
+      const double force = energy.derivative * shape.contact[c].length;
+      largest_force = std::max(largest_force, force);
+      if (c < sides) balance.set_force(i, c, force);
+    }
+    shaped[i] = {shape.area_deficit, shape.perimeter_excess, shape.arc_radius, largest_force,
+                 energy};
+  }
 };
 
 template <class ShapeRing, class RingOf>
@@ -64,11 +77,11 @@ void BalancedRings::solve(const NeighList *list, bool new_list, ContactTable &ta
       const int i = list->ilist[ii];
       if (selected[i]) {
         const deformable::Contacts contacts = table.of(i);
-        for (int c = 0; c < balance.sides_of(i); ++c) {
-          const std::size_t at = table.first(i) + c;
-          table.contact[at].indentation = radical[at] + balance.shift(i, c);
-        }
-        store(i, table, shape, shape_ring(i, contacts));
+        const std::size_t first = contacts.size > 0 ? table.first(i) : 0;
+        const int sides = balance.sides_of(i);
+        for (int c = 0; c < sides; ++c)
+          table.contact[first + c].indentation = radical[first + c] + balance.shift(i, c);
+        store(i, contacts.size, first, shape, shape_ring(i, contacts));
       }
       totals.energy += shaped[i].energy.value;
       totals.largest_force = std::max(totals.largest_force, shaped[i].largest_force);

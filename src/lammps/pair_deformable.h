@@ -78,11 +78,12 @@ class PairDeformable : public Pair {
   ContactTable table;
   deformable::Shape shape;    // of the particle that is evaluated
 
-  // One force call: begin_call, for_each_particle the law and apply or store_circle, end_call.
+  // A force call is begin_call, for_each_particle, end_call. For each particle the law computes the shape and
+  // calls apply, or store_circle if there is no deformation.
   void begin_call(int eflag, int vflag);
   template <bool WALLS, class Law> void for_each_particle(Law &&law);
-  // Or all contacts of all particles at once, which stay in the table until the next call: the pairs of the
-  // neighbor list in their order, then the walls.
+  // Alternatively all contacts at once, which stay in the table until the next call: the pairs of the neighbor
+  // list in their order, then the walls.
   template <bool WALLS> void gather_contacts();
   template <bool WALLS>
   void apply(int i, const deformable::Contacts &, const deformable::Energy &energy);

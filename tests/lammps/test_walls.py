@@ -7,10 +7,10 @@ from scene import LAWS, SPECIES, Scene, box_walls, polygon_faces, polygon_walls
 
 ROOM = (-2, 2, -2, 2)
 laws = pytest.mark.parametrize("law", LAWS)
-CENTRE = np.zeros((1, 2))
+CENTER = np.zeros((1, 2))
 
 
-def alone(law, walls, x=CENTRE, species="unit"):
+def alone(law, walls, x=CENTER, species="unit"):
     """One particle between walls."""
     return Scene(x, [species], ROOM, f"deformable/{law}", boundary="f f p", commands=walls)
 
@@ -155,7 +155,7 @@ def test_beside_fix_deform(law):
     plane = "region walls plane 0.97 0 0 -1 0 0\nfix walls all deformable/wall walls\n"
     deform = "fix grow all deform 1 y final -2.2 2.2\nrun 2 post no"
     at_rest, beside = (
-        Scene(CENTRE, ["unit"], ROOM, f"deformable/{law}", boundary="f p p", commands=commands)
+        Scene(CENTER, ["unit"], ROOM, f"deformable/{law}", boundary="f p p", commands=commands)
         for commands in (plane, plane + deform)
     )
     assert beside.lmp.get_thermo("ly") > 4
