@@ -111,7 +111,7 @@ std::string read_prism(Region *region, WallShape &shape)
 // sphere.
 std::string read_disk(Region *region, bool sphere, WallShape &shape)
 {
-  const std::string wrong = sphere ? "is a sphere whose center is not at z = 0"
+  const char *const wrong = sphere ? "is a sphere whose center is not at z = 0"
                                    : "is a cylinder that does not cross the plane z = 0 of the "
                                      "particles, or whose axis is not along z";
   double z = 0.0, distance = FAR_PRISM;

@@ -105,13 +105,15 @@ class WallScene {
   // An obstacle that fits, with the cutoff on both sides, into a period has its images with the box.
   void wrap(const Wall &wall, double cutoff, double &dx, double &dy) const
   {
-    const double half = wall.bound + cutoff;
-    if (period.y >= 2.0 * half) {
-      const double n = std::round(dy / period.y);
-      dy -= n * period.y;
-      dx -= n * period.tilt;
+    const double half_x = 0.5 * period.x, half_y = 0.5 * period.y, size = wall.bound + cutoff;
+    if (half_y >= size) {
+      for (; dy > half_y; dy -= period.y) dx -= period.tilt;
+      for (; dy < -half_y; dy += period.y) dx += period.tilt;
     }
-    if (period.x >= 2.0 * half) dx -= period.x * std::round(dx / period.x);
+    if (half_x >= size) {
+      while (dx > half_x) dx -= period.x;
+      while (dx < -half_x) dx += period.x;
+    }
   }
 };
 
