@@ -101,6 +101,32 @@ def test_hexagon_log_is_up_to_date():
         assert line.rstrip(" &") in log
 
 
+def test_pillar(tree):
+    """Comes off faces and corners with the energy that it had; the lines are those on record."""
+    folder = tree / "examples" / "pillar"
+    log = run(folder, "lmp", "-in", "in.pillar")
+    hits, expected = (
+        numbers(text, r"\w+ hit at") for text in (log, (folder / "log.pillar").read_text())
+    )
+    assert hits.shape == (48, 4)
+    assert np.abs(hits[:, 3]).max() < 1e-5
+    assert hits[:, :3] == pytest.approx(expected[:, :3], abs=1e-3)
+    assert (hits[:, 1] < 0).sum() > 20  # turned back
+
+
+def test_hopper(tree):
+    """Energy is kept without drag; with drag all particles fall through and lie on the floor."""
+    folder = tree / "examples" / "hopper"
+    log = run(folder, "lmp", "-in", "in.hopper")
+    first = log[: log.index("Loop time")]
+    total, kinetic = table(first, ["Step", "PotEng"])[[3, 2]]
+    assert len(total) == 11
+    assert np.abs(total - total[0]).max() < 1e-4 * kinetic.max()
+    ((out, atoms, weight),) = numbers(log, r"\d+ of \d+ particles")
+    assert out == atoms == 42
+    assert weight == pytest.approx(1, abs=1e-3)
+
+
 def test_mpi_input(tree):
     log = run(tree / "examples" / "mpi", "mpiexec", "-n", "2", "lmp", "-in", "in.mpi")
     reference = (ROOT / "examples" / "mpi" / "log.mpi").read_text()

@@ -13,4 +13,5 @@ NB_MODULE(core, m)
   deformable::bind_soft_rings(m);
   deformable::bind_outlines(m);
   deformable::bind_rules(m);
+  deformable::bind_obstacles(m);
 }

@@ -31,6 +31,7 @@ void bind_laws(nb::module_ &m);
 void bind_soft_rings(nb::module_ &m);
 void bind_outlines(nb::module_ &m);
 void bind_rules(nb::module_ &m);
+void bind_obstacles(nb::module_ &m);
 
 }    // namespace deformable
 

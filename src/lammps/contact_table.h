@@ -17,7 +17,7 @@ template <class... Vector> double bytes_of(const Vector &...vector)
 
 // The other side of a contact, on which its force acts too.
 struct Partner {
-  int atom;                // local index, or -1 - w for wall w
+  int atom;                // local index, or -1 - (w + n feature) for wall fix w of n
   double d_indentation;    // da/dd, d the distance of the partner
   double
       per_lever;    // rotation of the direction per sideways step of the partner: 1/d except for walls

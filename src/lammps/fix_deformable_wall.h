@@ -1,18 +1,18 @@
-// Flat walls for deformable particles: fix ID group deformable/wall region-ID
+// Walls for deformable particles: fix ID group deformable/wall region-ID, or words for shapes at rest.
 //
-// The pair style asks this fix for the contacts of a particle with the surface of the region, computes the shape
-// with all contacts of the particle, and returns the forces of the walls. The fix adds them in post_force.
+// The pair style asks this fix for the contacts of a particle with the walls, computes the shape with all
+// contacts of the particle, and returns the forces of the walls. The fix adds them in post_force.
 
 #ifndef LMP_FIX_DEFORMABLE_WALL_H
 #define LMP_FIX_DEFORMABLE_WALL_H
 
 #include "fix.h"
 
+#include "wall_scene.h"
+
 #include "atom.h"
-#include "region.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <vector>
 
@@ -34,6 +34,7 @@ class FixDeformableWall : public Fix {
   void min_pre_force(int) override;
   void post_force(int) override;
   void min_post_force(int) override;
+  double compute_scalar() override;
   double compute_vector(int) override;
   double memory_usage() override;
 
@@ -45,28 +46,17 @@ class FixDeformableWall : public Fix {
     if (first_call) callers.push_back(caller);
   }
 
-  // Calls visitor(nx, ny, height, per_lever) for each face within the cutoff of atom i: its direction, its
-  // distance, and the rotation of the direction per sideways step of the wall.
+  // Calls visitor(nearest point) for each wall within the cutoff of atom i.
   template <class Visitor> void visit(int i, double cutoff, Visitor &&visitor)
   {
     if (!(atom->mask[i] & groupbit)) return;
-    const double *x = atom->x[i];
-    if (!region->match(x[0], x[1], x[2])) refuse_outside(i);
-    int n = region->surface(x[0], x[1], x[2], cutoff);
-    if (n > 0 && region->contact[0].radius != 0.0 && !axis_checked) {
-      check_axis(x, cutoff, Region::Contact(region->contact[0]));
-      n = region->surface(x[0], x[1], x[2], cutoff);
-    }
-    for (int m = 0; m < n; ++m) {
-      const Region::Contact &face = region->contact[m];
-      if (face.delx == 0.0 && face.dely == 0.0 && face.delz != 0.0) continue;    // above or below
-      if (face.delz != 0.0 || !(face.r > 0.0)) refuse_face(i, face.r);
-      visitor(-face.delx / face.r, -face.dely / face.r, face.r, per_lever(face));
-    }
+    const int wrong = scene.visit(atom->x[i][0], atom->x[i][1], cutoff, visitor);
+    if (wrong >= 0) refuse_center(i, wrong);
   }
 
-  // The force of a wall on atom i. (dx, dy) is the position of the atom relative to the contact point.
-  void add_force(int i, double fx, double fy, double dx, double dy)
+  // The force of a feature of a wall on atom i, at (dx, dy) from its point of application to the
+  // atom.
+  void add_force(int i, int feature, double fx, double fy, double dx, double dy, double cutoff)
   {
     if (!first_call) return;
     WallForce &force = wall_forces[i];
@@ -75,13 +65,14 @@ class FixDeformableWall : public Fix {
     force.vxx += dx * fx;
     force.vyy += dy * fy;
     force.vxy += dx * fy;
+    if (scene.moves())
+      scene.add_force(feature, -fx, -fy, atom->x[i][0], atom->x[i][1], dx, dy, cutoff);
   }
 
  private:
-  std::string region_id;
+  std::string region_id;    // empty: shapes at rest
   Region *region = nullptr;
-  double curvature_factor = 0.0;    // radius of a curved face over Region::Contact::radius
-  bool axis_checked = false;
+  WallScene scene;
 
   struct WallForce {
     double fx, fy, vxx, vyy, vxy;
@@ -92,11 +83,9 @@ class FixDeformableWall : public Fix {
   bool first_call = false;
   double on_wall[2] = {0.0, 0.0};
 
-  double per_lever(const Region::Contact &face) const;
-  void require_flat(const Region *part, bool outside) const;
-  void check_axis(const double *x, double cutoff, const Region::Contact &);
-  [[noreturn]] void refuse_outside(int i);
-  [[noreturn]] void refuse_face(int i, double distance);
+  void place(bool counts);
+  void require(const std::string &problem);
+  [[noreturn]] void refuse_center(int i, int wall);
 };
 
 }    // namespace LAMMPS_NS

@@ -218,12 +218,13 @@ template void PairDeformable::insert_pairs_of<false>(int, int);
 void PairDeformable::insert_walls(int i)
 {
   const double ri = radius_of(i);
-  for (std::size_t w = 0; w < walls.size(); ++w)
-    walls[w]->visit(i, (1.0 + reach) * ri,
-                    [&](double nx, double ny, double height, double per_lever) {
-                      table.add(i, {deformable::angle_of(nx, ny), nx, ny, ri - height},
-                                {-1 - static_cast<int>(w), -1.0, per_lever});
-                    });
+  const int count = static_cast<int>(walls.size());
+  for (int w = 0; w < count; ++w)
+    walls[w]->visit(i, (1.0 + reach) * ri, [&](const deformable::NearestPoint &point) {
+      table.add(i,
+                {deformable::angle_of(point.nx, point.ny), point.nx, point.ny, ri - point.height},
+                {-1 - (w + count * point.feature), -1.0, point.per_lever});
+    });
 }
 
 /* ---------------------------------------------------------------------- */

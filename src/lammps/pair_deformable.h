@@ -56,6 +56,18 @@ class PairDeformable : public Pair {
       species;    // by atom type; without a name if the type belongs to another style
   std::vector<FixDeformableWall *> walls;
 
+  // The force of a wall on particle i at this contact, at `shift` beside the point nearest to the center.
+  void push_wall(int i, int partner, double fx, double fy, const deformable::Contact &contact,
+                 double shift)
+  {
+    const int code = -1 - partner, count = static_cast<int>(walls.size());
+    const double ri = radius_of(i), height = ri - contact.indentation;
+    walls[code % count]->add_force(i, code / count, fx, fy,
+                                   -height * contact.nx + shift * contact.ny,
+                                   -height * contact.ny - shift * contact.nx, (1.0 + reach) * ri);
+  }
+  const char *wall_id(int partner) const { return walls[(-1 - partner) % walls.size()]->id; }
+
   // Undeformed radii: of the species or, with `radius atom`, of each atom.
   void set_radius(int iarg, char **arg);    // from this word of pair_style
   bool radius_by_atom = false;
@@ -159,8 +171,12 @@ void PairDeformable::apply(int i, const deformable::Contacts &contacts,
     const double across = slope * response.d_angle * partner.per_lever;
     const double px = along * nx - across * ny, py = along * ny + across * nx;    // on particle i
     if (WALLS && partner.atom < 0) {
-      const double height = radius_of(i) - contacts[c].indentation;
-      walls[-1 - partner.atom]->add_force(i, px, py, -height * nx, -height * ny);
+      // The wall exerts the torque dU/dtheta about the center: beyond that of (along, across) at the nearest
+      // point, its force acts beside this point.
+      const double rest = 1.0 - (radius_of(i) - contacts[c].indentation) * partner.per_lever;
+      const double shift =
+          response.d_indentation > 0.0 ? rest * response.d_angle / response.d_indentation : 0.0;
+      push_wall(i, partner.atom, px, py, contacts[c], shift);
       continue;
     }
     fx += px;

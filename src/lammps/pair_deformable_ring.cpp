@@ -14,6 +14,10 @@
 using namespace LAMMPS_NS;
 using namespace deformable;
 
+// A ring of constant perimeter, even pressed flat, bulges by (pi/2 - 1) R. Far more than this is not an outline,
+// and its candidates overflow the neighbor list.
+static constexpr double LARGEST_REACH = 3.0;
+
 /* ---------------------------------------------------------------------- */
 
 void PairDeformableRing::settings(int narg, char **arg)
@@ -60,6 +64,11 @@ void PairDeformableRing::settings(int narg, char **arg)
       if (!(reach > 0.0))
         error->all(FLERR, iarg + 1, "pair_style deformable/ring reach {} must be positive",
                    arg[iarg + 1]);
+      if (reach > LARGEST_REACH)
+        error->all(FLERR, iarg + 1,
+                   "pair_style deformable/ring reach {} must be {} at most: no outline bulges "
+                   "farther",
+                   arg[iarg + 1], LARGEST_REACH);
     }
     iarg += 1 + values;
   }
@@ -180,14 +189,30 @@ void PairDeformableRing::check_reach(int i, const Contacts &contacts)
   const double expansion = shape.perimeter_excess / (2.0 * PI);
   if (expansion + ring_bulge_at_most(contacts, shape) <= bulge_over_reach * depth) return;
   const double ratio = (expansion + ring_bulge(ring_radius_of(i), contacts, shape)) / depth;
-  if (ratio > 1.0)
-    error->one(
-        FLERR,
-        "The outline of atom {} bulges by {:.4g}, {:.3g} times as far as 'reach {}' allows: use a "
-        "reach of {:.2g} or more, or deform the particle less (separate particles that overlap "
-        "first, take smaller steps or a smaller timestep)",
-        atom->tag[i], ratio * depth, ratio, reach, 1.2 * ratio * reach);
+  if (ratio > 1.0) refuse_bulge(i, contacts, ratio, depth);
   if (ratio > bulge_over_reach) bulge_over_reach = ratio;
+}
+
+void PairDeformableRing::refuse_bulge(int i, const Contacts &contacts, double ratio, double depth)
+{
+  int deepest = 0;
+  for (int c = 1; c < contacts.size; ++c)
+    if (contacts[c].indentation > contacts[deepest].indentation) deepest = c;
+  const int partner = table.partner[table.first(i) + deepest].atom;
+  const std::string cause =
+      partner >= 0
+          ? "separate particles that overlap first"
+          : fmt::format(
+                "a wall of fix {} cuts it {:.4g} from its center, whose radius is {:.4g}: move "
+                "one of them",
+                wall_id(partner), radius_of(i) - contacts[deepest].indentation, radius_of(i));
+  const double enough = 1.2 * ratio * reach;
+  const std::string larger =
+      enough <= LARGEST_REACH ? fmt::format(" or use a reach of {:.2g} or more", enough) : "";
+  error->one(FLERR,
+             "The outline of atom {} bulges by {:.6g}, but 'reach {}' covers {:.6g}: {}, take "
+             "smaller steps or a smaller timestep{}{}",
+             atom->tag[i], ratio * depth, reach, depth, cause, larger.empty() ? "" : ",", larger);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -35,6 +35,7 @@ class PairDeformableRing : public PairDeformable {
   template <bool WALLS>
   void finish(int i, const deformable::Contacts &, const deformable::Energy &);
   void check_reach(int i, const deformable::Contacts &);
+  [[noreturn]] void refuse_bulge(int i, const deformable::Contacts &, double ratio, double depth);
   [[noreturn]] void no_shape(int i, int contacts);
 };
 

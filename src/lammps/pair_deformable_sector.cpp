@@ -164,7 +164,7 @@ template <bool WALLS> void PairDeformableSector::repel(const SingleContact &sing
   if (WALLS && j < 0) {
     const Energy energy = harmonic(stiffness(i), 1.0 - distance / ri);
     const double force = energy.derivative / ri;
-    walls[-1 - j]->add_force(i, -force * nx, -force * ny, -distance * nx, -distance * ny);
+    push_wall(i, j, -force * nx, -force * ny, single.contact, 0.0);
     record(i, j, single.contact, 0.0, force, distance);
     if (eflag_global) eng_vdwl += energy.value;
     if (eflag_atom) eatom[i] += energy.value;

@@ -28,7 +28,7 @@ class PairDeformableSector : public PairDeformable {
   // A particle with one contact has no sector: the pair repels as soft disks, once. The partner's number of
   // contacts, which only its own rank knows, decides whether both particles add one half.
   struct SingleContact {
-    int atom, partner;    // partner: -1 - w for wall w
+    int atom, partner;    // negative: a wall
     deformable::Contact contact;
     double distance;
   };

@@ -29,8 +29,15 @@ region pipe cylinder x 0 0 0.48 -3 3
 region horn cone z 0 0 0.3 3 -3 3
 region away block 3 3.5 3 3.5 -3 3
 region flat block -3 3 -3 3 0.2 0.3
+region post block 1.4 2.1 -0.5 0.5 INF INF side out
+region plate prism -2 -1.9 -1 1 -3 3 0.3 0 0 side out
+region needle block 0.9 0.9 0.6 2 INF INF side out
+region wedge union 2 left slanted
+region both union 2 disk room
+region hopper intersect 4 room post plate needle
 """.strip().splitlines()
 ROOMS = ["room", "disk", "hole", "corner", "slanted", "pipe", "horn", "away", "flat", "box", "none"]
+ROOMS += ["post", "plate", "needle", "wedge", "both", "hopper"]
 
 PAIR_STYLES = st.one_of(
     words_of("contact", "radical", "balanced", "balance", "reach").map(["deformable/ring"].__add__),
@@ -56,8 +63,12 @@ PAIR_COEFFS = st.one_of(
     st.tuples(TYPES, TYPES, FILES, NAMES).map(" ".join),
     st.tuples(*[st.sampled_from("abcd")] * 2).map("* * species {0[0]} {0[1]}".format),
 )
+SHAPES = [("plane", 4), ("disk", 3), ("segment", 4), ("disk", 2)]
 WALLS = st.one_of(
-    st.tuples(st.sampled_from(ROOMS)).map(list), words_of(*ROOMS), words_of("all", "room", "move")
+    st.tuples(st.sampled_from(ROOMS)).map(list),
+    *(words_of(*words) for words in (ROOMS, ["all", "room", "move"])),
+    *(st.tuples(st.just(s), *[numbers] * n).map(list) for s, n in SHAPES),
+    st.lists(numbers, min_size=6, max_size=8).map(["polygon", "3"].__add__),
 ).map(" ".join)
 STICKS = st.one_of(
     st.tuples(st.sampled_from(ROOMS), numbers).map(list),

@@ -224,21 +224,3 @@ def test_particle_outside(law):
     walls = box_walls(-1, 1, -1, 1)
     with refuses(r"atom 2 at \(1.5, 0.25\) is outside of region 'walls' of fix walls"):
         Scene(x, ["small"] * 2, BOX, f"deformable/{law}", commands=walls).energy()
-
-
-@pytest.mark.parametrize(
-    ("region", "message"),
-    [
-        ("ellipsoid 0 0 0 1.2 0.97 3", "'walls' of style ellipsoid.*curved"),
-        ("cone z 0 0 0.90 0.99 -3 3", "'walls' of style cone.*curved"),
-        ("cylinder x 0 0 0.97 -3 3", "axis of .*'walls'.* z"),
-        ("block 0.8 2.5 0.3 1 -3 3 side out", "'walls'.*corners of a block"),
-        ("plane 0 -0.9 0 0 1 0.3", "'walls' is not perpendicular.*atom 1"),
-    ],
-)
-def test_surfaces_that_are_no_walls(region, message):
-    walls = f"region walls {region}\nfix walls all deformable/wall walls"
-    with refuses(message):
-        Scene(
-            np.full((1, 2), 0.02), ["unit"], BOX, "deformable/ring contact radical", commands=walls
-        ).energy()

@@ -1,0 +1,138 @@
+"""The point of a convex polygon nearest to a particle, against shapely and in closed form."""
+
+import numpy as np
+import pytest
+from deformable import core
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from shapely import Point, Polygon
+from shapely.geometry import box
+
+EPSILON = np.finfo(float).eps
+SQUARE = ([1, 0, -1, 0], [0, 1, 0, -1], [1, 1, 1, 1])
+coordinates = st.floats(-4, 4)
+# normals at least 1 degree apart
+polygons = st.lists(
+    st.tuples(st.integers(0, 359), st.floats(0.2, 2)),
+    min_size=1,
+    max_size=7,
+    unique_by=lambda p: p[0],
+)
+
+
+def half_planes(sides):
+    angle, offset = np.radians([a for a, _ in sides]), np.array([h for _, h in sides])
+    return np.cos(angle), np.sin(angle), offset
+
+
+def clipped(nx, ny, offset):
+    """The polygon by clipping a box of 2000."""
+    found = box(-1e3, -1e3, 1e3, 1e3)
+    for x, y, h in zip(nx, ny, offset, strict=True):
+        n, t = np.array([x, y]), np.array([-y, x])
+        corners = [
+            h * n - 1e4 * t,
+            h * n + 1e4 * t,
+            (h - 1e4) * n + 1e4 * t,
+            (h - 1e4) * n - 1e4 * t,
+        ]
+        found = found.intersection(Polygon(corners))
+    return found
+
+
+@given(sides=polygons, x=coordinates, y=coordinates)
+def test_distance_of_any_polygon(sides, x, y):
+    """Bounded or not, with redundant half planes or without."""
+    planes = half_planes(sides)
+    expected = clipped(*planes).distance(Point(x, y))
+    found = core.nearest_on_polygon(*planes, x, y)
+    if found is None:
+        assert expected < 1e-9
+        return
+    nx, ny, height, per_lever = found
+    assert height == pytest.approx(expected, abs=1e-9)
+    assert np.hypot(nx, ny) == pytest.approx(1, rel=4 * EPSILON)
+    # the point is on the polygon, and no point of the polygon is beyond its contact line
+    at = np.array([x + height * nx, y + height * ny])
+    assert clipped(*planes).distance(Point(at)) < 1e-9
+    assert per_lever in (0, pytest.approx(1 / height))
+
+
+@given(sides=polygons, x=coordinates, y=coordinates, direction=st.floats(0, 2 * np.pi))
+def test_continuous(sides, x, y, direction):
+    """Distance and nearest point do not jump, wherever the center goes."""
+    planes = half_planes(sides)
+    center = np.array([x, y])
+    step = 1e-6 * np.array([np.cos(direction), np.sin(direction)])
+    found = [core.nearest_on_polygon(*planes, *p) for p in (center, center + step)]
+    assume(None not in found)
+    heights = [f[2] for f in found]
+    assert abs(heights[1] - heights[0]) <= 1e-6 * (1 + 1e-6)
+    points = [
+        np.array(p) + f[2] * np.array(f[:2])
+        for p, f in zip((center, center + step), found, strict=True)
+    ]
+    assert np.hypot(*(points[1] - points[0])) <= 1e-6 * (1 + 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("center", "contact"),
+    [
+        ((2.5, 0.3), (-1, 0, 1.5, 0)),
+        ((0.3, -3), (0, 1, 2, 0)),
+        ((4, 5), (-0.6, -0.8, 5, 0.2)),
+        ((4, 1), (-1, 0, 3, 1 / 3)),  # where the face ends, the corner
+        ((0.3, 0.9), None),
+        ((1, 0), None),  # on the surface
+    ],
+)
+def test_square(center, contact):
+    found = core.nearest_on_polygon(*SQUARE, *center)
+    assert found == (contact if contact is None else pytest.approx(contact, rel=1e-15, abs=0))
+
+
+@given(angle=st.floats(0, 2 * np.pi), length=st.floats(0.01, 3), x=coordinates, y=coordinates)
+def test_segment(angle, length, x, y):
+    """Two half planes that share a line, and two ends."""
+    c, s = np.cos(angle), np.sin(angle)
+    planes = [c, -s, -c, s], [s, c, -s, -c], [1 + length, 0.2, -1.0, -0.2]
+    along, across = c * x + s * y, -s * x + c * y - 0.2
+    assume(abs(across) > 1e-9)
+    height, per_lever = core.nearest_on_polygon(*planes, x, y)[2:]
+    beyond = max(1 - along, 0.0, along - 1 - length)
+    assert height == pytest.approx(np.hypot(beyond, across), rel=1e-12, abs=1e-14)
+    assert per_lever == pytest.approx(0 if beyond < 1e-13 else 1 / height)
+
+
+def test_center_on_the_line_of_a_segment():
+    planes = [1, 0, -1, 0], [0, 1, 0, -1], [1, 0, 1, 0]
+    assert core.nearest_on_polygon(*planes, 1.25, 0) == (-1, 0, 0.25, 4)
+    assert core.nearest_on_polygon(*planes, 0.5, 0) is None
+
+
+def test_edges():
+    """Redundant half planes have none, open ones no end."""
+    nx, ny, offset = SQUARE
+    edges = core.polygon_edges([*nx, 1, 1], [*ny, 0, 1], [*offset, 1.5, 3])
+    np.testing.assert_allclose(
+        edges[:4], [[1, -1, 1, 1], [1, 1, -1, 1], [-1, 1, -1, -1], [-1, -1, 1, -1]]
+    )
+    assert np.isnan(edges[4:]).all()
+    np.testing.assert_array_equal(
+        core.polygon_edges([1, 0], [0, 1], [1, 2]), [[np.nan, np.nan, 1, 2], [1, 2, np.nan, np.nan]]
+    )
+
+
+@pytest.mark.parametrize(
+    ("planes", "message"),
+    [
+        (([1, -1], [0, 0], [1, -2]), "no point in common"),
+        (([1], [0, 1], [1]), "one value for each"),
+        (([], [], []), "at least one"),
+        (([0], [0], [1]), "both 0"),
+        (([np.nan], [0], [1]), "nan"),
+    ],
+)
+def test_refusals(planes, message):
+    with pytest.raises(ValueError, match=message):
+        core.nearest_on_polygon(*planes, 0.0, 0.0)
