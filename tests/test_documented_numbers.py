@@ -65,12 +65,11 @@ def cost_table():
 
 
 def stability_table():
-    """Bold values exceed their limit. A single particle is the same with both ring laws."""
+    """Bold values exceed their limit."""
     laws = ("radical", "balanced", "sector")
     found = {}
     for row in REPORT["stability"]:
-        for law in ("radical", "balanced") if row["law"] == "ring" else (row["law"],):
-            found.setdefault((row["case"], row["quantity"]), {})[law] = row
+        found.setdefault((row["case"], row["quantity"]), {})[row["law"]] = row
     rows = []
     for case, by_law in found.items():
         limits = dict.fromkeys(f"{row['limit']:.2g}" for row in by_law.values())

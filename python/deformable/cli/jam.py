@@ -11,6 +11,7 @@ import typer
 
 from ..common.errors import ParameterError
 from ..common.parallel import parallel_map
+from ..common.validate import positive
 from ..io.run_folder import TABLE, refuse
 from ..studies.ensemble import LAWS, QUANTITIES, Row, exponents, measure, summarize
 from ..studies.ensemble_tables import SCALING, key, read_table, write_summary, write_tables
@@ -61,6 +62,9 @@ def jam_command(
     for name, count in (*(("number", number) for number in numbers), ("seeds", seeds)):
         if count < 1:
             raise ParameterError(f"{name} must be at least 1, not {count}")
+    positive("pressure", pressure)
+    if workers is not None and workers < 1:
+        raise ParameterError(f"workers must be at least 1, not {workers}")
     if values:
         _check_excess(law, pressure, values)
     folder = refuse(out, but="jamming")

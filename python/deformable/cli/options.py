@@ -18,7 +18,8 @@ def law_option(names: Iterable[str], help: str) -> Any:
 
     def law(name: str) -> str:
         if name == "ring":
-            warnings.warn("the law 'ring' is now named 'balanced'", UserWarning, stacklevel=2)
+            if MPI.COMM_WORLD.rank == 0:
+                warnings.warn("the law 'ring' is now named 'balanced'", UserWarning, stacklevel=2)
             return "balanced"
         if name not in names:
             raise typer.BadParameter(f"'{name}' is none of {', '.join(names)}")

@@ -91,7 +91,7 @@ def call_once(folder: Path, function: Callable[..., T], /, *arguments: Any, **ke
     Args:
         folder: made if missing. It has one file a call, <function>-<digest>.pickle, written whole.
         function: its result must pickle.
-        arguments: of the call; they must pickle.
+        arguments: of the call; they must pickle. Arguments with other pickles are computed anew.
         keywords: of the call, as `arguments`.
     """
     name = function.__qualname__

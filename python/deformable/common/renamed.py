@@ -38,7 +38,7 @@ class FormerAttributes:
     def __getattr__(self, name: str) -> Any:
         present = type(self)._FORMER.get(name)
         if present is None:
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            return object.__getattribute__(self, name)  # raises the error as it was
         _warn(name, present)
         return getattr(self, present)
 

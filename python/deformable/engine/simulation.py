@@ -112,8 +112,9 @@ class Simulation(FormerAttributes, Engine):
     def _open(self, packing: Packing) -> None:
         law = self.law
         self._species, self._radii = packing.species, packing.radii
+        species = species_file(law, self._radii)  # or fail before LAMMPS is open
         self.lmp = open_lammps(packing, self.comm)
-        with shared_file(self.comm, species_file(law, self._radii)) as file:
+        with shared_file(self.comm, species) as file:
             run(self.lmp, law_commands(packing, law, file))
         run(self.lmp, f"compute beyond all pair {pair_style(law)}")
         run(self.lmp, thermo_commands("pe c_beyond[1]"))

@@ -109,6 +109,8 @@ def read(folder: Path) -> tuple[Packing, Law]:
         settings = dict(summary["model"] if "model" in summary else summary["law"])  # version 0.1
         given: str = settings.pop("name")
         name = _FORMER_NAMES.get(given, given)
+        if given == "Ring":  # version 0.1.0 had radical axes only, and no word for them
+            settings.setdefault("contact", "radical")
         if name not in LAWS:
             raise ValueError(f"there is no law {name!r}")
         law = replace(LAWS[name], **{key: _setting(value) for key, value in settings.items()})

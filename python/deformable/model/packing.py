@@ -114,7 +114,7 @@ class Packing(FormerAttributes):
         return replace(self, positions=self.positions * factor, box=self.box * factor)
 
 
-# dataclasses have no aliases of arguments
+# dataclasses write `__init__` themselves: decorate it afterwards
 Packing.__init__ = former_arguments(**Packing._FORMER)(Packing.__init__)  # type: ignore[method-assign]
 
 

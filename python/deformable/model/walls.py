@@ -48,7 +48,7 @@ class Walls:
         """Outward normals, shape (n, 2)."""
         return np.column_stack([np.cos(self.angle), np.sin(self.angle)])
 
-    def seen_from(self, center: ArrayLike) -> NDArray[np.float64]:
+    def distances_from(self, center: ArrayLike) -> NDArray[np.float64]:
         """Distance of each side from a point, negative beyond the side, shape (n,) [length]."""
         return self.height - self.normal @ np.asarray(center)
 

@@ -58,8 +58,6 @@ def _by_case(rows: Sequence[Row]) -> list[Row]:
     for case, quantity in dict.fromkeys((row["case"], row["quantity"]) for row in rows):
         same = [row for row in rows if (row["case"], row["quantity"]) == (case, quantity)]
         values = {row["law"]: f"{show(row['value'])} {'✓' if row['ok'] else '✗'}" for row in same}
-        if "ring" in values:  # the kernel of both ring laws
-            values["balanced"] = values["radical"] = values.pop("ring")
         limit = span(row["limit"] for row in same if row["value"] is not None)
         found.append({"case": case, "quantity": quantity, "limit": limit} | values)
     return found

@@ -29,12 +29,12 @@ def show(value: Any, digits: int = 2) -> str:
     return sign + (exponent if float(mantissa) == 1.0 else f"{mantissa}\u00a0×\u00a0{exponent}")
 
 
-def span(values: Iterable[float | None], digits: int = 2) -> str:
+def span(values: Iterable[float | None]) -> str:
     """The range of values, e.g. 0.71 to 0.82; a dash if there are none."""
     known = [value for value in values if value is not None]
     if not known:
         return "–"
-    low, high = show(min(known), digits), show(max(known), digits)
+    low, high = show(min(known)), show(max(known))
     return low if low == high else f"{low} to {high}"
 
 
@@ -44,5 +44,5 @@ def percent(value: float) -> str:
 
 def listed(parts: Iterable[str]) -> str:
     """Parts of a sentence: a, b and c."""
-    *first, last = parts
+    *first, last = [*parts] or ["none"]
     return f"{', '.join(first)} and {last}" if first else last

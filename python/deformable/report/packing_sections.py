@@ -20,9 +20,6 @@ def pareto(rows: Sequence[Row]) -> Section:
     laws = [row for row in rows if row["method"] not in ("beads", "disk")]
     beads = [row for row in rows if row["method"] == "beads"]
     free = [row for row in beads if not row["reference"]]
-    best = min((row for row in laws if _converged(row)), key=lambda row: row["error"])
-    as_good = [row for row in free if row["error"] <= best["error"]]
-    against = min(as_good, key=lambda row: row["seconds"]) if as_good else free[-1]
     reference = [str(row["beads"]) for row in beads if row["reference"]]
     return Section(
         "Error against run time",
@@ -32,16 +29,9 @@ def pareto(rows: Sequence[Row]) -> Section:
             "jamming; errors and times are means. Rings of different numbers of beads stand for "
             "the same smooth particles: their effective radii and the stiffness of their "
             "perimeters agree.",
-            f"The most accurate law that converges is `{best['method']}`: its areas are right to "
-            f"{show(best['error'])} in {show(best['seconds'])} s. "
-            + (
-                f"The fastest rings of at least this accuracy have {against['beads']} beads"
-                if as_good
-                else "No rings beside the reference are that accurate; those of "
-                f"{against['beads']} beads have an error of {show(against['error'])}"
-            )
-            + f" and take {show(against['seconds'])} s, {against['seconds'] / best['seconds']:.0f} "
-            "times as long. A disk keeps its area, which is an error of 1." + _stalled(laws),
+            _best_law([row for row in laws if _converged(row)], free)
+            + "A disk keeps its area, which is an error of 1."
+            + _stalled(laws),
             f"The reference is the limit of many beads, extrapolated in 1/N² from rings of "
             f"{listed(reference)} beads (hollow points: their own errors follow from the "
             "extrapolation). Rings of beads are rough and have friction, so that they come to rest "
@@ -72,6 +62,27 @@ def pareto(rows: Sequence[Row]) -> Section:
                 rows,
             )
         ],
+    )
+
+
+def _best_law(laws: Sequence[Row], beads: Sequence[Row]) -> str:
+    """The most accurate of the laws, and the rings of beads that are as accurate."""
+    if not laws:
+        return "No law converges. "
+    best = min(laws, key=lambda row: row["error"])
+    as_good = [row for row in beads if row["error"] <= best["error"]]
+    against = min(as_good, key=lambda row: row["seconds"]) if as_good else beads[-1]
+    return (
+        f"The most accurate law that converges is `{best['method']}`: its areas are right to "
+        f"{show(best['error'])} in {show(best['seconds'])} s. "
+        + (
+            f"The fastest rings of at least this accuracy have {against['beads']} beads"
+            if as_good
+            else "No rings beside the reference are that accurate; those of "
+            f"{against['beads']} beads have an error of {show(against['error'])}"
+        )
+        + f" and take {show(against['seconds'])} s, {against['seconds'] / best['seconds']:.0f} "
+        "times as long. "
     )
 
 

@@ -17,6 +17,7 @@ from .. import core
 from ..engine.bead_reference import BeadReference
 from ..engine.disks import open_disks
 from ..engine.lammps import run
+from ..engine.relaxation import TOLERANCE, minimize_command
 from ..engine.simulation import Simulation
 from ..model.beads import Beads, Rings
 from ..model.laws import Law, Ring, Sector, per_species
@@ -96,12 +97,12 @@ def strain_law(start: Packing, law: Law, strain: float) -> tuple[State, float]:
 
 def strain_disks(start: Packing, strain: float) -> float:
     """Seconds of processor time of soft disks for the same step, to the tolerance of the laws."""
-    force = 1e-6 * strain * 2.0 * float(start.radius.mean())  # of the overlap, stiffness 1
+    force = TOLERANCE * strain * 2.0 * float(start.radius.mean())  # of the overlap, stiffness 1
     seconds = []
     for _ in range(_REPEATS):
         lmp = open_disks(start.at(start.phi / (1.0 - strain) ** 2))
         began = time.process_time()
-        run(lmp, f"minimize 0 {force!r} 1000000 2000000")
+        run(lmp, minimize_command(force, 1_000_000))
         seconds.append(time.process_time() - began)
         lmp.close()
     return statistics.median(seconds)

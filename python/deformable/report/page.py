@@ -25,6 +25,7 @@ th, td { padding: 0.25rem 0.6rem; text-align: right; border-bottom: 1px solid #d
 td { vertical-align: top; white-space: nowrap; }
 th:first-child, td:first-child, .text { text-align: left; white-space: normal; }
 th abbr { text-decoration: underline dotted; }
+.wide { overflow-x: auto; }
 .unit { font-weight: normal; color: #444; }
 code { background: #f1f1f1; padding: 0 0.2rem; white-space: nowrap; }
 figcaption { color: #444; font-size: 0.9rem; }
@@ -143,8 +144,11 @@ def _table(table: Table) -> str:
     )
     inner = f"<thead><tr>{head}</tr></thead>\n<tbody>\n{lines}\n</tbody>\n</table>"
     if table.folded:
-        return f"<details><summary>{caption}</summary>\n<table>\n{inner}\n</details>"
-    return f"<table>\n<caption>{caption}</caption>\n{inner}"
+        return (
+            f'<details><summary>{caption}</summary>\n<div class="wide"><table>\n{inner}</div>\n'
+            "</details>"
+        )
+    return f'<div class="wide"><table>\n<caption>{caption}</caption>\n{inner}</div>'
 
 
 def _head(column: Column) -> str:

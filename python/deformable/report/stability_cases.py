@@ -29,8 +29,8 @@ from ..protocols.jamming import jam
 from ..state.state import State
 from ..studies import paper
 
-# Both ring laws have one kernel.
-KERNELS = {"ring": core.ring, "sector": core.sector}
+# The ring laws have one kernel.
+KERNELS = {"balanced": core.ring, "radical": core.ring, "sector": core.sector}
 
 # Sums of N energies round by N eps.
 ROUNDING = 16 * np.finfo(float).eps

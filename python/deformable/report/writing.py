@@ -76,7 +76,7 @@ def _lead(content: dict[str, Any]) -> str:
 
 def _discard(parts: Path) -> None:
     """Remove the results of calls, and their folder if it is then empty."""
-    for part in parts.glob("*.pickle"):
+    for part in parts.glob("*.pickle*"):  # also of a killed write
         part.unlink()
     if parts.is_dir() and not any(parts.iterdir()):
         parts.rmdir()

@@ -122,7 +122,8 @@ def check_compression(strain: float, steps: int, tolerance: float) -> None:
 
 
 def _check_complete(folder: Path) -> None:
-    """Refuse to compress an interrupted compression further."""
+    """Refuse to compress a run further that is interrupted or cannot be read."""
+    read(folder)
     parameters = _parameters(folder)
     if "start" in parameters and _steps_done(folder, parameters) < parameters["steps"]:
         raise FileError(

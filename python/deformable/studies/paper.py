@@ -120,7 +120,7 @@ def steiner_error(result: Squeezed) -> float:
     turn = direction - np.roll(direction, 1)
     turn -= 2.0 * np.pi * np.rint(turn / (2.0 * np.pi))
     point = turn @ beads / (2.0 * np.pi)
-    pressed = 1.0 + result.beads.beads.radius - result.walls.seen_from(point)
+    pressed = 1.0 + result.beads.beads.radius - result.walls.distances_from(point)
     points = len(result.outlines["ring, kP inf"])
     outline = core.outline("ring", 1.0, result.walls.angle, pressed, points)
     return shape_error(beads - point, outline, float(result.beads.rings.radius[0]))

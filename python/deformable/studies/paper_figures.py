@@ -33,12 +33,10 @@ _STIFF = 1e4
 _DRAWN = ("sector", "ring, kP inf")
 
 
-def _new(
-    height: float, rows: int = 1, columns: int = 1, sharey: bool = False
-) -> tuple[Figure, NDArray[Any]]:
+def _new(height: float, rows: int = 1, columns: int = 1) -> tuple[Figure, NDArray[Any]]:
     """A figure 1200 pixels wide, and its axes."""
     figure = Figure(figsize=(8.0, height), dpi=150, layout="constrained")
-    return figure, figure.subplots(rows, columns, squeeze=False, sharey=sharey)
+    return figure, figure.subplots(rows, columns, squeeze=False)
 
 
 def _series(count: int) -> list[dict[str, Any]]:

@@ -157,7 +157,7 @@ def squeeze(
 
 def _measure(walls: Walls, a: float, beads: BeadState, seconds: float) -> Squeezed:
     center = np.zeros(2) if walls.stick else beads.packing.positions[0]
-    pressed = 1.0 + beads.beads.radius - walls.seen_from(center)
+    pressed = 1.0 + beads.beads.radius - walls.distances_from(center)
     touching = pressed >= 0.0  # contacts of the sector law; the ring law finds its own
     stuck, slipping = (walls.angle[touching], pressed[touching]), (walls.angle, pressed)
     rings, skin = beads.rings, beads.beads.radius

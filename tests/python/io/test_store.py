@@ -27,6 +27,7 @@ def test_summary_has_law_parameters_and_versions(state: deformable.State, tmp_pa
             deformable.Ring(2.0, contact="radical"),
         ),
         ({"name": "Ring", "kA": 2.0, "contact": "balanced"}, deformable.Ring(2.0)),
+        ({"name": "Ring", "kA": 2.0}, deformable.Ring(2.0, contact="radical")),
         ({"name": "Sector", "kA": "inf", "kP": 2.0}, deformable.Sector(kP=2.0)),
     ],
 )
