@@ -13,6 +13,8 @@ C = TypeVar("C", bound=Callable[..., Any])
 def former_arguments(**names: str) -> Callable[[C], C]:
     """A decorator: the function also takes keywords by their former names.
 
+    A former name goes before the present one: `dataclasses.replace` gives both.
+
     Args:
         names: the present name of each former one.
     """
