@@ -1,5 +1,5 @@
 // The rules for radius, kA, kP and skin of a species. Each function returns an empty text if its arguments are
-// valid, otherwise a phrase that says which parameter must be what, and what it is.
+// valid, otherwise a phrase with the parameter, its valid range and its value.
 
 #ifndef DEFORMABLE_PARAMETER_RULES_H
 #define DEFORMABLE_PARAMETER_RULES_H

@@ -7,7 +7,7 @@
 
 namespace deformable {
 
-// One of the two may be infinite: what it belongs to is conserved.
+// One of the two may be infinite: kA = inf conserves the area, kP = inf the perimeter.
 struct Stiffness {
   double kA;    // of the area, energy/length^4
   double kP;    // of the perimeter, energy/length^2

@@ -41,7 +41,7 @@ def parallel_map(
     Args:
         function: at the top level of a module; it and its results must pickle.
         arguments: of each call.
-        workers: number of processes; by default one a core.
+        workers: number of processes; by default one per core.
         description: of the progress bar.
         each: called here with each result as soon as it is there, in any order.
         keep: folder for the results, see `call_once`: the same calls after an interruption only
@@ -89,7 +89,8 @@ def call_once(folder: Path, function: Callable[..., T], /, *arguments: Any, **ke
     """The result of a call: from a folder that has it, or computed and kept there.
 
     Args:
-        folder: made if missing. It has one file a call, <function>-<digest>.pickle, written whole.
+        folder: made if missing. It has one file per call, <function>-<digest>.pickle, written
+            whole.
         function: its result must pickle.
         arguments: of the call; they must pickle. Arguments with other pickles are computed anew.
         keywords: of the call, as `arguments`.

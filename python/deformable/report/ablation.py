@@ -1,4 +1,4 @@
-"""Cost of each option a particle and a step: a scene pays only for what it uses."""
+"""Run time of each option per particle and step."""
 
 from __future__ import annotations
 

@@ -74,7 +74,7 @@ def cost(rows: Sequence[Row]) -> Section:
     return Section(
         "Cost of a step",
         (
-            "Processor time of a particle and a step in a bare scene, and the extra time of each "
+            "Processor time per particle and step in a bare scene, and the extra time of each "
             "option if it is asked for at every step. A scene pays only for the options that it "
             "uses.",
             "A step of one particle costs "
@@ -91,7 +91,7 @@ def cost(rows: Sequence[Row]) -> Section:
         ],
         tables=[
             Table(
-                "Time in ns a particle and step",
+                "Time in ns per particle and step",
                 [
                     Column("law", "law", text=True),
                     Column("bare", "bare scene", show=_whole),

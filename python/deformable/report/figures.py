@@ -14,7 +14,7 @@ from ..studies.law_styles import BEADS, STYLES
 
 
 def pareto(rows: Sequence[dict[str, Any]]) -> Figure:
-    """Errors of areas and of outlines against seconds, one point a method, beads joined.
+    """Errors of areas and of outlines against seconds, one point per method, beads joined.
 
     Hollow: laws that did not converge, and the rings of which the reference is made.
     """
@@ -139,7 +139,7 @@ def _path(ax: Any, path: Sequence[dict[str, Any]], key: str) -> None:
 
 
 def cost(rows: Sequence[dict[str, Any]]) -> Figure:
-    """Cost of a particle and a step in each law, and the extra cost of each option."""
+    """Run time per particle and step of each law, and the extra time of each option."""
     figure = Figure(figsize=(10.0, 3.6), layout="constrained")
     bare, extra = figure.subplots(1, 2)
     laws = [law for law in STYLES if any(row["law"] == law for row in rows)]
@@ -149,7 +149,7 @@ def cost(rows: Sequence[dict[str, Any]]) -> Figure:
     bare.bar_label(bars, fmt="%.0f", padding=3, fontsize=9)
     bare.set_yticks(y, laws)
     bare.margins(x=0.12)
-    bare.set(xlabel="processor time [ns a particle and step]", title="bare scene")
+    bare.set(xlabel="processor time [ns per particle and step]", title="bare scene")
     options = list(dict.fromkeys(row["option"] for row in rows if row["option"] != "none"))
     for n, law in enumerate(laws):
         chosen = [row for row in rows if row["law"] == law and row["option"] != "none"]
@@ -162,7 +162,7 @@ def cost(rows: Sequence[dict[str, Any]]) -> Figure:
     extra.set_yticks([-n for n in range(len(options))], options)
     extra.axvline(0.0, color="0.5", linewidth=0.8)
     extra.grid(axis="x", alpha=0.3)
-    extra.set(xlabel="extra processor time [ns a particle and step]", title="each option")
+    extra.set(xlabel="extra processor time [ns per particle and step]", title="each option")
     extra.legend(fontsize=8, loc="center right")
     return figure
 

@@ -212,10 +212,9 @@ def compressions(rows: Sequence[Row]) -> Section:
             "At the beads' own centers, where a rearrangement cannot matter, energies over those "
             "of the beads are "
             + listed(f"{at_centers[law]} (`{law}`)" for law in laws)
-            + ". What else differs along the way comes from the branches: a barely stable packing "
-            "rearranges, and two nearly equal packings need not do so at the same strain; and "
-            "rough rings have friction. Where the packing of a law loses its rigidity, its energy "
-            "is 0 and its centers have no distance.",
+            + ". Other differences come from rearrangements: law and beads may rearrange at "
+            "different strains. Rough rings also have friction. Where the packing of a law loses "
+            "its rigidity, its energy is 0 and its centers have no distance.",
         ),
         pictures=[
             Picture(

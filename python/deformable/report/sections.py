@@ -27,8 +27,8 @@ _TERMS = Section(
         "sector": "contacts stick: the arc between two contacts keeps its length",
         "radical": "ring law, contacts slip: contact lines on the radical axis, through the points "
         "where the undeformed circles cross",
-        "balanced": "ring law, contacts slip: contact lines where both sides press with the same "
-        "force; the default",
+        "balanced": "ring law, contacts slip: contact lines where the forces of both sides "
+        "are equal; the default",
         "ring": "the ring law of a particle between walls, where contact lines are given",
         "kP inf": "the same law with the perimeter conserved; without it the perimeter has the "
         "stiffness kP of the springs",

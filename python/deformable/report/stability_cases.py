@@ -1,7 +1,7 @@
 """Stability of states: extreme stiffnesses, densities, sizes and contacts.
 
-Each family of cases is a function that returns rows: `case` is varied, for the contact law `law`;
-`quantity` is measured, and its `value` must not exceed `limit`; `ok` says whether it does not.
+Each family of cases is a function that returns rows: `case` is varied, for the contact law `law`.
+`value` is the measured `quantity`. `ok` is true if it is at most `limit`.
 Limits come from rounding, from the tolerance of relaxations, or from a bound that stands beside
 them. `reason` explains why a law fails.
 """

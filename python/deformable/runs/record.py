@@ -4,7 +4,7 @@
     species.deformable      its species, for the pair style
     in.lammps               LAMMPS script that reads these two
     summary.json            numbers of the last state, law, parameters and versions
-    series.csv              one row a state
+    series.csv              one row per state
     trajectory.lammpstrj    LAMMPS dump for OVITO and MDAnalysis
 
 `State.save` writes the first four, `record` all of them while a run goes on, and `load` continues

@@ -24,18 +24,19 @@ from ..state.state import State
 # The contact laws by name, and soft disks.
 LAWS: dict[str, Law | None] = {"disk": None, **laws.LAWS}
 
-# Packings are averaged over that have these in common.
+# Means are over packings with equal values of these columns.
 GROUP = ("law", "onset_pressure", "number")
 
-# Strain of a modulus over phi - phi_J, and tolerance of its relaxations: balanced contacts know
-# their forces to 1e-8.
+# Strain of a modulus over phi - phi_J, and tolerance of its relaxations: the forces of
+# balanced contacts are exact to 1e-8.
 _STRAIN, _MODULUS_TOLERANCE = 0.01, 1e-8
 
 # A packing has rearranged if its pressure rises by so much more or less than the integral of the
 # bulk modulus, relative to the latter.
 _REARRANGED = 0.25
 
-# Means are fitted if they are over so many packings, and so many standard errors above zero.
+# A mean is fitted if it is over at least this many packings and at least this many standard errors
+# above zero.
 _FEWEST_PACKINGS, _STANDARD_ERRORS = 3, 2.0
 
 Row = dict[str, Any]

@@ -58,11 +58,13 @@ def _value(text: str) -> bool | int | float:
 
 
 def write_tables(folder: Path, onsets: Sequence[Row], scaling: Sequence[Row]) -> None:
-    """Write the compressed packings, then the onsets, whose rows imply that the former are there.
+    """Write both tables.
+
+    The compressed packings are written first: a row of an onset means that they are complete.
 
     Args:
         folder: of the ensemble.
-        onsets: a row a packing, see `measure`.
+        onsets: a row per packing, see `measure`.
         scaling: rows of compressed packings, see `measure`.
     """
     for name, rows in ((SCALING, scaling), (TABLE, onsets)):

@@ -8,7 +8,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Style:
-    """Color, marker and line of one law; each of the three alone tells laws apart."""
+    """Color, marker and line of one law; laws differ in each of the three."""
 
     color: str
     marker: str

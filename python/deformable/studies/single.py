@@ -128,7 +128,7 @@ def squeeze(
             tolerance is not positive.
     """
     positive("step", step)
-    largest = 0.5 * beads.radius  # lest walls pass beads
+    largest = 0.5 * beads.radius  # so that walls do not pass beads
     step = min(step, largest) if stick else largest
     indentations = list(indentations)
     for before, a in pairwise([0.0, *indentations]):

@@ -104,9 +104,9 @@ def test_no_report_in_a_run_nor_the_reverse(
     (tmp_path / "report").mkdir()
     (tmp_path / "report" / "report.json").write_text(json.dumps({}))
     line = run("compress", "--out", "report", "--overwrite", cwd=tmp_path)
-    assert line == "error: 'report' holds a report: name another folder\n"
+    assert line.startswith("error: 'report' holds a report")
     line = run("report", "--resume", "--out", "report", cwd=tmp_path)
-    assert line == "error: nothing to resume: 'report' holds no parts of a report\n"
+    assert line.startswith("error: nothing to resume: 'report'")
     assert refuse(tmp_path / "report", but="report") == tmp_path / "report"
 
 
@@ -129,5 +129,5 @@ def test_a_folder_is_no_file(
             deformable.compress_in("", sim, 0.01, 1)
     for options in ((), ("--resume",), ("--overwrite",)):
         line = run("compress", "--out", "file", *options, cwd=tmp_path)
-        assert line == "error: 'file' is a file, not a folder: name another folder\n"
+        assert line.startswith("error: 'file' is a file")
     assert file.read_text() == "kept"

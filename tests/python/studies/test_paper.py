@@ -163,13 +163,13 @@ def test_seconds_are_those_of_a_processor() -> None:
     "indentations", [[0.0], [-0.01], [0.02, 0.02], [0.02, 0.01], [float("nan")], [0.05, 1.0]]
 )
 def test_indentations_that_do_not_rise_are_refused(indentations: list[float]) -> None:
-    with pytest.raises(ParameterError, match=f"to {indentations[-1]:g}: indentations must rise"):
+    with pytest.raises(ParameterError, match=f"to {indentations[-1]:g}: indentations"):
         squeeze(regular(4), indentations, Beads(radius=0.1), stick=False)
 
 
 @pytest.mark.parametrize("step", [0.0, -1.0, float("nan")])
 def test_steps_that_lead_nowhere_are_refused(step: float) -> None:
-    with pytest.raises(ParameterError, match=f"step must be a positive number, not {step}"):
+    with pytest.raises(ParameterError, match=rf"^step .* {step}$"):
         squeeze(regular(4), [0.01], Beads(radius=0.1), stick=True, step=step)
 
 
