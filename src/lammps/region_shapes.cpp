@@ -16,6 +16,8 @@ constexpr double FAR_PRISM =
     1e9;    // squares of distances must not exceed the 1e20 of region prism
 constexpr double ANY_DISTANCE = 1e300;
 constexpr double NO_FACE = 1e15;    // faces of a prism that are farther away are INF
+const char *const LEANS =
+    "is a prism with faces that are not perpendicular to the xy plane: give it xz = yz = 0";
 const char *const OFF_PLANE = "does not cross the plane z = 0 of the particles";
 
 const Region::Contact *outer_contact(Region *region, double x, double y, double cutoff)
@@ -73,38 +75,47 @@ std::string read_block(Region *region, WallShape &shape)
   return shape.planes.empty() ? "has no surface in the xy plane" : "";
 }
 
-// A point in the middle, between the points nearest to two far ones, has contacts with all faces.
+// Returns false without planes if the point lies on a face, with planes if faces lean.
+bool read_prism_faces(Region *region, double *inside, WallShape &shape)
+{
+  shape.planes.clear();
+  bool leans = false, on_face = false;
+  const int n = region->surface_interior(inside, NO_FACE);
+  for (int m = 0; m < n; ++m) {
+    const Region::Contact &face = region->contact[m];
+    if (face.iwall < 2) continue;    // above or below
+    const double length = std::hypot(face.delx, face.dely);
+    leans = leans || face.delz != 0.0;
+    on_face = on_face || length == 0.0;
+    const double nx = -face.delx / length, ny = -face.dely / length;
+    shape.planes.push_back({nx, ny, nx * inside[0] + ny * inside[1] + length});
+  }
+  if (on_face) shape.planes.clear();
+  return !leans && !shape.planes.empty();
+}
+
+// A point inside, between the points nearest to two others, has contacts with all faces. The nearer it is to the
+// origin, the less is lost to rounding.
 std::string read_prism(Region *region, WallShape &shape)
 {
   bool crosses = false;
   const double directions[][2] = {{0.8, 0.6}, {0.6, -0.8}, {1.0, 0.1}, {0.1, 1.0}};
-  for (const double *u : directions) {
-    double middle[3] = {0.0, 0.0, 0.0};
-    for (const double sign : {-0.5, 0.5}) {
-      const double x = 2.0 * sign * FAR_PRISM * u[0], y = 2.0 * sign * FAR_PRISM * u[1];
-      const Region::Contact *contact = outer_contact(region, x, y, NO_FACE);
-      if (!contact) continue;
-      crosses = crosses || contact->delz == 0.0;
-      middle[0] += 0.5 * (x - contact->delx);
-      middle[1] += 0.5 * (y - contact->dely);
+  for (const double distance : {1e3, 1e6, FAR_PRISM})
+    for (const double *u : directions) {
+      double middle[3] = {0.0, 0.0, 0.0};
+      for (const double sign : {-1.0, 1.0}) {
+        const double x = sign * distance * u[0], y = sign * distance * u[1];
+        const Region::Contact *contact = outer_contact(region, x, y, NO_FACE);
+        if (!contact) continue;
+        crosses = crosses || contact->delz == 0.0;
+        middle[0] += 0.5 * (x - contact->delx);
+        middle[1] += 0.5 * (y - contact->dely);
+      }
+      if (!region->inside(middle[0], middle[1], 0.0)) continue;
+      if (read_prism_faces(region, middle, shape)) return "";
+      if (!shape.planes.empty()) return LEANS;
     }
-    if (!region->inside(middle[0], middle[1], 0.0)) continue;
-    const int n = region->surface_interior(middle, NO_FACE);
-    for (int m = 0; m < n; ++m) {
-      const Region::Contact &face = region->contact[m];
-      const double length = std::hypot(face.delx, face.dely);
-      if (length == 0.0) continue;    // above or below
-      if (face.delz != 0.0)
-        return "is a prism with faces that are not perpendicular to the xy plane: give it xz = yz "
-               "= 0";
-      const double nx = -face.delx / length, ny = -face.dely / length;
-      shape.planes.push_back({nx, ny, nx * middle[0] + ny * middle[1] + length});
-    }
-    return shape.planes.empty() ? "has no surface in the xy plane" : "";
-  }
-  return crosses ? "is a prism whose shape cannot be found: give it no INF in x and y, or use a "
-                   "block or planes"
-                 : OFF_PLANE;
+  return crosses ? "has no faces in x and y: use a block or planes" : OFF_PLANE;
 }
 
 // Region::Contact::radius, made for granular particles, is twice the radius of a cylinder and the radius of a

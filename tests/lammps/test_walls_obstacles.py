@@ -80,6 +80,19 @@ def test_ways_to_write_a_square(law, walls):
     same(SQUARE, walls, law, X)
 
 
+@pytest.mark.parametrize(
+    ("prism", "block"),
+    [
+        ("INF INF 0 1 INF INF 0 0 0 side out", "INF INF 0 1 INF INF side out"),
+        ("0 INF 0 1 INF INF 0 0 0 side out", "0 INF 0 1 INF INF side out"),
+        ("-1.5 INF -3 1.95 -1 1 0 0 0", "-1.5 INF -3 1.95 INF INF"),
+    ],
+)
+def test_prisms_without_end(prism, block):
+    walls = [f"region pillar {r}\n{WALL}" for r in (f"prism {prism}", f"block {block}")]
+    same(*walls, "ring contact radical", np.array([[-0.6, 1.4]]), ["unit"])
+
+
 @laws
 def test_segment_and_disk_in_words(law):
     segment = f"{PILLARS['segment']}\n{WALL}"
