@@ -195,7 +195,7 @@ class Simulation(FormerAttributes, Engine):
         by_particle = self.lmp.extract_setting("radius_flag")
         self._particle_radii = gather(self.lmp, "radius", 1) if by_particle else None
         radius = self._radii[species] if self._particle_radii is None else self._particle_radii
-        radius = radius - self.law.species(self._radii)[species, 2]
+        radius = radius - self.law.species_parameters(self._radii).skin[species]
         strain = 1.0 - area / (np.pi * radius**2) + perimeter / (2.0 * np.pi * radius) - 1.0
         self._largest_pressure = float(pressure.max())
         self._loose = bool(strain.max() <= _ROUND)

@@ -52,15 +52,16 @@ def species_file(law: Law, radii: Sequence[float] | NDArray[np.float64]) -> str:
     """Text of the species file for species of these radii [length], named s1, s2, ...
 
     Raises:
-        ParameterError: see `Ring.species`.
+        ParameterError: see `Ring.species_parameters`.
     """
+    columns = np.column_stack([radii, *law.species_parameters(radii)])
     lines = [
         "# UNITS: lj CONTRIBUTOR: written by lammps-deformable",
         "# name radius[length] kA[energy/length^4] kP[energy/length^2] skin[length]",
     ]
     lines += [
         " ".join([f"s{n}", *map(repr, values)])
-        for n, values in enumerate(np.column_stack([radii, law.species(radii)]).tolist(), start=1)
+        for n, values in enumerate(columns.tolist(), start=1)
     ]
     return "\n".join(lines) + "\n"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +17,24 @@ from ..common.validate import positive, shown
 # A ring of constant perimeter bulges by (pi/2 - 1) R at most, when it is pressed flat. A reach f
 # finds the lines of much smaller neighbors up to (1 + f + 1/(1 + f)) R/2, so that 1.8 is enough.
 _FARTHEST_REACH = 3.0
+
+
+class SpeciesParameters(NamedTuple):
+    """Parameters of a law, each one an array of shape (species,).
+
+    Attributes:
+        kA: area stiffness [energy/length^4].
+        kP: perimeter stiffness [energy/length^2].
+        skin: thickness of the rigid skin [length].
+    """
+
+    kA: NDArray[np.float64]
+    kP: NDArray[np.float64]
+    skin: NDArray[np.float64]
+
+    def of(self, species: NDArray[np.int64]) -> SpeciesParameters:
+        """The parameters of particles of these species, arrays of shape (N,)."""
+        return SpeciesParameters(*(values[species] for values in self))
 
 
 @dataclass(frozen=True)
@@ -85,8 +104,8 @@ class Ring:
         """Stiffness of a particle's only contact, if it is weak: 0 [energy/length^2]."""
         return 0.0
 
-    def species(self, radii: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
-        """kA, kP and skin of species of these radii [length], shape (species, 3).
+    def species_parameters(self, radii: Sequence[float] | NDArray[np.float64]) -> SpeciesParameters:
+        """The parameters of species of these radii [length].
 
         Raises:
             ParameterError: there is another number of species, or a skin is not thinner than the
@@ -95,7 +114,7 @@ class Ring:
         kA, kP, skin = (per_species(values, len(radii)) for values in (self.kA, self.kP, self.skin))
         for thickness, radius in zip(skin, radii, strict=True):
             _refuse(core.invalid_skin(thickness, radius))
-        return np.column_stack([kA, kP, skin])
+        return SpeciesParameters(np.array(kA), np.array(kP), np.array(skin))
 
     def outline(
         self,
@@ -174,9 +193,10 @@ class Sector:
         """
         return min(self.kA, self.kP) / (2.0 * radius) ** 2
 
-    def species(self, radii: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
-        """kA, kP and skin, which is 0, of species of these radii [length], shape (species, 3)."""
-        return np.array([(self.kA, self.kP, 0.0)] * len(radii))
+    def species_parameters(self, radii: Sequence[float] | NDArray[np.float64]) -> SpeciesParameters:
+        """As for `Ring`: the same for all species, without a skin."""
+        kA, kP, skin = np.tile([[self.kA], [self.kP], [0.0]], len(radii))
+        return SpeciesParameters(kA, kP, skin)
 
     def outline(
         self,

@@ -47,7 +47,7 @@ def longest_step(packing: Packing, law: Law, pressure: float, temperature: float
         pressure: the largest pressure inside a particle [energy/length^2].
         temperature: of the motion [energy].
     """
-    kA, kP, skin = law.species(packing.radii)[packing.species].T
+    kA, kP, skin = law.species_parameters(packing.radii).of(packing.species)
     stiffness = float(np.minimum(kA, kP / (packing.radius - skin) ** 2).max())
     hot = np.sqrt(2.0 * stiffness * _HOT * temperature)
     at_rest = _AT_REST * stiffness * float(packing.radius.min()) ** 2

@@ -148,7 +148,7 @@ def natural_pressure(packing: Packing, law: Law | None) -> float:
     if law is None:
         return 1.0
     r0 = float(packing.radius.mean())
-    kA, kP, _ = law.species(packing.radii)[packing.species].T
+    kA, kP, _ = law.species_parameters(packing.radii).of(packing.species)
     return float(np.mean(1.0 / (1.0 / (kA * r0**2) + 1.0 / kP)))
 
 

@@ -112,7 +112,7 @@ class State(ContactNetwork):
     @property
     def _skin(self) -> NDArray[np.float64]:
         """Thickness of the rigid skin of each particle, shape (N,) [length]."""
-        return self.law.species(self.packing.radii)[self.packing.species, 2]
+        return self.law.species_parameters(self.packing.radii).skin[self.packing.species]
 
     @property
     def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

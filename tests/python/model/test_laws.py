@@ -8,12 +8,17 @@ import numpy as np
 import pytest
 
 
+def rows(law: deformable.Ring | deformable.Sector, radii: list[float]) -> list[list[float]]:
+    """kA, kP and skin of each species."""
+    return np.column_stack(law.species_parameters(radii)).tolist()
+
+
 def test_species_with_stiffnesses_of_their_own() -> None:
     ring = deformable.Ring(kA=[1.0, math.inf], kP=np.array([math.inf, 2.0]), skin=0.1)
     assert ring == deformable.Ring(kA=(1, math.inf), kP=(math.inf, 2), skin=0.1)
-    assert ring.species([0.5, 0.7]).tolist() == [[1.0, math.inf, 0.1], [math.inf, 2.0, 0.1]]
+    assert rows(ring, [0.5, 0.7]) == [[1.0, math.inf, 0.1], [math.inf, 2.0, 0.1]]
     with pytest.raises(deformable.ParameterError, match="there are 3 species"):
-        ring.species([0.5, 0.6, 0.7])
+        ring.species_parameters([0.5, 0.6, 0.7])
     with pytest.raises(deformable.ParameterError, match="not 2, 3 and 1 numbers"):
         deformable.Ring(kA=[1.0, 2.0], kP=[1.0, 2.0, 3.0])
 
@@ -35,7 +40,7 @@ def test_sector_conserves_perimeter_or_area() -> None:
     assert deformable.Sector() == deformable.Sector(kA=1.0)
     assert deformable.Sector().kernel == "sector"
     assert deformable.Sector(kP=3.0).kernel == "area_sector"
-    assert deformable.Sector(kP=3.0).species([1.0]).tolist() == [[math.inf, 3.0, 0.0]]
+    assert rows(deformable.Sector(kP=3.0), [1.0]) == [[math.inf, 3.0, 0.0]]
 
 
 @pytest.mark.parametrize(
@@ -72,9 +77,9 @@ def test_wrong_parameters_are_named(law: Any, wrong: dict[str, Any], shown: str)
 
 def test_a_skin_is_thinner_than_its_particle() -> None:
     skins = deformable.Ring(skin=[0.1, 0.7])
-    assert skins.species([0.5, 0.71])[1].tolist() == [1.0, math.inf, 0.7]
+    assert rows(skins, [0.5, 0.71])[1] == [1.0, math.inf, 0.7]
     with pytest.raises(deformable.ParameterError, match=r"skin .* radius 0\.7, not 0\.7"):
-        skins.species([0.5, 0.7])
+        skins.species_parameters([0.5, 0.7])
 
 
 def test_settings_may_be_numpy_numbers() -> None:
