@@ -19,6 +19,7 @@ from ..state.bead_state import BeadState, sum_contacts
 from .bead_start import refuse_outside, refuse_overlap, refuse_own_image, ring_file, undeformed
 from .lammps import Engine, gather, local_array, run, shared_file, silent_lammps
 from .relaxation import (
+    VIRIAL,
     Forces,
     force_rounding,
     largest_force,
@@ -140,7 +141,7 @@ class BeadReference(Engine):
                 timestep=_LARGEST_STEP / _STRETCH / rings.fastest_frequency(beads.kr),
             ),
         )
-        run(self.lmp, thermo_commands("pe"))
+        run(self.lmp, VIRIAL + thermo_commands("pe"))
         run(self.lmp, minimizer_commands(skin, dmax=0.1 * beads.radius, tmax=_STRETCH))
 
     def deform(self, box: NDArray[np.float64]) -> None:

@@ -19,6 +19,7 @@ from ..state.disk_state import DiskState
 from .lammps import Engine, gather, local_array, open_lammps, run
 from .relaxation import (
     TOLERANCE,
+    VIRIAL,
     Forces,
     force_rounding,
     largest_force,
@@ -177,5 +178,10 @@ def open_disks(packing: Packing) -> lammps:
     else:
         run(lmp, _GRAINS)
     run(lmp, _CONTACTS.format(cutoff="type" if by_species else "radius"))
-    run(lmp, thermo_commands("") + minimizer_commands(skin=0.3 * smallest, dmax=0.01 * smallest))
+    run(
+        lmp,
+        VIRIAL
+        + thermo_commands("")
+        + minimizer_commands(skin=0.3 * smallest, dmax=0.01 * smallest),
+    )
     return lmp

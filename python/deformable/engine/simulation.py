@@ -27,6 +27,7 @@ from .lammps import (
 )
 from .relaxation import (
     TOLERANCE,
+    VIRIAL,
     Forces,
     largest_force,
     minimize_command,
@@ -62,6 +63,9 @@ _WAY_OUT = " (push_off separates overlaps, jam does so by itself)"
 _PATIENCE = 60_000
 
 
+_THERMO = thermo_commands("pe c_beyond[1]").strip()
+
+
 class Simulation(FormerAttributes, Engine):
     """Deformable particles in LAMMPS.
 
@@ -74,7 +78,9 @@ class Simulation(FormerAttributes, Engine):
             rank runs a simulation of its own, the fast way for many small packings.
 
     Attributes:
-        lmp: the LAMMPS instance, for any command of LAMMPS.
+        lmp: the LAMMPS instance, for any command of LAMMPS. Particles may be added, deleted or
+            changed as long as their IDs stay 1 to N; the law, its species and the thermo output
+            belong to this object.
         law: the contact law.
         comm: the communicator.
 
@@ -116,8 +122,8 @@ class Simulation(FormerAttributes, Engine):
         self.lmp = open_lammps(packing, self.comm)
         with shared_file(self.comm, species) as file:
             run(self.lmp, law_commands(packing, law, file))
-        run(self.lmp, f"compute beyond all pair {pair_style(law)}")
-        run(self.lmp, thermo_commands("pe c_beyond[1]"))
+        run(self.lmp, f"{VIRIAL}\ncompute beyond all pair {pair_style(law)}")
+        run(self.lmp, _THERMO)
         smallest = float(packing.radius.min())
         stiffness = law.single_contact_stiffness(smallest)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
@@ -177,9 +183,12 @@ class Simulation(FormerAttributes, Engine):
 
     def _evaluate(self, minimum_contact_force: float = 0.0) -> Forces:
         """Bring forces and results of the particles up to date; returns the forces."""
+        # commands given to `lmp` may have changed particles and output
+        self._species = species = gather(self.lmp, "type", 1).astype(np.int64) - 1
         results = " ".join(f"{name} 0" for name in _RESULTS)
         run(
             self.lmp,
+            f"{_THERMO}\n"
             f"fix results all pair 1 {pair_style(self.law)} {results}\n"
             "compute contact_rows all deformable/contact",
         )
@@ -191,7 +200,6 @@ class Simulation(FormerAttributes, Engine):
             run(self.lmp, "unfix results\nuncompute contact_rows")
 
         area, perimeter, contacts, pressure, _, length = self._results.T
-        species = np.array(self.lmp.gather("type", 0, 1)) - 1
         by_particle = self.lmp.extract_setting("radius_flag")
         self._particle_radii = gather(self.lmp, "radius", 1) if by_particle else None
         radius = self._radii[species] if self._particle_radii is None else self._particle_radii

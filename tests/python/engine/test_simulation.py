@@ -95,11 +95,13 @@ def test_past_confluence_warns(jammed: deformable.Packing) -> None:
     assert (state.arc_radius < 0).sum() == state.beyond
 
 
-def test_unjamming_warns(jammed: deformable.Packing) -> None:
-    with deformable.Simulation(jammed.at(jammed.phi * 1.01), deformable.Ring()) as sim:
+def test_unjamming_warns() -> None:
+    """A row that spans the box bears a force as long as it is straight."""
+    places = [[0.975 * n, 5.0] for n in range(4)]
+    row = deformable.Packing(places, [0] * 4, [0.5], [[3.9, 0.0], [0.0, 10.0]])
+    with deformable.Simulation(row, deformable.Ring()) as sim:
         assert sim.relax().energy > 0
-        sim.lmp.command("displace_atoms all random 1e-9 1e-9 0 1 units box")
-        sim.lmp.command("set type 2 type 1")  # smaller particles at the same place are loose
+        sim.lmp.command("displace_atoms all random 0 0.3 0 4 units box")
         with pytest.warns(deformable.UnjammedWarning, match="lost its rigidity"):
             sim.relax()
 
@@ -168,3 +170,34 @@ def test_errors_for_deep_overlaps_name_push_off(law: deformable.Ring | deformabl
                 call()
     with deformable.Simulation(deformable.push_off(packing), law) as sim:
         assert sim.state().energy > 0.0
+
+
+@pytest.mark.parametrize(
+    "commands",
+    [
+        ["set atom 1 type 2"],
+        ["group one id 3", "delete_atoms group one"],
+        ["create_atoms 1 single 0.5 0.5 0.0", "delete_atoms overlap 0.9 all all"],
+        ["thermo_style one"],
+    ],
+)
+def test_states_follow_commands_of_lammps(
+    commands: list[str], jammed: deformable.Packing, tmp_path: Path
+) -> None:
+    """What is saved has the energy of the state, whatever LAMMPS was told before."""
+    with deformable.Simulation(jammed.at(0.87), deformable.Ring()) as sim:
+        for command in commands:
+            sim.lmp.command(command)
+        state = sim.relax()
+        state.save(tmp_path)
+        assert len(state.packing) == sim.lmp.get_natoms()
+    with deformable.load(tmp_path) as again:
+        assert again.state().energy == pytest.approx(state.energy, rel=1e-9)
+
+
+def test_gaps_in_ids_are_named(jammed: deformable.Packing) -> None:
+    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+        sim.lmp.command("group one id 3")
+        sim.lmp.command("delete_atoms group one compress no")
+        with pytest.raises(deformable.LammpsError, match="reset_atoms id"):
+            sim.state()
