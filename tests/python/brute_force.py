@@ -1,7 +1,10 @@
-"""What states should be by the kernels, from all pairs and images, without LAMMPS."""
+"""What states should be: by the kernels, from all pairs, and by differences of the energy."""
+
+from dataclasses import replace
 
 import deformable
 import numpy as np
+import pytest
 from deformable import core
 
 
@@ -49,3 +52,16 @@ def brute_force_rattlers(contacts: dict[tuple[int, int, int, int], bool], number
         if now == rattlers:
             return rattlers
         rattlers = now
+
+
+def check_pressure(packing: deformable.Packing) -> None:
+    """The pressure is -dE/d(area of the box)."""
+    energy = []
+    for factor in (1.0 - 1e-6, 1.0 + 1e-6):
+        scaled = replace(packing, positions=packing.positions * factor, box=packing.box * factor)
+        with deformable.Simulation(scaled, deformable.Ring()) as sim:
+            energy.append(sim.state().energy)
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        pressure = sim.state().pressure
+    area = np.prod(packing.box.diagonal())
+    assert pressure == pytest.approx(-(energy[1] - energy[0]) / (4e-6 * area), rel=1e-6)

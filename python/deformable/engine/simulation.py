@@ -62,7 +62,7 @@ _WAY_OUT = " (push_off separates overlaps, jam does so by itself)"
 # falls by decades in a packing that loosens, while its ratio to the mean force may stay the same.
 _PATIENCE = 60_000
 
-
+# Set anew before each state: the energy of a state must not depend on the thermo output of a user.
 _THERMO = thermo_commands("pe c_beyond[1]").strip()
 
 
@@ -183,7 +183,7 @@ class Simulation(FormerAttributes, Engine):
 
     def _evaluate(self, minimum_contact_force: float = 0.0) -> Forces:
         """Bring forces and results of the particles up to date; returns the forces."""
-        # commands given to `lmp` may have changed particles and output
+        # commands given to `lmp` may have changed the particles
         self._species = species = gather(self.lmp, "type", 1).astype(np.int64) - 1
         results = " ".join(f"{name} 0" for name in _RESULTS)
         run(
