@@ -31,6 +31,12 @@ if TYPE_CHECKING:
     from .model.packing import Packing as Packing
     from .model.packing import bidisperse as bidisperse
     from .model.packing import polydisperse as polydisperse
+    from .model.wall_shapes import Circle as Circle
+    from .model.wall_shapes import Disk as Disk
+    from .model.wall_shapes import Plane as Plane
+    from .model.wall_shapes import Polygon as Polygon
+    from .model.wall_shapes import Segment as Segment
+    from .model.wall_shapes import rectangle as rectangle
     from .model.walls import Walls as Walls
     from .protocols.compression import compress as compress
     from .protocols.jamming import jam as jam
@@ -60,7 +66,9 @@ _HOMES = {
     "BeadState": "state.bead_state",
     "Beads": "model.beads",
     "BeyondModelWarning": "common.errors",
+    "Circle": "model.wall_shapes",
     "Comparison": "studies.comparison",
+    "Disk": "model.wall_shapes",
     "DiskState": "state.disk_state",
     "Disks": "engine.disks",
     "FileError": "common.errors",
@@ -68,8 +76,11 @@ _HOMES = {
     "Modulus": "protocols.moduli",
     "Packing": "model.packing",
     "ParameterError": "common.errors",
+    "Plane": "model.wall_shapes",
+    "Polygon": "model.wall_shapes",
     "Ring": "model.laws",
     "Sector": "model.laws",
+    "Segment": "model.wall_shapes",
     "Simulation": "engine.simulation",
     "StalledWarning": "common.errors",
     "State": "state.state",
@@ -88,6 +99,7 @@ _HOMES = {
     "predict": "studies.comparison",
     "push_off": "protocols.jamming",
     "record": "runs.record",
+    "rectangle": "model.wall_shapes",
     "replay": "runs.replay",
     "resolve_secondary": "state.secondary",
     "resume": "runs.resume",

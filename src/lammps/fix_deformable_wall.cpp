@@ -24,7 +24,7 @@ FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg) : Fix(lm
     if (narg > 4)
       error->all(FLERR, 4,
                  "Unknown fix deformable/wall argument '{}': it needs a region ID only, or shapes "
-                 "that begin with 'plane', 'disk', 'segment' or 'polygon'",
+                 "that begin with 'plane', 'circle', 'disk', 'segment' or 'polygon'",
                  arg[4]);
     region_id = arg[3];
     if (!domain->get_region_by_id(region_id))

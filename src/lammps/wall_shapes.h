@@ -52,7 +52,8 @@ struct WallSources {
   // The walls of a region. Returns what is wrong, or nothing.
   std::string read_region(Region *, double x, double y);
 
-  // Walls from words, at rest: plane x y nx ny, disk x y radius, segment x1 y1 x2 y2, polygon N x1 y1 ... xN yN.
+  // Walls from words, at rest: plane x y nx ny, circle x y radius, disk x y radius, segment x1 y1 x2 y2,
+  // polygon N x1 y1 ... xN yN.
   // Returns what is wrong, or nothing.
   std::string read_words(int narg, char **arg, class LAMMPS *);
   static bool is_word(const std::string &);

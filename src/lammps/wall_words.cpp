@@ -1,55 +1,32 @@
 // Walls that are written as words of the fix, without a region.
 
+#include "convex_polygon.h"
 #include "wall_shapes.h"
 
 #include "lammps.h"
 #include "utils.h"
 
-#include <algorithm>
 #include <cmath>
 
 using namespace LAMMPS_NS;
+using namespace deformable;
 
 namespace {
 
-struct Point {
-  double x, y;
-};
-
-// The half plane to the left of the line from a to b.
-deformable::HalfPlane left_of(Point a, Point b)
+// Returns what is wrong with the corners, or nothing.
+std::string read_polygon(const std::vector<Point> &corners, WallShape &shape)
 {
-  const double dx = b.x - a.x, dy = b.y - a.y, length = std::hypot(dx, dy);
-  const double nx = dy / length, ny = -dx / length;
-  return {nx, ny, nx * a.x + ny * a.y};
-}
-
-// Twice the area of a triangle, positive if its corners come counterclockwise.
-double turn(Point a, Point b, Point c)
-{
-  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-}
-
-// Corners in either order. Returns what is wrong, or nothing.
-std::string read_polygon(std::vector<Point> corners, WallShape &shape)
-{
-  const int n = static_cast<int>(corners.size());
-  double area = 0.0;
-  for (int k = 2; k < n; ++k) area += turn(corners[0], corners[k - 1], corners[k]);
-  if (area < 0.0) std::reverse(corners.begin(), corners.end());
-  double angle = 0.0;    // that the sides turn by altogether: more than once around in a star
-  for (int k = 0; k < n; ++k) {
-    const Point a = corners[k], b = corners[(k + 1) % n], c = corners[(k + 2) % n];
-    const double sine = turn(a, b, c);
-    const double cosine = (b.x - a.x) * (c.x - b.x) + (b.y - a.y) * (c.y - b.y);
-    if (!(sine > 0.0))
+  Point wrong;
+  switch (polygon_planes(corners, shape.planes, wrong)) {
+    case Corners::CONVEX:
+      return "";
+    case Corners::NOT_CONVEX:
       return fmt::format("is not convex at its corner ({:.6g}, {:.6g}): divide it into convex "
                          "polygons, and leave out corners within its sides",
-                         b.x, b.y);
-    angle += std::atan2(sine, cosine);
-    shape.planes.push_back(left_of(a, b));
+                         wrong.x, wrong.y);
+    default:
+      return "crosses itself: give its corners in the order around it";
   }
-  return angle < 7.0 ? "" : "crosses itself: give its corners in the order around it";
 }
 
 }    // namespace
@@ -58,7 +35,8 @@ std::string read_polygon(std::vector<Point> corners, WallShape &shape)
 
 bool WallSources::is_word(const std::string &word)
 {
-  return word == "plane" || word == "disk" || word == "segment" || word == "polygon";
+  return word == "plane" || word == "circle" || word == "disk" || word == "segment" ||
+      word == "polygon";
 }
 
 /* ---------------------------------------------------------------------- */
@@ -68,8 +46,10 @@ std::string WallSources::read_words(int narg, char **arg, LAMMPS *lmp)
   for (int iarg = 0; iarg < narg;) {
     const std::string word = arg[iarg];
     if (!is_word(word))
-      return "unknown word '" + word + "': it must be 'plane', 'disk', 'segment' or 'polygon'";
-    int first = iarg + 1, values = word == "disk" ? 3 : 4;
+      return "unknown word '" + word +
+          "': it must be 'plane', 'circle', 'disk', 'segment' or 'polygon'";
+    const bool round = word == "circle" || word == "disk";
+    int first = iarg + 1, values = round ? 3 : 4;
     if (word == "polygon") {
       if (first >= narg) return "polygon: missing its number of corners";
       const int corners = utils::inumeric(FLERR, arg[first++], false, lmp);
@@ -90,7 +70,7 @@ std::string WallSources::read_words(int narg, char **arg, LAMMPS *lmp)
     shape.name = fmt::format("{} {}", word, walls.size() + 1);
     std::string problem;
     const Point a = {value[0], value[1]};
-    if (word == "disk") {
+    if (round) {
       shape.x = a.x;
       shape.y = a.y;
       shape.radius = value[2];
@@ -102,11 +82,7 @@ std::string WallSources::read_words(int narg, char **arg, LAMMPS *lmp)
     } else if (word == "segment") {
       const Point b = {value[2], value[3]};
       if (a.x == b.x && a.y == b.y) problem = "has no length";
-      const Point up = {a.y - b.y, b.x - a.x};
-      shape.planes = {left_of(a, b), left_of(b, {b.x + up.x, b.y + up.y}), left_of(b, a),
-                      left_of({a.x + up.x, a.y + up.y}, a)};
-      // the same line from both sides, whatever the rounding
-      shape.planes[2] = {-shape.planes[0].nx, -shape.planes[0].ny, -shape.planes[0].offset};
+      shape.planes = segment_planes(a, b);
     } else {
       std::vector<Point> corners;
       for (int k = 0; k < values; k += 2) corners.push_back({value[k], value[k + 1]});
@@ -115,7 +91,7 @@ std::string WallSources::read_words(int narg, char **arg, LAMMPS *lmp)
     if (!problem.empty()) return shape.name + " " + problem;
 
     const int index = static_cast<int>(shapes.size()), n = static_cast<int>(shape.planes.size());
-    WallSource wall = {n == 0   ? WallSource::DISK
+    WallSource wall = {n == 0   ? (word == "disk" ? WallSource::DISK : WallSource::RIM)
                        : n == 1 ? WallSource::FACE
                                 : WallSource::POLYGON,
                        shape.name,

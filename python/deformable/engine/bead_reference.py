@@ -86,6 +86,11 @@ class BeadReference(Engine):
         self.beads = beads = Beads() if beads is None else beads
         self.comm = MPI.COMM_WORLD if comm is None else comm
         packing = self.comm.bcast(packing)
+        if packing.walls:
+            raise ParameterError(
+                "rings of beads have no walls but `Walls` around a single one: replace the packing "
+                "by one without walls"
+            )
         if packing.particle_radii is not None:
             raise ParameterError(
                 "rings of beads have the radii of their species: give each size a species of its "

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations_with_replacement
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from mpi4py import MPI
+from numpy.typing import NDArray
 
 from ..common.errors import StalledWarning
 from ..common.renamed import former_arguments
 from ..common.validate import expect, positive
 from ..io.lammps_commands import minimizer_commands
 from ..model.packing import Packing
+from ..model.room import Distances, check_fit
+from ..model.wall_shapes import Wall
 from ..state.disk_state import DiskState
 from .lammps import Engine, gather, local_array, open_lammps, run
 from .relaxation import (
@@ -54,6 +58,12 @@ _SAME_PLACE = 1e-12
 _SEPARATION = 1e-3
 _GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
 
+# Walls repel disks as other disks do, U = k/2 (R - h)^2 at the distance h.
+_WALLS = """
+fix walls all external pf/callback 1 1
+fix_modify walls energy yes virial yes
+"""
+
 # Iterations after which a relaxation counts as stalled: large packings relax slowly near the onset.
 _PATIENCE = 2_000_000
 
@@ -61,20 +71,64 @@ _PATIENCE = 2_000_000
 class Disks(Engine):
     """Soft disks in LAMMPS, U = k/2 (R_i + R_j - d)^2 of each pair that overlaps, k = 1.
 
+    A wall at the distance h adds k/2 (R - h)^2. It does not stop a disk whose center has passed it.
+
     Every rank of an MPI run does the same work: relaxation near jamming is chaotic, so that results
     of shared work would depend on the number of ranks.
 
     Args:
-        packing: where the disks start; overlaps are allowed. Centers at one place are separated.
+        packing: where the disks start, and walls; overlaps are allowed. Centers at one place are
+            separated.
 
     Attributes:
         lmp: the LAMMPS instance, for any command of LAMMPS.
+
+    Raises:
+        ParameterError: no packing, or an obstacle that does not fit into the periodic box.
     """
 
     def __init__(self, packing: Packing) -> None:
         expect("packing", packing, Packing)
         self._start = _separated(packing)
+        self._follow(packing.walls, packing.box)
         self.lmp = open_disks(self._start)
+        if self._walls:
+            run(self.lmp, _WALLS)
+            self.lmp.set_fix_external_callback("walls", self._repel)
+
+    @property
+    def walls(self) -> tuple[Wall, ...]:
+        """The walls, where they are now."""
+        return self._walls
+
+    def _follow(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
+        check_fit(walls, box, float(self._start.radius.max()))
+        self._walls, self._distances = walls, Distances(walls, box)
+
+    def _wall_contacts(
+        self, x: NDArray[np.float64], number: NDArray[np.int64]
+    ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], Any]]:
+        """Rows of x that overlap with each wall, their overlaps, forces, shape (M, 2), and virial.
+
+        Args:
+            x: positions, shape (n, 2) [length].
+            number: of the disks at these positions, from 0, shape (n,).
+        """
+        for out, height in self._distances(x):
+            overlap = self._start.radius[number] - height
+            touching = np.flatnonzero(overlap > 0.0)
+            out, overlap, height = out[touching], overlap[touching], height[touching]
+            yield touching, overlap, -overlap[:, None] * out, (out.T * (overlap * height)) @ out
+
+    def _repel(self, _caller: Any, _step: int, _n: int, tag: Any, x: Any, f: Any) -> None:
+        """Forces of the walls, for LAMMPS."""
+        f[:] = 0.0
+        virial = np.zeros((2, 2))
+        for touching, _, force, part in self._wall_contacts(x[:, :2], tag - 1):
+            f[touching, :2] += force
+            virial += part
+        (xx, xy), (_, yy) = virial.tolist()
+        self.lmp.fix_external_set_virial_global("walls", [xx, yy, 0.0, xy, 0.0, 0.0])
 
     @former_arguments(bearing="minimum_contact_force")
     def relax(self, tolerance: float = TOLERANCE, minimum_contact_force: float = 0.0) -> DiskState:
@@ -131,18 +185,32 @@ class Disks(Engine):
         """The forces of the last run, see `relax`."""
         self._contact_forces = local_array(self.lmp, "overlaps", 2)[:, 1]
         self._pairs = local_array(self.lmp, "pairs", 2).astype(np.int64) - 1
+        positions = gather(self.lmp, "x", 3)[:, :2]
+        touching = [*self._wall_contacts(positions, np.arange(len(positions)))]
+        self._wall_pairs = np.array(
+            [(i, wall) for wall, (rows, *_) in enumerate(touching) for i in rows], np.int64
+        ).reshape(-1, 2)
+        overlaps = [overlap for _, overlap, *_ in touching]
+        self._contact_forces = np.concatenate([self._contact_forces, *overlaps])
         mean = float(self._contact_forces.mean()) if self._contact_forces.size else 0.0
         rounding = force_rounding(self.box, stiffness=1.0)
         return Forces(largest_force(self.lmp), minimum_contact_force or mean, rounding)
 
     def _snapshot(self, forces: Forces, stalled: bool) -> DiskState:
         """The state at the last run."""
+        packing = replace(
+            self._start,
+            positions=gather(self.lmp, "x", 3)[:, :2],
+            box=self.box,
+            walls=self._walls,
+        )
         return DiskState(
-            packing=replace(self._start, positions=gather(self.lmp, "x", 3)[:, :2], box=self.box),
+            packing=packing,
             law=None,
             energy=float(0.5 * np.sum(self._contact_forces**2)),  # of stiffness 1
-            stress=stress(self.lmp),
+            stress=stress(self.lmp, packing.area if packing.walls else None),
             pairs=self._pairs,
+            wall_pairs=self._wall_pairs,
             residual=forces.residual,
             stalled=stalled,
         )

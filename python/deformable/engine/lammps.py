@@ -15,17 +15,23 @@ from mpi4py import MPI  # before lammps, or liblammps does not find its MPI libr
 from numpy.typing import NDArray
 
 from ..common.errors import LammpsError, ParameterError
-from ..io.lammps_commands import SETUP, atom_style
+from ..io.lammps_commands import SETUP, WALL, atom_style, boundary, wall_commands
+from ..model import room
 from ..model.packing import Packing, lattice_vectors
+from ..model.wall_shapes import Wall
 
 if TYPE_CHECKING:
     from lammps import lammps
 
 # The box has the thickness 1, so that volumes are areas and pressures are right in two dimensions.
 _BOX = """
-region box prism 0 {lx!r} 0 {ly!r} -0.5 0.5 {xy!r} 0 0 units box
+region box prism {ends} -0.5 0.5 {xy!r} 0 0 units box
 create_box {species} box
 """
+
+# In LAMMPS the box goes beyond a container on each side by this part of its length: soft disks may
+# have their centers in a wall.
+_MARGIN = 0.25
 
 # LAMMPS finds neighbors by bins, which it refuses to make much wider than the box is thick.
 _LARGEST_RADIUS = 100.0
@@ -39,6 +45,8 @@ class Engine:
     Attributes:
         lmp: the LAMMPS instance.
     """
+
+    _walls: tuple[Wall, ...] = ()
 
     @property
     def lmp(self) -> lammps:
@@ -76,22 +84,56 @@ class Engine:
 
     @property
     def box(self) -> NDArray[np.float64]:
-        """Lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length]."""
+        """Lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
+
+        In directions that a container closes, the box has its length.
+        """
         low, high, xy, *_ = self.lmp.extract_box()
-        return np.array([[high[0] - low[0], 0.0], [xy, high[1] - low[1]]])
+        box = np.array([[high[0] - low[0], 0.0], [xy, high[1] - low[1]]])
+        return room.box_between(self._walls, box)
 
     def deform(self, box: NDArray[np.float64]) -> None:
-        """Give the box other lattice vectors; all positions follow affinely.
+        """Give the box other lattice vectors; all positions and walls follow affinely.
 
         Args:
             box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
 
         Raises:
-            ParameterError: the box has another form; the simulation is unchanged.
+            ParameterError: the box has another form, or one that walls cannot follow: they are not
+                sheared, and round ones stay round. The simulation is unchanged.
         """
-        (lx, _), (xy, ly) = lattice_vectors(box).tolist()
-        ends = f"x final 0 {lx!r} y final 0 {ly!r} xy final {xy!r}"
+        box = lattice_vectors(box)
+        walls = room.stretched(self._walls, self.box, box)
+        (x0, x1), (y0, y1) = _ends(walls, box)
+        ends = f"x final {x0!r} {x1!r} y final {y0!r} {y1!r} xy final {float(box[1, 0])!r}"
+        self._follow(walls, box)
         run(self.lmp, f"change_box all {ends} remap units box")
+
+    def _follow(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
+        """Take the walls of a new box."""
+        self._walls = walls
+
+
+def _ends(walls: tuple[Wall, ...], box: NDArray[np.float64]) -> list[tuple[float, float]]:
+    """Both ends of LAMMPS' box along x and y, with a margin around a container."""
+    ends = room.bounds(walls, box)
+    margin = _MARGIN * np.array(room.closed(walls)) * np.ptp(ends, axis=0)
+    (x0, y0), (x1, y1) = (ends + [-margin, margin]).tolist()
+    return [(x0, x1), (y0, y1)]
+
+
+def place_walls(lmp: lammps, walls: tuple[Wall, ...], former: tuple[Wall, ...] = ()) -> None:
+    """Define the fixes of walls, in the place of those of the former ones."""
+    run(lmp, "\n".join(f"unfix {WALL.format(n + 1)}" for n in range(len(former))))
+    run(lmp, wall_commands(walls))
+
+
+def wall_forces(lmp: lammps, walls: tuple[Wall, ...]) -> NDArray[np.float64]:
+    """Force of the particles on each wall at the last run, shape (number of walls, 2)."""
+    forces = [
+        [lmp.extract_fix(WALL.format(n + 1), 0, 1, k) for k in range(2)] for n in range(len(walls))
+    ]
+    return np.array(forces).reshape(-1, 2)
 
 
 def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
@@ -105,9 +147,10 @@ def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
             f"a radius of {largest:g} is too large for a box of thickness 1: choose a length unit "
             "in which radii are near 1"
         )
-    lmp = silent_lammps(comm, atom_style(packing))
-    (lx, _), (xy, ly) = packing.box.tolist()
-    run(lmp, _BOX.format(lx=lx, ly=ly, xy=xy, species=len(packing.radii)))
+    lmp = silent_lammps(comm, atom_style(packing), boundary(packing.walls))
+    ends = " ".join(repr(end) for pair in _ends(packing.walls, packing.box) for end in pair)
+    tilt = float(packing.box[1, 0])
+    run(lmp, _BOX.format(ends=ends, xy=tilt, species=len(packing.radii)))
     n = len(packing)
     x = np.zeros((n, 3))
     x[:, :2] = packing.positions
@@ -120,12 +163,12 @@ def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
     return lmp
 
 
-def silent_lammps(comm: MPI.Comm, style: str = "atomic") -> lammps:
-    """A LAMMPS without output, set up for two-dimensional periodic packings."""
+def silent_lammps(comm: MPI.Comm, style: str = "atomic", boundary: str = "p p") -> lammps:
+    """A LAMMPS without output, set up for two-dimensional packings, periodic if not said else."""
     from lammps import lammps
 
     lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"], comm=comm)
-    run(lmp, SETUP.format(style=style))
+    run(lmp, SETUP.format(style=style, boundary=boundary))
     return lmp
 
 

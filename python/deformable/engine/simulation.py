@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
 import warnings
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 from mpi4py import MPI
+from numpy.typing import NDArray
 
 from ..common.errors import BeyondModelWarning, LammpsError, StalledWarning, UnjammedWarning
 from ..common.renamed import FormerAttributes, former_arguments
@@ -14,7 +18,9 @@ from ..common.validate import expect, positive
 from ..io.lammps_commands import law_commands, pair_style, species_file
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing
+from ..model.room import check_centers, check_fit
 from ..model.timestep import STIFFNESS_PER_PRESSURE
+from ..model.wall_shapes import Wall, as_walls
 from ..state.contact_table import contact_table
 from ..state.state import State
 from .lammps import (
@@ -22,8 +28,10 @@ from .lammps import (
     gather,
     local_array,
     open_lammps,
+    place_walls,
     run,
     shared_file,
+    wall_forces,
 )
 from .relaxation import (
     TOLERANCE,
@@ -58,6 +66,9 @@ _ROUND = 1e-14
 _TOO_DEEP = "contact line"
 _WAY_OUT = " (push_off separates overlaps, jam does so by itself)"
 
+# How LAMMPS names a wall, whose number is in the name of its fix.
+_FIX_OF_WALL = re.compile(r"'?(\w+) 1'? of fix wall_(\d+)(?: deformable/wall)?")
+
 # Iterations without halving the largest force after which a relaxation counts as stalled. The force
 # falls by decades in a packing that loosens, while its ratio to the mean force may stay the same.
 _PATIENCE = 60_000
@@ -76,6 +87,8 @@ class Simulation(FormerAttributes, Engine):
         law: contact law, `Ring` or `Sector`.
         comm: communicator that shares the work; all ranks if not given. With `MPI.COMM_SELF` every
             rank runs a simulation of its own, the fast way for many small packings.
+        walls: one shape or several, see `Packing`; those of the packing if not given. Centers must
+            be between them: `Packing.between` and `push_off` make such packings.
 
     Attributes:
         lmp: the LAMMPS instance, for any command of LAMMPS. Particles may be added, deleted or
@@ -85,22 +98,36 @@ class Simulation(FormerAttributes, Engine):
         comm: the communicator.
 
     Raises:
-        ParameterError: no packing or no law, or radii too large for LAMMPS' neighbor bins;
-            choose another length unit.
+        ParameterError: no packing or no law; or radii too large for LAMMPS' neighbor bins, choose
+            another length unit; or a center on the wrong side of a wall, or an obstacle that does
+            not fit into the periodic box.
         LammpsError: LAMMPS refuses the packing or the law.
     """
 
     _FORMER: ClassVar[dict[str, str]] = {"model": "law"}
 
     @former_arguments(model="law")
-    def __init__(self, packing: Packing, law: Law, comm: MPI.Comm | None = None) -> None:
+    def __init__(
+        self,
+        packing: Packing,
+        law: Law,
+        comm: MPI.Comm | None = None,
+        walls: Wall | Sequence[Wall] | None = None,
+    ) -> None:
         expect("packing", packing, Packing)
         expect("law", law, Ring, Sector)
         self.law = law
         self.comm = MPI.COMM_WORLD if comm is None else comm
         packing = self.comm.bcast(packing)  # packings of different machines may differ
+        if walls is not None:
+            packing = replace(packing, walls=as_walls(walls))
         self._rigid_phi = np.inf
         self._open(packing)
+
+    @property
+    def walls(self) -> tuple[Wall, ...]:
+        """The walls, where they are now."""
+        return self._walls
 
     def restart(self, packing: Packing) -> None:
         """Start anew from a packing, with the same law: later results depend on it alone.
@@ -119,15 +146,29 @@ class Simulation(FormerAttributes, Engine):
         law = self.law
         self._species, self._radii = packing.species, packing.radii
         species = species_file(law, self._radii)  # or fail before LAMMPS is open
+        check_centers(packing.walls, packing.box, packing.positions)
+        self._check_walls(packing.walls, packing.box)
+        self._walls = packing.walls
         self.lmp = open_lammps(packing, self.comm)
         with shared_file(self.comm, species) as file:
             run(self.lmp, law_commands(packing, law, file))
+        place_walls(self.lmp, packing.walls)
         run(self.lmp, f"{VIRIAL}\ncompute beyond all pair {pair_style(law)}")
         run(self.lmp, _THERMO)
         smallest = float(packing.radius.min())
         stiffness = law.single_contact_stiffness(smallest)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
         self._single_contact_force = stiffness * smallest
+
+    def _check_walls(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
+        reach = 1.0 + (self.law.reach if isinstance(self.law, Ring) else 0.0)
+        check_fit(walls, box, reach * float(self._radii.max()))
+
+    def _follow(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
+        self._check_walls(walls, box)
+        if walls:
+            place_walls(self.lmp, walls, former=self._walls)
+        self._walls = walls
 
     @former_arguments(bearing="minimum_contact_force")
     def relax(self, tolerance: float = TOLERANCE, minimum_contact_force: float = 0.0) -> State:
@@ -217,13 +258,16 @@ class Simulation(FormerAttributes, Engine):
         try:
             run(self.lmp, commands)
         except LammpsError as error:
-            raise LammpsError(f"{error}{_WAY_OUT if _TOO_DEEP in str(error) else ''}") from None
+            line = _FIX_OF_WALL.sub(r"\1 \2", str(error))
+            raise LammpsError(f"{line}{_WAY_OUT if _TOO_DEEP in line else ''}") from None
 
     def _snapshot(self, forces: Forces, stalled: bool) -> State:
         """The state at the last evaluation."""
         area, perimeter, contacts, pressure, arc_radius, _ = np.ascontiguousarray(self._results.T)
         positions = gather(self.lmp, "x", 3)[:, :2]
-        packing = Packing(positions, self._species, self._radii, self.box, self._particle_radii)
+        packing = Packing(
+            positions, self._species, self._radii, self.box, self._particle_radii, self._walls
+        )
         return State(
             packing=packing,
             law=self.law,
@@ -233,13 +277,14 @@ class Simulation(FormerAttributes, Engine):
             particle_pressure=pressure,
             arc_radius=arc_radius,
             energy=float(self.lmp.get_thermo("pe")),
-            stress=stress(self.lmp),
+            stress=stress(self.lmp, packing.area if packing.walls else None),
             residual=forces.residual,
             stalled=stalled,
             beyond=round(self.lmp.numpy.extract_compute("beyond", 0, 1)[0]),
             velocities=gather(self.lmp, "v", 3)[:, :2],
             contact_table=contact_table(self._contact_rows, packing, self.comm),
             root=self.comm.rank == 0,
+            wall_forces=wall_forces(self.lmp, self._walls),
         )
 
     def _warn(self, state: State, tolerance: float) -> None:

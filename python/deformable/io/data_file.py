@@ -20,7 +20,7 @@ def data_file(
     columns: Sequence[NDArray[Any]],
     positions: NDArray[np.float64],
     bonds: NDArray[np.int64] | None = None,
-    origin: tuple[float, float] = (0, 0),
+    origin: Sequence[float] = (0, 0),
 ) -> str:
     """Text of the LAMMPS data file of a two-dimensional system, with every digit.
 
@@ -72,6 +72,7 @@ def packing_file(packing: Packing, frames: int | None) -> str:
         len(packing.radii),
         columns,
         packing.positions,
+        origin=packing.origin.tolist() if packing.walls else (0, 0),
     )
 
 
@@ -91,7 +92,8 @@ def packing_in(text: str, radii: list[float]) -> Packing:
     words = {line.split()[-1]: line.split() for line in head.splitlines() if line.strip()}
     if width is None or not {"xhi", "yhi", "yz", "atoms"} <= words.keys():
         raise ValueError("it is no packing as lammps-deformable writes it")
-    lx, ly, xy = float(words["xhi"][1]), float(words["yhi"][1]), float(words["yz"][0])
+    lx, ly = (float(words[word][1]) - float(words[word][0]) for word in ("xhi", "yhi"))
+    xy = float(words["yz"][0])
     atoms = [row.split() for row in rows.splitlines() if row.strip()]
     complete = sum(len(row) == width for row in atoms)
     if complete != len(atoms) or complete != int(words["atoms"][0]):

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..common.errors import FileError
 from ..common.files import write_whole
 from ..model.packing import Packing
+from ..model.room import closed
 from .run_folder import DATA, SERIES, TRAJECTORY
 
 
@@ -114,9 +115,16 @@ def _keep(path: Path, count: int, boundary: str) -> None:
 
 def _dump_frame(number: int, packing: Packing, columns: Mapping[str, NDArray[Any]]) -> str:
     (lx, _), (xy, ly) = packing.box.tolist()
+    x0, y0 = packing.origin.tolist() if packing.walls else (0, 0)
+    ends = " ".join("ff" if shut else "pp" for shut in closed(packing.walls))
     # LAMMPS gives the bounding box of a tilted cell and the tilts beside it.
     box = (
-        ["ITEM: BOX BOUNDS pp pp pp", f"0 {lx!r}", f"0 {ly!r}", "-0.5 0.5"]
+        [
+            f"ITEM: BOX BOUNDS {ends} pp",
+            f"{x0!r} {x0 + lx!r}",
+            f"{y0!r} {y0 + ly!r}",
+            "-0.5 0.5",
+        ]
         if xy == 0.0
         else [
             "ITEM: BOX BOUNDS xy xz yz pp pp pp",

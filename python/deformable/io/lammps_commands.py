@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 
 from ..model.laws import Law, Ring
 from ..model.packing import Packing
+from ..model.room import closed
+from ..model.wall_shapes import Polygon, Wall
 
 SETUP = """
 units lj
 dimension 2
-boundary p p p
+boundary {boundary} p
 atom_style {style}
 atom_modify map yes
 newton on
@@ -31,6 +33,26 @@ neigh_modify delay 0 every 1 check yes
 min_style fire
 min_modify dmax {dmax!r} norm max tmax {tmax!r}
 """
+
+
+# ID of the fix of a wall, counted from 1.
+WALL = "wall_{}"
+
+
+def boundary(walls: Sequence[Wall]) -> str:
+    """LAMMPS boundary of x and y: fixed where a container closes the box."""
+    return " ".join("f" if shut else "p" for shut in closed(walls))
+
+
+def wall_commands(walls: Sequence[Wall]) -> str:
+    """Commands for the walls, a fix for each, so that each has its force."""
+    lines = []
+    for n, wall in enumerate(walls, start=1):
+        count = f"{len(wall.corners)} " if isinstance(wall, Polygon) else ""
+        words = f"{wall.kind} {count}" + " ".join(f"{value:.17g}" for value in wall.values)
+        name = WALL.format(n)
+        lines += [f"fix {name} all deformable/wall {words}", f"fix_modify {name} virial yes"]
+    return "\n".join(lines) + "\n" * bool(lines)
 
 
 def atom_style(packing: Packing) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..model.laws import Law
 from ..model.packing import Packing
-from .lammps_commands import SETUP, atom_style, law_commands
+from .lammps_commands import SETUP, atom_style, boundary, law_commands, wall_commands
 from .run_folder import DATA, SCRIPT, SPECIES
 
 _SCRIPT = """
@@ -31,6 +31,7 @@ run 0
 
 def script(packing: Packing, law: Law, timestep: float) -> str:
     """Text of a LAMMPS script that reads a saved packing and evaluates it."""
-    commands = law_commands(packing, law, SPECIES) + f"timestep {timestep!r}\n"
-    setup = SETUP.format(style=atom_style(packing))
+    commands = law_commands(packing, law, SPECIES) + wall_commands(packing.walls)
+    commands += f"timestep {timestep!r}\n"
+    setup = SETUP.format(style=atom_style(packing), boundary=boundary(packing.walls))
     return _SCRIPT.format(script=SCRIPT, setup=setup, data=DATA, law=commands).lstrip()

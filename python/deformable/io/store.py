@@ -14,6 +14,7 @@ from ..common.files import write_whole
 from ..common.versions import versions
 from ..model.laws import LAWS, Law
 from ..model.packing import Packing
+from ..model.wall_shapes import KINDS, Wall
 from .data_file import packing_file, packing_in
 from .lammps_commands import species_file
 from .lammps_script import script
@@ -50,6 +51,7 @@ def save(
         "state": dict(numbers),
         "law": {"name": law.name} | settings,
         "radii": packing.radii.tolist(),
+        "walls": [{"shape": wall.kind, **asdict(wall)} for wall in packing.walls],
         "parameters": {name: _strict(value) for name, value in (parameters or {}).items()},
         "versions": versions(),
     }
@@ -98,6 +100,13 @@ def _setting(value: Any) -> Any:
         return value
 
 
+def _wall(shape: str, **values: Any) -> Wall:
+    """A wall of the summary."""
+    if shape not in KINDS:
+        raise ValueError(f"there is no wall {shape!r}")
+    return KINDS[shape](**values)
+
+
 def read(folder: Path) -> tuple[Packing, Law]:
     """The packing in a folder, with every digit, and its contact law.
 
@@ -114,9 +123,10 @@ def read(folder: Path) -> tuple[Packing, Law]:
         if name not in LAWS:
             raise ValueError(f"there is no law {name!r}")
         law = replace(LAWS[name], **{key: _setting(value) for key, value in settings.items()})
-        radii = summary["radii"]
+        radii, walls = summary["radii"], [_wall(**each) for each in summary.get("walls", [])]
         path = folder / DATA
-        return packing_in(_text(path, folder), radii), law
+        packing = packing_in(_text(path, folder), radii)
+        return (replace(packing, walls=walls) if walls else packing), law
     except KeyError as error:
         raise FileError(f"{path} cannot be read: it lacks {error}") from None
     except (ValueError, TypeError) as error:

@@ -1,9 +1,10 @@
-"""Packings: undeformed disks of any sizes in a periodic box."""
+"""Packings: undeformed disks of any sizes in a periodic box, or between walls."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -12,6 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..common.errors import ParameterError
 from ..common.renamed import FormerAttributes, former_arguments
 from ..common.validate import finite, numbers, positive, shown, whole
+from . import room
+from .wall_shapes import Wall, as_walls
 
 # Largest number of atoms in LAMMPS.
 _MOST = 2**31 - 1
@@ -22,7 +25,7 @@ _FARTHEST = 1e6
 
 @dataclass(frozen=True, eq=False)
 class Packing(FormerAttributes):
-    """Disks in a periodic two-dimensional box.
+    """Disks in a periodic two-dimensional box, or between walls.
 
     Attributes:
         positions: centers, shape (N, 2) [length].
@@ -31,6 +34,9 @@ class Packing(FormerAttributes):
         box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
         particle_radii: undeformed radius of each particle, shape (N,) [length], or None: the radius
             of its species. If given, `radii` are the largest radii that a species allows.
+        walls: one shape or several: `Plane`, `Circle`, `Disk`, `Segment`, `Polygon`. A container
+            of planes and circles closes directions: the box is not periodic along them, and has
+            the length of the container there, whatever is given. Obstacles repeat with the box.
 
     Raises:
         ParameterError: shapes disagree, a number is not finite, a radius or box length is not
@@ -44,6 +50,7 @@ class Packing(FormerAttributes):
     radii: NDArray[np.float64]
     box: NDArray[np.float64]
     particle_radii: NDArray[np.float64] | None = None
+    walls: tuple[Wall, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("positions", "species", "radii", "particle_radii"):
@@ -56,7 +63,9 @@ class Packing(FormerAttributes):
                 array = array.astype(np.int64)
             array.setflags(write=False)
             object.__setattr__(self, name, array)
-        object.__setattr__(self, "box", lattice_vectors(self.box))
+        object.__setattr__(self, "walls", as_walls(self.walls))
+        box = room.box_between(self.walls, lattice_vectors(self.box))
+        object.__setattr__(self, "box", lattice_vectors(box))
         n = self.species.size
         if n == 0 or self.positions.shape != (n, 2) or self.species.shape != (n,):
             raise ParameterError(
@@ -103,15 +112,49 @@ class Packing(FormerAttributes):
         """Undeformed radius of each particle, shape (N,) [length]."""
         return self.radii[self.species] if self.particle_radii is None else self.particle_radii
 
+    @cached_property
+    def area(self) -> float:
+        """Area that is free to particles: of the box, or the container, without obstacles."""
+        return room.free_area(self.walls, self.box)
+
+    @property
+    def origin(self) -> NDArray[np.float64]:
+        """Lower left corner of the box, (0, 0) but for containers, shape (2,) [length]."""
+        return room.bounds(self.walls, self.box)[0]
+
     @property
     def phi(self) -> float:
-        """Packing fraction of the undeformed disks, sum pi R^2 / box area; overlaps count twice."""
-        return float(np.pi * np.sum(self.radius**2) / np.prod(self.box.diagonal()))
+        """Packing fraction of the undeformed disks, sum pi R^2 / `area`; overlaps count twice."""
+        return float(np.pi * np.sum(self.radius**2) / self.area)
 
     def at(self, phi: float) -> Packing:
-        """The packing at another packing fraction: box and centers are scaled by one factor."""
+        """The packing at another packing fraction.
+
+        Box, centers and walls are scaled by one factor, about the origin of the coordinates.
+        """
         factor = np.sqrt(self.phi / positive("phi", phi))
-        return replace(self, positions=self.positions * factor, box=self.box * factor)
+        box = self.box * factor
+        walls = room.stretched(self.walls, self.box, box)
+        return replace(self, positions=self.positions * factor, box=box, walls=walls)
+
+    def between(self, walls: Wall | Sequence[Wall], seed: int = 1) -> Packing:
+        """The same particles at random places between walls, where they may overlap.
+
+            bidisperse(60).between([Circle((0, 0), 7), Disk((2, 0), 1)])
+
+        It is a start for `push_off` and `jam`. The walls have the size that is given, so that the
+        packing fraction follows from them; `at` scales all to another one.
+
+        Args:
+            walls: one shape or several, see `Packing`.
+            seed: of numpy's default generator.
+
+        Raises:
+            ParameterError: walls leave no room.
+        """
+        packing = replace(self, walls=as_walls(walls))
+        places = room.random_places(packing.walls, packing.box, len(self), _generator(seed))
+        return replace(packing, positions=places)
 
 
 # dataclasses write `__init__` themselves: decorate it afterwards

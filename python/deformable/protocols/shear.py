@@ -36,9 +36,14 @@ def shear(
         The relaxed state after each step.
 
     Raises:
-        ParameterError: a value is out of range.
+        ParameterError: a value is out of range, or the simulation has walls.
     """
     expect("sim", sim, Simulation, Disks)
+    if sim.walls:
+        raise ParameterError(
+            f"walls are not sheared, and this simulation has {len(sim.walls)}, the first a "
+            f"{sim.walls[0].kind}: shear needs a periodic box without walls"
+        )
     strain, steps = finite("strain", strain), whole("steps", steps)
     if steps < 1:
         raise ParameterError(f"steps must be at least 1, not {steps}")

@@ -13,6 +13,7 @@ from ..common.errors import FileError
 from ..common.progress import progress
 from ..engine.simulation import Simulation
 from ..io.run_folder import TRAJECTORY
+from ..model.room import stretched
 from ..state.state import State
 from .record import load
 
@@ -39,7 +40,8 @@ def replay(folder: str | Path) -> Iterator[State]:
         for number, frame in enumerate(frames):
             try:
                 box, positions, velocities = _read_frame(frame)
-                recorded = replace(packing, positions=positions, box=box)
+                walls = stretched(packing.walls, packing.box, box)
+                recorded = replace(packing, positions=positions, box=box, walls=walls)
             except (ValueError, LookupError) as error:
                 raise FileError(f"frame {number} of {path} cannot be read: {error}") from None
             with Simulation(recorded, law) as sim:

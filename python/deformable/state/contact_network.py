@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..common.renamed import FormerAttributes
 from ..model.packing import Packing
+from ..model.room import free_motions
 
 
 def without_rattlers(i: NDArray[np.int64], j: NDArray[np.int64], number: int) -> NDArray[np.bool_]:
@@ -76,9 +77,12 @@ class ContactNetwork(FormerAttributes, ABC):
 
     @property
     def isostatic_contacts(self) -> int:
-        """Smallest number of contacts that supports a pressure in a periodic box, 2 N' - 1.
+        """Smallest number of contacts that supports a pressure, 2 N' - 1 in a periodic box.
 
-        The N' particles that are not rattlers have 2 N' - 2 relative degrees of freedom; one more
-        contact makes a state of self stress possible. It is 0 if all are rattlers.
+        The N' particles that are not rattlers have 2 N' - m degrees of freedom; one more contact
+        makes a state of self stress possible. m is the number of motions of all together that no
+        wall resists: 2 without walls, 1 in a channel or a round container, else 0. The result is 0
+        if all are rattlers.
         """
-        return max(2 * int(np.sum(~self.rattlers)) - 1, 0)
+        rigid = int(np.sum(~self.rattlers))
+        return max(2 * rigid + 1 - free_motions(self.packing.walls), 0) if rigid else 0

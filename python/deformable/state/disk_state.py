@@ -21,6 +21,8 @@ class DiskState(ContactNetwork):
         energy: of all particles [k length^2].
         stress: pressure tensor of the packing, compression positive, shape (2, 2) [k].
         pairs: numbers of particles that overlap, each pair once, shape (M, 2).
+        wall_pairs: numbers of particles that overlap with walls, and of these walls in
+            `packing.walls`, shape (K, 2).
         residual: largest force on a particle over the mean contact force; 0 without contacts.
         stalled: the relaxation stopped before the tolerance.
     """
@@ -30,12 +32,13 @@ class DiskState(ContactNetwork):
     energy: float
     stress: NDArray[np.float64]
     pairs: NDArray[np.int64]
+    wall_pairs: NDArray[np.int64]
     residual: float
     stalled: bool
 
     @property
     def phi(self) -> float:
-        """Packing fraction, sum pi R^2 / box area; overlaps count twice."""
+        """Packing fraction, sum pi R^2 / `packing.area`; overlaps count twice."""
         return self.packing.phi
 
     @property
@@ -46,4 +49,5 @@ class DiskState(ContactNetwork):
     @property
     def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         i, j = self.pairs.T
-        return np.concatenate([i, j]), np.concatenate([j, i])
+        walled = self.wall_pairs[:, 0]
+        return np.concatenate([i, j, walled]), np.concatenate([j, i, np.full_like(walled, -1)])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,7 +31,7 @@ class State(ContactNetwork):
     """A snapshot, the same on every rank. Particles are numbered from 0.
 
     Attributes:
-        packing: centers, species, undeformed radii and box.
+        packing: centers, species, undeformed radii, box and walls.
         law: the contact law.
         area: of each particle, within its skin if it has one, shape (N,) [length^2].
         perimeter: of each particle, likewise, shape (N,) [length].
@@ -40,7 +40,8 @@ class State(ContactNetwork):
         arc_radius: smallest radius of curvature of the free outline, shape (N,) [length].
         energy: of all particles [energy].
         stress: pressure tensor of the contacts, compression positive, shape (2, 2)
-            [energy/length^2]; motion adds N T / box area to its diagonal.
+            [energy/length^2]; motion adds N T / `packing.area` to its diagonal. With walls it is
+            the derivative of the energy by a strain of particles and walls.
         residual: largest force on a particle over the mean contact force; 0 without contacts.
         stalled: the relaxation stopped before the tolerance.
         beyond: number of particles that the model does not describe (negative radius of curvature).
@@ -50,6 +51,8 @@ class State(ContactNetwork):
             indentation, length, force, position (2,), see `contact_table.COLUMNS`.
         root: whether this process writes files (rank 0 of the run).
         time: since the start of `move`, 0 without motion [time].
+        wall_forces: force of the particles on each of `packing.walls`, shape (number of walls, 2)
+            [energy/length].
     """
 
     packing: Packing
@@ -68,6 +71,7 @@ class State(ContactNetwork):
     contact_table: ContactTable
     root: bool
     time: float = 0.0
+    wall_forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
 
     def __post_init__(self) -> None:
         for array in (value for value in vars(self).values() if isinstance(value, np.ndarray)):
@@ -75,10 +79,10 @@ class State(ContactNetwork):
 
     @property
     def phi(self) -> float:
-        """Packing fraction, sum of the deformed areas, skins included, over the area of the box."""
+        """Packing fraction: deformed areas, skins included, over the area that walls leave free."""
         skin = self._skin
         filled = self.area + skin * self.perimeter + np.pi * skin**2
-        return float(np.sum(filled) / np.prod(self.packing.box.diagonal()))
+        return float(np.sum(filled) / self.packing.area)
 
     @property
     def pressure(self) -> float:

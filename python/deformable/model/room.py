@@ -1,0 +1,300 @@
+"""The room that walls leave to particles: where it ends, its area, and distances from the walls.
+
+A direction in which a container ends is *closed*: the box is not periodic along it, and is as long
+as the container. Obstacles repeat with the box along the other directions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import ParameterError
+from .wall_shapes import Circle, Disk, Plane, Wall
+
+if TYPE_CHECKING:
+    from shapely.geometry import Polygon
+
+# Components of a unit normal below this are rounding.
+_ROUNDING = 1e-12
+
+# A quarter of the corners of a polygon that stands for a disk.
+_QUARTER = 256
+
+# Round walls stay round: factors along x and y agree up to this.
+_SAME = 1e-9
+
+# Random places that are tried for each particle.
+_TRIALS = 1000
+
+Floats = NDArray[np.float64]
+
+
+def closed(walls: Sequence[Wall]) -> tuple[bool, bool]:
+    """Whether walls close the directions x and y."""
+    if any(isinstance(wall, Circle) for wall in walls):
+        return True, True
+    shares = np.array([[0.0, 0.0], *(np.abs(_normal(w)) for w in walls if isinstance(w, Plane))])
+    x, y = (shares.max(axis=0) > _ROUNDING).tolist()
+    return x, y
+
+
+def bounds(walls: Sequence[Wall], box: Floats) -> Floats:
+    """Lower left and upper right corner of the room, as rows, shape (2, 2) [length].
+
+    In a direction that is not closed, the room goes from 0 to the length of the box.
+
+    Raises:
+        ParameterError: the container is open, or leaves no room, or the box is tilted.
+    """
+    ends = np.array([[0.0, 0.0], box.diagonal()])
+    shut = closed(walls)
+    if not any(shut):
+        return ends
+    if box[1, 0] != 0.0:
+        raise ParameterError(
+            f"a box with a container must be rectangular, not tilted by {box[1, 0]:g}"
+        )
+    corners = _corners(walls, box)
+    return np.where(shut, [corners.min(axis=0), corners.max(axis=0)], ends)
+
+
+def box_between(walls: Sequence[Wall], box: Floats) -> Floats:
+    """The box with the length of the container along closed directions, shape (2, 2) [length]."""
+    if not any(closed(walls)):
+        return box
+    low, high = bounds(walls, box)
+    return np.diag(high - low)
+
+
+def _corners(walls: Sequence[Wall], box: Floats, around: float = 1.0) -> Floats:
+    """Corners of the container within the periodic box, shape (n, 2) [length].
+
+    Args:
+        walls: circles count as squares around them.
+        box: lattice vectors as rows.
+        around: factor by which the squares are larger.
+    """
+    from .. import core
+
+    rows = [(-n, -n @ wall.point) for wall in walls if isinstance(wall, Plane) for n in [_normal(wall)]]
+    for wall in walls:
+        if isinstance(wall, Circle):
+            size = around * wall.radius
+            rows += [(n, n @ wall.center + size) for n in (*np.eye(2), *-np.eye(2))]
+    for n, length, shut in zip(np.eye(2), box.diagonal(), closed(walls), strict=True):
+        if not shut:
+            rows += [(n, length), (-n, 0.0)]
+    normals, offsets = np.array([n for n, _ in rows]), np.array([offset for _, offset in rows])
+    angles = np.sort(np.arctan2(normals[:, 1], normals[:, 0]))
+    if np.diff(angles, append=angles[0] + 2.0 * np.pi).max() > np.pi - _ROUNDING:
+        raise ParameterError(
+            "the planes leave the room open: add planes until they enclose it (`rectangle` has four)"
+        )
+    try:
+        edges = core.polygon_edges(*normals.T, offsets)
+    except ValueError:
+        edges = np.empty((0, 4))
+    corners = edges[~np.isnan(edges).any(axis=1)].reshape(-1, 2)
+    if len(corners) < 3 or np.ptp(corners, axis=0).min() <= 0.0:
+        raise ParameterError(
+            "planes and circles leave no room: a plane's normal must point to the particles"
+        )
+    return corners
+
+
+def _normal(plane: Plane) -> Floats:
+    return np.array(plane.normal) / np.hypot(*plane.normal)
+
+
+def container(walls: Sequence[Wall], box: Floats) -> Polygon:
+    """The container within the periodic box, or the box; circles as polygons of the same area.
+
+    Raises:
+        ParameterError: see `bounds`.
+    """
+    import shapely
+
+    if not any(closed(walls)):
+        return shapely.Polygon([(0.0, 0.0), box[0], box[0] + box[1], box[1]])
+    room = shapely.MultiPoint(_corners(walls, box, around=2.0)).convex_hull
+    for wall in walls:
+        if isinstance(wall, Circle):
+            room = room.intersection(_round(wall))
+    if room.area == 0.0:
+        raise ParameterError("planes and circles leave no room: they do not overlap")
+    return room
+
+
+def obstacles(walls: Sequence[Wall], box: Floats) -> list[Polygon]:
+    """The obstacles and their periodic images next to the box; disks as polygons."""
+    import shapely
+    from shapely.affinity import translate
+
+    steps = [(0,) if shut else (-1, 0, 1) for shut in closed(walls)]
+    shifts = [np.array([a, b]) @ box for a in steps[0] for b in steps[1]]
+    solid = [
+        _round(wall) if isinstance(wall, Disk) else shapely.MultiPoint(wall.corners).convex_hull
+        for wall in walls
+        if not isinstance(wall, (Plane, Circle))
+    ]
+    return [translate(shape, *shift) for shape in solid for shift in shifts]
+
+
+def _round(wall: Circle | Disk) -> Polygon:
+    """A polygon of the same area."""
+    import shapely
+
+    angle = np.pi / (2.0 * _QUARTER)
+    larger = wall.radius * np.sqrt(angle / np.sin(angle))
+    disk: Polygon = shapely.Point(wall.center).buffer(larger, quad_segs=_QUARTER)
+    return disk
+
+
+def free_area(walls: Sequence[Wall], box: Floats) -> float:
+    """Area of the container, or of the box, without obstacles [length^2].
+
+    Exact to rounding; only where a round wall crosses another one, to 1e-5 of the disk.
+
+    Raises:
+        ParameterError: see `bounds`, or obstacles fill the room.
+    """
+    if not walls:
+        return float(np.prod(box.diagonal()))
+    import shapely
+
+    free = container(walls, box).difference(shapely.union_all(obstacles(walls, box)))
+    if free.area == 0.0:
+        raise ParameterError("obstacles fill the room: they leave no area to particles")
+    return float(free.area)
+
+
+class Distances:
+    """Distances of particles from walls: the nearest point of each wall.
+
+    Args:
+        walls: the shapes.
+        box: lattice vectors as rows, shape (2, 2) [length].
+    """
+
+    def __init__(self, walls: Sequence[Wall], box: Floats) -> None:
+        self.walls, self.box, self.closed = walls, box, closed(walls)
+
+    def __call__(self, positions: Floats) -> list[tuple[Floats, Floats]]:
+        """For each wall the directions to it, shape (N, 2), and the distances, shape (N,) [length].
+
+        Distances are negative beyond a plane or circle and inside of an obstacle.
+        """
+        return [self._from(wall, positions) for wall in self.walls]
+
+    def _from(self, wall: Wall, positions: Floats) -> tuple[Floats, Floats]:
+        from .. import core
+
+        if isinstance(wall, Plane):
+            normal = _normal(wall)
+            return np.tile(-normal, (len(positions), 1)), (positions - wall.point) @ normal
+        if isinstance(wall, (Circle, Disk)):
+            away = positions - wall.middle
+            away = away if isinstance(wall, Circle) else self._nearest_image(away)
+            distance = np.linalg.norm(away, axis=1)
+            sign = 1.0 if isinstance(wall, Circle) else -1.0
+            out = away / np.where(distance > 0.0, distance, 1.0)[:, None]
+            return sign * out, sign * (wall.radius - distance)
+        at = wall.middle + self._nearest_image(positions - wall.middle)
+        found = core.nearest_points(*wall.half_planes.T, *at.T)
+        return found[:, :2], found[:, 2]
+
+    def _nearest_image(self, away: Floats) -> Floats:
+        """Of vectors from an obstacle, as `fix deformable/wall` takes it."""
+        away = away.copy()
+        for k in (1, 0):
+            if not self.closed[k]:
+                away -= np.rint(away[:, k] / self.box[k, k])[:, None] * self.box[k]
+        return away
+
+
+def check_fit(walls: Sequence[Wall], box: Floats, cutoff: float) -> None:
+    """Refuse obstacles that LAMMPS would not repeat with the periodic box.
+
+    Args:
+        walls: the shapes.
+        box: lattice vectors as rows, shape (2, 2) [length].
+        cutoff: distance from the center of a particle at which walls begin to count [length].
+    """
+    for n, wall in enumerate(walls, start=1):
+        if isinstance(wall, (Plane, Circle)):
+            continue
+        for axis, length, shut in zip("xy", box.diagonal(), closed(walls), strict=True):
+            if not shut and wall.extent + cutoff > 0.5 * length:
+                raise ParameterError(
+                    f"{wall.kind} {n} does not fit into the periodic box: a circle around it and "
+                    f"the reach of particles, {wall.extent:.4g} + {cutoff:.4g}, exceed half of the "
+                    f"box along {axis}, {0.5 * length:.4g}; take a larger box, smaller obstacles, "
+                    "or a container"
+                )
+
+
+def check_centers(walls: Sequence[Wall], box: Floats, positions: Floats) -> None:
+    """Refuse particles whose center is on the wrong side of a wall."""
+    for n, (wall, (_, distance)) in enumerate(
+        zip(walls, Distances(walls, box)(positions), strict=True), start=1
+    ):
+        if (wrong := np.flatnonzero(~(distance > 0.0))).size:
+            k = int(wrong[0])
+            where = "outside of" if isinstance(wall, (Plane, Circle)) else "within"
+            raise ParameterError(
+                f"the center of particle {k}, {positions[k].tolist()}, is {where} {wall.kind} {n}: "
+                "`Packing.between` puts particles between walls"
+            )
+
+
+def random_places(
+    walls: Sequence[Wall], box: Floats, number: int, rng: np.random.Generator
+) -> Floats:
+    """Random centers between walls, shape (number, 2) [length]."""
+    low, high = bounds(walls, box)
+    free_area(walls, box)  # or there is no place
+    distances, places = Distances(walls, box), np.empty((0, 2))
+    for _ in range(_TRIALS):
+        tried = rng.random((number, 2))
+        tried = low + tried * (high - low) if any(closed(walls)) else tried @ box
+        free = np.all([distance > 0.0 for _, distance in distances(tried)], axis=0)
+        places = np.concatenate([places, tried[free]])[:number]
+        if len(places) == number:
+            return places
+    raise ParameterError(f"walls leave too little room for {number} particles: take fewer or smaller obstacles")
+
+
+def stretched(walls: Sequence[Wall], box: Floats, new: Floats) -> tuple[Wall, ...]:
+    """Walls after a stretch of the box along x and y, about the origin.
+
+    Raises:
+        ParameterError: the box is sheared, or a round wall stretched in one direction.
+    """
+    if not walls:
+        return ()
+    x, y = (new.diagonal() / box.diagonal()).tolist()
+    if abs(new[1, 0] - box[1, 0] * x) > _SAME * new[0, 0]:
+        raise ParameterError(
+            f"a box with walls cannot be sheared: its tilt must be {box[1, 0] * x:g}, not "
+            f"{new[1, 0]:g}"
+        )
+    for n, wall in enumerate(walls, start=1):
+        if isinstance(wall, (Circle, Disk)) and abs(x - y) > _SAME * x:
+            raise ParameterError(
+                f"{wall.kind} {n} must stay round: the box may be stretched by one factor only, "
+                f"not by {x:g} along x and {y:g} along y"
+            )
+    return tuple(wall.stretched(x, y) for wall in walls)
+
+
+def free_motions(walls: Sequence[Wall]) -> int:
+    """Number of motions of all particles together that no wall resists."""
+    if not walls:
+        return 2
+    if all(isinstance(wall, Plane) for wall in walls):
+        return 2 - sum(closed(walls))
+    return int(all(isinstance(wall, Circle) and wall.center == walls[0].values[:2] for wall in walls))
