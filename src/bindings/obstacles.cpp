@@ -40,13 +40,98 @@ std::vector<HalfPlane> planes_of_corners(nb::handle px, nb::handle py)
   std::vector<HalfPlane> planes;
   Point wrong;
   const Corners kind = polygon_planes(corners, planes, wrong);
-  if (kind == Corners::CROSSED)
-    refuse("crosses itself: give its corners in the order around it");
+  if (kind == Corners::CROSSED) refuse("crosses itself: give its corners in the order around it");
   if (kind == Corners::NOT_CONVEX)
-    refuse("is not convex at its corner (" + std::to_string(wrong.x) + ", " + std::to_string(wrong.y) +
+    refuse("is not convex at its corner (" + std::to_string(wrong.x) + ", " +
+           std::to_string(wrong.y) +
            "): divide it into convex polygons, and leave out corners within its sides");
   return planes;
 }
+
+// Walls with the periodic images of obstacles that are nearest to a point.
+class Scene {
+ public:
+  Scene(double lx, double ly, double xy) : lx(lx), ly(ly), xy(xy) {}
+
+  void add_plane(double x, double y, double nx, double ny)
+  {
+    const HalfPlane line = left_of({x, y}, {x + ny, y - nx});
+    walls.push_back({PLANE, x, y, 0.0, {{line, 0.0, 0.0}}});
+  }
+  void add_round(double x, double y, double radius, bool inside)
+  {
+    walls.push_back({inside ? CIRCLE : DISK, x, y, radius, {}});
+  }
+  void add_polygon(nb::handle px, nb::handle py)
+  {
+    const std::vector<HalfPlane> planes = planes_of_corners(px, py);
+    const std::vector<double> x = vector_of("x", px), y = vector_of("y", py);
+    Wall wall = {POLYGON, mean(x), mean(y), 0.0, std::vector<Edge>(planes.size())};
+    intersect(planes.data(), static_cast<int>(planes.size()), wall.edges.data());
+    walls.push_back(wall);
+  }
+
+  Matrix nearest(nb::handle px, nb::handle py) const
+  {
+    const std::vector<double> x = vector_of("x", px), y = vector_of("y", py);
+    if (x.size() != y.size()) refuse("x and y must have one value for each point");
+    std::vector<double> values;
+    values.reserve(3 * x.size() * walls.size());
+    for (const Wall &wall : walls)
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        const NearestPoint point = nearest_to(wall, x[k] - wall.x, y[k] - wall.y);
+        values.insert(values.end(), {point.nx, point.ny, point.height});
+      }
+    return to_numpy<Matrix>(values.data(), {values.size() / 3, 3});
+  }
+
+ private:
+  enum Kind { PLANE, CIRCLE, DISK, POLYGON };
+  struct Wall {
+    Kind kind;
+    double x, y, radius;    // a point of a plane; of others the middle
+    std::vector<Edge> edges;
+  };
+  double lx, ly, xy;
+  std::vector<Wall> walls;
+
+  static double mean(const std::vector<double> &values)
+  {
+    double sum = 0.0;
+    for (double value : values) sum += value;
+    return sum / static_cast<double>(values.size());
+  }
+
+  // (dx, dy): from the middle of the wall.
+  NearestPoint nearest_to(const Wall &wall, double dx, double dy) const
+  {
+    if (wall.kind == PLANE) {
+      const HalfPlane &line = wall.edges[0].line;
+      return {line.nx, line.ny, -line.nx * dx - line.ny * dy, 0.0, 0};
+    }
+    if (wall.kind != CIRCLE) {
+      const double rows = ly > 0.0 ? std::round(dy / ly) : 0.0;
+      dx -= rows * xy;
+      dy -= rows * ly;
+      if (lx > 0.0) dx -= lx * std::round(dx / lx);
+    }
+    if (wall.kind != POLYGON) {
+      if (dx == 0.0 && dy == 0.0) dx = std::numeric_limits<double>::min();    // any direction
+      return nearest_on_disk(-dx, -dy, wall.radius, wall.kind == CIRCLE);
+    }
+    const double x = wall.x + dx, y = wall.y + dy;
+    NearestPoint point;
+    if (nearest_point(wall.edges.data(), static_cast<int>(wall.edges.size()), x, y, point))
+      return point;
+    point.height = -std::numeric_limits<double>::infinity();
+    for (const Edge &edge : wall.edges) {
+      const HalfPlane &line = edge.line;
+      const double height = line.nx * x + line.ny * y - line.offset;
+      if (edge.bounds() && height > point.height) point = {-line.nx, -line.ny, height, 0.0, 0};
+    }
+    return point;
+  }
+};
 
 }    // namespace
 
@@ -96,29 +181,15 @@ Direction (two components), distance, and rotation of the direction per sideways
       R"(Half planes (nx, ny, offset) of a convex polygon with these corners, in the order around it.
 
 Two corners are a segment.)");
-  m.def(
-      "nearest_points",
-      [](nb::handle nx, nb::handle ny, nb::handle offset, nb::handle px, nb::handle py) {
-        const std::vector<Edge> edges = polygon(nx, ny, offset);
-        const std::vector<double> x = vector_of("x", px), y = vector_of("y", py);
-        if (x.size() != y.size()) refuse("x and y must have one value for each point");
-        std::vector<double> values;
-        for (std::size_t k = 0; k < x.size(); ++k) {
-          NearestPoint point = {0.0, 0.0, -std::numeric_limits<double>::infinity(), 0.0, 0};
-          if (!nearest_point(edges.data(), static_cast<int>(edges.size()), x[k], y[k], point)) {
-            point.height = -std::numeric_limits<double>::infinity();
-            for (const Edge &edge : edges) {    // inside: by the nearest face
-              const double height = edge.line.nx * x[k] + edge.line.ny * y[k] - edge.line.offset;
-              if (edge.bounds() && height > point.height)
-                point = {-edge.line.nx, -edge.line.ny, height, 0.0, 0};
-            }
-          }
-          values.insert(values.end(), {point.nx, point.ny, point.height});
-        }
-        return to_numpy<Matrix>(values.data(), {values.size() / 3, 3});
-      },
-      "nx"_a, "ny"_a, "offset"_a, "x"_a, "y"_a,
-      R"(Direction (two components) to the nearest point of the polygon nx x + ny y <= offset, and distance.
+  nb::class_<Scene>(m, "Scene", R"(Walls of a box of these periods; 0: not periodic.)")
+      .def(nb::init<double, double, double>(), "lx"_a, "ly"_a, "xy"_a)
+      .def("add_plane", &Scene::add_plane, "x"_a, "y"_a, "nx"_a, "ny"_a)
+      .def("add_round", &Scene::add_round, "x"_a, "y"_a, "radius"_a, "inside"_a,
+           "A circle with particles inside, or a disk.")
+      .def("add_polygon", &Scene::add_polygon, "x"_a, "y"_a, "See polygon_planes.")
+      .def("nearest", &Scene::nearest, "x"_a, "y"_a,
+           R"(Direction (two components) to the nearest point of a wall, and distance.
 
-For each point (x, y). Inside, to the nearest side, with a negative distance.)");
+A row for each point (x, y), for one wall after the other. Beyond a plane or circle and inside of an
+obstacle the distance is negative, there to the nearest side.)");
 }

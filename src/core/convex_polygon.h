@@ -28,7 +28,9 @@ inline std::vector<HalfPlane> segment_planes(Point a, Point b)
 {
   const Point up = {a.y - b.y, b.x - a.x};
   const HalfPlane line = left_of(a, b);
-  return {line, left_of(b, {b.x + up.x, b.y + up.y}), {-line.nx, -line.ny, -line.offset},
+  return {line,
+          left_of(b, {b.x + up.x, b.y + up.y}),
+          {-line.nx, -line.ny, -line.offset},
           left_of({a.x + up.x, a.y + up.y}, a)};
 }
 

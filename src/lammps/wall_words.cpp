@@ -18,14 +18,12 @@ std::string read_polygon(const std::vector<Point> &corners, WallShape &shape)
 {
   Point wrong;
   switch (polygon_planes(corners, shape.planes, wrong)) {
-    case Corners::CONVEX:
-      return "";
+    case Corners::CONVEX: return "";
     case Corners::NOT_CONVEX:
       return fmt::format("is not convex at its corner ({:.6g}, {:.6g}): divide it into convex "
                          "polygons, and leave out corners within its sides",
                          wrong.x, wrong.y);
-    default:
-      return "crosses itself: give its corners in the order around it";
+    default: return "crosses itself: give its corners in the order around it";
   }
 }
 
@@ -36,7 +34,7 @@ std::string read_polygon(const std::vector<Point> &corners, WallShape &shape)
 bool WallSources::is_word(const std::string &word)
 {
   return word == "plane" || word == "circle" || word == "disk" || word == "segment" ||
-      word == "polygon";
+         word == "polygon";
 }
 
 /* ---------------------------------------------------------------------- */
@@ -47,7 +45,7 @@ std::string WallSources::read_words(int narg, char **arg, LAMMPS *lmp)
     const std::string word = arg[iarg];
     if (!is_word(word))
       return "unknown word '" + word +
-          "': it must be 'plane', 'circle', 'disk', 'segment' or 'polygon'";
+             "': it must be 'plane', 'circle', 'disk', 'segment' or 'polygon'";
     const bool round = word == "circle" || word == "disk";
     int first = iarg + 1, values = round ? 3 : 4;
     if (word == "polygon") {

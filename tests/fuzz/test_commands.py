@@ -63,7 +63,7 @@ PAIR_COEFFS = st.one_of(
     st.tuples(TYPES, TYPES, FILES, NAMES).map(" ".join),
     st.tuples(*[st.sampled_from("abcd")] * 2).map("* * species {0[0]} {0[1]}".format),
 )
-SHAPES = [("plane", 4), ("disk", 3), ("segment", 4), ("disk", 2)]
+SHAPES = [("plane", 4), ("circle", 3), ("disk", 3), ("segment", 4), ("disk", 2)]
 WALLS = st.one_of(
     st.tuples(st.sampled_from(ROOMS)).map(list),
     *(words_of(*words) for words in (ROOMS, ["all", "room", "move"])),

@@ -88,6 +88,8 @@ WORDS = {
     "polygon 5 1 0 -0.809 0.588 0.309 -0.951 0.309 0.951 -0.809 -0.588": "polygon 1 crosses itself",
     "polygon 3 0 0 1 0 2 0": "polygon 1 is not convex",
     "disk 0 0 1 disk 1 1 0": "disk 2 has a radius of 0",
+    "disk 0 0 1 circle 0 0 -1": "circle 2 has a radius of -1",
+    "circle 0 0": "circle needs 3 numbers, but 2 follow",
     "disk 0 0 1 square 1 1": "unknown word 'square'",
     "disk 0 0 inf": "'inf'",
     "segment 1 1 1 1": "segment 1 has no length",

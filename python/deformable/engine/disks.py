@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any
@@ -105,29 +104,26 @@ class Disks(Engine):
         check_fit(walls, box, float(self._start.radius.max()))
         self._walls, self._distances = walls, Distances(walls, box)
 
-    def _wall_contacts(
+    def _overlaps(
         self, x: NDArray[np.float64], number: NDArray[np.int64]
-    ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], Any]]:
-        """Rows of x that overlap with each wall, their overlaps, forces, shape (M, 2), and virial.
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Overlaps with each wall, distances, both (W, n), and directions to it, (W, n, 2).
 
         Args:
             x: positions, shape (n, 2) [length].
             number: of the disks at these positions, from 0, shape (n,).
         """
-        for out, height in self._distances(x):
-            overlap = self._start.radius[number] - height
-            touching = np.flatnonzero(overlap > 0.0)
-            out, overlap, height = out[touching], overlap[touching], height[touching]
-            yield touching, overlap, -overlap[:, None] * out, (out.T * (overlap * height)) @ out
+        out, distance = self._distances(x)
+        return np.maximum(self._start.radius[number] - distance, 0.0), distance, out
 
     def _repel(self, _caller: Any, _step: int, _n: int, tag: Any, x: Any, f: Any) -> None:
-        """Forces of the walls, for LAMMPS."""
+        """Forces of the walls and their virial, for LAMMPS."""
+        overlap, distance, out = self._overlaps(x[:, :2], tag - 1)
+        forces = -overlap[..., None] * out
         f[:] = 0.0
-        virial = np.zeros((2, 2))
-        for touching, _, force, part in self._wall_contacts(x[:, :2], tag - 1):
-            f[touching, :2] += force
-            virial += part
-        (xx, xy), (_, yy) = virial.tolist()
+        f[:, :2] = forces.sum(axis=0)
+        lever = (-distance[..., None] * out).reshape(-1, 2)
+        (xx, xy), (_, yy) = (lever.T @ forces.reshape(-1, 2)).tolist()
         self.lmp.fix_external_set_virial_global("walls", [xx, yy, 0.0, xy, 0.0, 0.0])
 
     @former_arguments(bearing="minimum_contact_force")
@@ -186,12 +182,9 @@ class Disks(Engine):
         self._contact_forces = local_array(self.lmp, "overlaps", 2)[:, 1]
         self._pairs = local_array(self.lmp, "pairs", 2).astype(np.int64) - 1
         positions = gather(self.lmp, "x", 3)[:, :2]
-        touching = [*self._wall_contacts(positions, np.arange(len(positions)))]
-        self._wall_pairs = np.array(
-            [(i, wall) for wall, (rows, *_) in enumerate(touching) for i in rows], np.int64
-        ).reshape(-1, 2)
-        overlaps = [overlap for _, overlap, *_ in touching]
-        self._contact_forces = np.concatenate([self._contact_forces, *overlaps])
+        overlap, *_ = self._overlaps(positions, np.arange(len(positions)))
+        self._wall_pairs = np.argwhere(overlap.T > 0.0)
+        self._contact_forces = np.append(self._contact_forces, overlap[overlap > 0.0])
         mean = float(self._contact_forces.mean()) if self._contact_forces.size else 0.0
         rounding = force_rounding(self.box, stiffness=1.0)
         return Forces(largest_force(self.lmp), minimum_contact_force or mean, rounding)

@@ -118,7 +118,7 @@ def _ends(walls: tuple[Wall, ...], box: NDArray[np.float64]) -> list[tuple[float
     """Both ends of LAMMPS' box along x and y, with a margin around a container."""
     ends = room.bounds(walls, box)
     margin = _MARGIN * np.array(room.closed(walls)) * np.ptp(ends, axis=0)
-    (x0, y0), (x1, y1) = (ends + [-margin, margin]).tolist()
+    (x0, y0), (x1, y1) = (ends + np.outer([-1.0, 1.0], margin)).tolist()
     return [(x0, x1), (y0, y1)]
 
 

@@ -123,7 +123,8 @@ def read(folder: Path) -> tuple[Packing, Law]:
         if name not in LAWS:
             raise ValueError(f"there is no law {name!r}")
         law = replace(LAWS[name], **{key: _setting(value) for key, value in settings.items()})
-        radii, walls = summary["radii"], [_wall(**each) for each in summary.get("walls", [])]
+        radii = summary["radii"]
+        walls = tuple(_wall(**each) for each in summary.get("walls", []))
         path = folder / DATA
         packing = packing_in(_text(path, folder), radii)
         return (replace(packing, walls=walls) if walls else packing), law

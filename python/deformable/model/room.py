@@ -7,16 +7,13 @@ as the container. Obstacles repeat with the box along the other directions.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from .wall_shapes import Circle, Disk, Plane, Wall
-
-if TYPE_CHECKING:
-    from shapely.geometry import Polygon
 
 # Components of a unit normal below this are rounding.
 _ROUNDING = 1e-12
@@ -80,11 +77,13 @@ def _corners(walls: Sequence[Wall], box: Floats, around: float = 1.0) -> Floats:
     """
     from .. import core
 
-    rows = [(-n, -n @ wall.point) for wall in walls if isinstance(wall, Plane) for n in [_normal(wall)]]
+    rows: list[tuple[Floats, float]] = []
+    for plane in (wall for wall in walls if isinstance(wall, Plane)):
+        rows.append((-_normal(plane), float(-_normal(plane) @ plane.point)))
     for wall in walls:
         if isinstance(wall, Circle):
             size = around * wall.radius
-            rows += [(n, n @ wall.center + size) for n in (*np.eye(2), *-np.eye(2))]
+            rows += [(n, float(n @ wall.center) + size) for n in (*np.eye(2), *-np.eye(2))]
     for n, length, shut in zip(np.eye(2), box.diagonal(), closed(walls), strict=True):
         if not shut:
             rows += [(n, length), (-n, 0.0)]
@@ -92,10 +91,10 @@ def _corners(walls: Sequence[Wall], box: Floats, around: float = 1.0) -> Floats:
     angles = np.sort(np.arctan2(normals[:, 1], normals[:, 0]))
     if np.diff(angles, append=angles[0] + 2.0 * np.pi).max() > np.pi - _ROUNDING:
         raise ParameterError(
-            "the planes leave the room open: add planes until they enclose it (`rectangle` has four)"
+            "the planes leave the room open: add planes that enclose it (`rectangle` has four)"
         )
     try:
-        edges = core.polygon_edges(*normals.T, offsets)
+        edges = core.polygon_edges(normals[:, 0], normals[:, 1], offsets)
     except ValueError:
         edges = np.empty((0, 4))
     corners = edges[~np.isnan(edges).any(axis=1)].reshape(-1, 2)
@@ -110,8 +109,10 @@ def _normal(plane: Plane) -> Floats:
     return np.array(plane.normal) / np.hypot(*plane.normal)
 
 
-def container(walls: Sequence[Wall], box: Floats) -> Polygon:
-    """The container within the periodic box, or the box; circles as polygons of the same area.
+def container(walls: Sequence[Wall], box: Floats) -> Any:
+    """A polygon of shapely: the container within the periodic box, or the box.
+
+    Circles are polygons of the same area.
 
     Raises:
         ParameterError: see `bounds`.
@@ -129,8 +130,8 @@ def container(walls: Sequence[Wall], box: Floats) -> Polygon:
     return room
 
 
-def obstacles(walls: Sequence[Wall], box: Floats) -> list[Polygon]:
-    """The obstacles and their periodic images next to the box; disks as polygons."""
+def obstacles(walls: Sequence[Wall], box: Floats) -> list[Any]:
+    """Shapes of shapely: obstacles and their images next to the box; disks as polygons."""
     import shapely
     from shapely.affinity import translate
 
@@ -144,14 +145,13 @@ def obstacles(walls: Sequence[Wall], box: Floats) -> list[Polygon]:
     return [translate(shape, *shift) for shape in solid for shift in shifts]
 
 
-def _round(wall: Circle | Disk) -> Polygon:
+def _round(wall: Circle | Disk) -> Any:
     """A polygon of the same area."""
     import shapely
 
     angle = np.pi / (2.0 * _QUARTER)
     larger = wall.radius * np.sqrt(angle / np.sin(angle))
-    disk: Polygon = shapely.Point(wall.center).buffer(larger, quad_segs=_QUARTER)
-    return disk
+    return shapely.Point(wall.center).buffer(larger, quad_segs=_QUARTER)
 
 
 def free_area(walls: Sequence[Wall], box: Floats) -> float:
@@ -181,39 +181,27 @@ class Distances:
     """
 
     def __init__(self, walls: Sequence[Wall], box: Floats) -> None:
-        self.walls, self.box, self.closed = walls, box, closed(walls)
-
-    def __call__(self, positions: Floats) -> list[tuple[Floats, Floats]]:
-        """For each wall the directions to it, shape (N, 2), and the distances, shape (N,) [length].
-
-        Distances are negative beyond a plane or circle and inside of an obstacle.
-        """
-        return [self._from(wall, positions) for wall in self.walls]
-
-    def _from(self, wall: Wall, positions: Floats) -> tuple[Floats, Floats]:
         from .. import core
 
-        if isinstance(wall, Plane):
-            normal = _normal(wall)
-            return np.tile(-normal, (len(positions), 1)), (positions - wall.point) @ normal
-        if isinstance(wall, (Circle, Disk)):
-            away = positions - wall.middle
-            away = away if isinstance(wall, Circle) else self._nearest_image(away)
-            distance = np.linalg.norm(away, axis=1)
-            sign = 1.0 if isinstance(wall, Circle) else -1.0
-            out = away / np.where(distance > 0.0, distance, 1.0)[:, None]
-            return sign * out, sign * (wall.radius - distance)
-        at = wall.middle + self._nearest_image(positions - wall.middle)
-        found = core.nearest_points(*wall.half_planes.T, *at.T)
-        return found[:, :2], found[:, 2]
+        lx, ly = np.where(closed(walls), 0.0, box.diagonal()).tolist()
+        self._scene, self._count = core.Scene(lx, ly, float(box[1, 0])), len(walls)
+        for wall in walls:
+            if isinstance(wall, Plane):
+                self._scene.add_plane(*wall.values)
+            elif isinstance(wall, (Circle, Disk)):
+                self._scene.add_round(*wall.center, wall.radius, isinstance(wall, Circle))
+            else:
+                self._scene.add_polygon(*np.transpose(wall.corners))
 
-    def _nearest_image(self, away: Floats) -> Floats:
-        """Of vectors from an obstacle, as `fix deformable/wall` takes it."""
-        away = away.copy()
-        for k in (1, 0):
-            if not self.closed[k]:
-                away -= np.rint(away[:, k] / self.box[k, k])[:, None] * self.box[k]
-        return away
+    def __call__(self, positions: Floats) -> tuple[Floats, Floats]:
+        """Directions to the walls and distances of these N positions.
+
+        Returns:
+            Unit vectors, shape (number of walls, N, 2), and distances, shape (number of walls, N)
+            [length]; negative beyond a plane or circle and inside of an obstacle.
+        """
+        found = self._scene.nearest(*positions.T).reshape(self._count, len(positions), 3)
+        return found[..., :2], found[..., 2]
 
 
 def check_fit(walls: Sequence[Wall], box: Floats, cutoff: float) -> None:
@@ -239,9 +227,8 @@ def check_fit(walls: Sequence[Wall], box: Floats, cutoff: float) -> None:
 
 def check_centers(walls: Sequence[Wall], box: Floats, positions: Floats) -> None:
     """Refuse particles whose center is on the wrong side of a wall."""
-    for n, (wall, (_, distance)) in enumerate(
-        zip(walls, Distances(walls, box)(positions), strict=True), start=1
-    ):
+    _, distances = Distances(walls, box)(positions)
+    for n, (wall, distance) in enumerate(zip(walls, distances, strict=True), start=1):
         if (wrong := np.flatnonzero(~(distance > 0.0))).size:
             k = int(wrong[0])
             where = "outside of" if isinstance(wall, (Plane, Circle)) else "within"
@@ -261,11 +248,13 @@ def random_places(
     for _ in range(_TRIALS):
         tried = rng.random((number, 2))
         tried = low + tried * (high - low) if any(closed(walls)) else tried @ box
-        free = np.all([distance > 0.0 for _, distance in distances(tried)], axis=0)
+        free = (distances(tried)[1] > 0.0).all(axis=0)
         places = np.concatenate([places, tried[free]])[:number]
         if len(places) == number:
             return places
-    raise ParameterError(f"walls leave too little room for {number} particles: take fewer or smaller obstacles")
+    raise ParameterError(
+        f"walls leave too little room for {number} particles: take fewer or smaller obstacles"
+    )
 
 
 def stretched(walls: Sequence[Wall], box: Floats, new: Floats) -> tuple[Wall, ...]:
@@ -297,4 +286,6 @@ def free_motions(walls: Sequence[Wall]) -> int:
         return 2
     if all(isinstance(wall, Plane) for wall in walls):
         return 2 - sum(closed(walls))
-    return int(all(isinstance(wall, Circle) and wall.center == walls[0].values[:2] for wall in walls))
+    return int(
+        all(isinstance(wall, Circle) and wall.center == walls[0].values[:2] for wall in walls)
+    )

@@ -1,4 +1,4 @@
-"""The shapes that walls are made of: containers (plane, circle) and obstacles (disk, segment, polygon).
+"""The shapes of walls: containers (plane, circle) and obstacles (disk, segment, polygon).
 
 They have the names and the numbers of `fix deformable/wall`.
 """
@@ -132,13 +132,12 @@ class _Cornered:
         """Radius of a circle around it, about the middle [length]."""
         return float(np.linalg.norm(self.corners - self.middle, axis=1).max())
 
-    @property
-    def half_planes(self) -> NDArray[np.float64]:
-        """Rows (nx, ny, offset) of the half planes nx x + ny y <= offset that enclose it."""
+    def _check(self) -> None:
+        """Refuse corners that do not make a convex shape."""
         from .. import core
 
         try:
-            return core.polygon_planes(*np.transpose(self.corners))
+            core.polygon_planes(*np.transpose(self.corners))
         except ValueError as error:
             raise ParameterError(f"a {self.kind} {error}, not {shown(self.corners)}") from None
 
@@ -162,7 +161,7 @@ class Segment(_Cornered):
 
     def __post_init__(self) -> None:
         _set_points(self, "start", "end")
-        _ = self.half_planes
+        self._check()
 
     @property
     def corners(self) -> tuple[Point, ...]:  # type: ignore[override]
@@ -202,7 +201,7 @@ class Polygon(_Cornered):
                 f"{shown(self.corners)}"
             )
         object.__setattr__(self, "corners", tuple((x, y) for x, y in given.tolist()))
-        _ = self.half_planes
+        self._check()
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -215,9 +214,7 @@ class Polygon(_Cornered):
 
 
 Wall = Union[Plane, Circle, Disk, Segment, Polygon]  # noqa: UP007  of Python 3.10 at run time
-KINDS: dict[str, type[Wall]] = {
-    each.kind: each for each in (Plane, Circle, Disk, Segment, Polygon)
-}
+KINDS: dict[str, type[Wall]] = {each.kind: each for each in (Plane, Circle, Disk, Segment, Polygon)}
 
 
 def rectangle(
@@ -258,7 +255,9 @@ def as_walls(given: Wall | Iterable[Wall]) -> tuple[Wall, ...]:
     try:
         walls = tuple(given)  # type: ignore[arg-type]
     except TypeError:
-        raise ParameterError(f"walls must be one or several of {names}, not {shown(given)}") from None
+        raise ParameterError(
+            f"walls must be one or several of {names}, not {shown(given)}"
+        ) from None
     for n, wall in enumerate(walls, start=1):
         if not isinstance(wall, kinds):
             raise ParameterError(

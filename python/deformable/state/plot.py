@@ -13,6 +13,7 @@ from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from ..model.packing import Packing
+from ..model.room import closed, container, obstacles
 from .contact_table import ContactTable
 
 if TYPE_CHECKING:
@@ -83,10 +84,10 @@ def draw(
     flat: bool = False,
     forces: bool = False,
 ) -> Axes:
-    """Draw outlines with all periodic images that reach into the box.
+    """Draw outlines and walls with all periodic images that reach into the box.
 
     Args:
-        packing: centers and box.
+        packing: centers, box and walls.
         outlines: of the particles.
         contacts: of each particle.
         values: shown as colors, shape (N,).
@@ -100,10 +101,16 @@ def draw(
     if ax is None:
         _, ax = plt.subplots(figsize=(6.4, 5.6), layout="constrained")
 
-    box = packing.box
-    corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) @ box
+    box, shut = packing.box, closed(packing.walls)
+    corners = _frame(packing)
     frame = Polygon(corners, closed=True, fill=False, edgecolor="0.25", linewidth=1.0, zorder=3)
     ax.add_patch(frame)
+    if packing.walls:
+        walls = PolyCollection(
+            _obstacles(packing), facecolors="0.75", edgecolors="0.25", linewidths=1.0
+        )
+        ax.add_collection(walls)
+        walls.set_clip_path(frame)
 
     images, colors, flats, halves, widths = [], [], [], [], []
     to_fraction = np.linalg.inv(box)
@@ -117,8 +124,8 @@ def draw(
         strict=True,
     ):
         fraction = outline @ to_fraction
-        low = np.floor(fraction.min(axis=0)).astype(int)
-        high = np.floor(fraction.max(axis=0)).astype(int)
+        low = np.where(shut, 0, np.floor(fraction.min(axis=0))).astype(int)
+        high = np.where(shut, 0, np.floor(fraction.max(axis=0))).astype(int)
         for a in range(low[0], high[0] + 1):  # as many images as reach into the box
             for b in range(low[1], high[1] + 1):
                 shift = np.array([a, b]) @ box
@@ -161,6 +168,21 @@ def draw(
     )
     ax.set_axis_off()
     return ax
+
+
+def _frame(packing: Packing) -> NDArray[np.float64]:
+    """Corners of the box, or of the container, shape (n, 2) [length]."""
+    if not packing.walls:
+        return np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) @ packing.box
+    return np.array(container(packing.walls, packing.box).exterior.coords)
+
+
+def _obstacles(packing: Packing) -> list[NDArray[np.float64]]:
+    """Corners of the obstacles that are drawn; of a segment both ends."""
+    return [
+        np.array(shape.coords if shape.geom_type == "LineString" else shape.exterior.coords)
+        for shape in obstacles(packing.walls, packing.box)
+    ]
 
 
 def _flats(
