@@ -55,16 +55,20 @@ class FixDeformableWall : public Fix {
   }
 
   // The force of a feature of a wall on atom i, at (dx, dy) from its point of application to the
-  // atom.
-  void add_force(int i, int feature, double fx, double fy, double dx, double dy, double cutoff)
+  // atom. (tx, ty) is the direction along the wall.
+  void add_force(int i, int feature, double fx, double fy, double dx, double dy, double tx,
+                 double ty, double cutoff)
   {
     if (!first_call) return;
     WallForce &force = wall_forces[i];
     force.fx += fx;
     force.fy += fy;
-    force.vxx += dx * fx;
-    force.vyy += dy * fy;
-    force.vxy += dx * fy;
+    // The derivative of the energy by a strain that shifts and rotates the wall. At a round wall the force across
+    // the direction acts at the nearest point; what acts beside it is the force along.
+    const double beside = (fx * tx + fy * ty) * (dx * tx + dy * ty);
+    force.vxx += dx * fx - beside * tx * tx;
+    force.vyy += dy * fy - beside * ty * ty;
+    force.vxy += dx * fy - beside * tx * ty;
     if (scene.moves())
       scene.add_force(feature, -fx, -fy, atom->x[i][0], atom->x[i][1], dx, dy, cutoff);
   }

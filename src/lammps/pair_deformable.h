@@ -62,9 +62,9 @@ class PairDeformable : public Pair {
   {
     const int code = -1 - partner, count = static_cast<int>(walls.size());
     const double ri = radius_of(i), height = ri - contact.indentation;
-    walls[code % count]->add_force(i, code / count, fx, fy,
-                                   -height * contact.nx + shift * contact.ny,
-                                   -height * contact.ny - shift * contact.nx, (1.0 + reach) * ri);
+    walls[code % count]->add_force(
+        i, code / count, fx, fy, -height * contact.nx + shift * contact.ny,
+        -height * contact.ny - shift * contact.nx, -contact.ny, contact.nx, (1.0 + reach) * ri);
   }
   const char *wall_id(int partner) const { return walls[(-1 - partner) % walls.size()]->id; }
 

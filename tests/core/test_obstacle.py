@@ -5,7 +5,7 @@ import pytest
 from deformable import core
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from shapely import Point, Polygon
+from shapely import LineString, MultiPoint, Point, Polygon
 from shapely.geometry import box
 
 EPSILON = np.finfo(float).eps
@@ -136,3 +136,65 @@ def test_edges():
 def test_refusals(planes, message):
     with pytest.raises(ValueError, match=message):
         core.nearest_on_polygon(*planes, 0.0, 0.0)
+
+
+grid = st.integers(-4, 4)
+corner_lists = st.lists(st.tuples(grid, grid), min_size=2, max_size=6)
+
+
+@given(corners=corner_lists)
+def test_planes_of_corners(corners):
+    """Those of a convex polygon or segment are refused or enclose it."""
+    x, y = np.transpose(corners)
+    shape = MultiPoint(corners).convex_hull
+    try:
+        planes = core.polygon_planes(x, y)
+    except ValueError:
+        ring = [*corners, corners[0]]
+        a, b = np.diff(ring, axis=0), np.diff([*ring[1:], ring[1]], axis=0)
+        turns = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        hull = shape.exterior.coords if shape.geom_type == "Polygon" else []
+        assert len(hull) != len(ring) or not (np.ptp(np.sign(turns)) == 0 and turns.all())
+        return
+    assert len(planes) == (4 if len(corners) == 2 else len(corners))
+    for a, b in corners:
+        assert (planes[:, 0] * a + planes[:, 1] * b <= planes[:, 2] + 1e-9).all()
+    edges = core.polygon_edges(*planes.T)
+    ends = edges[~np.isnan(edges).any(axis=1)].reshape(-1, 2)
+    assert MultiPoint(corners).hausdorff_distance(MultiPoint(ends)) < 1e-9
+
+
+@given(x=st.floats(-9, 9), y=st.floats(-9, 9))
+def test_scene(x, y):
+    """Distances by shapely, of the nearest images in a tilted box."""
+    corners = [(-0.2, 0), (1, 0.1), (0.5, 0.8)]
+    scene = core.Scene(6.0, 5.0, 1.5)
+    scene.add_plane(0, -9, 1, 1)
+    scene.add_round(0.5, 0.2, 9, True)
+    scene.add_round(0.5, 0.2, 0.7, False)
+    scene.add_polygon(*np.transpose(corners))
+    scene.add_polygon([0, 1], [0.5, 1])
+    found = scene.nearest([x, 0.0], [y, 0.1])
+    assert found.shape == (10, 3)
+    direction, distance = found[::2, :2], found[::2, 2]
+    assert np.linalg.norm(direction, axis=1) == pytest.approx(1)
+    shifts = [(6 * a + 1.5 * b, 5 * b) for a in range(-4, 5) for b in range(-3, 4)]
+    images = [Point(x + a, y + b) for a, b in shifts]
+    disk = min(np.hypot(p.x - 0.5, p.y - 0.2) for p in images) - 0.7
+    expected = [(x + y + 9) / np.sqrt(2), 9 - np.hypot(x - 0.5, y - 0.2)]
+    assert distance[:2] == pytest.approx(expected, abs=1e-12)
+    triangle, line = Polygon(corners), LineString([(0, 0.5), (1, 1)])
+    exact = [disk, *(min(shape.distance(p) for p in images) for shape in (triangle, line))]
+    for true, near in zip(exact, distance[2:], strict=True):
+        # beyond half of the box it is not always the nearest image that is taken
+        assert near > -0.5
+        if 0 < true < 1.3:
+            assert near == pytest.approx(true, abs=1e-12)
+
+
+def test_scene_inside_of_a_polygon():
+    scene = core.Scene(0, 0, 0)
+    scene.add_polygon([0, 2, 2, 0], [0, 0, 1, 1])
+    assert scene.nearest([1.9], [0.5]).tolist() == [pytest.approx([-1, 0, -0.1])]
+    with pytest.raises(ValueError, match="one value for each"):
+        scene.nearest([1.0], [0.5, 2.0])

@@ -106,6 +106,17 @@ def test_segment_and_disk_in_words(law):
 
 
 @laws
+def test_round_container_in_words(law):
+    region = "region drum cylinder z 0.1 -0.2 2.3 INF INF\nfix w all deformable/wall drum"
+    x = np.array([[-1.3, 0.2], [0.4, 1.6]])
+    same(region, "fix w all deformable/wall circle 0.1 -0.2 2.3", law, x)
+    post = "region post sphere 0.3 -1.1 0 0.3 side out\nregion both intersect 2 drum post"
+    words = "fix w all deformable/wall circle 0.1 -0.2 2.3 disk 0.3 -1.1 0.3"
+    region = f"region drum cylinder z 0.1 -0.2 2.3 INF INF\n{post}\nfix w all deformable/wall both"
+    same(region, words, law, np.array([[-0.8, -0.6], [0.4, 1.6]]))
+
+
+@laws
 def test_scene_as_one_region_or_as_several_fixes(law):
     parts = """
         region room block -2.6 9 -8 8 INF INF

@@ -67,7 +67,7 @@ _TOO_DEEP = "contact line"
 _WAY_OUT = " (push_off separates overlaps, jam does so by itself)"
 
 # How LAMMPS names a wall, whose number is in the name of its fix.
-_FIX_OF_WALL = re.compile(r"'?(\w+) 1'? of fix wall_(\d+)(?: deformable/wall)?")
+_FIX_OF_WALL = re.compile(r"(?:'\w+ 1'|a wall) of fix wall_(\d+)(?: deformable/wall)?")
 
 # Iterations without halving the largest force after which a relaxation counts as stalled. The force
 # falls by decades in a packing that loosens, while its ratio to the mean force may stay the same.
@@ -146,8 +146,8 @@ class Simulation(FormerAttributes, Engine):
         law = self.law
         self._species, self._radii = packing.species, packing.radii
         species = species_file(law, self._radii)  # or fail before LAMMPS is open
-        check_centers(packing.walls, packing.box, packing.positions)
         self._check_walls(packing.walls, packing.box)
+        check_centers(packing.walls, packing.box, packing.positions)
         self._walls = packing.walls
         self.lmp = open_lammps(packing, self.comm)
         with shared_file(self.comm, species) as file:
@@ -258,7 +258,9 @@ class Simulation(FormerAttributes, Engine):
         try:
             run(self.lmp, commands)
         except LammpsError as error:
-            line = _FIX_OF_WALL.sub(r"\1 \2", str(error))
+            line = _FIX_OF_WALL.sub(
+                lambda found: f"{self._walls[int(found[1]) - 1].kind} {found[1]}", str(error)
+            )
             raise LammpsError(f"{line}{_WAY_OUT if _TOO_DEEP in line else ''}") from None
 
     def _snapshot(self, forces: Forces, stalled: bool) -> State:

@@ -257,6 +257,7 @@ def as_walls(given: Wall | Iterable[Wall]) -> tuple[Wall, ...]:
     except TypeError:
         raise ParameterError(
             f"walls must be one or several of {names}, not {shown(given)}"
+            + (": take its `planes`" if hasattr(given, "planes") else "")
         ) from None
     for n, wall in enumerate(walls, start=1):
         if not isinstance(wall, kinds):

@@ -1,4 +1,4 @@
-"""Flat walls around one particle: a convex polygon, given by its sides."""
+"""Flat walls around one ring of beads: a convex polygon, given by its sides."""
 
 from __future__ import annotations
 
@@ -9,11 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import ParameterError
 from ..common.validate import numbers
+from .wall_shapes import Plane
 
 
 @dataclass(frozen=True, eq=False)
 class Walls:
-    """A convex polygon around the origin.
+    """A convex polygon around the origin, for `BeadReference` and `squeeze`.
+
+    `planes` are the same sides for a `Packing`.
 
     Attributes:
         angle: directions from the origin to the sides, increasing, shape (n,), n >= 3 [rad].
@@ -47,6 +50,14 @@ class Walls:
     def normal(self) -> NDArray[np.float64]:
         """Outward normals, shape (n, 2)."""
         return np.column_stack([np.cos(self.angle), np.sin(self.angle)])
+
+    @property
+    def planes(self) -> tuple[Plane, ...]:
+        """The sides as walls of a `Packing`."""
+        return tuple(
+            Plane(tuple(height * normal), tuple(-normal))
+            for height, normal in zip(self.height, self.normal, strict=True)
+        )
 
     def distances_from(self, center: ArrayLike) -> NDArray[np.float64]:
         """Distance of each side from a point, negative beyond the side, shape (n,) [length]."""

@@ -1,0 +1,243 @@
+"""Simulations between walls, compared with LAMMPS scripts, differences of energies and balances."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from deformable import Circle, Disk, LammpsError, ParameterError, Plane, Polygon, Ring, Segment
+from ranks import python
+
+SCENE = (
+    Circle((1.0, -2.0), 6.0),
+    Disk((3.0, -2.0), 1.0),
+    Polygon([(-2, -3), (0, -3), (0, -1), (-2, -1)]),
+    Segment((0, 1), (1.5, 1)),
+)
+# the same by LAMMPS' regions
+REGIONS = """
+region drum cylinder z 1 -2 6 INF INF
+region post cylinder z 3 -2 1 INF INF side out
+region pillar block -2 0 -3 -1 INF INF side out
+region line block 0 1.5 1 1 INF INF side out
+region scene intersect 4 drum post pillar line
+fix scene all deformable/wall scene
+fix_modify scene virial yes
+"""
+LAWS = {"balanced": Ring(kP=2.0), "radical": Ring(contact="radical"), "sector": deformable.Sector()}
+laws = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+
+
+@pytest.fixture(scope="module")
+def packing() -> deformable.Packing:
+    """Pressed against walls of every kind, and against one another."""
+    return deformable.push_off(deformable.bidisperse(60, seed=2).between(SCENE)).at(0.86)
+
+
+def forces(sim: deformable.Simulation) -> np.ndarray:
+    return np.array(sim.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
+
+
+@laws
+def test_lammps_script_with_regions(packing, law) -> None:
+    """Regions in LAMMPS' own units of length: the same energy, forces and pressure."""
+    scale = packing.walls[0].radius / 6.0
+    with deformable.Simulation(packing, law) as sim:
+        state, found = sim.state(), forces(sim)
+    bare = replace(packing, walls=(), box=np.diag([90, 90]), positions=packing.positions + 20)
+    with deformable.Simulation(bare, law) as raw:
+        scaled = f"lattice sq {scale**-2!r} origin 0 0 0\n" + REGIONS
+        raw.lmp.command("change_box all boundary f f p")
+        raw.lmp.commands_string("variable shift equal 20")
+        for line in scaled.strip().splitlines():
+            moves = line.startswith("region") and "intersect" not in line
+            shift = " move v_shift v_shift NULL" if moves else ""
+            raw.lmp.command(line + shift)
+        other = raw.state()
+        low, high, *_ = raw.lmp.extract_box()
+        assert other.energy == pytest.approx(state.energy, rel=1e-11)
+        assert state.energy > 0
+        scale_of_forces = np.abs(found).max()
+        np.testing.assert_allclose(forces(raw), found, atol=1e-10 * scale_of_forces)
+        volume = np.prod(np.subtract(high, low)[:2])
+        np.testing.assert_allclose(
+            other.stress * volume, state.stress * packing.area, atol=1e-9 * abs(state.stress).max()
+        )
+
+
+@laws
+def test_forces_are_differences_of_the_energy(packing, law) -> None:
+    with deformable.Simulation(packing, law) as sim:
+        state, found = sim.state(), forces(sim)
+    touching = state.contact_table["i"][state.contact_table["j"] < 0]
+    assert len(touching) > 15
+    step, scale = 1e-6, np.abs(found).max()
+    for i in touching[::5]:
+        for k in range(2):
+            energies = []
+            for sign in (1, -1):
+                moved = packing.positions.copy()
+                moved[i, k] += sign * step
+                with deformable.Simulation(replace(packing, positions=moved), law) as sim:
+                    energies.append(sim.state().energy)
+            slope = (energies[0] - energies[1]) / (2 * step)
+            assert -slope == pytest.approx(found[i, k], abs=1e-5 * scale)
+
+
+@laws
+def test_walls_bear_the_total_force(packing, law) -> None:
+    """Forces between particles cancel: what is left is what the walls take."""
+    with deformable.Simulation(packing, law) as sim:
+        state, found = sim.state(), forces(sim)
+    assert state.wall_forces.shape == (4, 2)
+    largest = np.abs(state.wall_forces).max()
+    np.testing.assert_allclose(state.wall_forces.sum(0), -found.sum(0), atol=1e-12 * largest)
+    table = state.contact_table
+    if law.name != "sector":
+        # a flat wall turns no contact: its force is the sum of those of its contacts
+        by_wall = np.isclose(table["position"][:, 1], state.packing.walls[3].start[1])
+        rows = table[by_wall & (table["j"] < 0)]
+        ends = [p[0] for p in (state.packing.walls[3].start, state.packing.walls[3].end)]
+        inner = rows[(rows["position"][:, 0] > ends[0]) & (rows["position"][:, 0] < ends[1])]
+        if len(inner) == len(rows) > 0:
+            along = np.sum(rows["force"] * np.sin(rows["angle"]))
+            assert state.wall_forces[3, 1] == pytest.approx(along, abs=1e-12 * largest)
+
+
+def test_relaxed_particles_are_in_balance() -> None:
+    start = deformable.bidisperse(60, seed=2).between(SCENE[:2])
+    with deformable.Simulation(deformable.push_off(start.at(0.88)), Ring()) as sim:
+        relaxed = sim.relax(1e-9)
+    assert relaxed.residual < 1e-9
+    assert not relaxed.stalled
+    np.testing.assert_allclose(relaxed.wall_forces.sum(0), 0, atol=1e-8 * relaxed.pressure)
+    free = 60 - int(relaxed.rattlers.sum())
+    assert relaxed.isostatic_contacts == 2 * free + 1
+    assert relaxed.network_contacts > relaxed.isostatic_contacts
+
+
+@pytest.mark.parametrize("name", ["balanced", "radical"])
+def test_pressure_is_the_derivative_by_the_free_area(packing, name) -> None:
+    """When particles and walls are scaled together."""
+    with deformable.Simulation(packing, LAWS[name]) as sim:
+        state = sim.state()
+    found = []
+    for factor in (1 - 1e-6, 1 + 1e-6):
+        with deformable.Simulation(packing.at(packing.phi / factor**2), LAWS[name]) as sim:
+            there = sim.state()
+            found.append((there.energy, there.packing.area))
+    (first, small), (second, large) = found
+    # of a difference at 1e-6, with energies exact to 1e-16 of the sum of their terms
+    assert state.pressure == pytest.approx((first - second) / (large - small), rel=1e-8)
+
+
+def test_pressure_in_a_square_is_force_per_length() -> None:
+    sides = deformable.rectangle(9, 9, (-4, 3))
+    packing = deformable.push_off(deformable.bidisperse(64, seed=1).between(sides).at(0.87))
+    with deformable.Simulation(packing, Ring()) as sim:
+        state = sim.relax(1e-9)
+    length = state.packing.box[0, 0]
+    left, right, low, high = state.wall_forces
+    assert state.stress[0, 0] == pytest.approx(right[0] / length, rel=1e-6)
+    assert state.stress[0, 0] == pytest.approx(-left[0] / length, rel=1e-6)
+    assert state.stress[1, 1] == pytest.approx(high[1] / length, rel=1e-6)
+    assert state.stress[1, 1] == pytest.approx(-low[1] / length, rel=1e-6)
+    assert state.pressure == pytest.approx((right[0] + high[1]) / (2 * length), rel=1e-6)
+    assert state.phi == pytest.approx(state.area.sum() / length**2)
+
+
+def test_obstacles_alone_stay_in_the_periodic_box() -> None:
+    """A pillar at the corner of the box touches particles at all four corners."""
+    start = deformable.bidisperse(40, seed=3, tilt=0.2).between(Disk((0, 0), 2.0))
+    packing = deformable.push_off(start.at(0.85))
+    with deformable.Simulation(packing, Ring()) as sim:
+        state = sim.state()
+    inside = state.packing.positions @ np.linalg.inv(state.packing.box) % 1
+    touching = np.unique(state.contact_table["i"][state.contact_table["j"] < 0])
+    assert len(np.unique(np.rint(inside[touching]), axis=0)) == 4
+    # moving box and pillar along does not matter
+    shift = np.array([0.3, 0.2]) @ packing.box
+    pillar = packing.walls[0]
+    moved = replace(
+        packing, positions=packing.positions + shift, walls=Disk(tuple(shift), pillar.radius)
+    )
+    with deformable.Simulation(moved, Ring()) as sim:
+        assert sim.state().energy == pytest.approx(state.energy, rel=1e-9)
+
+
+def test_walls_given_to_the_simulation() -> None:
+    """They replace those of the packing."""
+    two = deformable.Packing([[0, 0], [0.9, 0]], [0, 0], [0.5], np.diag([9.0, 9.0]))
+    room = deformable.rectangle(1.85, 1.0, (-0.45, -0.5))
+    with deformable.Simulation(two, Ring(), walls=room) as sim:
+        assert sim.walls == room
+        assert sim.box.tolist() == [[1.85, 0], [0, 1]]
+        pressed = sim.state()
+    with deformable.Simulation(replace(two, walls=Disk((4, 4), 1)), Ring(), walls=()) as sim:
+        free = sim.state()
+        assert free.packing.walls == ()
+    assert pressed.energy > free.energy > 0
+
+
+def test_further_walls_by_hand(packing) -> None:
+    """Through `lmp`: they act, but are none of the simulation's."""
+    with deformable.Simulation(replace(packing, walls=packing.walls[:3]), Ring()) as sim:
+        line = packing.walls[3]
+        words = " ".join(map(repr, line.values))
+        sim.lmp.command(f"fix mine all deformable/wall segment {words}")
+        sim.lmp.command("fix_modify mine virial yes")
+        state = sim.state()
+        assert state.wall_forces.shape == (3, 2)
+    with deformable.Simulation(packing, Ring()) as sim:
+        assert sim.state().energy == pytest.approx(state.energy, rel=1e-12)
+        np.testing.assert_allclose(sim.state().stress, state.stress, rtol=1e-10)
+
+
+def test_errors_name_the_wall(packing) -> None:
+    two = deformable.Packing([[2, 2], [6, 6]], [0, 0], [0.5], np.diag([9.0, 9.0]))
+    for walls, message in (
+        ([Disk((4, 4), 1), Disk((6, 5.5), 1)], "particle 1, .* within disk 2"),
+        ([Disk((4, 4), 1), Segment((0, 0), (8, 0)), Disk((1, 8), 0.5)], "segment 2 does not fit"),
+        (Plane((0, 0), (0, 1)), "leave the room open"),
+        (3, "walls must be one or several of Plane"),
+    ):
+        with pytest.raises(ParameterError, match=message):
+            deformable.Simulation(two, Ring(), walls=walls)
+    with deformable.Simulation(two, Ring(), walls=[Disk((4, 4), 1), Disk((7, 1), 0.5)]) as sim:
+        sim.lmp.command("set atom 2 x 7.1 y 1.1")
+        with pytest.raises(LammpsError, match=r"atom 2 at \(7.1, 1.1\) is in the obstacle disk 2$"):
+            sim.state()
+    close = deformable.Simulation(two, Ring(), walls=[Disk((4, 8), 0.2), Disk((6, 5), 0.9)])
+    with close as sim, pytest.raises(LammpsError, match="disk 2"):
+        sim.state()
+    with pytest.raises(ParameterError, match="rings of beads have no walls"):
+        deformable.BeadReference(packing)
+
+
+RANKS = """
+import json
+from mpi4py import MPI
+import deformable
+from deformable import Circle, Disk, Segment
+
+scene = [Circle((0, 0), 6), Disk((2, 0), 1), Segment((-3, -2), (-3, 2))]
+start = deformable.push_off(deformable.bidisperse(48, seed=3).between(scene).at(0.84))
+sim = deformable.Simulation(start, deformable.Ring())
+for state in deformable.record(deformable.compress(sim, 0.02, 2, tolerance=1e-6), "run"):
+    pass
+seen = [state.phi, state.pressure, state.energy, state.coordination, state.wall_forces.tolist()]
+assert MPI.COMM_WORLD.allgather(seen) == [seen] * MPI.COMM_WORLD.size
+with deformable.load("run") as again:
+    assert abs(again.state().energy / state.energy - 1) < 1e-12
+if MPI.COMM_WORLD.rank == 0:
+    print(json.dumps(seen))
+"""
+
+
+def test_two_ranks(tmp_path: Path) -> None:
+    one, two = (json.loads(python(RANKS, tmp_path, ranks).splitlines()[-1]) for ranks in (1, 2))
+    # pressures are right to the forces that remain, times the number of particles
+    assert two[:4] == pytest.approx(one[:4], rel=1e-4)
+    np.testing.assert_allclose(two[4], one[4], atol=1e-4 * np.abs(one[4]).max())

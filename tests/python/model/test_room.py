@@ -1,0 +1,132 @@
+"""The room between walls: its box, its area, and places in it."""
+
+import deformable
+import numpy as np
+import pytest
+from deformable import Circle, Disk, ParameterError, Plane, Polygon, Segment, rectangle
+from deformable.model import room
+
+BOX = np.array([[12.0, 0.0], [0.0, 10.0]])
+CHANNEL = (Plane((0, 1), (0, 1)), Plane((5, 9), (0, -2)))
+TRIANGLE = Polygon([(4, 4), (6, 4), (5, 6)])
+
+
+@pytest.fixture(scope="module")
+def loose() -> deformable.Packing:
+    return deformable.bidisperse(30, phi=0.3, seed=1)
+
+
+SCENES = {
+    # walls, box, lower left corner, free area
+    "none": ((), (12, 10), (0, 0), 120),
+    "disk": (Disk((0, 0), 2), (12, 10), (0, 0), 120 - 4 * np.pi),
+    "segment": (Segment((3, 3), (5, 4)), (12, 10), (0, 0), 120),
+    "overlap": ((TRIANGLE, Polygon([(4, 4), (6, 4), (5, 5)])), (12, 10), (0, 0), 118),
+    "rectangle": (rectangle(7, 5, (-3, 2)), (7, 5), (-3, 2), 35),
+    "circle": (Circle((1, 2), 5), (10, 10), (-4, -3), 25 * np.pi),
+    "channel": (CHANNEL, (12, 8), (0, 1), 96),
+    "stopped": ((*CHANNEL, TRIANGLE, Disk((12, 5), 1)), (12, 8), (0, 1), 94 - np.pi),
+    "prism in the floor": (
+        (*rectangle(10, 8), Polygon([(4, -1), (6, -1), (6, 1), (4, 1)])),
+        (10, 8),
+        (0, 0),
+        78,
+    ),
+    "half moon": ((Circle((0, 0), 2), Plane((0, 0), (1, 0))), (4, 4), None, 2 * np.pi),
+    "hexagon": (
+        [
+            Plane(-np.array([c, s]), (c, s))
+            for c, s in np.c_[np.cos(np.arange(6) * np.pi / 3), np.sin(np.arange(6) * np.pi / 3)]
+        ],
+        (2, 4 / np.sqrt(3)),
+        (-1, -2 / np.sqrt(3)),
+        2 * np.sqrt(3),
+    ),
+}
+
+
+@pytest.mark.parametrize(("walls", "box", "origin", "area"), SCENES.values(), ids=SCENES)
+def test_box_and_area(loose, walls, box, origin, area) -> None:
+    """phi is over the area that walls leave free; a disk across another wall is a polygon."""
+    packing = deformable.Packing(loose.positions, loose.species, loose.radii, BOX, walls=walls)
+    if origin is not None:
+        assert packing.box.diagonal() == pytest.approx(box)
+        assert packing.origin == pytest.approx(origin)
+    assert packing.area == pytest.approx(area, rel=1e-5 if origin is None else 1e-12)
+    assert packing.phi == pytest.approx(np.pi * np.sum(packing.radius**2) / area, rel=1e-5)
+
+
+def test_places_between_walls(loose) -> None:
+    walls = (Circle((1, 2), 9), Disk((4, 2), 3), TRIANGLE, Segment((0, 0), (0, 4)))
+    packing = loose.between(walls, seed=3)
+    x, y = packing.positions.T
+    assert np.hypot(x - 1, y - 2).max() < 9
+    assert np.hypot(x - 4, y - 2).min() > 3
+    assert not np.array_equal(packing.positions, loose.between(walls, seed=4).positions)
+    assert packing.radius.tolist() == loose.radius.tolist()
+    # another phi: everything by one factor
+    dense = packing.at(0.8)
+    assert dense.phi == pytest.approx(0.8)
+    factor = np.sqrt(packing.phi / 0.8)
+    assert dense.walls[1] == Disk((4 * factor, 2 * factor), 3 * factor)
+    assert dense.positions == pytest.approx(packing.positions * factor)
+
+
+WRONG = {
+    "floor": (Plane((0, 0), (0, 1)), "planes leave the room open"),
+    "corner": ((Plane((0, 0), (0, 1)), Plane((0, 0), (1, 0))), "planes leave the room open"),
+    "outward": ([Plane(p.point, -np.array(p.normal)) for p in rectangle(5, 5)], "leave no room"),
+    "apart": ((Circle((0, 0), 1), Circle((5, 0), 1)), "leave no room"),
+    "filled": ((*rectangle(5, 5), Disk((2.5, 2.5), 4)), "obstacles fill the room"),
+    "crowded": (
+        (*rectangle(5, 5), Disk((2.5, 2.5), 3.5354)),
+        "obstacles fill the room|too little room",
+    ),
+}
+
+
+@pytest.mark.parametrize(("walls", "message"), WRONG.values(), ids=WRONG)
+def test_no_room(loose, walls, message) -> None:
+    with pytest.raises(ParameterError, match=message) as error:
+        loose.between(walls)
+    assert "\n" not in str(error.value)
+
+
+def test_containers_need_a_rectangular_box() -> None:
+    tilted = deformable.bidisperse(10, tilt=0.2)
+    with pytest.raises(ParameterError, match="not tilted"):
+        tilted.between(rectangle(5, 5))
+    assert tilted.between(Disk((0, 0), 1)).box[1, 0] > 0
+
+
+def test_obstacles_fit_into_the_periodic_box() -> None:
+    room.check_fit([Disk((0, 0), 3)], BOX, 2.0)
+    with pytest.raises(ParameterError, match=r"segment 2 does not fit .* along y"):
+        room.check_fit([Disk((0, 0), 3), Segment((0, 0), (0, 8))], BOX, 2.0)
+    room.check_fit([*rectangle(3, 3), Segment((0, 0), (0, 8))], BOX, 2.0)
+
+
+def test_centers_on_the_wrong_side() -> None:
+    x = np.array([[1.0, 1.0], [5.0, 5.0]])
+    for walls, message in (
+        ([Disk((9, 9), 1), Disk((5, 5.5), 1)], "particle 1, .5.0, 5.0., is within disk 2"),
+        ([TRIANGLE], "particle 1, .* within polygon 1"),
+        ([Segment((4, 5), (6, 5))], "particle 1, .* within segment 1"),
+        (rectangle(4, 9), "particle 1, .* outside of plane 2"),
+        ([Circle((1, 1), 2)], "particle 1, .* outside of circle 1"),
+    ):
+        with pytest.raises(ParameterError, match=message):
+            room.check_centers(walls, BOX, x)
+    # the image of a disk
+    with pytest.raises(ParameterError, match="particle 0"):
+        room.check_centers([Disk((12.5, 10.5), 1)], BOX, x)
+
+
+def test_free_motions() -> None:
+    """Of all particles together: of a box, a channel, a round container, and none."""
+    ring = (Circle((0, 0), 3), Circle((0, 0), 4))
+    counts = [
+        room.free_motions(walls)
+        for walls in ((), CHANNEL, ring, rectangle(2, 2), (*ring, TRIANGLE), (TRIANGLE,))
+    ]
+    assert counts == [2, 1, 1, 0, 0, 0]
