@@ -1,5 +1,6 @@
 """The Python examples run and print what their logs have."""
 
+import json
 import re
 import shutil
 import subprocess
@@ -49,6 +50,27 @@ def test_compress_prints_its_log(tmp_path: Path) -> None:
     assert (np.diff(pressure) > 0).all()
     assert (tmp_path / "packing.png").stat().st_size > 10_000
     assert (tmp_path / "run" / "summary.json").exists()
+
+
+def test_drum(tmp_path: Path) -> None:
+    """Pressure rises, walls are in balance, and LAMMPS alone takes up the last state."""
+    pytest.importorskip("matplotlib")
+    shutil.copy(EXAMPLES / "drum" / "drum.py", tmp_path)
+    printed = text("python", "drum.py", cwd=tmp_path)
+    phi, pressure, on_disk = numbers(printed).T
+    expected = numbers((EXAMPLES / "drum" / "drum.log").read_text()).T
+    # the packing depends on the last digit, so that another processor may find another one
+    assert phi == pytest.approx(expected[0], abs=0.03)
+    assert pressure[-1] > 10 * pressure[0] > 0
+    assert (on_disk > 0).all()
+    # relaxed to 1e-4 of the mean contact force, which is far below that on a wall
+    assert float(printed.split()[-1]) < 150 * 1e-4
+    assert (tmp_path / "drum.png").stat().st_size > 10_000
+    energy = text("lmp", "-in", "in.lammps", "-log", "none", cwd=tmp_path / "run")
+    row = energy[energy.index("PotEng") :].splitlines()[1].split()
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert float(row[1]) == pytest.approx(summary["state"]["energy"], rel=1e-12)
+    assert len(summary["walls"]) == 4
 
 
 def test_compress_mpi_gives_the_same_on_two_ranks(tmp_path: Path) -> None:
