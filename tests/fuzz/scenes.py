@@ -1,0 +1,44 @@
+"""Scenes of walls in Python, right and wrong ones."""
+
+from hypothesis import strategies as st
+
+GOOD = st.floats(-6, 6)
+SIZES = st.floats(0.1, 9)
+ODD = st.sampled_from([0, -1, 1e-9, 1e9, 1e300, float("nan"), float("inf"), None, "1", [1], True])
+# one number in twenty is an odd one
+coordinate = st.one_of(*[GOOD] * 19, ODD)
+size = st.one_of(*[SIZES] * 19, ODD)
+point = st.tuples(coordinate, coordinate)
+
+CENTER = st.tuples(st.floats(-1, 1), st.floats(-1, 1))
+rooms = st.one_of(
+    st.just([]),
+    st.tuples(st.just("Circle"), CENTER, st.floats(5, 9)).map(lambda c: [c]),
+    st.tuples(st.just("rectangle"), st.floats(7, 14), st.floats(7, 14), point).map(lambda r: [r]),
+    st.tuples(st.just("channel"), st.floats(7, 14)).map(lambda c: [c]),
+    st.lists(st.tuples(st.just("Plane"), point, point), max_size=4),
+)
+obstacles = st.one_of(
+    st.tuples(st.just("Disk"), point, size),
+    st.tuples(st.just("Circle"), point, size),
+    st.tuples(st.just("Segment"), point, point),
+    st.tuples(st.just("Polygon"), st.lists(point, min_size=2, max_size=5)),
+    st.tuples(GOOD, GOOD, st.floats(0.3, 2)).map(
+        lambda t: ("Polygon", [(t[0], t[1]), (t[0] + t[2], t[1]), (t[0], t[1] + t[2])])
+    ),
+)
+scenes = st.tuples(rooms, st.lists(obstacles, max_size=4)).map(lambda parts: parts[0] + parts[1])
+
+
+def build(deformable, parts):
+    """The walls of such a scene."""
+    walls = []
+    for kind, *values in parts:
+        if kind == "rectangle":
+            walls += deformable.rectangle(*values)
+        elif kind == "channel":
+            half = values[0] / 2
+            walls += [deformable.Plane((0, s * half), (0, -s)) for s in (1, -1)]
+        else:
+            walls.append(getattr(deformable, kind)(*values))
+    return walls

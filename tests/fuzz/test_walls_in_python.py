@@ -1,0 +1,89 @@
+"""Any walls in Python: one clear error, or a packing whose forces are differences of its energy."""
+
+from dataclasses import replace
+
+import deformable
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scenes import build, scenes
+
+LAWS = [deformable.Ring(contact="radical"), deformable.Ring(kP=2.0), deformable.Sector(kP=1.0)]
+REFUSED = (deformable.ParameterError, deformable.LammpsError)
+STEP = 1e-6
+
+
+def refusal(call):
+    """What a call returns, or nothing if it is refused by one line."""
+    try:
+        return call()
+    except REFUSED as error:
+        line = str(error)
+        assert 10 < len(line) < 1000
+        assert "\n" not in line
+        return None
+
+
+def state_of(packing, law):
+    def call():
+        with deformable.Simulation(packing, law) as sim:
+            state = sim.state()
+            return state, np.array(sim.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
+
+    return refusal(call)
+
+
+def slope(packing, law, i, k):
+    """-dU/dx, and how much it changes with the step: where contacts begin it has a kink."""
+    found = []
+    for step in (STEP, 2 * STEP):
+        energies = []
+        for sign in (1, -1):
+            positions = packing.positions.copy()
+            positions[i, k] += sign * step
+            moved = state_of(replace(packing, positions=positions), law)
+            if moved is None:
+                return None
+            energies.append(moved[0].energy)
+        found.append((energies[1] - energies[0]) / (2 * step))
+    return found
+
+
+@pytest.mark.parametrize("examples", [60, pytest.param(3000, marks=pytest.mark.slow)])
+def test_walls_in_python(examples):
+    worked = []
+
+    @settings(max_examples=examples, deadline=None)
+    @given(scenes, st.sampled_from(LAWS), st.integers(1, 30), st.integers(0, 99), st.booleans())
+    def answers(parts, law, number, seed, tilted):
+        loose = deformable.bidisperse(number, seed=seed, tilt=0.2 * tilted, phi=0.2)
+
+        def start():
+            packing = loose.between(build(deformable, parts), seed=seed)
+            assert np.isfinite(packing.area)
+            assert 0 < packing.area < np.inf
+            if number > 5 and packing.phi < 1.5:
+                packing = deformable.push_off(packing)
+            return packing
+
+        packing = refusal(start)
+        if packing is None:
+            return
+        found = state_of(packing, law)
+        if found is None:
+            return
+        state, forces = found
+        worked.append(len(packing.walls))
+        assert np.isfinite([state.energy, state.phi, state.pressure]).all()
+        assert np.isfinite(forces).all()
+        scale = max(np.abs(forces).max(), np.abs(state.wall_forces).max(initial=0.0), 1e-6)
+        assert state.wall_forces.sum(0) == pytest.approx(-forces.sum(0), abs=1e-9 * scale)
+        i = int(np.linalg.norm(forces, axis=1).argmax())
+        if law is not LAWS[2]:  # whose energy jumps
+            near = slope(packing, law, i, seed % 2)
+            if near is not None and abs(near[0] - near[1]) < 1e-4 * scale:
+                assert near[0] == pytest.approx(forces[i, seed % 2], abs=1e-3 * scale)
+
+    answers()
+    assert len(worked) > 0.1 * examples
