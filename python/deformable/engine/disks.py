@@ -59,8 +59,8 @@ _GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
 
 # Walls repel disks as other disks do, U = k/2 (R - h)^2 at the distance h.
 _WALLS = """
-fix walls all external pf/callback 1 1
-fix_modify walls energy yes virial yes
+fix deformable_walls all external pf/callback 1 1
+fix_modify deformable_walls virial yes
 """
 
 # Iterations after which a relaxation counts as stalled: large packings relax slowly near the onset.
@@ -93,7 +93,7 @@ class Disks(Engine):
         self.lmp = open_disks(self._start)
         if self._walls:
             run(self.lmp, _WALLS)
-            self.lmp.set_fix_external_callback("walls", self._repel)
+            self.lmp.set_fix_external_callback("deformable_walls", self._repel)
 
     @property
     def walls(self) -> tuple[Wall, ...]:
@@ -124,7 +124,7 @@ class Disks(Engine):
         f[:, :2] = forces.sum(axis=0)
         lever = (-distance[..., None] * out).reshape(-1, 2)
         (xx, xy), (_, yy) = (lever.T @ forces.reshape(-1, 2)).tolist()
-        self.lmp.fix_external_set_virial_global("walls", [xx, yy, 0.0, xy, 0.0, 0.0])
+        self.lmp.fix_external_set_virial_global("deformable_walls", [xx, yy, 0.0, xy, 0.0, 0.0])
 
     @former_arguments(bearing="minimum_contact_force")
     def relax(self, tolerance: float = TOLERANCE, minimum_contact_force: float = 0.0) -> DiskState:

@@ -67,7 +67,7 @@ _TOO_DEEP = "contact line"
 _WAY_OUT = " (push_off separates overlaps, jam does so by itself)"
 
 # How LAMMPS names a wall, whose number is in the name of its fix.
-_FIX_OF_WALL = re.compile(r"(?:'\w+ 1'|a wall) of fix wall_(\d+)(?: deformable/wall)?")
+_FIX_OF_WALL = re.compile(r"(?:'\w+ 1'|a wall) of fix deformable_wall_(\d+)(?: deformable/wall)?")
 
 # Iterations without halving the largest force after which a relaxation counts as stalled. The force
 # falls by decades in a packing that loosens, while its ratio to the mean force may stay the same.

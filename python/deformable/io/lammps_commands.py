@@ -35,8 +35,8 @@ min_modify dmax {dmax!r} norm max tmax {tmax!r}
 """
 
 
-# ID of the fix of a wall, counted from 1.
-WALL = "wall_{}"
+# ID of the fix of a wall, counted from 1: one that a user would not take.
+WALL = "deformable_wall_{}"
 
 
 def boundary(walls: Sequence[Wall]) -> str:
