@@ -166,8 +166,9 @@ def free_area(walls: Sequence[Wall], box: Floats) -> float:
         return float(np.prod(box.diagonal()))
     import shapely
 
-    free = container(walls, box).difference(shapely.union_all(obstacles(walls, box)))
-    if free.area == 0.0:
+    with np.errstate(all="ignore"):  # of numbers so large that areas overflow
+        free = container(walls, box).difference(shapely.union_all(obstacles(walls, box)))
+    if not 0.0 < free.area < np.inf:
         raise ParameterError("obstacles fill the room: they leave no area to particles")
     return float(free.area)
 

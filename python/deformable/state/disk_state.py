@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +21,10 @@ class DiskState(ContactNetwork):
         energy: of all particles [k length^2].
         stress: pressure tensor of the packing, compression positive, shape (2, 2) [k].
         pairs: numbers of particles that overlap, each pair once, shape (M, 2).
-        wall_pairs: numbers of particles that overlap with walls, and of these walls in
-            `packing.walls`, shape (K, 2).
         residual: largest force on a particle over the mean contact force; 0 without contacts.
         stalled: the relaxation stopped before the tolerance.
+        wall_pairs: numbers of particles that overlap with walls, and of these walls in
+            `packing.walls`, shape (K, 2).
     """
 
     packing: Packing
@@ -32,9 +32,9 @@ class DiskState(ContactNetwork):
     energy: float
     stress: NDArray[np.float64]
     pairs: NDArray[np.int64]
-    wall_pairs: NDArray[np.int64]
     residual: float
     stalled: bool
+    wall_pairs: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
 
     @property
     def phi(self) -> float:
