@@ -17,9 +17,9 @@ from ..model.packing import Packing
 from ..model.walls import Walls
 from ..state.bead_state import BeadState, sum_contacts
 from .bead_start import refuse_outside, refuse_overlap, refuse_own_image, ring_file, undeformed
+from .followed import refuse_other, refuse_other_types, setup
 from .lammps import Engine, gather, local_array, run, shared_file, silent_lammps
 from .relaxation import (
-    VIRIAL,
     Forces,
     force_rounding,
     largest_force,
@@ -27,6 +27,7 @@ from .relaxation import (
     minimize_until_relaxed,
     stress,
     thermo_commands,
+    virial_command,
 )
 
 _SETUP = """
@@ -63,7 +64,7 @@ class BeadReference(Engine):
         comm: as for `Simulation`.
 
     Attributes:
-        lmp: the LAMMPS instance, for any command of LAMMPS.
+        lmp: the LAMMPS instance, for commands that leave beads, springs and pair style as they are.
         beads: settings of the rings.
         rings: the undeformed rings of each species.
         walls: the present walls, or None.
@@ -111,6 +112,7 @@ class BeadReference(Engine):
             self._define_region(walls)
             run(self.lmp, f"fix walls all {_wall_style(beads, walls.stick)}")
             run(self.lmp, "fix_modify walls energy yes")
+        self._setup = setup(self.lmp)
 
     def _define_energy(self) -> None:
         """Define springs, areas and contacts, their results, and the minimizer."""
@@ -141,7 +143,7 @@ class BeadReference(Engine):
                 timestep=_LARGEST_STEP / _STRETCH / rings.fastest_frequency(beads.kr),
             ),
         )
-        run(self.lmp, VIRIAL + thermo_commands("pe"))
+        run(self.lmp, virial_command() + thermo_commands("pe"))
         run(self.lmp, minimizer_commands(skin, dmax=0.1 * beads.radius, tmax=_STRETCH))
 
     def deform(self, box: NDArray[np.float64]) -> None:
@@ -252,6 +254,8 @@ class BeadReference(Engine):
 
     def _evaluate(self) -> Forces:
         """Bring forces, areas and perimeters up to date; returns the forces."""
+        refuse_other(self.lmp, self._setup)
+        refuse_other_types(self.lmp, np.repeat(self._species + 1, np.diff(self._first)))
         run(self.lmp, "run 0 post no")
         self._area, self._perimeter = np.empty((2, len(self._species)))
         for fix, members in self._areas:

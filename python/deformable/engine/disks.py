@@ -16,10 +16,10 @@ from ..common.validate import expect, positive
 from ..io.lammps_commands import minimizer_commands
 from ..model.packing import Packing
 from ..state.disk_state import DiskState
+from .followed import refuse_other, setup
 from .lammps import Engine, gather, local_array, open_lammps, run
 from .relaxation import (
     TOLERANCE,
-    VIRIAL,
     Forces,
     force_rounding,
     largest_force,
@@ -27,6 +27,7 @@ from .relaxation import (
     minimize_until_relaxed,
     stress,
     thermo_commands,
+    virial_command,
 )
 
 if TYPE_CHECKING:
@@ -68,13 +69,15 @@ class Disks(Engine):
         packing: where the disks start; overlaps are allowed. Centers at one place are separated.
 
     Attributes:
-        lmp: the LAMMPS instance, for any command of LAMMPS.
+        lmp: the LAMMPS instance, for any command of LAMMPS, as that of a `Simulation`.
     """
 
     def __init__(self, packing: Packing) -> None:
         expect("packing", packing, Packing)
-        self._start = _separated(packing)
-        self.lmp = open_disks(self._start)
+        start = _separated(packing)
+        self._radii = start.radii
+        self.lmp = open_disks(start)
+        self._setup = setup(self.lmp)
 
     @former_arguments(bearing="minimum_contact_force")
     def relax(self, tolerance: float = TOLERANCE, minimum_contact_force: float = 0.0) -> DiskState:
@@ -95,9 +98,9 @@ class Disks(Engine):
         """
         positive("tolerance", tolerance)
         if minimum_contact_force == 0.0:
-            run(self.lmp, "run 0 post no")  # the scale of forces is in the contacts
-            forces = self._evaluate()
+            forces = self._evaluate_now()  # the scale of forces is in the contacts
         else:
+            refuse_other(self.lmp, self._setup)
             forces = Forces(np.inf, minimum_contact_force, force_rounding(self.box, stiffness=1.0))
 
         def minimize(forces: Forces, left: int) -> int:
@@ -114,7 +117,7 @@ class Disks(Engine):
         state = self._snapshot(forces, stalled)
         if stalled:
             warnings.warn(
-                f"{len(self._start)} soft disks did not relax at phi = {state.phi:.6f}: the "
+                f"{len(state.packing)} soft disks did not relax at phi = {state.phi:.6f}: the "
                 f"largest force is {state.residual:.2g} of the mean contact force, not "
                 f"{tolerance:.2g}",
                 StalledWarning,
@@ -124,8 +127,13 @@ class Disks(Engine):
 
     def state(self) -> DiskState:
         """The present state, not relaxed."""
+        return self._snapshot(self._evaluate_now(), stalled=False)
+
+    def _evaluate_now(self) -> Forces:
+        """The forces at the present positions."""
+        refuse_other(self.lmp, self._setup)
         run(self.lmp, "run 0 post no")
-        return self._snapshot(self._evaluate(), stalled=False)
+        return self._evaluate()
 
     def _evaluate(self, minimum_contact_force: float = 0.0) -> Forces:
         """The forces of the last run, see `relax`."""
@@ -137,8 +145,16 @@ class Disks(Engine):
 
     def _snapshot(self, forces: Forces, stalled: bool) -> DiskState:
         """The state at the last run."""
+        by_particle = self.lmp.extract_setting("radius_flag")
+        packing = Packing(
+            positions=gather(self.lmp, "x", 3)[:, :2],
+            species=gather(self.lmp, "type", 1).astype(np.int64) - 1,
+            radii=self._radii,
+            box=self.box,
+            particle_radii=gather(self.lmp, "radius", 1) if by_particle else None,
+        )
         return DiskState(
-            packing=replace(self._start, positions=gather(self.lmp, "x", 3)[:, :2], box=self.box),
+            packing=packing,
             law=None,
             energy=float(0.5 * np.sum(self._contact_forces**2)),  # of stiffness 1
             stress=stress(self.lmp),
@@ -180,7 +196,7 @@ def open_disks(packing: Packing) -> lammps:
     run(lmp, _CONTACTS.format(cutoff="type" if by_species else "radius"))
     run(
         lmp,
-        VIRIAL
+        virial_command()
         + thermo_commands("")
         + minimizer_commands(skin=0.3 * smallest, dmax=0.01 * smallest),
     )

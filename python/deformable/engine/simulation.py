@@ -17,23 +17,17 @@ from ..model.packing import Packing
 from ..model.timestep import STIFFNESS_PER_PRESSURE
 from ..state.contact_table import contact_table
 from ..state.state import State
-from .lammps import (
-    Engine,
-    gather,
-    local_array,
-    open_lammps,
-    run,
-    shared_file,
-)
+from .followed import refuse_other, setup, unsaved
+from .lammps import Engine, gather, local_array, open_lammps, run, shared_file
 from .relaxation import (
     TOLERANCE,
-    VIRIAL,
     Forces,
     largest_force,
     minimize_command,
     minimize_until_relaxed,
     stress,
     thermo_commands,
+    virial_command,
 )
 
 # Results of the pair style for each particle, which fix pair makes available. It reads them once in
@@ -63,7 +57,13 @@ _WAY_OUT = " (push_off separates overlaps, jam does so by itself)"
 _PATIENCE = 60_000
 
 # Set anew before each state: the energy of a state must not depend on the thermo output of a user.
-_THERMO = thermo_commands("pe c_beyond[1]").strip()
+_THERMO = thermo_commands("c_deformable_energy c_deformable_beyond[1]").strip()
+
+# Energy and stress of the contacts alone: forces that a user adds have no place in a saved state.
+_COMPUTES = """
+compute deformable_energy all pe pair
+compute deformable_beyond all pair {style}
+"""
 
 
 class Simulation(FormerAttributes, Engine):
@@ -79,8 +79,8 @@ class Simulation(FormerAttributes, Engine):
 
     Attributes:
         lmp: the LAMMPS instance, for any command of LAMMPS. Particles may be added, deleted or
-            changed as long as their IDs stay 1 to N; the law, its species and the thermo output
-            belong to this object.
+            changed as long as their IDs stay 1 to N and their masses 1; the law, its species, the
+            boundaries and the thermo output belong to this object.
         law: the contact law.
         comm: the communicator.
 
@@ -122,8 +122,8 @@ class Simulation(FormerAttributes, Engine):
         self.lmp = open_lammps(packing, self.comm)
         with shared_file(self.comm, species) as file:
             run(self.lmp, law_commands(packing, law, file))
-        run(self.lmp, f"{VIRIAL}\ncompute beyond all pair {pair_style(law)}")
-        run(self.lmp, _THERMO)
+        run(self.lmp, virial_command("pair") + _COMPUTES.format(style=pair_style(law)) + _THERMO)
+        self._setup = setup(self.lmp)
         smallest = float(packing.radius.min())
         stiffness = law.single_contact_stiffness(smallest)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
@@ -142,7 +142,8 @@ class Simulation(FormerAttributes, Engine):
             The relaxed state; its `stalled` is true if the tolerance was not reached.
 
         Raises:
-            LammpsError: LAMMPS gave up, e.g. because a contact line is behind a center.
+            LammpsError: LAMMPS gave up, e.g. because a contact line is behind a center; or it was
+                given commands that states cannot follow.
 
         Warns:
             UnjammedWarning: a packing that was rigid has become loose without expanding.
@@ -183,21 +184,22 @@ class Simulation(FormerAttributes, Engine):
 
     def _evaluate(self, minimum_contact_force: float = 0.0) -> Forces:
         """Bring forces and results of the particles up to date; returns the forces."""
+        refuse_other(self.lmp, self._setup)
         # commands given to `lmp` may have changed the particles
         self._species = species = gather(self.lmp, "type", 1).astype(np.int64) - 1
         results = " ".join(f"{name} 0" for name in _RESULTS)
         run(
             self.lmp,
             f"{_THERMO}\n"
-            f"fix results all pair 1 {pair_style(self.law)} {results}\n"
-            "compute contact_rows all deformable/contact",
+            f"fix deformable_results all pair 1 {pair_style(self.law)} {results}\n"
+            "compute deformable_rows all deformable/contact",
         )
         try:
             self._run("run 0 post no")
-            self._results = gather(self.lmp, "f_results", len(_RESULTS))
-            self._contact_rows = local_array(self.lmp, "contact_rows", 9)
+            self._results = gather(self.lmp, "f_deformable_results", len(_RESULTS))
+            self._contact_rows = local_array(self.lmp, "deformable_rows", 9)
         finally:
-            run(self.lmp, "unfix results\nuncompute contact_rows")
+            run(self.lmp, "unfix deformable_results\nuncompute deformable_rows")
 
         area, perimeter, contacts, pressure, _, length = self._results.T
         by_particle = self.lmp.extract_setting("radius_flag")
@@ -232,14 +234,15 @@ class Simulation(FormerAttributes, Engine):
             contacts=contacts.astype(np.int64),
             particle_pressure=pressure,
             arc_radius=arc_radius,
-            energy=float(self.lmp.get_thermo("pe")),
+            energy=float(self.lmp.extract_compute("deformable_energy", 0, 0)),
             stress=stress(self.lmp),
             residual=forces.residual,
             stalled=stalled,
-            beyond=round(self.lmp.numpy.extract_compute("beyond", 0, 1)[0]),
+            beyond=round(self.lmp.numpy.extract_compute("deformable_beyond", 0, 1)[0]),
             velocities=gather(self.lmp, "v", 3)[:, :2],
             contact_table=contact_table(self._contact_rows, packing, self.comm),
             root=self.comm.rank == 0,
+            unsaved=unsaved(self.lmp, self._setup),
         )
 
     def _warn(self, state: State, tolerance: float) -> None:

@@ -21,7 +21,7 @@ _EVERY = 100
 # velocities of an oscillator at their temperature for any time step. Unlike fix langevin, it does
 # not draw its forces anew where a run begins. But it also moves particles along z, which matters
 # for neighbor lists in the end; so z is set to 0 after every _FLATTEN steps.
-_BATH = "fix move all gjf {temperature!r} {temperature!r} {time!r} {seed}"
+_BATH = "fix deformable_move all gjf {temperature!r} {temperature!r} {time!r} {seed}"
 _FLATTEN = 1000
 
 
@@ -115,7 +115,8 @@ def _move(
     bath = _BATH.format(temperature=temperature or 0.0, time=1.0 / (friction or 1.0), seed=seed)
     run(
         sim.lmp,
-        f"{bath if friction else 'fix move all nve'}\nfix plane all enforce2d",
+        (bath if friction else "fix deformable_move all nve")
+        + "\nfix deformable_plane all enforce2d",
     )
     try:
         with progress("moving", unit="state", total=steps // every) as bar:
@@ -127,7 +128,7 @@ def _move(
                 yield state
     finally:
         if not sim.closed:  # a caller may close it before the motion ends
-            run(sim.lmp, "unfix move\nunfix plane")
+            run(sim.lmp, "unfix deformable_move\nunfix deformable_plane")
 
 
 def _advance(sim: Simulation, steps: int, timestep: float, thermal: bool) -> State:

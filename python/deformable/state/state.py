@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import ParameterError
+from ..common.errors import ParameterError, UnsavedWarning
 from ..io.store import save
 from ..model.laws import Law
 from ..model.packing import Packing
@@ -38,7 +39,7 @@ class State(ContactNetwork):
         contacts: number of active contacts of each particle, shape (N,).
         particle_pressure: inside each particle, shape (N,) [energy/length^2].
         arc_radius: smallest radius of curvature of the free outline, shape (N,) [length].
-        energy: of all particles [energy].
+        energy: of the deformation of all particles [energy].
         stress: pressure tensor of the contacts, compression positive, shape (2, 2)
             [energy/length^2]; motion adds N T / box area to its diagonal.
         residual: largest force on a particle over the mean contact force; 0 without contacts.
@@ -50,6 +51,8 @@ class State(ContactNetwork):
             indentation, length, force, position (2,), see `contact_table.COLUMNS`.
         root: whether this process writes files (rank 0 of the run).
         time: since the start of `move`, 0 without motion [time].
+        unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
+            pairs; empty without.
     """
 
     packing: Packing
@@ -68,6 +71,7 @@ class State(ContactNetwork):
     contact_table: ContactTable
     root: bool
     time: float = 0.0
+    unsaved: str = ""
 
     def __post_init__(self) -> None:
         for array in (value for value in vars(self).values() if isinstance(value, np.ndarray)):
@@ -216,7 +220,17 @@ class State(ContactNetwork):
             folder: made if missing; an older state there is replaced.
             parameters: anything JSON for the summary, e.g. seed and protocol.
             frames: number of recorded frames up to this state, see `record`.
+
+        Warns:
+            UnsavedWarning: the files lack what `unsaved` names.
         """
+        if self.root and self.unsaved:
+            warnings.warn(
+                f"'{folder}' has the particles and the law, but not the {self.unsaved} that were "
+                "given to lmp",
+                UnsavedWarning,
+                stacklevel=2,
+            )
         if self.root:
             step = accurate_step(*self.step_limits())
             save(folder, self.packing, self.law, step, self.numbers(), parameters, frames)

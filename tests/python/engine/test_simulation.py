@@ -170,34 +170,3 @@ def test_errors_for_deep_overlaps_name_push_off(law: deformable.Ring | deformabl
                 call()
     with deformable.Simulation(deformable.push_off(packing), law) as sim:
         assert sim.state().energy > 0.0
-
-
-@pytest.mark.parametrize(
-    "commands",
-    [
-        ["set atom 1 type 2"],
-        ["group one id 3", "delete_atoms group one"],
-        ["create_atoms 1 single 0.5 0.5 0.0", "delete_atoms overlap 0.9 all all"],
-        ["thermo_style one"],
-    ],
-)
-def test_states_follow_commands_of_lammps(
-    commands: list[str], jammed: deformable.Packing, tmp_path: Path
-) -> None:
-    """What is saved has the energy of the state, whatever LAMMPS was told before."""
-    with deformable.Simulation(jammed.at(0.87), deformable.Ring()) as sim:
-        for command in commands:
-            sim.lmp.command(command)
-        state = sim.relax()
-        state.save(tmp_path)
-        assert len(state.packing) == sim.lmp.get_natoms()
-    with deformable.load(tmp_path) as again:
-        assert again.state().energy == pytest.approx(state.energy, rel=1e-9)
-
-
-def test_gaps_in_ids_are_named(jammed: deformable.Packing) -> None:
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        sim.lmp.command("group one id 3")
-        sim.lmp.command("delete_atoms group one compress no")
-        with pytest.raises(deformable.LammpsError, match="reset_atoms id"):
-            sim.state()
