@@ -142,8 +142,8 @@ class Simulation(FormerAttributes, Engine):
             The relaxed state; its `stalled` is true if the tolerance was not reached.
 
         Raises:
-            LammpsError: LAMMPS gave up, e.g. because a contact line is behind a center; or it was
-                given commands that states cannot follow.
+            LammpsError: LAMMPS gave up, e.g. because a contact line is behind a center; a particle
+                has no area left; or LAMMPS was given commands that states cannot follow.
 
         Warns:
             UnjammedWarning: a packing that was rigid has become loose without expanding.
@@ -224,6 +224,11 @@ class Simulation(FormerAttributes, Engine):
     def _snapshot(self, forces: Forces, stalled: bool) -> State:
         """The state at the last evaluation."""
         area, perimeter, contacts, pressure, arc_radius, _ = np.ascontiguousarray(self._results.T)
+        if area.min() <= 0.0:
+            n = int(area.argmin())
+            raise LammpsError(
+                f"the contacts of atom {n + 1} leave it no area, but {area[n]:.3g}{_WAY_OUT}"
+            )
         positions = gather(self.lmp, "x", 3)[:, :2]
         packing = Packing(positions, self._species, self._radii, self.box, self._particle_radii)
         return State(

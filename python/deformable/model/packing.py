@@ -16,6 +16,9 @@ from ..common.validate import finite, numbers, positive, shown, whole
 # Largest number of atoms in LAMMPS.
 _MOST = 2**31 - 1
 
+# Largest packing fraction: far beyond any use, and far below percent.
+_DENSEST = 10.0
+
 # Largest distance from the box, in box lengths: LAMMPS brings particles back by one length a step.
 _FARTHEST = 1e6
 
@@ -109,8 +112,12 @@ class Packing(FormerAttributes):
         return float(np.pi * np.sum(self.radius**2) / np.prod(self.box.diagonal()))
 
     def at(self, phi: float) -> Packing:
-        """The packing at another packing fraction: box and centers are scaled by one factor."""
-        factor = np.sqrt(self.phi / positive("phi", phi))
+        """The packing at another packing fraction: box and centers are scaled by one factor.
+
+        Raises:
+            ParameterError: phi is not above 0, or above 10.
+        """
+        factor = np.sqrt(self.phi / _fraction(phi))
         return replace(self, positions=self.positions * factor, box=self.box * factor)
 
 
@@ -146,7 +153,7 @@ def bidisperse(
         radii: radius of the small (species 0) and the large particles (species 1) [length];
             (0.5, 0.7) if neither these nor a ratio are given.
         fraction: number fraction of large particles, in [0, 1].
-        phi: packing fraction, sum pi R^2 / box area.
+        phi: packing fraction, sum pi R^2 / box area, at most 10.
         aspect: height over width of the box, ly / lx.
         tilt: shear of the box, xy / ly; 0 is a rectangle.
         seed: seed of numpy's default generator; the same seed gives the same packing anywhere.
@@ -198,7 +205,7 @@ def polydisperse(
         number: number of particles N.
         radii: of all particles, shape (N,) [length]; or a distribution of scipy.stats; or a
             function that draws all of them with a generator of random numbers.
-        phi: packing fraction, sum pi R^2 / box area.
+        phi: packing fraction, sum pi R^2 / box area, at most 10.
         aspect: height over width of the box, ly / lx.
         tilt: shear of the box, xy / ly; 0 is a rectangle.
         seed: seed of numpy's default generator, for the positions and then the radii.
@@ -232,6 +239,15 @@ def polydisperse(
     return Packing(positions @ box, species, np.array([particle_radii.max()]), box, particle_radii)
 
 
+def _fraction(phi: float) -> float:
+    """The packing fraction, if it is one."""
+    if positive("phi", phi) > _DENSEST:
+        raise ParameterError(
+            f"phi is a fraction, such as 0.84, and at most {_DENSEST:g}, not {shown(phi)}"
+        )
+    return float(phi)
+
+
 def _generator(seed: int) -> np.random.Generator:
     seed = whole("seed", seed)
     if seed < 0:
@@ -253,7 +269,7 @@ def _box(
 ) -> NDArray[np.float64]:
     """Lattice vectors of the box in which disks of these radii have phi, shape (2, 2) [length]."""
     tilt = finite("tilt", tilt)
-    area = np.pi * np.sum(radius**2) / positive("phi", phi)
+    area = np.pi * np.sum(radius**2) / _fraction(phi)
     lx = np.sqrt(area / positive("aspect", aspect))
     ly = aspect * lx
     return np.array([[lx, 0.0], [tilt * ly, ly]])

@@ -40,6 +40,8 @@ def shear(
     """
     expect("sim", sim, Simulation, Disks)
     strain, steps = finite("strain", strain), whole("steps", steps)
+    if strain == 0.0:
+        raise ParameterError("strain must not be 0: relax the simulation instead")
     if steps < 1:
         raise ParameterError(f"steps must be at least 1, not {steps}")
     return _shear(sim, strain / steps, steps, tolerance)

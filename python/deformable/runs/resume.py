@@ -44,7 +44,7 @@ def compress_in(
     Args:
         folder: made if missing.
         sim: without further commands to its `lmp`, because each step starts a new LAMMPS.
-        strain: linear strain of all steps together, below 1; negative expands.
+        strain: linear strain of all steps together, not 0, below 1; negative expands.
         steps: number of steps.
         tolerance: of each relaxation, at most 0.01, see `Simulation.relax`.
         parameters: anything that JSON can hold, for the summary.
