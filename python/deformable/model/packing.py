@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import ParameterError
 from ..common.renamed import FormerAttributes, former_arguments
-from ..common.validate import finite, numbers, positive, shown, whole
-
-# Largest number of atoms in LAMMPS.
-_MOST = 2**31 - 1
+from ..common.validate import count, finite, numbers, positive, shown, whole
 
 # Largest packing fraction: far beyond any use, and far below percent.
 _DENSEST = 10.0
+
+# Largest tilt of a box over its width: LAMMPS loses particles, or hangs, at some more.
+_MOST_TILTED = 30.0
 
 # Largest distance from the box, in box lengths: LAMMPS brings particles back by one length a step.
 _FARTHEST = 1e6
@@ -126,11 +126,17 @@ Packing.__init__ = former_arguments(**Packing._FORMER)(Packing.__init__)  # type
 
 
 def lattice_vectors(box: ArrayLike) -> NDArray[np.float64]:
-    """The box, if it is ((lx, 0), (xy, ly)) with finite numbers and lx, ly above zero."""
+    """The box, if it is ((lx, 0), (xy, ly)) with finite numbers, lx, ly > 0 and |xy| <= 30 lx."""
     vectors = numbers("box", box)
     if vectors.shape != (2, 2) or vectors[0, 1] != 0.0 or not (vectors.diagonal() > 0.0).all():
         raise ParameterError(
             f"box must be ((lx, 0), (xy, ly)) with lx, ly > 0, not {shown(vectors.tolist())}"
+        )
+    (lx, _), (xy, _) = vectors.tolist()
+    if abs(xy) > _MOST_TILTED * lx:
+        raise ParameterError(
+            f"box must be tilted by at most {_MOST_TILTED:g} of its widths, not {xy / lx:.3g}: the "
+            f"box with xy = {xy - lx * np.rint(xy / lx):.6g} has the same images"
         )
     vectors.setflags(write=False)
     return vectors
@@ -155,7 +161,7 @@ def bidisperse(
         fraction: number fraction of large particles, in [0, 1].
         phi: packing fraction, sum pi R^2 / box area, at most 10.
         aspect: height over width of the box, ly / lx.
-        tilt: shear of the box, xy / ly; 0 is a rectangle.
+        tilt: shear of the box, xy / ly; 0 is a rectangle, at most 30 widths.
         seed: seed of numpy's default generator; the same seed gives the same packing anywhere.
         ratio: of the large to the small radius, in place of radii; the small radius is then 0.5.
 
@@ -165,7 +171,7 @@ def bidisperse(
     Raises:
         ParameterError: a value is out of range.
     """
-    number, fraction = whole("number", number), finite("fraction", fraction)
+    number, fraction = count("number", number), finite("fraction", fraction)
     if ratio is not None and radii is not None:
         raise ParameterError(f"give radii or a ratio, not both: {shown(radii)} and {shown(ratio)}")
     if radii is None:
@@ -216,7 +222,7 @@ def polydisperse(
     Raises:
         ParameterError: a value is out of range, e.g. a drawn radius is not positive.
     """
-    number, rng = whole("number", number), _generator(seed)
+    number, rng = count("number", number), _generator(seed)
     positions = _random_positions(number, rng)
     drawn: Any = radii
     if hasattr(radii, "rvs"):
@@ -257,10 +263,6 @@ def _generator(seed: int) -> np.random.Generator:
 
 def _random_positions(number: int, rng: np.random.Generator) -> NDArray[np.float64]:
     """Positions in a unit square, shape (N, 2)."""
-    if number < 1:
-        raise ParameterError(f"number must be at least 1, not {number}")
-    if number > _MOST:
-        raise ParameterError(f"number must be at most {_MOST} in LAMMPS, not {shown(number)}")
     return rng.random((number, 2))
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.progress import progress
-from ..common.validate import expect, finite, whole
+from ..common.validate import count, expect, finite
 from ..engine.bead_reference import BeadReference
 from ..engine.disks import Disks
 from ..engine.simulation import Simulation
@@ -68,8 +68,7 @@ def check_strain_and_steps(strain: float, steps: int) -> None:
         raise ParameterError(f"strain must lie between -1 and 1, not {strain}")
     if strain == 0.0:
         raise ParameterError("strain must not be 0: relax the simulation instead")
-    if whole("steps", steps) < 1:
-        raise ParameterError(f"steps must be at least 1, not {steps}")
+    count("steps", steps)
 
 
 def remaining_steps(

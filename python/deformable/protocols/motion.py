@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ..common.errors import LammpsError, ParameterError
 from ..common.progress import progress
-from ..common.validate import expect, finite, positive, shown, whole
+from ..common.validate import count, expect, positive, whole, zero_or_more
 from ..engine.lammps import run
 from ..engine.simulation import Simulation
 from ..model.laws import Sector
@@ -75,28 +75,19 @@ def move(
     if timestep is not None:
         timestep = positive("timestep", timestep)
     if temperature is not None:
-        temperature = _zero_or_more("temperature", temperature)
-    friction = _zero_or_more("friction", friction)
-    steps, seed = whole("steps", steps), whole("seed", seed)
-    every = min(steps, _EVERY) if every is None else whole("every", every)
+        temperature = zero_or_more("temperature", temperature)
+    friction = zero_or_more("friction", friction)
+    steps, seed = count("steps", steps), whole("seed", seed)
+    every = min(steps, _EVERY) if every is None else count("every", every)
     if temperature and sim.lmp.get_natoms() < 2:
         raise ParameterError("a single particle has no temperature: take at least two")
-    if every < 1 or steps < 1 or steps % every:
+    if steps % every:
         raise ParameterError(
-            f"steps must be a multiple of every, both at least 1, not {steps} and {every}: give "
-            "another every"
+            f"steps must be a multiple of every, not {steps} and {every}: give another every"
         )
     if not 0 < seed < 2**31:
         raise ParameterError(f"seed must lie between 1 and 2^31 - 1, not {seed}")
     return _move(sim, steps, timestep, temperature, friction, every, seed)
-
-
-def _zero_or_more(name: str, value: float) -> float:
-    """The value, if it is a finite number not below zero."""
-    number = finite(name, value)
-    if number < 0.0:
-        raise ParameterError(f"{name} must not be negative, not {shown(value)}")
-    return number
 
 
 def _move(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError, UnsavedWarning
+from ..common.validate import count, expect, numbers, shown, whole
 from ..io.store import save
 from ..model.laws import Law
 from ..model.packing import Packing
@@ -20,11 +22,12 @@ from .contact_network import ContactNetwork
 from .contact_table import ContactTable
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from matplotlib.axes import Axes
 
     from .plot import Scale
+
+# Names for colors, beside those of a trajectory.
+_VALUES = ("area_deficit", "particle_pressure", "rattlers", "shape_parameter")
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,8 +141,14 @@ class State(ContactNetwork):
         Args:
             inset: distance inward from each outline, shape (N,) [length]; 0 if not given.
             points: number of points on a whole turn.
+
+        Raises:
+            ParameterError: a value is out of range.
         """
-        inset = np.zeros(len(self.packing)) if inset is None else inset
+        inset = np.zeros(len(self.packing)) if inset is None else numbers("inset", inset)
+        if inset.shape != (len(self.packing),):
+            raise ParameterError(f"inset must have shape ({len(self.packing)},), not {inset.shape}")
+        count("points", points)
         return [
             self.law.outline(kind, radius, rows["angle"], rows["indentation"], distance, points)
             for kind, radius, distance, rows in zip(
@@ -169,7 +178,8 @@ class State(ContactNetwork):
 
         Args:
             ax: axes to draw into; a new figure if not given.
-            color_by: name of an attribute with one number for each particle, e.g. `area_deficit`.
+            color_by: name of an attribute with one number for each particle, e.g. `area_deficit`,
+                or of a column of the trajectory, e.g. `pressure`.
             contacts: draw the contacts, the straight parts of both outlines.
             forces: draw the force chains: lines between centers, with widths proportional to the
                 forces.
@@ -189,22 +199,27 @@ class State(ContactNetwork):
             values,
             color_by,
             f"$\\phi$ = {self.phi:.4f},  $p$ = {self.pressure:.3g}",
-            scale or plot.scale([values], [forces_here], color_by),
+            plot.scale([values], [forces_here], color_by) if scale is None else scale,
             ax,
             contacts,
             forces,
         )
 
     def values(self, name: str) -> NDArray[np.float64]:
-        """An attribute with one number for each particle, by its name, shape (N,).
+        """One number for each particle, by the name of an attribute or in a trajectory, shape (N,).
 
         Raises:
-            ParameterError: there is no such attribute.
+            ParameterError: there is no such name.
         """
-        values = np.asarray(getattr(self, name, None))
+        columns = self.particle_values()
+        if isinstance(name, str) and name in columns:
+            return np.asarray(columns[name], dtype=float)
+        values = np.asarray(getattr(self, name, None) if isinstance(name, str) else None)
         if values.shape != (len(self.packing),) or values.dtype.kind not in "bif":
+            names = sorted({*columns, *_VALUES})
             raise ParameterError(
-                f"color_by must name an attribute with one number for each particle, not '{name}'"
+                f"color_by must name a value of each particle, such as {', '.join(names)}, not "
+                f"{shown(name)}"
             )
         return values.astype(float)
 
@@ -221,9 +236,17 @@ class State(ContactNetwork):
             parameters: anything JSON for the summary, e.g. seed and protocol.
             frames: number of recorded frames up to this state, see `record`.
 
+        Raises:
+            ParameterError: an argument is of another kind.
+            FileError: a file cannot be written.
+
         Warns:
             UnsavedWarning: the files lack what `unsaved` names.
         """
+        expect("folder", folder, str, Path)
+        expect("parameters", parameters, Mapping, type(None))
+        if frames is not None:
+            whole("frames", frames)
         if self.root and self.unsaved:
             warnings.warn(
                 f"'{folder}' has the particles and the law, but not the {self.unsaved} that were "

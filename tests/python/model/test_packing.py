@@ -79,6 +79,7 @@ def test_packing_cannot_be_changed() -> None:
         ({"phi": 84.0}, "phi is a fraction.* not 84"),
         ({"aspect": float("nan")}, "aspect must be a positive number, not nan"),
         ({"tilt": float("inf")}, "tilt must be a finite number, not inf"),
+        ({"tilt": 1e9}, r"tilted by at most 30 .*not 1e\+09"),
         ({"number": 2**31}, "number must be at most 2147483647 .*not 2147483648"),
         ({"number": 2.5}, "number must be a whole number, not 2.5"),
         ({"seed": None}, "seed must be a whole number, not None"),
