@@ -201,15 +201,34 @@ def test_python_snippets(page, tmp_path):
         assert 1e-10 < pressure[0] < pressure[-1] < 1e-3
 
 
-def test_lammps_snippet(tree):
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_lammps_snippet(ranks, tmp_path):
+    """In an empty folder, as after `pip install`."""
     (script,) = snippets("README.md", "lammps")
-    (tree / "in.bubbles").write_text(script)
-    run(tree, "deformable", "compress", "--number", "32", "--steps", "2", "--out", "demo")
-    log = run(tree, "lmp", "-in", "in.bubbles")
-    total = table(log, ["Step", "PotEng"])[3]
+    (tmp_path / "in.bubbles").write_text(script)
+    launcher = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
+    log = run(tmp_path, *launcher, "lmp", "-in", "in.bubbles")
+    _, potential, kinetic, total, _ = table(log, ["Step", "PotEng", "KinEng"])
     assert len(total) == 11
     assert np.abs(total / total[0] - 1.0).max() < 1e-4
-    assert (tree / "shapes.dump").read_text().count("ITEM: TIMESTEP") == 11
+    assert kinetic.min() > 0.0
+    assert potential.min() > 0.0
+    assert (tmp_path / "shapes.dump").read_text().count("ITEM: TIMESTEP") == 11
+
+
+def test_contacts_snippet(tmp_path):
+    """The lines of the page, in the script of the README."""
+    (script,), (lines,) = (
+        snippets(page, "lammps") for page in ("README.md", "docs/compute_deformable_contact.md")
+    )
+    script = re.sub(r"thermo_style.*\n", lambda _: lines, script)
+    (tmp_path / "in.bubbles").write_text(script)
+    _, _, largest, length = table(
+        run(tmp_path, "lmp", "-in", "in.bubbles"), ["Step", "PotEng", "c_largest"]
+    )
+    assert len(length) == 11
+    assert 0.0 < length.min() < length.max() < 1.0
+    assert 0.0 < largest.min() < largest.max() < 0.1
 
 
 def commands(page):

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .common.errors import ParameterError as ParameterError
     from .common.errors import StalledWarning as StalledWarning
     from .common.errors import UnjammedWarning as UnjammedWarning
+    from .common.errors import UnsavedWarning as UnsavedWarning
     from .engine.bead_reference import BeadReference as BeadReference
     from .engine.disks import Disks as Disks
     from .engine.simulation import Simulation as Simulation
@@ -85,6 +86,7 @@ _HOMES = {
     "StalledWarning": "common.errors",
     "State": "state.state",
     "UnjammedWarning": "common.errors",
+    "UnsavedWarning": "common.errors",
     "Walls": "model.walls",
     "bidisperse": "model.packing",
     "bulk_modulus": "protocols.moduli",

@@ -66,6 +66,7 @@ void PairDeformable::allocate()
 void PairDeformable::coeff(int narg, char **arg)
 {
   if (!allocated) allocate();
+  number_definition();
   if (narg < 4) utils::missing_cmd_args(FLERR, "pair_coeff", error);
   if (narg != 3 + atom->ntypes)
     error->all(FLERR,

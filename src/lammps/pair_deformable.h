@@ -44,12 +44,16 @@ class PairDeformable : public Pair {
   void coeff(int, char **) override;
   void init_style() override;
   double init_one(int, int) override;
+  void *extract(const char *, int &) override;
   void *extract_peratom(const char *, int &) override;
   double memory_usage() override;
 
  protected:
   // Stops with an error if the style does not support this species.
   virtual void check_species(const Species &) const {}
+
+  // Gives each pair_style and pair_coeff command of this process a number of its own.
+  void number_definition();
 
   double reach = 0.0;    // largest distance of contacts over R_i + R_j, minus 1
   std::vector<Species>
@@ -116,6 +120,10 @@ class PairDeformable : public Pair {
   ContactPairs pairs;    // of the block of particles that is evaluated
   template <bool WITHIN_CUTOFF> void insert_pairs_of(int begin, int end);
   void insert_walls(int i);
+
+  struct {
+    double definition, walls, exclusions;
+  } asked{};    // for extract
 
   ParticleResults results;
   bool recording = false;    // for compute deformable/contact

@@ -22,6 +22,7 @@ static constexpr double LARGEST_REACH = 3.0;
 
 void PairDeformableRing::settings(int narg, char **arg)
 {
+  number_definition();
   reach = 0.3;
   radius_by_atom = false;
   bool radical = false;

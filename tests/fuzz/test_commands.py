@@ -94,7 +94,7 @@ def check(answer):
     return bool(re.match(r"ERROR(?: on proc 0)?: \w[ -~]{10,600}$", line)) and known
 
 
-SOME = [30, pytest.param(2000, marks=pytest.mark.slow)]
+SOME = [30, pytest.param(800, marks=pytest.mark.slow)]
 
 
 @pytest.mark.parametrize("examples", SOME)

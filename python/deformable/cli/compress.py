@@ -14,6 +14,7 @@ import typer
 from mpi4py import MPI
 
 from ..common.errors import ParameterError
+from ..common.files import make_folder
 from ..common.progress import print_once
 from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
@@ -149,7 +150,7 @@ def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[State]
     check_compression(settings.strain, settings.steps, settings.tolerance)
     start, law = settings.random_start(), settings.contact_law()
     if MPI.COMM_WORLD.rank == 0:
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder)
     packing = jam(start)
     print_once(f"jammed at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
     protocol = (settings.strain, settings.steps, settings.tolerance)

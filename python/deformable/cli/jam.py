@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from ..common.errors import ParameterError
+from ..common.files import make_folder
 from ..common.parallel import parallel_map
 from ..common.validate import positive
 from ..io.run_folder import TABLE, refuse
@@ -68,7 +69,7 @@ def jam_command(
     if values:
         _check_excess(law, pressure, values)
     folder = refuse(out, but="jamming")
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     onsets, scaling = read_table(folder / TABLE), read_table(folder / SCALING)
     for number in numbers:
         # means above the onset need all packings at the same phi - phi_J

@@ -23,7 +23,7 @@ from ..plugin import directory
 from ..runs.movie import movie as draw_movie
 from .compress import compress_command
 from .jam import jam_command
-from .options import refuse_ranks
+from .options import Command, refuse_ranks
 
 app = typer.Typer(
     help="Two-dimensional deformable particles in LAMMPS.",
@@ -43,8 +43,8 @@ STYLES = (
 )
 
 
-app.command("compress")(compress_command)
-app.command("jam")(jam_command)
+app.command("compress", cls=Command)(compress_command)
+app.command("jam", cls=Command)(jam_command)
 
 
 def main() -> None:
@@ -71,7 +71,7 @@ def main() -> None:
         sys.exit(2)
 
 
-@app.command()
+@app.command(cls=Command)
 def compare(
     number: Annotated[int, typer.Option(help="Number of particles.")] = 16,
     beads: Annotated[int, typer.Option(help="Number of beads on a small ring.")] = 50,
@@ -115,7 +115,7 @@ def compare(
         )
 
 
-@app.command()
+@app.command(cls=Command)
 def report(
     quick: Annotated[bool, typer.Option("--quick", help="Measure less, in a few minutes.")] = False,
     out: Annotated[str, typer.Option(metavar="PATH", help="Output folder.")] = "report",
@@ -137,7 +137,7 @@ def report(
     print_once(f"wrote {Path(out, 'index.html')} ({time.perf_counter() - began:.0f} s)")
 
 
-@app.command()
+@app.command(cls=Command)
 def movie(
     run: Annotated[Path, typer.Argument(help="Folder of a run, e.g. of `deformable compress`.")],
     out: Annotated[Path, typer.Option(metavar="PATH", help="Movie, .gif or .mp4.")] = Path(
@@ -156,7 +156,7 @@ def movie(
     print_once(f"wrote {out}")
 
 
-@app.command()
+@app.command(cls=Command)
 def info() -> None:
     """Print versions, the path of the plugin, the styles that LAMMPS knows and its MPI."""
     for name, version in versions().items():

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable
+from itertools import islice
 from typing import Any
 
 import typer
 from mpi4py import MPI
+from typer.core import TyperCommand, TyperOption
 
 from ..common.errors import ParameterError
 
@@ -26,6 +28,30 @@ def law_option(names: Iterable[str], help: str) -> Any:
         return name
 
     return typer.Option(parser=law, metavar="|".join(names), help=help)
+
+
+class Command(TyperCommand):
+    """A command whose options do not take the name of another option for their value."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Check the words of the command line, then read them."""
+        values = {
+            name: option.nargs
+            for option in self.get_params(ctx)
+            if isinstance(option, TyperOption) and not option.is_flag
+            for name in option.opts
+        }
+        words = iter(args)
+        for word in words:
+            for value in islice(words, values.get(word, 0)):
+                if value.startswith("--"):
+                    raise ParameterError(_needs(word, values[word], value))
+        return super().parse_args(ctx, args)
+
+
+def _needs(option: str, count: int, value: str) -> str:
+    wanted = "a value" if count == 1 else f"{count} values"
+    return f"{option} needs {wanted}, not {value}"
 
 
 def refuse_ranks(reason: str) -> None:

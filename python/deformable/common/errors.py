@@ -23,3 +23,7 @@ class UnjammedWarning(UserWarning):
 
 class BeyondModelWarning(UserWarning):
     """Particles are deformed further than their law describes, e.g. past confluence."""
+
+
+class UnsavedWarning(UserWarning):
+    """A saved state lacks walls or excluded pairs that were given to LAMMPS."""

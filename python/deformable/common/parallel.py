@@ -18,7 +18,7 @@ from mpi4py import MPI
 
 from .. import core
 from .errors import ParameterError
-from .files import write_whole
+from .files import make_folder, write_whole
 from .progress import progress
 
 T = TypeVar("T")
@@ -103,7 +103,7 @@ def call_once(folder: Path, function: Callable[..., T], /, *arguments: Any, **ke
         kept: T = pickle.loads(path.read_bytes())
         return kept
     result = function(*arguments, **keywords)
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     write_whole(path, pickle.dumps(result))
     return result
 

@@ -9,6 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import ParameterError
 
+# Of atoms and of steps in LAMMPS.
+LARGEST_COUNT = 2**31 - 1
+
 # An object that takes more letters than these is described by its kind.
 _LONG = 60
 
@@ -35,6 +38,26 @@ def positive(name: str, value: float) -> float:
     number = number_or_nan(value)
     if not 0.0 < number < math.inf:
         raise ParameterError(f"{name} must be a positive number, not {shown(value)}")
+    return number
+
+
+def zero_or_more(name: str, value: float) -> float:
+    """The value, if it is a finite number not below zero."""
+    number = finite(name, value)
+    if number < 0.0:
+        raise ParameterError(f"{name} must not be negative, not {shown(value)}")
+    return number
+
+
+def count(name: str, value: int) -> int:
+    """The value, if it is a whole number from 1 to the largest that LAMMPS counts to."""
+    number = whole(name, value)
+    if number < 1:
+        raise ParameterError(f"{name} must be at least 1, not {shown(value)}")
+    if number > LARGEST_COUNT:
+        raise ParameterError(
+            f"{name} must be at most {LARGEST_COUNT} in LAMMPS, not {shown(value)}"
+        )
     return number
 
 

@@ -10,16 +10,16 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError, StalledWarning
 from ..common.progress import progress
-from ..common.validate import positive
+from ..common.validate import expect, positive
 from ..io.lammps_commands import minimizer_commands
 from ..model.beads import Beads
 from ..model.packing import Packing
 from ..model.walls import Walls
 from ..state.bead_state import BeadState, sum_contacts
 from .bead_start import refuse_outside, refuse_overlap, refuse_own_image, ring_file, undeformed
-from .lammps import Engine, gather, local_array, run, shared_file, silent_lammps
+from .followed import refuse_other, refuse_other_types, setup
+from .lammps import Engine, communicator, gather, local_array, run, shared_file, silent_lammps
 from .relaxation import (
-    VIRIAL,
     Forces,
     force_rounding,
     largest_force,
@@ -27,6 +27,7 @@ from .relaxation import (
     minimize_until_relaxed,
     stress,
     thermo_commands,
+    virial_command,
 )
 
 _SETUP = """
@@ -63,7 +64,7 @@ class BeadReference(Engine):
         comm: as for `Simulation`.
 
     Attributes:
-        lmp: the LAMMPS instance, for any command of LAMMPS.
+        lmp: the LAMMPS instance, for commands that leave beads, springs and pair style as they are.
         beads: settings of the rings.
         rings: the undeformed rings of each species.
         walls: the present walls, or None.
@@ -84,7 +85,10 @@ class BeadReference(Engine):
         comm: MPI.Comm | None = None,
     ) -> None:
         self.beads = beads = Beads() if beads is None else beads
-        self.comm = MPI.COMM_WORLD if comm is None else comm
+        expect("packing", packing, Packing)
+        expect("beads", beads, Beads)
+        expect("walls", walls, Walls, type(None))
+        self.comm = communicator(comm)
         packing = self.comm.bcast(packing)
         if packing.walls:
             raise ParameterError(
@@ -116,6 +120,7 @@ class BeadReference(Engine):
             self._define_region(walls)
             run(self.lmp, f"fix walls all {_wall_style(beads, walls.stick)}")
             run(self.lmp, "fix_modify walls energy yes")
+        self._setup = setup(self.lmp)
 
     def _define_energy(self) -> None:
         """Define springs, areas and contacts, their results, and the minimizer."""
@@ -146,7 +151,7 @@ class BeadReference(Engine):
                 timestep=_LARGEST_STEP / _STRETCH / rings.fastest_frequency(beads.kr),
             ),
         )
-        run(self.lmp, VIRIAL + thermo_commands("pe"))
+        run(self.lmp, virial_command() + thermo_commands("pe"))
         run(self.lmp, minimizer_commands(skin, dmax=0.1 * beads.radius, tmax=_STRETCH))
 
     def deform(self, box: NDArray[np.float64]) -> None:
@@ -174,6 +179,7 @@ class BeadReference(Engine):
             ParameterError: there were no such walls before, or a bead would be beyond one; the
                 simulation is unchanged.
         """
+        expect("walls", walls, Walls)
         before = self.walls
         if before is None or (len(walls.angle), walls.stick) != (len(before.angle), before.stick):
             raise ParameterError(
@@ -257,6 +263,8 @@ class BeadReference(Engine):
 
     def _evaluate(self) -> Forces:
         """Bring forces, areas and perimeters up to date; returns the forces."""
+        refuse_other(self.lmp, self._setup)
+        refuse_other_types(self.lmp, np.repeat(self._species + 1, np.diff(self._first)))
         run(self.lmp, "run 0 post no")
         self._area, self._perimeter = np.empty((2, len(self._species)))
         for fix, members in self._areas:

@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 
 from ..common.errors import StalledWarning
 from ..common.renamed import former_arguments
-from ..common.validate import expect, positive
+from ..common.validate import expect, positive, zero_or_more
 from ..io.lammps_commands import minimizer_commands
 from ..model.packing import Packing
 from ..model.room import Distances, check_fit
 from ..model.wall_shapes import Wall
 from ..state.disk_state import DiskState
+from .followed import refuse_other, setup
 from .lammps import Engine, gather, local_array, open_lammps, run
 from .relaxation import (
     TOLERANCE,
-    VIRIAL,
     Forces,
     force_rounding,
     largest_force,
@@ -30,6 +30,7 @@ from .relaxation import (
     minimize_until_relaxed,
     stress,
     thermo_commands,
+    virial_command,
 )
 
 if TYPE_CHECKING:
@@ -80,7 +81,7 @@ class Disks(Engine):
             separated.
 
     Attributes:
-        lmp: the LAMMPS instance, for any command of LAMMPS.
+        lmp: the LAMMPS instance, for any command of LAMMPS, as that of a `Simulation`.
 
     Raises:
         ParameterError: no packing, or an obstacle that does not fit into the periodic box.
@@ -88,12 +89,14 @@ class Disks(Engine):
 
     def __init__(self, packing: Packing) -> None:
         expect("packing", packing, Packing)
-        self._start = _separated(packing)
-        self._follow(packing.walls, packing.box)
-        self.lmp = open_disks(self._start)
+        start = _separated(packing)
+        self._radii, self._radius = start.radii, start.radius
+        self._follow(start.walls, start.box)
+        self.lmp = open_disks(start)
         if self._walls:
             run(self.lmp, _WALLS)
             self.lmp.set_fix_external_callback("deformable_walls", self._repel)
+        self._setup = setup(self.lmp)
 
     @property
     def walls(self) -> tuple[Wall, ...]:
@@ -101,7 +104,7 @@ class Disks(Engine):
         return self._walls
 
     def _follow(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
-        check_fit(walls, box, float(self._start.radius.max()))
+        check_fit(walls, box, float(self._radius.max()))
         self._walls, self._distances = walls, Distances(walls, box)
 
     def _overlaps(
@@ -114,7 +117,7 @@ class Disks(Engine):
             number: of the disks at these positions, from 0, shape (n,).
         """
         out, distance = self._distances(x)
-        return np.maximum(self._start.radius[number] - distance, 0.0), distance, out
+        return np.maximum(self._radius[number] - distance, 0.0), distance, out
 
     def _repel(self, _caller: Any, _step: int, _n: int, tag: Any, x: Any, f: Any) -> None:
         """Forces of the walls and their virial, for LAMMPS."""
@@ -144,10 +147,12 @@ class Disks(Engine):
         Source: FIRE: Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006).
         """
         positive("tolerance", tolerance)
+        minimum_contact_force = zero_or_more("minimum_contact_force", minimum_contact_force)
         if minimum_contact_force == 0.0:
-            run(self.lmp, "run 0 post no")  # the scale of forces is in the contacts
-            forces = self._evaluate()
+            forces = self._evaluate_now()  # the scale of forces is in the contacts
         else:
+            refuse_other(self.lmp, self._setup)
+            self._radius = self._packing().radius
             forces = Forces(np.inf, minimum_contact_force, force_rounding(self.box, stiffness=1.0))
 
         def minimize(forces: Forces, left: int) -> int:
@@ -164,7 +169,7 @@ class Disks(Engine):
         state = self._snapshot(forces, stalled)
         if stalled:
             warnings.warn(
-                f"{len(self._start)} soft disks did not relax at phi = {state.phi:.6f}: the "
+                f"{len(state.packing)} soft disks did not relax at phi = {state.phi:.6f}: the "
                 f"largest force is {state.residual:.2g} of the mean contact force, not "
                 f"{tolerance:.2g}",
                 StalledWarning,
@@ -174,8 +179,26 @@ class Disks(Engine):
 
     def state(self) -> DiskState:
         """The present state, not relaxed."""
+        return self._snapshot(self._evaluate_now(), stalled=False)
+
+    def _evaluate_now(self) -> Forces:
+        """The forces at the present positions."""
+        refuse_other(self.lmp, self._setup)
+        self._radius = self._packing().radius  # for the walls
         run(self.lmp, "run 0 post no")
-        return self._snapshot(self._evaluate(), stalled=False)
+        return self._evaluate()
+
+    def _packing(self) -> Packing:
+        """The packing that LAMMPS has."""
+        by_particle = self.lmp.extract_setting("radius_flag")
+        return Packing(
+            positions=gather(self.lmp, "x", 3)[:, :2],
+            species=gather(self.lmp, "type", 1).astype(np.int64) - 1,
+            radii=self._radii,
+            box=self.box,
+            particle_radii=gather(self.lmp, "radius", 1) if by_particle else None,
+            walls=self._walls,
+        )
 
     def _evaluate(self, minimum_contact_force: float = 0.0) -> Forces:
         """The forces of the last run, see `relax`."""
@@ -191,12 +214,7 @@ class Disks(Engine):
 
     def _snapshot(self, forces: Forces, stalled: bool) -> DiskState:
         """The state at the last run."""
-        packing = replace(
-            self._start,
-            positions=gather(self.lmp, "x", 3)[:, :2],
-            box=self.box,
-            walls=self._walls,
-        )
+        packing = self._packing()
         return DiskState(
             packing=packing,
             law=None,
@@ -241,7 +259,7 @@ def open_disks(packing: Packing) -> lammps:
     run(lmp, _CONTACTS.format(cutoff="type" if by_species else "radius"))
     run(
         lmp,
-        VIRIAL
+        virial_command()
         + thermo_commands("")
         + minimizer_commands(skin=0.3 * smallest, dmax=0.01 * smallest),
     )

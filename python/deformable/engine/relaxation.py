@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 # A packing is relaxed once its largest force on a particle is this part of its mean contact force.
 TOLERANCE = 1e-6
 
-# At the end of each run, LAMMPS evaluates all quantities of the thermo output. The stress is a
-# compute of its own.
-VIRIAL = "compute virial all pressure NULL virial"
+# Computes of this package have IDs that a user would not take.
+_VIRIAL = "deformable_virial"
 
+# At the end of each run, LAMMPS evaluates all quantities of the thermo output.
 _THERMO = """
-thermo_style custom step {columns} c_virial[1] c_virial[2] c_virial[4]
+thermo_style custom step {columns} c_{virial}[1] c_{virial}[2] c_{virial}[4]
 thermo_modify norm no
 """
 
@@ -91,9 +91,14 @@ def minimize_command(force: float, iterations: int) -> str:
     return f"minimize 0 {force!r} {iterations} {2 * iterations}"
 
 
+def virial_command(parts: str = "virial") -> str:
+    """Command that defines the stress: of all forces, or of some parts of them as LAMMPS names."""
+    return f"compute {_VIRIAL} all pressure NULL {parts}\n"
+
+
 def thermo_commands(columns: str) -> str:
-    """Commands that let LAMMPS evaluate these columns, and `VIRIAL`, with each run."""
-    return _THERMO.format(columns=columns)
+    """Commands that let LAMMPS evaluate these columns, and the stress, with each run."""
+    return _THERMO.format(columns=columns, virial=_VIRIAL)
 
 
 def largest_force(lmp: lammps) -> float:
@@ -105,10 +110,10 @@ def stress(lmp: lammps, area: float | None = None) -> NDArray[np.float64]:
     """Pressure tensor of the last run, without motion, shape (2, 2) [energy/length^2].
 
     Args:
-        lmp: with `VIRIAL`.
+        lmp: with `virial_command`.
         area: that is free to the particles, if it is not the one of LAMMPS' box [length^2].
     """
-    xx, yy, _, xy, *_ = lmp.numpy.extract_compute("virial", 0, 1)
+    xx, yy, _, xy, *_ = lmp.numpy.extract_compute(_VIRIAL, 0, 1)
     tensor = np.array([[xx, xy], [xy, yy]])
     if area is None:
         return tensor

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import BeyondModelWarning, LammpsError, StalledWarning, UnjammedWarning
 from ..common.renamed import FormerAttributes, former_arguments
-from ..common.validate import expect, positive
+from ..common.validate import expect, positive, zero_or_more
 from ..io.lammps_commands import law_commands, pair_style, species_file
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing
@@ -23,8 +23,10 @@ from ..model.timestep import STIFFNESS_PER_PRESSURE
 from ..model.wall_shapes import Wall, as_walls
 from ..state.contact_table import contact_table
 from ..state.state import State
+from .followed import refuse_other, setup, unsaved
 from .lammps import (
     Engine,
+    communicator,
     gather,
     local_array,
     open_lammps,
@@ -35,13 +37,13 @@ from .lammps import (
 )
 from .relaxation import (
     TOLERANCE,
-    VIRIAL,
     Forces,
     largest_force,
     minimize_command,
     minimize_until_relaxed,
     stress,
     thermo_commands,
+    virial_command,
 )
 
 # Results of the pair style for each particle, which fix pair makes available. It reads them once in
@@ -74,7 +76,13 @@ _FIX_OF_WALL = re.compile(r"(?:'\w+ 1'|a wall) of fix deformable_wall_(\d+)(?: d
 _PATIENCE = 60_000
 
 # Set anew before each state: the energy of a state must not depend on the thermo output of a user.
-_THERMO = thermo_commands("pe c_beyond[1]").strip()
+_THERMO = thermo_commands("c_deformable_energy c_deformable_beyond[1]").strip()
+
+# Energy and stress of the contacts alone: forces that a user adds have no place in a saved state.
+_COMPUTES = """
+compute deformable_energy all pe pair
+compute deformable_beyond all pair {style}
+"""
 
 
 class Simulation(FormerAttributes, Engine):
@@ -92,8 +100,8 @@ class Simulation(FormerAttributes, Engine):
 
     Attributes:
         lmp: the LAMMPS instance, for any command of LAMMPS. Particles may be added, deleted or
-            changed as long as their IDs stay 1 to N; the law, its species and the thermo output
-            belong to this object.
+            changed as long as their IDs stay 1 to N and their masses 1; the law, its species, the
+            boundaries and the thermo output belong to this object.
         law: the contact law.
         comm: the communicator.
 
@@ -117,7 +125,7 @@ class Simulation(FormerAttributes, Engine):
         expect("packing", packing, Packing)
         expect("law", law, Ring, Sector)
         self.law = law
-        self.comm = MPI.COMM_WORLD if comm is None else comm
+        self.comm = communicator(comm)
         packing = self.comm.bcast(packing)  # packings of different machines may differ
         if walls is not None:
             packing = replace(packing, walls=as_walls(walls))
@@ -139,6 +147,8 @@ class Simulation(FormerAttributes, Engine):
         Args:
             packing: of a state of this simulation.
         """
+        expect("packing", packing, Packing)
+        species_file(self.law, packing.radii)  # or fail before the old LAMMPS is gone
         self.lmp.close()
         self._open(packing)
 
@@ -153,8 +163,9 @@ class Simulation(FormerAttributes, Engine):
         with shared_file(self.comm, species) as file:
             run(self.lmp, law_commands(packing, law, file))
         place_walls(self.lmp, packing.walls)
-        run(self.lmp, f"{VIRIAL}\ncompute beyond all pair {pair_style(law)}")
-        run(self.lmp, _THERMO)
+        stress_of = virial_command("pair fix" if packing.walls else "pair")
+        run(self.lmp, stress_of + _COMPUTES.format(style=pair_style(law)) + _THERMO)
+        self._setup = setup(self.lmp)
         smallest = float(packing.radius.min())
         stiffness = law.single_contact_stiffness(smallest)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
@@ -183,7 +194,8 @@ class Simulation(FormerAttributes, Engine):
             The relaxed state; its `stalled` is true if the tolerance was not reached.
 
         Raises:
-            LammpsError: LAMMPS gave up, e.g. because a contact line is behind a center.
+            LammpsError: LAMMPS gave up, e.g. because a contact line is behind a center; a particle
+                has no area left; or LAMMPS was given commands that states cannot follow.
 
         Warns:
             UnjammedWarning: a packing that was rigid has become loose without expanding.
@@ -194,6 +206,7 @@ class Simulation(FormerAttributes, Engine):
         al., Comput. Mater. Sci. 175, 109584 (2020).
         """
         positive("tolerance", tolerance)
+        minimum_contact_force = zero_or_more("minimum_contact_force", minimum_contact_force)
         pressure, iterations = np.inf, _ITERATIONS
 
         def minimize(forces: Forces, left: int) -> int:
@@ -224,21 +237,22 @@ class Simulation(FormerAttributes, Engine):
 
     def _evaluate(self, minimum_contact_force: float = 0.0) -> Forces:
         """Bring forces and results of the particles up to date; returns the forces."""
+        refuse_other(self.lmp, self._setup)
         # commands given to `lmp` may have changed the particles
         self._species = species = gather(self.lmp, "type", 1).astype(np.int64) - 1
         results = " ".join(f"{name} 0" for name in _RESULTS)
         run(
             self.lmp,
             f"{_THERMO}\n"
-            f"fix results all pair 1 {pair_style(self.law)} {results}\n"
-            "compute contact_rows all deformable/contact",
+            f"fix deformable_results all pair 1 {pair_style(self.law)} {results}\n"
+            "compute deformable_rows all deformable/contact",
         )
         try:
             self._run("run 0 post no")
-            self._results = gather(self.lmp, "f_results", len(_RESULTS))
-            self._contact_rows = local_array(self.lmp, "contact_rows", 9)
+            self._results = gather(self.lmp, "f_deformable_results", len(_RESULTS))
+            self._contact_rows = local_array(self.lmp, "deformable_rows", 9)
         finally:
-            run(self.lmp, "unfix results\nuncompute contact_rows")
+            run(self.lmp, "unfix deformable_results\nuncompute deformable_rows")
 
         area, perimeter, contacts, pressure, _, length = self._results.T
         by_particle = self.lmp.extract_setting("radius_flag")
@@ -266,6 +280,11 @@ class Simulation(FormerAttributes, Engine):
     def _snapshot(self, forces: Forces, stalled: bool) -> State:
         """The state at the last evaluation."""
         area, perimeter, contacts, pressure, arc_radius, _ = np.ascontiguousarray(self._results.T)
+        if area.min() <= 0.0:
+            n = int(area.argmin())
+            raise LammpsError(
+                f"the contacts of atom {n + 1} leave it no area, but {area[n]:.3g}{_WAY_OUT}"
+            )
         positions = gather(self.lmp, "x", 3)[:, :2]
         packing = Packing(
             positions, self._species, self._radii, self.box, self._particle_radii, self._walls
@@ -278,15 +297,16 @@ class Simulation(FormerAttributes, Engine):
             contacts=contacts.astype(np.int64),
             particle_pressure=pressure,
             arc_radius=arc_radius,
-            energy=float(self.lmp.get_thermo("pe")),
+            energy=float(self.lmp.extract_compute("deformable_energy", 0, 0)),
             stress=stress(self.lmp, packing.area if packing.walls else None),
             residual=forces.residual,
             stalled=stalled,
-            beyond=round(self.lmp.numpy.extract_compute("beyond", 0, 1)[0]),
+            beyond=round(self.lmp.numpy.extract_compute("deformable_beyond", 0, 1)[0]),
             velocities=gather(self.lmp, "v", 3)[:, :2],
             contact_table=contact_table(self._contact_rows, packing, self.comm),
             root=self.comm.rank == 0,
             wall_forces=wall_forces(self.lmp, self._walls),
+            unsaved=unsaved(self.lmp, self._setup),
         )
 
     def _warn(self, state: State, tolerance: float) -> None:

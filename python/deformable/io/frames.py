@@ -12,7 +12,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from ..common.errors import FileError
-from ..common.files import write_whole
+from ..common.files import write_whole, writing
 from ..model.packing import Packing
 from ..model.room import closed
 from .run_folder import DATA, SERIES, TRAJECTORY
@@ -101,7 +101,7 @@ def append_frame(
 
 
 def _append(path: Path, text: str) -> None:
-    with path.open("a", newline="") as file:
+    with writing(path), path.open("a", newline="") as file:
         file.write(text)
 
 

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Literal
 
 from ..common.errors import FileError, ParameterError
+from ..common.files import writing
+from ..common.validate import expect
 
 # Files of a run, see `runs.record`.
 DATA, SUMMARY = "packing.data", "summary.json"
@@ -57,13 +59,15 @@ def refuse(folder: str | Path, but: Kind | None = None, ways: tuple[str, ...] = 
         ParameterError: its name is empty.
         FileError: it is a file or within one, or it holds other results.
     """
+    expect("folder", folder, str, Path)
     if str(folder) == "":
         raise ParameterError("a folder needs a name, not '': for this one give '.'")
     folder = Path(folder)
-    for place in (folder, *folder.parents):
-        if place.exists() and not place.is_dir():
-            raise FileError(f"'{place}' is a file, not a folder: name another folder")
-    found = holds(folder)
+    with writing(folder):  # names may be too long
+        for place in (folder, *folder.parents):
+            if place.exists() and not place.is_dir():
+                raise FileError(f"'{place}' is a file, not a folder: name another folder")
+        found = holds(folder)
     if found is not None and found != but:
         ways_out = (*(ways if found == "compression" else ()), "name another folder")
         raise FileError(f"'{folder}' holds {_SHOWN[found]}: {', or '.join(ways_out)}")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..common.errors import FileError
-from ..common.files import write_whole
+from ..common.files import make_folder, write_whole
 from ..common.versions import versions
 from ..model.laws import LAWS, Law
 from ..model.packing import Packing
@@ -44,8 +44,7 @@ def save(
         parameters: anything JSON for the summary.
         frames: number of recorded frames up to this state, if any.
     """
-    folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = make_folder(folder)
     settings = {name: _strict(value) for name, value in asdict(law).items() if name != "contact"}
     summary = {
         "state": dict(numbers),

@@ -12,12 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import ParameterError
 from ..common.renamed import FormerAttributes, former_arguments
-from ..common.validate import finite, numbers, positive, shown, whole
+from ..common.validate import count, finite, numbers, positive, shown, whole
 from . import room
 from .wall_shapes import Wall, as_walls
 
-# Largest number of atoms in LAMMPS.
-_MOST = 2**31 - 1
+# Largest packing fraction: far beyond any use, and far below percent.
+_DENSEST = 10.0
+
+# Largest tilt of a box over its width: LAMMPS loses particles, or hangs, at some more.
+_MOST_TILTED = 30.0
 
 # Largest distance from the box, in box lengths: LAMMPS brings particles back by one length a step.
 _FARTHEST = 1e6
@@ -131,8 +134,11 @@ class Packing(FormerAttributes):
         """The packing at another packing fraction.
 
         Box, centers and walls are scaled by one factor, about the origin of the coordinates.
+
+        Raises:
+            ParameterError: phi is not above 0, or above 10.
         """
-        factor = np.sqrt(self.phi / positive("phi", phi))
+        factor = np.sqrt(self.phi / _fraction(phi))
         box = self.box * factor
         walls = room.stretched(self.walls, self.box, box)
         return replace(self, positions=self.positions * factor, box=box, walls=walls)
@@ -162,11 +168,17 @@ Packing.__init__ = former_arguments(**Packing._FORMER)(Packing.__init__)  # type
 
 
 def lattice_vectors(box: ArrayLike) -> NDArray[np.float64]:
-    """The box, if it is ((lx, 0), (xy, ly)) with finite numbers and lx, ly above zero."""
+    """The box, if it is ((lx, 0), (xy, ly)) with finite numbers, lx, ly > 0 and |xy| <= 30 lx."""
     vectors = numbers("box", box)
     if vectors.shape != (2, 2) or vectors[0, 1] != 0.0 or not (vectors.diagonal() > 0.0).all():
         raise ParameterError(
             f"box must be ((lx, 0), (xy, ly)) with lx, ly > 0, not {shown(vectors.tolist())}"
+        )
+    (lx, _), (xy, _) = vectors.tolist()
+    if abs(xy) > _MOST_TILTED * lx:
+        raise ParameterError(
+            f"box must be tilted by at most {_MOST_TILTED:g} of its widths, not {xy / lx:.3g}: the "
+            f"box with xy = {xy - lx * np.rint(xy / lx):.6g} has the same images"
         )
     vectors.setflags(write=False)
     return vectors
@@ -189,9 +201,9 @@ def bidisperse(
         radii: radius of the small (species 0) and the large particles (species 1) [length];
             (0.5, 0.7) if neither these nor a ratio are given.
         fraction: number fraction of large particles, in [0, 1].
-        phi: packing fraction, sum pi R^2 / box area.
+        phi: packing fraction, sum pi R^2 / box area, at most 10.
         aspect: height over width of the box, ly / lx.
-        tilt: shear of the box, xy / ly; 0 is a rectangle.
+        tilt: shear of the box, xy / ly; 0 is a rectangle, at most 30 widths.
         seed: seed of numpy's default generator; the same seed gives the same packing anywhere.
         ratio: of the large to the small radius, in place of radii; the small radius is then 0.5.
 
@@ -201,7 +213,7 @@ def bidisperse(
     Raises:
         ParameterError: a value is out of range.
     """
-    number, fraction = whole("number", number), finite("fraction", fraction)
+    number, fraction = count("number", number), finite("fraction", fraction)
     if ratio is not None and radii is not None:
         raise ParameterError(f"give radii or a ratio, not both: {shown(radii)} and {shown(ratio)}")
     if radii is None:
@@ -241,7 +253,7 @@ def polydisperse(
         number: number of particles N.
         radii: of all particles, shape (N,) [length]; or a distribution of scipy.stats; or a
             function that draws all of them with a generator of random numbers.
-        phi: packing fraction, sum pi R^2 / box area.
+        phi: packing fraction, sum pi R^2 / box area, at most 10.
         aspect: height over width of the box, ly / lx.
         tilt: shear of the box, xy / ly; 0 is a rectangle.
         seed: seed of numpy's default generator, for the positions and then the radii.
@@ -252,7 +264,7 @@ def polydisperse(
     Raises:
         ParameterError: a value is out of range, e.g. a drawn radius is not positive.
     """
-    number, rng = whole("number", number), _generator(seed)
+    number, rng = count("number", number), _generator(seed)
     positions = _random_positions(number, rng)
     drawn: Any = radii
     if hasattr(radii, "rvs"):
@@ -275,6 +287,15 @@ def polydisperse(
     return Packing(positions @ box, species, np.array([particle_radii.max()]), box, particle_radii)
 
 
+def _fraction(phi: float) -> float:
+    """The packing fraction, if it is one."""
+    if positive("phi", phi) > _DENSEST:
+        raise ParameterError(
+            f"phi is a fraction, such as 0.84, and at most {_DENSEST:g}, not {shown(phi)}"
+        )
+    return float(phi)
+
+
 def _generator(seed: int) -> np.random.Generator:
     seed = whole("seed", seed)
     if seed < 0:
@@ -284,10 +305,6 @@ def _generator(seed: int) -> np.random.Generator:
 
 def _random_positions(number: int, rng: np.random.Generator) -> NDArray[np.float64]:
     """Positions in a unit square, shape (N, 2)."""
-    if number < 1:
-        raise ParameterError(f"number must be at least 1, not {number}")
-    if number > _MOST:
-        raise ParameterError(f"number must be at most {_MOST} in LAMMPS, not {shown(number)}")
     return rng.random((number, 2))
 
 
@@ -296,7 +313,7 @@ def _box(
 ) -> NDArray[np.float64]:
     """Lattice vectors of the box in which disks of these radii have phi, shape (2, 2) [length]."""
     tilt = finite("tilt", tilt)
-    area = np.pi * np.sum(radius**2) / positive("phi", phi)
+    area = np.pi * np.sum(radius**2) / _fraction(phi)
     lx = np.sqrt(area / positive("aspect", aspect))
     ly = aspect * lx
     return np.array([[lx, 0.0], [tilt * ly, ly]])

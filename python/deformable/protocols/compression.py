@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.progress import progress
-from ..common.validate import expect, finite, whole
+from ..common.validate import count, expect, finite
 from ..engine.bead_reference import BeadReference
 from ..engine.disks import Disks
 from ..engine.simulation import Simulation
@@ -47,7 +47,7 @@ def compress(
 
     Args:
         sim: a `Simulation`, `Disks` or a `BeadReference`; it ends in the last state.
-        strain: total linear strain, below 1; negative expands.
+        strain: total linear strain, not 0, below 1; negative expands.
         steps: number of steps.
         tolerance: of each relaxation; by default that of `sim.relax`.
 
@@ -66,8 +66,9 @@ def check_strain_and_steps(strain: float, steps: int) -> None:
     """Refuse a strain or a number of steps that `compress` cannot take."""
     if not -1.0 < finite("strain", strain) < 1.0:
         raise ParameterError(f"strain must lie between -1 and 1, not {strain}")
-    if whole("steps", steps) < 1:
-        raise ParameterError(f"steps must be at least 1, not {steps}")
+    if strain == 0.0:
+        raise ParameterError("strain must not be 0: relax the simulation instead")
+    count("steps", steps)
 
 
 def remaining_steps(

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ..common.errors import LammpsError, ParameterError
 from ..common.progress import progress
-from ..common.validate import expect, finite, positive, shown, whole
+from ..common.validate import count, expect, positive, whole, zero_or_more
 from ..engine.lammps import run
 from ..engine.simulation import Simulation
 from ..model.laws import Sector
@@ -21,7 +21,7 @@ _EVERY = 100
 # velocities of an oscillator at their temperature for any time step. Unlike fix langevin, it does
 # not draw its forces anew where a run begins. But it also moves particles along z, which matters
 # for neighbor lists in the end; so z is set to 0 after every _FLATTEN steps.
-_BATH = "fix move all gjf {temperature!r} {temperature!r} {time!r} {seed}"
+_BATH = "fix deformable_move all gjf {temperature!r} {temperature!r} {time!r} {seed}"
 _FLATTEN = 1000
 
 
@@ -75,28 +75,19 @@ def move(
     if timestep is not None:
         timestep = positive("timestep", timestep)
     if temperature is not None:
-        temperature = _zero_or_more("temperature", temperature)
-    friction = _zero_or_more("friction", friction)
-    steps, seed = whole("steps", steps), whole("seed", seed)
-    every = min(steps, _EVERY) if every is None else whole("every", every)
+        temperature = zero_or_more("temperature", temperature)
+    friction = zero_or_more("friction", friction)
+    steps, seed = count("steps", steps), whole("seed", seed)
+    every = min(steps, _EVERY) if every is None else count("every", every)
     if temperature and sim.lmp.get_natoms() < 2:
         raise ParameterError("a single particle has no temperature: take at least two")
-    if every < 1 or steps < 1 or steps % every:
+    if steps % every:
         raise ParameterError(
-            f"steps must be a multiple of every, both at least 1, not {steps} and {every}: give "
-            "another every"
+            f"steps must be a multiple of every, not {steps} and {every}: give another every"
         )
     if not 0 < seed < 2**31:
         raise ParameterError(f"seed must lie between 1 and 2^31 - 1, not {seed}")
     return _move(sim, steps, timestep, temperature, friction, every, seed)
-
-
-def _zero_or_more(name: str, value: float) -> float:
-    """The value, if it is a finite number not below zero."""
-    number = finite(name, value)
-    if number < 0.0:
-        raise ParameterError(f"{name} must not be negative, not {shown(value)}")
-    return number
 
 
 def _move(
@@ -115,7 +106,8 @@ def _move(
     bath = _BATH.format(temperature=temperature or 0.0, time=1.0 / (friction or 1.0), seed=seed)
     run(
         sim.lmp,
-        f"{bath if friction else 'fix move all nve'}\nfix plane all enforce2d",
+        (bath if friction else "fix deformable_move all nve")
+        + "\nfix deformable_plane all enforce2d",
     )
     try:
         with progress("moving", unit="state", total=steps // every) as bar:
@@ -127,7 +119,7 @@ def _move(
                 yield state
     finally:
         if not sim.closed:  # a caller may close it before the motion ends
-            run(sim.lmp, "unfix move\nunfix plane")
+            run(sim.lmp, "unfix deformable_move\nunfix deformable_plane")
 
 
 def _advance(sim: Simulation, steps: int, timestep: float, thermal: bool) -> State:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.progress import progress
-from ..common.validate import expect, finite, whole
+from ..common.validate import count, expect, finite
 from ..engine.disks import Disks
 from ..engine.lammps import run
 from ..engine.simulation import Simulation
@@ -39,14 +39,14 @@ def shear(
         ParameterError: a value is out of range, or the simulation has walls.
     """
     expect("sim", sim, Simulation, Disks)
+    strain, steps = finite("strain", strain), count("steps", steps)
+    if strain == 0.0:
+        raise ParameterError("strain must not be 0: relax the simulation instead")
     if sim.walls:
         raise ParameterError(
             f"walls are not sheared, and this simulation has {len(sim.walls)}, the first a "
             f"{sim.walls[0].kind}: shear needs a periodic box without walls"
         )
-    strain, steps = finite("strain", strain), whole("steps", steps)
-    if steps < 1:
-        raise ParameterError(f"steps must be at least 1, not {steps}")
     return _shear(sim, strain / steps, steps, tolerance)
 
 

@@ -29,7 +29,7 @@ OPTIONS = {
         "unfix option",
     ),
     "energy": ("fix option all ave/time 1 1 1 c_thermo_pe", "unfix option"),
-    "virial": ("fix option all ave/time 1 1 1 c_virial", "unfix option"),
+    "virial": ("fix option all ave/time 1 1 1 c_deformable_virial", "unfix option"),
     "per-atom energy and virial": (
         "compute e all pe/atom\ncompute s all stress/atom NULL virial\n"
         "fix option all ave/atom 1 1 1 c_e c_s[1]",

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..common.errors import ParameterError
+from ..common.files import make_folder
 from ..common.versions import machine, versions
 from ..io.run_folder import refuse
 from .page import page
@@ -49,7 +50,7 @@ def write_report(
         raise ParameterError(f"nothing to resume: '{folder}' holds no parts of a report")
     if not resume:
         _discard(parts)
-    parts.mkdir(parents=True, exist_ok=True)  # or fail before the work
+    make_folder(parts)  # or fail before the work
     results = measure(QUICK if quick else FULL, parts, print_once)
     content = results.rows() | {"machine": machine(), "versions": versions(), "quick": quick}
 

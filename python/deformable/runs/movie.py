@@ -6,13 +6,17 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ..common.errors import ParameterError
+from ..common.files import writing
 from ..common.progress import progress
-from ..common.validate import whole
+from ..common.validate import expect, shown, whole
 from ..state.state import State
 from .replay import replay
 
 # Pictures have 461 x 403 dots, so that a few dozen take less than a megabyte.
 _DOTS_PER_INCH = 72
+
+# Pictures per second: formats and viewers count in hundredths of a second.
+_FASTEST = 100
 
 # matplotlib's writers by format.
 _WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
@@ -39,11 +43,13 @@ def movie(
     Raises:
         ParameterError: the format is another, ffmpeg is missing, or there are no states or no such
             attribute.
-        FileError: the folder cannot be read.
+        FileError: the folder cannot be read, or the movie cannot be written.
         ImportError: matplotlib is missing.
     """
-    if whole("rate", rate) < 1:
-        raise ParameterError(f"rate must be at least 1, not {rate}")
+    if not 1 <= whole("rate", rate) <= _FASTEST:
+        raise ParameterError(f"rate must lie between 1 and {_FASTEST}, not {shown(rate)}")
+    expect("path", path, str, Path)
+    expect("states", states, Path, Iterable)
     name = _WRITERS.get(Path(path).suffix)
     if name is None:
         raise ParameterError(f"a movie is a .gif or an .mp4, not '{path}'")
@@ -56,23 +62,26 @@ def movie(
         raise ParameterError(f"'{path}' needs the program ffmpeg: install it, or write a .gif")
     from ..state.plot import scale
 
-    shown = list(replay(states) if isinstance(states, (str, Path)) else states)
-    if not shown:
+    frames = list(replay(states) if isinstance(states, (str, Path)) else states)
+    if not frames:
         raise ParameterError("a movie needs at least one state")
+    for state in frames:
+        expect("a state of a movie", state, State)
     on = scale(
-        [state.values(color_by) for state in shown],
-        [state.contact_table["force"] for state in shown],
+        [state.values(color_by) for state in frames],
+        [state.contact_table["force"] for state in frames],
         color_by,
     )
-    if not shown[0].root:
+    if not frames[0].root:
         return
     figure = Figure(figsize=(6.4, 5.6), layout="constrained")
     writer = writers[name](fps=rate)
     with (
+        writing(path),
         writer.saving(figure, str(path), dpi=_DOTS_PER_INCH),
-        progress("drawing", unit="picture", total=len(shown)) as bar,
+        progress("drawing", unit="picture", total=len(frames)) as bar,
     ):
-        for state in shown:
+        for state in frames:
             figure.clear()
             state.plot(figure.subplots(), color_by, contacts, forces, on)
             writer.grab_frame()

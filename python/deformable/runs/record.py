@@ -20,7 +20,9 @@ from typing import Any
 
 from mpi4py import MPI
 
+from ..common.files import make_folder
 from ..common.validate import expect
+from ..engine.lammps import communicator
 from ..engine.simulation import Simulation
 from ..io.frames import append_frame, check_frames, frames_in, keep_frames
 from ..io.run_folder import DATA, SERIES
@@ -39,7 +41,7 @@ def load(folder: str | Path, comm: MPI.Comm | None = None) -> Simulation:
         FileError: a file is missing or cannot be read.
     """
     expect("folder", folder, str, Path)
-    (comm or MPI.COMM_WORLD).barrier()  # rank 0 may still be writing
+    communicator(comm).barrier()  # rank 0 may still be writing
     return Simulation(*read(Path(folder)), comm=comm)
 
 
@@ -63,11 +65,18 @@ def record(
 
     Yields:
         The states, unchanged.
+
+    Raises:
+        ParameterError: these are no states, of a `Simulation`, or no parameters.
+        FileError: a file cannot be written.
     """
+    expect("folder", folder, str, Path)
+    expect("states", states, Iterable)
+    expect("parameters", parameters, Mapping, type(None))
     folder = Path(folder)
     goes_on = append and (folder / SERIES).exists()
     first, before = recorded(folder) if goes_on else (0, {})
-    yield from write(states, folder, {**(parameters or {}), **before}, first)
+    return write(states, folder, {**(parameters or {}), **before}, first)
 
 
 def recorded(folder: Path) -> tuple[int, dict[str, Any]]:
@@ -81,9 +90,10 @@ def write(
 ) -> Iterator[State]:
     """Write each state after the first frames of a folder; later frames are removed."""
     for number, state in enumerate(states, start=first):
+        expect("a state that is recorded", state, State)
         if state.root:
             if number == first:
-                folder.mkdir(parents=True, exist_ok=True)
+                make_folder(folder)
                 if frames_in(folder) > 0 == first:  # another run is replaced
                     (folder / DATA).unlink(missing_ok=True)
                 keep_frames(folder, first)

@@ -14,7 +14,8 @@ import numpy as np
 from mpi4py import MPI
 
 from ..common.errors import FileError, ParameterError
-from ..common.validate import positive
+from ..common.validate import expect, positive
+from ..engine.lammps import communicator
 from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
 from ..io.frames import check_frames, frames_in
@@ -44,7 +45,7 @@ def compress_in(
     Args:
         folder: made if missing.
         sim: without further commands to its `lmp`, because each step starts a new LAMMPS.
-        strain: linear strain of all steps together, below 1; negative expands.
+        strain: linear strain of all steps together, not 0, below 1; negative expands.
         steps: number of steps.
         tolerance: of each relaxation, at most 0.01, see `Simulation.relax`.
         parameters: anything that JSON can hold, for the summary.
@@ -59,6 +60,8 @@ def compress_in(
         FileError: the folder holds a run and neither `append` nor `overwrite` is given; or `append`
             is given and the run is interrupted or lacks frames; or it holds something else.
     """
+    expect("sim", sim, Simulation)
+    expect("parameters", parameters, Mapping, type(None))
     check_compression(strain, steps, tolerance)
     if append and overwrite:
         raise ParameterError("a run is either compressed further or replaced: not both")
@@ -93,7 +96,7 @@ def resume(folder: str | Path, comm: MPI.Comm | None = None) -> Iterator[State]:
     Raises:
         FileError: there is no such compression, or its files cannot be read.
     """
-    comm = comm or MPI.COMM_WORLD
+    comm = communicator(comm)
     comm.barrier()  # rank 0 may still be writing
     folder = refuse(folder, but="compression")
     packing, law = read(folder)

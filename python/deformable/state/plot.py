@@ -4,23 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
+from ..common.validate import expect
 from ..model.packing import Packing
 from ..model.room import closed, container, obstacles
 from .contact_table import ContactTable
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 _LABELS = {
     "particle_pressure": "pressure in the particle",
+    "pressure": "pressure in the particle",
     "area_deficit": "area deficit $A_0 - A$",
     "arc_radius": "smallest radius of curvature",
     "shape_parameter": r"shape parameter $P^2 / 4 \pi A$",
@@ -100,6 +99,8 @@ def draw(
     """
     if ax is None:
         _, ax = plt.subplots(figsize=(6.4, 5.6), layout="constrained")
+    expect("ax", ax, Axes)
+    expect("scale", on, Scale)
 
     box, shut = packing.box, closed(packing.walls)
     corners = _frame(packing)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from .. import core
 from ..common.errors import ParameterError
+from ..common.validate import expect, whole
 from ..model.laws import Sector
 from ..model.packing import Packing
 from .state import State
@@ -76,12 +77,13 @@ def resolve_secondary(state: State, iterations: int = 3) -> SecondaryOutlines:
 
     Source: R. Maharana, "Efficient Simulation of Deformable Particles"; docs/theory.md.
     """
+    expect("state", state, State)
     if not (isinstance(state.law, Sector) and state.law.kernel == "sector"):
         raise ParameterError(
             "secondary contacts need the sector law at constant perimeter, Sector(kA=...), not "
             f"{state.law}"
         )
-    if iterations < 0:
+    if whole("iterations", iterations) < 0:
         raise ParameterError(f"iterations must not be negative, not {iterations}")
     radius = state.packing.radius
     contacts = [

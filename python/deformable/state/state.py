@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -10,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import ParameterError
+from ..common.errors import ParameterError, UnsavedWarning
+from ..common.validate import count, expect, numbers, shown, whole
 from ..io.store import save
 from ..model.laws import Law
 from ..model.packing import Packing
@@ -19,11 +22,12 @@ from .contact_network import ContactNetwork
 from .contact_table import ContactTable
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from matplotlib.axes import Axes
 
     from .plot import Scale
+
+# Names for colors, beside those of a trajectory.
+_VALUES = ("area_deficit", "particle_pressure", "rattlers", "shape_parameter")
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +42,7 @@ class State(ContactNetwork):
         contacts: number of active contacts of each particle, shape (N,).
         particle_pressure: inside each particle, shape (N,) [energy/length^2].
         arc_radius: smallest radius of curvature of the free outline, shape (N,) [length].
-        energy: of all particles [energy].
+        energy: of the deformation of all particles [energy].
         stress: pressure tensor of the contacts, compression positive, shape (2, 2)
             [energy/length^2]; motion adds N T / `packing.area` to its diagonal. With walls it is
             the derivative of the energy by a strain of particles and walls.
@@ -53,6 +57,8 @@ class State(ContactNetwork):
         time: since the start of `move`, 0 without motion [time].
         wall_forces: force of the particles on each of `packing.walls`, shape (number of walls, 2)
             [energy/length].
+        unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
+            pairs; empty without.
     """
 
     packing: Packing
@@ -72,6 +78,7 @@ class State(ContactNetwork):
     root: bool
     time: float = 0.0
     wall_forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
+    unsaved: str = ""
 
     def __post_init__(self) -> None:
         for array in (value for value in vars(self).values() if isinstance(value, np.ndarray)):
@@ -138,8 +145,14 @@ class State(ContactNetwork):
         Args:
             inset: distance inward from each outline, shape (N,) [length]; 0 if not given.
             points: number of points on a whole turn.
+
+        Raises:
+            ParameterError: a value is out of range.
         """
-        inset = np.zeros(len(self.packing)) if inset is None else inset
+        inset = np.zeros(len(self.packing)) if inset is None else numbers("inset", inset)
+        if inset.shape != (len(self.packing),):
+            raise ParameterError(f"inset must have shape ({len(self.packing)},), not {inset.shape}")
+        count("points", points)
         return [
             self.law.outline(kind, radius, rows["angle"], rows["indentation"], distance, points)
             for kind, radius, distance, rows in zip(
@@ -169,7 +182,8 @@ class State(ContactNetwork):
 
         Args:
             ax: axes to draw into; a new figure if not given.
-            color_by: name of an attribute with one number for each particle, e.g. `area_deficit`.
+            color_by: name of an attribute with one number for each particle, e.g. `area_deficit`,
+                or of a column of the trajectory, e.g. `pressure`.
             contacts: draw the contacts, the straight parts of both outlines.
             forces: draw the force chains: lines between centers, with widths proportional to the
                 forces.
@@ -189,22 +203,27 @@ class State(ContactNetwork):
             values,
             color_by,
             f"$\\phi$ = {self.phi:.4f},  $p$ = {self.pressure:.3g}",
-            scale or plot.scale([values], [forces_here], color_by),
+            plot.scale([values], [forces_here], color_by) if scale is None else scale,
             ax,
             contacts,
             forces,
         )
 
     def values(self, name: str) -> NDArray[np.float64]:
-        """An attribute with one number for each particle, by its name, shape (N,).
+        """One number for each particle, by the name of an attribute or in a trajectory, shape (N,).
 
         Raises:
-            ParameterError: there is no such attribute.
+            ParameterError: there is no such name.
         """
-        values = np.asarray(getattr(self, name, None))
+        columns = self.particle_values()
+        if isinstance(name, str) and name in columns:
+            return np.asarray(columns[name], dtype=float)
+        values = np.asarray(getattr(self, name, None) if isinstance(name, str) else None)
         if values.shape != (len(self.packing),) or values.dtype.kind not in "bif":
+            names = sorted({*columns, *_VALUES})
             raise ParameterError(
-                f"color_by must name an attribute with one number for each particle, not '{name}'"
+                f"color_by must name a value of each particle, such as {', '.join(names)}, not "
+                f"{shown(name)}"
             )
         return values.astype(float)
 
@@ -220,7 +239,25 @@ class State(ContactNetwork):
             folder: made if missing; an older state there is replaced.
             parameters: anything JSON for the summary, e.g. seed and protocol.
             frames: number of recorded frames up to this state, see `record`.
+
+        Raises:
+            ParameterError: an argument is of another kind.
+            FileError: a file cannot be written.
+
+        Warns:
+            UnsavedWarning: the files lack what `unsaved` names.
         """
+        expect("folder", folder, str, Path)
+        expect("parameters", parameters, Mapping, type(None))
+        if frames is not None:
+            whole("frames", frames)
+        if self.root and self.unsaved:
+            warnings.warn(
+                f"'{folder}' has the particles and the law, but not the {self.unsaved} that were "
+                "given to lmp",
+                UnsavedWarning,
+                stacklevel=2,
+            )
         if self.root:
             step = accurate_step(*self.step_limits())
             save(folder, self.packing, self.law, step, self.numbers(), parameters, frames)

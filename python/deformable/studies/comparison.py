@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.renamed import former_arguments
+from ..common.validate import expect
 from ..engine.simulation import Simulation
 from ..model.laws import Law
 from ..state.bead_state import BeadState
@@ -63,7 +64,12 @@ def predict(beads: BeadState, law: Law, comm: MPI.Comm | None = None) -> State:
     """The state of a contact law for particles at the centers of bead rings, not relaxed.
 
     Their radii are the effective ones of the rings, `Rings.effective_radius`.
+
+    Raises:
+        ParameterError: an argument is of another kind.
+        LammpsError: see `Simulation.relax`.
     """
+    expect("beads", beads, BeadState)
     packing = replace(beads.packing, radii=beads.rings.effective_radius)
     with Simulation(packing, law, comm) as sim:
         return sim.state()

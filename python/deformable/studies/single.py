@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .. import core
 from ..common.errors import ParameterError
-from ..common.validate import positive
+from ..common.validate import expect, numbers, positive
 from ..engine.bead_reference import BeadReference
 from ..model.beads import Beads
 from ..model.laws import Ring
@@ -125,8 +125,10 @@ def squeeze(
 
     Raises:
         ParameterError: indentations do not rise, or the walls would reach the center; a step or a
-            tolerance is not positive.
+            tolerance is not positive; an argument is of another kind.
     """
+    expect("beads", beads, Beads)
+    angle = numbers("angle", angle)
     positive("step", step)
     largest = 0.5 * beads.radius  # so that walls do not pass beads
     step = min(step, largest) if stick else largest

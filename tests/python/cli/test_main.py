@@ -74,6 +74,11 @@ def test_sector_warns_on_one_line(tmp_path: Path) -> None:
     [
         (["--number", "0"], ["number", "0"]),
         (["--strain", "2"], ["strain", "2.0"]),
+        (["--strain", "0"], ["strain", "not be 0"]),
+        (["--tilt", "1e9"], ["tilted", "1e+09"]),
+        (["--radii", "0.5", "--seed", "2"], ["--radii", "2 values", "--seed"]),
+        (["--seed", "--resume"], ["--seed", "a value", "--resume"]),
+        (["--out", "/proc/none"], ["'/proc/none'", "written"]),
         (["--kP", "0"], ["kP", "not 0"]),
         (["--kA", "inf"], ["kA", "kP", "inf"]),
         (["--law", "sector", "--kP", "1"], ["sector", "kP = 1"]),

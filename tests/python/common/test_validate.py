@@ -31,6 +31,29 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: Ring(kA=[1, -1]), "kA", "-1"),
     (lambda: Ring(contact=2), "contact", "2"),
     (lambda: P.at(np.float64(-0.5)), "phi", "-0.5"),
+    (lambda: deformable.Simulation(P, Ring(), comm=1), "comm", "1"),
+    (lambda: deformable.load("nowhere", comm=0), "comm", "0"),
+    (lambda: deformable.resume("nowhere", comm="x"), "comm", "'x'"),
+    (lambda: deformable.BeadReference("x"), "packing", "'x'"),
+    (lambda: deformable.BeadReference(P, 0.05), "beads", "0.05"),
+    (lambda: deformable.BeadReference(P, walls=3), "walls", "3"),
+    (lambda: deformable.record(P, "x"), "states", "a Packing"),
+    (lambda: next(deformable.record([P], "x")), "a state that is recorded", "a Packing"),
+    (lambda: deformable.record([], 3), "folder", "3"),
+    (lambda: deformable.record([], "x", "seed 3"), "parameters", "'seed 3'"),
+    (lambda: deformable.compress_in("x", P, 0.01, 1), "sim", "a Packing"),
+    (lambda: deformable.resume(3), "folder", "3"),
+    (lambda: deformable.movie(3, "a.gif"), "states", "3"),
+    (lambda: deformable.movie([P], "a.gif"), "a state of a movie", "a Packing"),
+    (lambda: deformable.movie([], 3), "path", "3"),
+    (lambda: deformable.predict(P, Ring()), "beads", "a Packing"),
+    (lambda: deformable.compare(None, Ring()), "beads", "None"),
+    (lambda: deformable.resolve_secondary(P), "state", "a Packing"),
+    (lambda: deformable.squeeze([0.0], [0.1], 50, True), "beads", "50"),
+    (lambda: deformable.Disks(P).relax(1e-3, None), "minimum_contact_force", "None"),
+    (lambda: deformable.Disks(P).relax(1e-3, -1.0), "minimum_contact_force", "-1.0"),
+    (lambda: deformable.Simulation(P, Ring()).restart(None), "packing", "None"),
+    (lambda: next(deformable.compress(deformable.Disks(P), 0.1, 10**400)), "steps", "..."),
 ]
 
 
@@ -39,7 +62,7 @@ def test_one_line_names_argument_and_value(call: Callable[[], Any], name: str, v
     with pytest.raises(deformable.ParameterError) as caught:
         call()
     line = str(caught.value)
-    assert line.startswith(f"{name} must be ")
+    assert line.startswith(f"{name} must ")
     assert line.endswith(value)
     assert "\n" not in line
 
@@ -76,3 +99,31 @@ def test_a_closed_simulation_refuses_calls(kind: Callable[[], Any], tmp_path: Pa
     for call in calls:
         with pytest.raises(deformable.ParameterError, match=f"this {type(sim).__name__} is closed"):
             call()
+
+
+@pytest.mark.parametrize("folder", ["/dev/null/x", "/proc/none", "x" * 300])
+def test_folders_that_cannot_be_written(folder: str, state: deformable.State) -> None:
+    for call in (
+        lambda: state.save(folder),
+        lambda: next(deformable.record([state], folder)),
+        lambda: deformable.movie([state], f"{folder}/movie.gif"),
+    ):
+        with pytest.raises(deformable.FileError, match=rf"\A'{folder}[^\n]* cannot be written: "):
+            call()
+
+
+def test_a_simulation_outlives_a_restart_that_is_refused(jammed: deformable.Packing) -> None:
+    with deformable.Simulation(jammed, Ring(kA=[1.0, 2.0])) as sim:
+        for wrong in (None, deformable.polydisperse(4, [0.5] * 4)):
+            with pytest.raises(deformable.ParameterError):
+                sim.restart(wrong)
+        assert sim.state().packing.phi == pytest.approx(jammed.phi)
+
+
+def test_colors_have_names(state: deformable.State) -> None:
+    """Those of attributes, and those of a trajectory."""
+    assert state.values("pressure").tolist() == state.particle_pressure.tolist()
+    assert state.values("vx").tolist() == state.velocities[:, 0].tolist()
+    for wrong in ("energy", "beauty", 3, None):
+        with pytest.raises(deformable.ParameterError, match=r"area_deficit.*pressure.*not"):
+            state.values(wrong)

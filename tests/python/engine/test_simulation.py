@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from brute_force import shapes
 from deformable.engine.relaxation import TOLERANCE
+from deformable.protocols.jamming import simulate
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -172,32 +173,34 @@ def test_errors_for_deep_overlaps_name_push_off(law: deformable.Ring | deformabl
         assert sim.state().energy > 0.0
 
 
-@pytest.mark.parametrize(
-    "commands",
-    [
-        ["set atom 1 type 2"],
-        ["group one id 3", "delete_atoms group one"],
-        ["create_atoms 1 single 0.5 0.5 0.0", "delete_atoms overlap 0.9 all all"],
-        ["thermo_style one"],
-    ],
-)
-def test_states_follow_commands_of_lammps(
-    commands: list[str], jammed: deformable.Packing, tmp_path: Path
+@pytest.mark.parametrize("law", [None, deformable.Ring(), deformable.Sector()])
+@pytest.mark.parametrize("tilt", [0.0, 0.3, 1.3])
+@pytest.mark.parametrize("phi", [0.5, 0.88, 1.0])
+def test_a_particle_in_a_box_smaller_than_itself(
+    law: deformable.Ring | deformable.Sector | None, tilt: float, phi: float
 ) -> None:
-    """What is saved has the energy of the state, whatever LAMMPS was told before."""
-    with deformable.Simulation(jammed.at(0.87), deformable.Ring()) as sim:
-        for command in commands:
-            sim.lmp.command(command)
-        state = sim.relax()
-        state.save(tmp_path)
-        assert len(state.packing) == sim.lmp.get_natoms()
-    with deformable.load(tmp_path) as again:
-        assert again.state().energy == pytest.approx(state.energy, rel=1e-9)
+    """Its own images are neighbors like those in four such boxes."""
+    one = deformable.bidisperse(1, radii=(0.5, 0.5), phi=phi, tilt=tilt)
+    cells = np.array([[0, 0], [1, 0], [0, 1], [1, 1]])
+    four = deformable.Packing(one.positions + cells @ one.box, [1] * 4, one.radii, 2.0 * one.box)
+    with simulate(one, law) as small, simulate(four, law) as large:
+        found, expected = small.state(), large.state()
+    assert (found.energy > 0.0) == (phi > 0.8)
+    assert 4.0 * found.energy == pytest.approx(expected.energy, rel=1e-11)
+    assert found.phi == pytest.approx(expected.phi, rel=1e-11)
+    np.testing.assert_allclose(
+        found.stress, expected.stress, rtol=0, atol=1e-11 * np.abs(expected.stress).max()
+    )
 
 
-def test_gaps_in_ids_are_named(jammed: deformable.Packing) -> None:
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        sim.lmp.command("group one id 3")
-        sim.lmp.command("delete_atoms group one compress no")
-        with pytest.raises(deformable.LammpsError, match="reset_atoms id"):
-            sim.state()
+@pytest.mark.parametrize("number", [1, 4])
+def test_states_without_area_are_refused(number: int) -> None:
+    """Beyond the reach of the laws, a packing fraction would be negative."""
+    cells = np.array([[0, 0], [1, 0], [0, 1], [1, 1]])[:number]
+    box = 0.6 * np.eye(2) * np.sqrt(number)
+    packing = deformable.Packing(0.1 + 0.6 * cells, [0] * number, [0.5], box)
+    with (
+        deformable.Simulation(packing, deformable.Ring()) as sim,
+        pytest.raises(deformable.LammpsError, match=r"\A[^\n]*tom \d[^\n]* no area[^\n]*\Z"),
+    ):
+        sim.state()

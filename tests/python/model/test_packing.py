@@ -76,8 +76,10 @@ def test_packing_cannot_be_changed() -> None:
         ({"radii": (0.5, float("nan"))}, "radii must be finite numbers"),
         ({"fraction": 1.5}, "fraction must lie between 0 and 1, not 1.5"),
         ({"phi": 0.0}, "phi must be a positive number, not 0.0"),
+        ({"phi": 84.0}, "phi is a fraction.* not 84"),
         ({"aspect": float("nan")}, "aspect must be a positive number, not nan"),
         ({"tilt": float("inf")}, "tilt must be a finite number, not inf"),
+        ({"tilt": 1e9}, r"tilted by at most 30 .*not 1e\+09"),
         ({"number": 2**31}, "number must be at most 2147483647 .*not 2147483648"),
         ({"number": 2.5}, "number must be a whole number, not 2.5"),
         ({"seed": None}, "seed must be a whole number, not None"),
@@ -187,6 +189,7 @@ def test_polydisperse_names_the_bad_value(radii: Any, message: str) -> None:
     [
         ({"number": 0}, "number must be at least 1, not 0"),
         ({"phi": -1.0}, "phi must be a positive number, not -1"),
+        ({"phi": 84}, "phi is a fraction.* not 84"),
         ({"aspect": 0.0}, "aspect must be a positive number, not 0"),
         ({"tilt": float("nan")}, "tilt must be a finite number, not nan"),
         ({"seed": -1}, "seed must not be negative, not -1"),

@@ -24,7 +24,7 @@ def test_ten_line_script() -> None:
     sim.close()
 
 
-@pytest.mark.parametrize(("strain", "steps"), [(1.0, 1), (float("nan"), 1), (0.01, 0)])
+@pytest.mark.parametrize(("strain", "steps"), [(1.0, 1), (0.0, 1), (float("nan"), 1), (0.01, 0)])
 def test_compress_refuses_nonsense_at_once(
     jammed: deformable.Packing, strain: float, steps: int
 ) -> None:

@@ -1,0 +1,177 @@
+"""Commands given to `sim.lmp`: a saved state has its energy, or one line says why not."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+
+SPECIES = "# UNITS: lj CONTRIBUTOR: a test\na 0.45 2 inf 0\nb 0.6 1 inf 0\n"
+
+FOLLOWED = {
+    "set type": "set atom 1 type 2",
+    "delete_atoms": "group one id 3\ndelete_atoms group one",
+    "create_atoms": "create_atoms 1 single 0.5 0.5 0.0\ndelete_atoms overlap 0.9 all all\n",
+    "reset_atoms id": "group g id 3\ndelete_atoms group g compress no\nreset_atoms id",
+    "replicate": "replicate 2 1 1",
+    "change_box": "change_box all x scale 1.01 y scale 1.02 remap",
+    "change_box of another origin": "change_box all x final -3 4 y delta 1 2 remap",
+    "change_box to a tilted box": "change_box all xy delta 0.5 remap",
+    "displace_atoms": "displace_atoms all random 0.02 0.02 0 3",
+    "displace_atoms beyond the box": "displace_atoms all move 100.1 -50 0",
+    "velocity": "velocity all create 1e-4 44",
+    "run": "fix a all nve\ntimestep 0.01\nvelocity all create 1e-4 3 mom yes\nrun 100",
+    "minimize": "min_style cg\nminimize 0 1e-6 100 100\nmin_style fire",
+    "fix": "fix a all nve\nfix b all enforce2d",
+    "fix with energy": "fix a all spring/self 0.1\nfix_modify a energy yes",
+    "fix rigid": "fix r all rigid single\nrun 3",
+    "fix deform": "fix a all deform 1 x scale 1.01 y scale 1.01 remap x\nfix b all nve\nrun 20",
+    "thermo_style": "thermo_style one\nthermo_modify norm yes",
+    "comm_style tiled": "comm_style tiled\nbalance 1.1 rcb",
+    "run_style respa": "run_style respa 2 2",
+    "IDs of a user": "compute virial all ke\ncompute beyond all ke\nfix results all nve",
+}
+
+REFUSED = {
+    "pair_style none": ("pair_style none", "pair_style"),
+    "another style": ("pair_style zero 1.0\npair_coeff * *", "pair_style"),
+    "another law": ("pair_style deformable/ring contact radical", "pair_style"),
+    "another species file": ("pair_coeff * * {species} a b", "pair_coeff"),
+    "hybrid": (
+        "pair_style hybrid/overlay deformable/ring lj/cut 1.0\n"
+        "pair_coeff * * deformable/ring {species} a b\npair_coeff * * lj/cut 1e-9 0.1",
+        "pair_style",
+    ),
+    "clear": ("clear", "no particles"),
+    "delete_atoms": ("delete_atoms group all", "no particles"),
+    "uncompute": ("uncompute deformable_virial", "deformable_virial"),
+    "boundaries": ("change_box all boundary f f p", "boundary"),
+    "mass": ("mass 2 3.0", r"atom \d+ is 3"),
+    "gaps in IDs": ("group one id 3\ndelete_atoms group one compress no", "reset_atoms id"),
+    "overlaps": ("displace_atoms all random 1 1 0 3", "contact line|bulges"),
+}
+
+
+@pytest.fixture
+def sim(jammed: deformable.Packing) -> Iterator[deformable.Simulation]:
+    with deformable.Simulation(jammed.at(0.87), deformable.Ring()) as sim:
+        yield sim
+
+
+def tell(
+    sim: deformable.Simulation | deformable.Disks | deformable.BeadReference, commands: str
+) -> None:
+    for command in commands.splitlines():
+        sim.lmp.command(command)
+
+
+def assert_saved_as_it_is(state: deformable.State, folder: Path) -> None:
+    state.save(folder)
+    with deformable.load(folder) as again:
+        found = again.state()
+    # balanced contacts are known to 1e-8 of their forces
+    assert found.energy == pytest.approx(state.energy, rel=1e-7, abs=1e-16)
+    largest = np.abs(state.stress).max()
+    np.testing.assert_allclose(found.stress, state.stress, rtol=0, atol=1e-7 * largest + 1e-14)
+
+
+@pytest.mark.filterwarnings("ignore::deformable.StalledWarning")
+@pytest.mark.parametrize("commands", FOLLOWED.values(), ids=FOLLOWED)
+def test_states_follow(commands: str, sim: deformable.Simulation, tmp_path: Path) -> None:
+    tell(sim, commands)
+    for call in (sim.state, sim.relax, sim.state):
+        state = call()
+        assert len(state.packing) == sim.lmp.get_natoms()
+        assert_saved_as_it_is(state, tmp_path)
+
+
+@pytest.mark.parametrize(("commands", "named"), REFUSED.values(), ids=REFUSED)
+def test_the_rest_is_refused(
+    commands: str, named: str, sim: deformable.Simulation, tmp_path: Path
+) -> None:
+    """By one line, as often as it is asked; `restart` brings the simulation back."""
+    packing = sim.state().packing
+    (tmp_path / "species").write_text(SPECIES)
+    tell(sim, commands.format(species=tmp_path / "species"))
+    for call in (sim.state, sim.relax, sim.state):
+        with pytest.raises(deformable.LammpsError, match=rf"\A[^\n]*({named})[^\n]*\Z"):
+            call()
+    sim.restart(packing)
+    assert_saved_as_it_is(sim.state(), tmp_path)
+
+
+def test_particles_of_atom_style_sphere_need_a_mass(tmp_path: Path) -> None:
+    """New ones get another from LAMMPS."""
+    loose = deformable.polydisperse(4, [0.5, 0.4, 0.5, 0.4], phi=0.05, seed=2)
+    with deformable.Simulation(loose, deformable.Ring()) as sim:
+        tell(sim, "create_atoms 1 random 1 3 NULL overlap 1.5 maxtry 1000\nset atom 1 diameter 0.7")
+        with pytest.raises(deformable.LammpsError, match=r"atom 5 is 0.52.*set group all mass 1"):
+            sim.state()
+        tell(sim, "set group all mass 1")
+        state = sim.relax()
+    assert state.packing.particle_radii is not None
+    assert state.packing.particle_radii.tolist() == [0.35, 0.4, 0.5, 0.4, 0.5]
+    assert_saved_as_it_is(state, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("commands", "named"),
+    [
+        ("fix w all deformable/wall plane 0 0 0 1", "walls"),
+        ("neigh_modify exclude type 1 1", "excluded pairs"),
+    ],
+)
+def test_what_is_not_saved_is_named(commands: str, named: str, tmp_path: Path) -> None:
+    with deformable.Simulation(deformable.bidisperse(1, phi=0.2), deformable.Ring()) as sim:
+        tell(sim, commands)
+        state = sim.state()
+    assert state.unsaved == named
+    with pytest.warns(deformable.UnsavedWarning, match=named):
+        state.save(tmp_path)
+
+
+def test_disks_follow_as_well(jammed: deformable.Packing) -> None:
+    commands = (
+        "set atom 1 type 2\ngroup one id 3\ndelete_atoms group one\n"
+        "change_box all xy delta 0.1 remap"
+    )
+    with deformable.Disks(jammed.at(0.87)) as disks:
+        tell(disks, commands)
+        state = disks.relax()
+    assert state.packing.species[0] == 1
+    assert len(state.packing) == len(jammed) - 1
+    with deformable.Disks(state.packing) as fresh:
+        assert fresh.state().energy == pytest.approx(state.energy, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("commands", "named"),
+    [
+        ("pair_style none", "pair_style"),
+        ("pair_coeff 1 2 3.0 0.5", "pair_coeff"),
+        ("uncompute overlaps", "overlaps"),
+        ("change_box all boundary f p p", "boundary"),
+        ("clear", "no particles"),
+    ],
+)
+def test_disks_and_beads_refuse_the_rest(commands: str, named: str) -> None:
+    start = deformable.Packing([[1, 1], [2.2, 1]], [0, 1], [0.5, 0.6], [[5.0, 0.0], [0.0, 5.0]])
+    for sim in (
+        deformable.Disks(start),
+        deformable.BeadReference(start, deformable.Beads(number=20)),
+    ):
+        with sim:
+            tell(sim, commands)
+            for call in (sim.state, sim.relax):
+                with pytest.raises(deformable.LammpsError, match=rf"\A[^\n]*{named}[^\n]*\Z"):
+                    call()
+
+
+@pytest.mark.parametrize("commands", ["set atom 1 type 2", "replicate 2 1 1", "unfix area0"])
+def test_beads_stay(commands: str) -> None:
+    start = deformable.Packing([[1, 1], [2.2, 1]], [0, 1], [0.5, 0.6], [[5.0, 0.0], [0.0, 5.0]])
+    with deformable.BeadReference(start, deformable.Beads(number=20)) as sim:
+        tell(sim, commands)
+        with pytest.raises(deformable.LammpsError, match=r"beads|area0"):
+            sim.state()
