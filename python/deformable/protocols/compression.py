@@ -43,7 +43,8 @@ def compress(
 ) -> Iterator[S]:
     """Compress isotropically in equal steps, relaxing after each one.
 
-    After step n the box lengths are those at the call times 1 - strain n / steps.
+    After step n the box lengths are those at the call times 1 - strain n / steps. Walls are scaled
+    with the box.
 
     Args:
         sim: a `Simulation`, `Disks` or a `BeadReference`; it ends in the last state.

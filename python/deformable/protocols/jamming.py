@@ -53,7 +53,8 @@ def jam(
     of shared work would depend on the number of ranks.
 
     Args:
-        packing: a packing below jamming, e.g. from `bidisperse`; particles may overlap.
+        packing: a packing below jamming, e.g. from `bidisperse`, or from `Packing.between` with
+            walls, which are scaled with the box; particles may overlap.
         law: contact law; soft disks of the energy k/2 (R_i + R_j - d)^2 if not given.
         pressure: threshold of rigidity, in units of `natural_pressure`. The distance to the onset
             depends on the law: p ~ phi - phi_J for disks, p ~ (phi - phi_J)^3 for rings.
@@ -117,7 +118,8 @@ def push_off(packing: Packing) -> Packing:
     disks have no such limit. The result is a start for `Simulation`, at any packing fraction.
 
     Args:
-        packing: e.g. from `bidisperse`, with any overlaps.
+        packing: e.g. from `bidisperse`, with any overlaps; or from `Packing.between`, its walls
+            repel the disks.
 
     Returns:
         The packing with balanced forces between its disks.
