@@ -102,15 +102,23 @@ class WallScene {
   void place_features();
   void give(double sign);
 
+  // Periods from which on the loops below would take long, or have no end.
+  static constexpr double FAR_AWAY = 100.0;
+
   // An obstacle that fits, with the cutoff on both sides, into a period has its images with the box.
   void wrap(const Wall &wall, double cutoff, double &dx, double &dy) const
   {
     const double half_x = 0.5 * period.x, half_y = 0.5 * period.y, size = wall.bound + cutoff;
     if (half_y >= size) {
+      if (std::fabs(dy) > FAR_AWAY * period.y) {
+        dx -= std::rint(dy / period.y) * period.tilt;
+        dy = std::remainder(dy, period.y);
+      }
       for (; dy > half_y; dy -= period.y) dx -= period.tilt;
       for (; dy < -half_y; dy += period.y) dx += period.tilt;
     }
     if (half_x >= size) {
+      if (std::fabs(dx) > FAR_AWAY * period.x) dx = std::remainder(dx, period.x);
       while (dx > half_x) dx -= period.x;
       while (dx < -half_x) dx += period.x;
     }

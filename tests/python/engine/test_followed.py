@@ -175,3 +175,17 @@ def test_beads_stay(commands: str) -> None:
         tell(sim, commands)
         with pytest.raises(deformable.LammpsError, match=r"beads|area0"):
             sim.state()
+
+
+@pytest.mark.parametrize("periods", [0, 2, 1000, 1e305])
+def test_obstacles_many_boxes_away(periods: float) -> None:
+    """Their images are in the box; at any distance they are found at once."""
+    energy = []
+    for y in (0.7, 0.7 + 8.0 * periods):
+        packing = deformable.Packing([[1.0, 1.0]], [0], [0.5], [[8.0, 0.0], [0.0, 8.0]])
+        with deformable.Simulation(packing, deformable.Ring()) as sim:
+            tell(sim, f"fix w all deformable/wall disk 1.6 {y!r} 0.2")
+            energy.append(sim.state().energy)
+    assert np.isfinite(energy).all()
+    if periods < 1e9:  # beyond, the place within a period is lost in rounding
+        assert energy[1] == pytest.approx(energy[0], rel=1e-7)
