@@ -16,6 +16,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from .common.errors import BeyondModelWarning as BeyondModelWarning
     from .common.errors import FileError as FileError
     from .common.errors import LammpsError as LammpsError
@@ -54,6 +56,8 @@ if TYPE_CHECKING:
     from .studies.comparison import compare as compare
     from .studies.comparison import predict as predict
     from .studies.single import squeeze as squeeze
+    __version__: str
+    potentials: Path
 
 _HOMES = {
     "BeadReference": "engine.bead_reference",
@@ -104,8 +108,12 @@ def __getattr__(name: str) -> Any:
         return getattr(import_module(f".{_HOMES[name]}", __name__), name)
     if name == "core":
         return import_module(".core", __name__)
+    if name == "__version__":
+        return import_module(".core", __name__).version
+    if name == "potentials":
+        return import_module(".plugin", __name__).potentials()
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
-    return [*__all__, "core"]
+    return [*__all__, "__version__", "core", "potentials"]
