@@ -42,6 +42,9 @@ if TYPE_CHECKING:
     from .protocols.moduli import shear_modulus as shear_modulus
     from .protocols.motion import move as move
     from .protocols.shear import shear as shear
+    from .runs.analysis import export as export
+    from .runs.analysis import series as series
+    from .runs.analysis import universe as universe
     from .runs.movie import movie as movie
     from .runs.record import load as load
     from .runs.record import record as record
@@ -56,6 +59,7 @@ if TYPE_CHECKING:
     from .studies.comparison import compare as compare
     from .studies.comparison import predict as predict
     from .studies.single import squeeze as squeeze
+
     __version__: str
     potentials: Path
 
@@ -84,6 +88,7 @@ _HOMES = {
     "compare": "studies.comparison",
     "compress": "protocols.compression",
     "compress_in": "runs.resume",
+    "export": "runs.analysis",
     "jam": "protocols.jamming",
     "load": "runs.record",
     "move": "protocols.motion",
@@ -95,9 +100,11 @@ _HOMES = {
     "replay": "runs.replay",
     "resolve_secondary": "state.secondary",
     "resume": "runs.resume",
+    "series": "runs.analysis",
     "shear": "protocols.shear",
     "shear_modulus": "protocols.moduli",
     "squeeze": "studies.single",
+    "universe": "runs.analysis",
 }
 
 __all__ = list(_HOMES)

@@ -13,7 +13,7 @@ from ..common.renamed import FormerAttributes, former_arguments
 from ..common.validate import expect, positive
 from ..io.lammps_commands import law_commands, pair_style, species_file
 from ..model.laws import Law, Ring, Sector
-from ..model.packing import Packing
+from ..model.packing import Packing, shown_box
 from ..model.timestep import STIFFNESS_PER_PRESSURE
 from ..state.contact_table import contact_table
 from ..state.state import State
@@ -101,6 +101,12 @@ class Simulation(FormerAttributes, Engine):
         packing = self.comm.bcast(packing)  # packings of different machines may differ
         self._rigid_phi = np.inf
         self._open(packing)
+
+    def __repr__(self) -> str:
+        if self.closed:
+            return "<Simulation: closed>"
+        count = f"{self.lmp.get_natoms()} particles"
+        return f"<Simulation: {count}, law {self.law!r}, {shown_box(self.box)}>"
 
     def restart(self, packing: Packing) -> None:
         """Start anew from a packing, with the same law: later results depend on it alone.

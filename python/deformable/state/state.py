@@ -11,12 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
+from ..common.optional import optional
 from ..io.store import save
 from ..model.laws import Law
 from ..model.packing import Packing
 from ..model.timestep import accurate_step
 from .contact_network import ContactNetwork
 from .contact_table import ContactTable
+from .exports import Exports
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -26,8 +28,8 @@ if TYPE_CHECKING:
     from .plot import Scale
 
 
-@dataclass(frozen=True, eq=False)
-class State(ContactNetwork):
+@dataclass(frozen=True, eq=False, repr=False)
+class State(ContactNetwork, Exports):
     """A snapshot, the same on every rank. Particles are numbered from 0.
 
     Attributes:
@@ -160,6 +162,9 @@ class State(ContactNetwork):
         contacts: bool = False,
         forces: bool = False,
         scale: Scale | None = None,
+        colormap: str = "YlGnBu",
+        limits: tuple[float, float] | None = None,
+        title: str | None = None,
     ) -> Axes:
         """Draw the outlines, colored by a value of each particle; returns the axes.
 
@@ -170,11 +175,16 @@ class State(ContactNetwork):
             forces: draw the force chains: lines between centers, with widths proportional to the
                 forces.
             scale: of colors and forces, to use one for several pictures, see `plot.scale`.
+            colormap: name of one of matplotlib's color maps.
+            limits: values of the first and the last color; those of `scale` if not given.
+            title: of the picture; phi and pressure if not given.
 
         Raises:
-            ParameterError: `color_by` is no such attribute.
+            ParameterError: `color_by` is no such attribute, there is no such color map, or the
+                limits do not increase.
             ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
         """
+        optional("matplotlib", "plot")
         from . import plot
 
         values, forces_here = self.values(color_by), self.contact_table["force"]
@@ -184,11 +194,12 @@ class State(ContactNetwork):
             self.particle_contacts,
             values,
             color_by,
-            f"$\\phi$ = {self.phi:.4f},  $p$ = {self.pressure:.3g}",
-            scale or plot.scale([values], [forces_here], color_by),
+            f"$\\phi$ = {self.phi:.4f},  $p$ = {self.pressure:.3g}" if title is None else title,
+            plot.limited(scale or plot.scale([values], [forces_here], color_by), limits),
             ax,
             contacts,
             forces,
+            colormap,
         )
 
     def values(self, name: str) -> NDArray[np.float64]:
