@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from .runs.replay import replay as replay
     from .runs.resume import compress_in as compress_in
     from .runs.resume import resume as resume
+    from .runs.resume import shear_in as shear_in
     from .state.bead_state import BeadState as BeadState
     from .state.disk_state import DiskState as DiskState
     from .state.secondary import resolve_secondary as resolve_secondary
@@ -102,6 +103,7 @@ _HOMES = {
     "resume": "runs.resume",
     "series": "runs.analysis",
     "shear": "protocols.shear",
+    "shear_in": "runs.resume",
     "shear_modulus": "protocols.moduli",
     "squeeze": "studies.single",
     "universe": "runs.analysis",
