@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from ..common.errors import FileError, ParameterError
 from ..common.files import write_whole
 from ..common.optional import optional
-from ..io.frames import check_frames
+from ..common.validate import expect
+from ..io.frames import check_frames, frames_in
 from ..io.outlines import collection
 from ..io.run_folder import SERIES, TRAJECTORY
 from ..io.store import read
@@ -41,6 +42,7 @@ def universe(folder: str | Path) -> Universe:
     Raises:
         FileError: a file is missing or cannot be read.
     """
+    expect("folder", folder, str, Path)
     import MDAnalysis
 
     from .plane_reader import PlaneReader
@@ -60,6 +62,7 @@ def universe(folder: str | Path) -> Universe:
             additional_columns=_columns(folder / TRAJECTORY),
             dt=step,
             time_offset=start,
+            frames=frames_in(folder),
         )
     found.add_TopologyAttr("radii", packing.radius)
     return found
@@ -96,6 +99,7 @@ def series(folder: str | Path) -> Any:
         FileError: it has no series.
         ImportError: pandas is missing (`pip install 'lammps-deformable[pandas]'`).
     """
+    expect("folder", folder, str, Path)
     pandas = optional("pandas", "pandas")
     path = Path(folder, SERIES)
     if not path.exists():
@@ -114,11 +118,14 @@ def export(states: str | Path | Iterable[State], path: str | Path) -> None:
         ParameterError: the suffix is another, or there are no states.
         FileError: the folder cannot be read.
     """
+    expect("states", states, str, Path, Iterable)
+    expect("path", path, str, Path)
     path = Path(path)
     if path.suffix != ".pvd":
         raise ParameterError(f"a series of outlines is a .pvd, not '{path}'")
     names = []
     for number, state in enumerate(replay(states) if isinstance(states, (str, Path)) else states):
+        expect("a state that is exported", state, State)
         names.append(f"{path.stem}_{number:04d}.vtp")
         state.export(path.with_name(names[-1]))
         if state.root:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.optional import optional
-from ..common.validate import shown
+from ..common.validate import expect, shown
 from ..io.outlines import write_outlines
 from ..model.packing import Packing
 from .contact_table import ContactTable
@@ -135,6 +135,7 @@ class Exports:
         Raises:
             ParameterError: the suffix is another.
         """
+        expect("path", path, str, Path)
         packing = self.packing
         names = {"id": np.arange(1, len(packing) + 1), "type": packing.species + 1}
         numbers = {"box": packing.box, "phi": self.phi, "pressure": self.pressure}

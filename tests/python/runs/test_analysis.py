@@ -1,5 +1,6 @@
 """Recorded runs in other programs: MDAnalysis, pandas, VTK."""
 
+import shutil
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -61,6 +62,20 @@ def test_frames_without_a_clock_are_counted(state: deformable.State, tmp_path: P
     assert [frame.time for frame in universe.trajectory] == [0.0, 1.0]
 
 
+def test_frames_that_are_not_complete_are_left_out(
+    run: tuple[Path, list[deformable.State]], tmp_path: Path
+) -> None:
+    """A run may be read while it goes on, or after it was killed."""
+    shutil.copytree(run[0], tmp_path, dirs_exist_ok=True)
+    text = (tmp_path / "trajectory.lammpstrj").read_text()
+    (tmp_path / "trajectory.lammpstrj").write_text(text + text[: len(text) // 4])
+    universe = deformable.universe(tmp_path)
+    for each in (universe, universe.copy()):
+        assert len(each.trajectory) == 3
+        assert len([frame.frame for frame in each.trajectory]) == 3
+        assert each.trajectory[-1].time == pytest.approx(run[1][-1].time)
+
+
 def test_series(run: tuple[Path, list[deformable.State]]) -> None:
     pytest.importorskip("pandas")
     table = deformable.series(run[0])
@@ -93,10 +108,17 @@ def test_refusals(state: deformable.State, tmp_path: Path) -> None:
         deformable.export([state], tmp_path / "a.vtp")
     with pytest.raises(deformable.ParameterError, match="at least one state"):
         deformable.export([], tmp_path / "a.pvd")
+    for arguments in ((3, "a.pvd"), ([state], 3), ([state.packing], tmp_path / "a.pvd")):
+        with pytest.raises(
+            deformable.ParameterError, match=r"must be of the kind .* not (3|a Packing)"
+        ):
+            deformable.export(*arguments)
     assert not list(tmp_path.iterdir())
     for read in (deformable.universe, deformable.series):
         with pytest.raises(deformable.FileError, match="'nowhere'"):
             read("nowhere")
+        with pytest.raises(deformable.ParameterError, match=r"folder .* not 3"):
+            read(3)
     state.save(tmp_path)
     with pytest.raises(deformable.FileError, match=r"trajectory\.lammpstrj is missing"):
         deformable.universe(tmp_path)
