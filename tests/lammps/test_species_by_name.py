@@ -77,3 +77,12 @@ def test_other_names_are_refused(file):
     lmp.command("pair_style deformable/ring")
     with refuses(f"Cannot open the species file '{file}': No such file"):
         lmp.command(f"pair_coeff * * {file} small large")
+
+
+def test_info_lists_them():
+    done = subprocess.run(
+        [LMP.with_name("deformable"), "info"], capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 0, done.stderr
+    names = ", ".join(sorted(path.name for path in POTENTIALS.iterdir()))
+    assert f"species files  {names}\n" in done.stdout
