@@ -18,7 +18,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP_INSTALL := SKBUILD_CMAKE_DEFINE=DEFORMABLE_WERROR=$(WERROR) \
   $(BIN)/python -m pip --disable-pip-version-check install --quiet
-SOURCES := $(shell find cmake python src -type f -not -name '*.pyc') CMakeLists.txt pyproject.toml
+SOURCES := $(shell find cmake potentials python src -type f -not -name '*.pyc') CMakeLists.txt pyproject.toml
 
 .PHONY: demo test test-slow lint clean
 .DELETE_ON_ERROR:

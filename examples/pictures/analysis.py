@@ -1,20 +1,11 @@
 """Read a recorded run with MDAnalysis: coordination number and structure factor."""
 
 import csv
-import warnings
 
-import MDAnalysis
+import deformable
 import numpy as np
 
-warnings.filterwarnings("ignore", module="MDAnalysis")
-
-universe = MDAnalysis.Universe(
-    "run/trajectory.lammpstrj",
-    format="LAMMPSDUMP",
-    topology_format="LAMMPSDUMP",
-    additional_columns=True,
-    dt=1.0,
-)
+universe = deformable.universe("run")
 with open("run/series.csv", newline="") as file:
     phi = [float(row["phi"]) for row in csv.DictReader(file)]
 

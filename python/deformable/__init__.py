@@ -16,6 +16,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from .common.errors import BeyondModelWarning as BeyondModelWarning
     from .common.errors import FileError as FileError
     from .common.errors import LammpsError as LammpsError
@@ -47,12 +49,16 @@ if TYPE_CHECKING:
     from .protocols.moduli import shear_modulus as shear_modulus
     from .protocols.motion import move as move
     from .protocols.shear import shear as shear
+    from .runs.analysis import export as export
+    from .runs.analysis import series as series
+    from .runs.analysis import universe as universe
     from .runs.movie import movie as movie
     from .runs.record import load as load
     from .runs.record import record as record
     from .runs.replay import replay as replay
     from .runs.resume import compress_in as compress_in
     from .runs.resume import resume as resume
+    from .runs.resume import shear_in as shear_in
     from .state.bead_state import BeadState as BeadState
     from .state.disk_state import DiskState as DiskState
     from .state.secondary import resolve_secondary as resolve_secondary
@@ -61,6 +67,9 @@ if TYPE_CHECKING:
     from .studies.comparison import compare as compare
     from .studies.comparison import predict as predict
     from .studies.single import squeeze as squeeze
+
+    __version__: str
+    potentials: Path
 
 _HOMES = {
     "BeadReference": "engine.bead_reference",
@@ -93,6 +102,7 @@ _HOMES = {
     "compare": "studies.comparison",
     "compress": "protocols.compression",
     "compress_in": "runs.resume",
+    "export": "runs.analysis",
     "jam": "protocols.jamming",
     "load": "runs.record",
     "move": "protocols.motion",
@@ -105,9 +115,12 @@ _HOMES = {
     "replay": "runs.replay",
     "resolve_secondary": "state.secondary",
     "resume": "runs.resume",
+    "series": "runs.analysis",
     "shear": "protocols.shear",
+    "shear_in": "runs.resume",
     "shear_modulus": "protocols.moduli",
     "squeeze": "studies.single",
+    "universe": "runs.analysis",
 }
 
 __all__ = list(_HOMES)
@@ -118,8 +131,12 @@ def __getattr__(name: str) -> Any:
         return getattr(import_module(f".{_HOMES[name]}", __name__), name)
     if name == "core":
         return import_module(".core", __name__)
+    if name == "__version__":
+        return import_module(".core", __name__).version
+    if name == "potentials":
+        return import_module(".plugin", __name__).potentials()
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
-    return [*__all__, "core"]
+    return [*__all__, "__version__", "core", "potentials"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import os
+from pathlib import Path
 
 _LIBRARY = os.path.join("lib", "deformableplugin.so")
 
@@ -26,3 +27,8 @@ def directory() -> str:
     except Exception:  # an exception here would break every LAMMPS of this environment
         pass
     return ""
+
+
+def potentials() -> Path:
+    """Folder of the species files of the package, which LAMMPS finds by their names."""
+    return Path(directory(), "potentials")

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <dlfcn.h>
 #include <limits>
 
 using namespace LAMMPS_NS;
@@ -29,14 +30,30 @@ double number_of(const std::string &word)
   return std::isfinite(value) ? value : Limits::quiet_NaN();
 }
 
+// The file of this name in the folder `potentials` beside the library that this code is in, where the species files of
+// the package are installed. Empty for a name with a folder, which says where the file is.
+std::string shipped_file(const std::string &name)
+{
+  Dl_info library;
+  if (name.find('/') != std::string::npos ||
+      dladdr(reinterpret_cast<void *>(&read_species), &library) == 0)
+    return "";
+  const std::string path = library.dli_fname;
+  const std::size_t folder = path.rfind('/');
+  return folder == std::string::npos ? "" : path.substr(0, folder) + "/potentials/" + name;
+}
+
 std::string read_text(LAMMPS *lmp, const std::string &file)
 {
   std::string text;
   int size = -1;
   if (lmp->comm->me == 0) {
-    const std::string path = utils::get_potential_file_path(file);
+    std::string path = utils::get_potential_file_path(file);
+    const bool shipped = path.empty();
+    if (shipped) path = shipped_file(file);
     errno = ENOENT;
     if (FILE *fp = path.empty() ? nullptr : std::fopen(path.c_str(), "rb")) {
+      if (shipped) utils::logmesg(lmp, "Species file {} comes with the package: {}\n", file, path);
       char buffer[4096];
       while (const std::size_t n = std::fread(buffer, 1, sizeof buffer, fp)) text.append(buffer, n);
       // fopen opens a folder too, which cannot be read

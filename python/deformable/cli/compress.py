@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 import time
 from collections.abc import Iterator
@@ -18,7 +17,6 @@ from ..common.files import make_folder
 from ..common.progress import print_once
 from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
-from ..io.frames import frames_in
 from ..io.run_folder import refuse
 from ..model.laws import LAWS
 from ..protocols.jamming import jam
@@ -27,6 +25,7 @@ from ..runs.resume import LARGEST_TOLERANCE, check_compression, compress_in
 from ..runs.resume import resume as resume_in
 from ..state.state import State
 from .options import law_option
+from .output import draw, print_states
 from .settings import PROTOCOL, Settings, check_same, check_together
 
 _WAYS_OUT = (
@@ -34,6 +33,9 @@ _WAYS_OUT = (
     "compress it further with --further",
     "replace it with --overwrite",
 )
+
+# What is printed of each state.
+_COLUMNS = ("phi", "pressure", "energy", "coordination", "rattlers", "residual")
 
 
 def compress_command(
@@ -125,11 +127,11 @@ def compress_command(
     else:
         check_together(settings, given)
         states = _begin(folder, settings, overwrite)
-    last = _print(states, folder)
+    last = print_states(states, folder, _COLUMNS)
     if last is None:
         print_once(f"the compression in '{folder}' is complete")
     else:
-        _draw(last, folder / "packing.png")
+        draw(last, folder / "packing.png")
         print_once(f"wrote {folder} ({time.perf_counter() - began:.1f} s)")
 
 
@@ -156,25 +158,3 @@ def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[State]
     protocol = (settings.strain, settings.steps, settings.tolerance)
     sim = Simulation(packing, law)
     return compress_in(folder, sim, *protocol, asdict(settings), overwrite=overwrite)
-
-
-def _print(states: Iterator[State], folder: Path) -> State | None:
-    """Print a line for each state as it comes, and return the last one if there is any."""
-    columns = ("phi", "pressure", "energy", "coordination", "rattlers", "residual")
-    first, state = frames_in(folder) + 1, None
-    for step, state in enumerate(states, start=first):
-        if step == first:
-            print_once("step " + " ".join(f"{name:>12}" for name in columns))
-        row = state.numbers()
-        print_once(f"{step:4d} " + " ".join(f"{row[name]:12.6g}" for name in columns))
-    return state
-
-
-def _draw(state: State, path: Path) -> None:
-    """Draw a state on the rank that has it, if matplotlib is installed."""
-    if state.root and importlib.util.find_spec("matplotlib"):
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(6.4, 5.6), layout="constrained")
-        state.plot(figure.subplots())
-        figure.savefig(path, dpi=150)

@@ -19,11 +19,13 @@ from ..common.versions import mpi_of_lammps, mpi_of_python, versions
 from ..engine.lammps import silent_lammps
 from ..engine.relaxation import TOLERANCE
 from ..model.beads import Beads
-from ..plugin import directory
+from ..plugin import directory, potentials
 from ..runs.movie import movie as draw_movie
 from .compress import compress_command
 from .jam import jam_command
 from .options import Command, refuse_ranks
+from .plot import plot_command
+from .shear import shear_command
 
 app = typer.Typer(
     help="Two-dimensional deformable particles in LAMMPS.",
@@ -45,6 +47,8 @@ STYLES = (
 
 app.command("compress", cls=Command)(compress_command)
 app.command("jam", cls=Command)(jam_command)
+app.command("shear", cls=Command)(shear_command)
+app.command("plot", cls=Command)(plot_command)
 
 
 def main() -> None:
@@ -162,6 +166,8 @@ def info() -> None:
     for name, version in versions().items():
         print_once(f"{name:14} {version}")
     print_once(f"{'plugin':14} {directory() or 'not found: install the package again'}")
+    shipped = sorted(path.name for path in potentials().glob("*.deformable"))
+    print_once(f"{'species files':14} {', '.join(shipped) or 'MISSING'}")
     lmp = silent_lammps(MPI.COMM_WORLD)
     complete = True
     for kind, style in STYLES:

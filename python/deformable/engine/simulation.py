@@ -17,7 +17,7 @@ from ..common.renamed import FormerAttributes, former_arguments
 from ..common.validate import expect, positive, zero_or_more
 from ..io.lammps_commands import law_commands, pair_style, species_file
 from ..model.laws import Law, Ring, Sector
-from ..model.packing import Packing
+from ..model.packing import Packing, shown_box
 from ..model.room import check_centers, check_fit
 from ..model.timestep import STIFFNESS_PER_PRESSURE
 from ..model.wall_shapes import Wall, as_walls
@@ -136,6 +136,12 @@ class Simulation(FormerAttributes, Engine):
     def walls(self) -> tuple[Wall, ...]:
         """The walls, where they are now."""
         return self._walls
+
+    def __repr__(self) -> str:
+        if self.closed:
+            return "<Simulation: closed>"
+        count = f"{self.lmp.get_natoms()} particles"
+        return f"<Simulation: {count}, law {self.law!r}, {shown_box(self.box)}>"
 
     def restart(self, packing: Packing) -> None:
         """Start anew from a packing, with the same law: later results depend on it alone.

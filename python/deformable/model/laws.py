@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 import numpy as np
@@ -37,7 +37,7 @@ class SpeciesParameters(NamedTuple):
         return SpeciesParameters(*(values[species] for values in self))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Ring:
     """The ring laws: contacts slip, and each particle takes the shape of least energy.
 
@@ -95,6 +95,9 @@ class Ring:
         for thickness in skin:
             _refuse(core.invalid_skin(thickness))
 
+    def __repr__(self) -> str:
+        return _call(self)
+
     @property
     def name(self) -> str:
         """`balanced` or `radical`, see `LAWS`."""
@@ -143,7 +146,7 @@ class Ring:
         return core.outline("ring", radius - inset + expansion, angle, a + expansion, points)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Sector:
     """The sector law: contacts stick, and each sector between two contacts keeps its perimeter.
 
@@ -175,6 +178,9 @@ class Sector:
             object.__setattr__(self, "kA", 1.0 if math.isinf(self.kP) else math.inf)
         _refuse(core.invalid_stiffness(self.kA, self.kP))
         _refuse(core.invalid_for_sectors(self.kA, self.kP))
+
+    def __repr__(self) -> str:
+        return _call(self)
 
     @property
     def name(self) -> str:
@@ -247,6 +253,13 @@ def per_species(values: float | Sequence[float], species: int) -> list[float]:
 
 def _at(values: float | Sequence[float], species: int) -> float:
     return values if isinstance(values, float) else float(np.asarray(values)[species])
+
+
+def _call(law: Law) -> str:
+    """The call that makes a law, without the settings that have their default."""
+    values = ((field.name, getattr(law, field.name), field.default) for field in fields(law))
+    given = (f"{name}={value!r}" for name, value, default in values if value != default)
+    return f"{type(law).__name__}({', '.join(given)})"
 
 
 def _refuse(problem: str | None) -> None:

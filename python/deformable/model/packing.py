@@ -26,7 +26,7 @@ _MOST_TILTED = 30.0
 _FARTHEST = 1e6
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Packing(FormerAttributes):
     """Disks in a periodic two-dimensional box, or between walls.
 
@@ -110,6 +110,10 @@ class Packing(FormerAttributes):
     def __len__(self) -> int:
         return len(self.species)
 
+    def __repr__(self) -> str:
+        count = f"{len(self)} particles of {len(self.radii)} species"
+        return f"<Packing: {count}, phi = {self.phi:.4f}, {shown_box(self.box)}>"
+
     @property
     def radius(self) -> NDArray[np.float64]:
         """Undeformed radius of each particle, shape (N,) [length]."""
@@ -182,6 +186,12 @@ def lattice_vectors(box: ArrayLike) -> NDArray[np.float64]:
         )
     vectors.setflags(write=False)
     return vectors
+
+
+def shown_box(box: NDArray[np.float64]) -> str:
+    """A box in a few words, for `repr`."""
+    (lx, _), (xy, ly) = box.tolist()
+    return f"box {lx:.4g} x {ly:.4g}" + (f" tilted by {xy:.4g}" if xy else "")
 
 
 def bidisperse(

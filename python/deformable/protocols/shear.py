@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,20 @@ from ..engine.lammps import run
 from ..engine.simulation import Simulation
 from ..state.disk_state import DiskState
 from ..state.state import State
+
+S = TypeVar("S", bound=State | DiskState)
+S_co = TypeVar("S_co", bound=State | DiskState, covariant=True)
+
+
+class Shearable(Protocol[S_co]):
+    """A simulation in a periodic box: `Simulation` or `Disks`."""
+
+    @property
+    def lmp(self) -> Any: ...
+    @property
+    def box(self) -> NDArray[np.float64]: ...
+    def deform(self, box: NDArray[np.float64]) -> None: ...
+    def relax(self, tolerance: float = ...) -> S_co: ...
 
 
 def shear(
@@ -47,16 +62,17 @@ def shear(
             f"walls are not sheared, and this simulation has {len(sim.walls)}, the first a "
             f"{sim.walls[0].kind}: shear needs a periodic box without walls"
         )
-    return _shear(sim, strain / steps, steps, tolerance)
+    return shear_steps(sim, strain, steps, 0, tolerance)
 
 
-def _shear(
-    sim: Simulation | Disks, step: float, steps: int, tolerance: float | None
-) -> Iterator[State | DiskState]:
-    with progress("shearing", unit="step", total=steps) as bar:
-        for _ in range(steps):
+def shear_steps(
+    sim: Shearable[S], strain: float, steps: int, done: int, tolerance: float | None
+) -> Iterator[S]:
+    """The remaining steps of a shear, after the steps done."""
+    with progress("shearing", unit="step", total=steps, initial=done) as bar:
+        for _ in range(done, steps):
             straighten(sim)
-            sim.deform(sheared(sim.box, step))
+            sim.deform(sheared(sim.box, strain / steps))
             state = sim.relax() if tolerance is None else sim.relax(tolerance)
             bar.set_postfix(stress=f"{-state.stress[0, 1]:.3g}")
             bar.update()
@@ -68,7 +84,7 @@ def sheared(box: NDArray[np.float64], strain: float) -> NDArray[np.float64]:
     return box @ np.array([[1.0, 0.0], [strain, 1.0]])
 
 
-def straighten(sim: Simulation | Disks) -> None:
+def straighten(sim: Shearable[Any]) -> None:
     """Replace the box by the equivalent one with the smallest tilt; the particles stay."""
     (lx, _), (xy, _) = sim.box.tolist()
     widths = round(xy / lx)

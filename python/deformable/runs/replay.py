@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import FileError
+from ..common.errors import FileError, ParameterError
 from ..common.progress import progress
+from ..common.validate import whole
 from ..engine.simulation import Simulation
 from ..io.run_folder import TRAJECTORY
 from ..model.room import stretched
@@ -18,16 +19,18 @@ from ..state.state import State
 from .record import load
 
 
-def replay(folder: str | Path) -> Iterator[State]:
+def replay(folder: str | Path, frame: int | None = None) -> Iterator[State]:
     """The states of a recorded run, evaluated again from the recorded positions.
 
     Args:
         folder: of `record`.
+        frame: only the state of this number, from 0; negative numbers count from the end.
 
     Yields:
         Each state as it was, but never `stalled`, and without `time`.
 
     Raises:
+        ParameterError: there is no such frame.
         FileError: a file is missing or cannot be read.
     """
     with load(folder) as sim:
@@ -36,10 +39,11 @@ def replay(folder: str | Path) -> Iterator[State]:
     if not path.exists():
         raise FileError(f"no recorded run in '{folder}': {path} is missing")
     frames = path.read_text().split("ITEM: TIMESTEP\n")[1:]
-    with progress("replaying", unit="state", total=len(frames)) as bar:
-        for number, frame in enumerate(frames):
+    chosen = range(len(frames)) if frame is None else [_number(frame, len(frames))]
+    with progress("replaying", unit="state", total=len(chosen)) as bar:
+        for number in chosen:
             try:
-                box, positions, velocities = _read_frame(frame)
+                box, positions, velocities = _read_frame(frames[number])
                 walls = stretched(packing.walls, packing.box, box)
                 recorded = replace(packing, positions=positions, box=box, walls=walls)
             except (ValueError, LookupError) as error:
@@ -47,6 +51,13 @@ def replay(folder: str | Path) -> Iterator[State]:
             with Simulation(recorded, law) as sim:
                 yield replace(sim.state(), velocities=velocities)
             bar.update()
+
+
+def _number(frame: int, count: int) -> int:
+    """Number of a frame, from 0."""
+    if not -count <= whole("frame", frame) < count:
+        raise ParameterError(f"frame must lie between {-count} and {count - 1}, not {frame}")
+    return int(frame) % count
 
 
 def _read_frame(

@@ -1,4 +1,4 @@
-"""Compressions that go on after an interruption at any moment, with the same numbers.
+"""Compressions and shears that go on after an interruption at any moment, with the same numbers.
 
 Each step starts from the packing in the folder, which has all digits, and from the box of the first
 step. So a step gives the same whether or not the same process computed those before it.
@@ -23,6 +23,7 @@ from ..io.run_folder import DATA, refuse
 from ..io.store import read, summary_in
 from ..model.packing import Packing
 from ..protocols.compression import check_strain_and_steps, remaining_steps
+from ..protocols.shear import shear, shear_steps
 from ..state.state import State
 from .record import recorded, write
 
@@ -63,8 +64,57 @@ def compress_in(
     expect("sim", sim, Simulation)
     expect("parameters", parameters, Mapping, type(None))
     check_compression(strain, steps, tolerance)
+    protocol = {"strain": float(strain), "steps": int(steps), "tolerance": float(tolerance)}
+    return _begin(folder, sim, protocol, parameters, append, overwrite)
+
+
+def shear_in(
+    folder: str | Path,
+    sim: Simulation,
+    strain: float,
+    steps: int,
+    tolerance: float = TOLERANCE,
+    parameters: Mapping[str, Any] | None = None,
+    append: bool = False,
+    overwrite: bool = False,
+) -> Iterator[State]:
+    """Shear as `shear`, and write as `record`, so that `resume` can go on after any step.
+
+    Args:
+        folder: made if missing.
+        sim: without further commands to its `lmp`, because each step starts a new LAMMPS.
+        strain: shear strain of all steps together.
+        steps: number of steps.
+        tolerance: of each relaxation, at most 0.01, see `Simulation.relax`.
+        parameters: anything that JSON can hold, for the summary.
+        append: go on with the series and trajectory of the run in the folder.
+        overwrite: replace the run in the folder.
+
+    Yields:
+        The relaxed state after each step, once it is written.
+
+    Raises:
+        ParameterError: as for `shear`.
+        FileError: as for `compress_in`.
+    """
+    expect("sim", sim, Simulation)
+    shear(sim, strain, steps, tolerance)  # checks its arguments, and does nothing before it starts
+    _check_tolerance(tolerance)
+    protocol = {"strain": float(strain), "steps": int(steps), "tolerance": float(tolerance)}
+    return _begin(folder, sim, {"protocol": "shear"} | protocol, parameters, append, overwrite)
+
+
+def _begin(
+    folder: str | Path,
+    sim: Simulation,
+    protocol: Mapping[str, Any],
+    parameters: Mapping[str, Any] | None,
+    append: bool,
+    overwrite: bool,
+) -> Iterator[State]:
+    """Write the start of a run, and return its steps."""
     if append and overwrite:
-        raise ParameterError("a run is either compressed further or replaced: not both")
+        raise ParameterError("a run either goes on or is replaced: not both")
     ways = ("finish it with resume", "go on with append=True", "replace it with overwrite=True")
     sim.comm.barrier()  # rank 0 may still be writing
     folder = refuse(folder, "compression" if append or overwrite else None, ways)
@@ -73,7 +123,6 @@ def compress_in(
         _check_complete(folder)
         first, before = recorded(folder)
     start = sim.state()  # all ranks have read the folder by then
-    protocol = {"strain": float(strain), "steps": int(steps), "tolerance": float(tolerance)}
     began = {"frame": first, "box": start.packing.box.tolist()}
     parameters = {**(parameters or {}), **protocol, "start": began, **before}
     if start.root:
@@ -84,17 +133,17 @@ def compress_in(
 
 
 def resume(folder: str | Path, comm: MPI.Comm | None = None) -> Iterator[State]:
-    """Finish an interrupted `compress_in`, with the same numbers as without the interruption.
+    """Finish an interrupted `compress_in` or `shear_in`, with the numbers of a whole one.
 
     Args:
-        folder: of `compress_in`. The files of a step that was not finished are removed.
+        folder: of `compress_in` or `shear_in`. The files of an unfinished step are removed.
         comm: as for `Simulation`.
 
     Yields:
-        The states that are missing; none if the compression is complete.
+        The states that are missing; none if the run is complete.
 
     Raises:
-        FileError: there is no such compression, or its files cannot be read.
+        FileError: there is no such run, or its files cannot be read.
     """
     comm = communicator(comm)
     comm.barrier()  # rank 0 may still be writing
@@ -103,7 +152,7 @@ def resume(folder: str | Path, comm: MPI.Comm | None = None) -> Iterator[State]:
     parameters = _parameters(folder)
     if "start" not in parameters:
         raise FileError(
-            f"the run in '{folder}' is no compression that can be resumed: compress it further "
+            f"the run in '{folder}' is none that can be resumed: compress it further "
             "with --further (in Python: compress_in with append=True)"
         )
     done = _steps_done(folder, parameters)
@@ -120,6 +169,10 @@ def resume(folder: str | Path, comm: MPI.Comm | None = None) -> Iterator[State]:
 def check_compression(strain: float, steps: int, tolerance: float) -> None:
     """Refuse values that are out of range for `compress_in`."""
     check_strain_and_steps(strain, steps)
+    _check_tolerance(tolerance)
+
+
+def _check_tolerance(tolerance: float) -> None:
     if positive("tolerance", tolerance) > LARGEST_TOLERANCE:
         raise ParameterError(f"tolerance must be at most {LARGEST_TOLERANCE}, not {tolerance}")
 
@@ -130,7 +183,7 @@ def _check_complete(folder: Path) -> None:
     parameters = _parameters(folder)
     if "start" in parameters and _steps_done(folder, parameters) < parameters["steps"]:
         raise FileError(
-            f"the compression in '{folder}' is interrupted at step "
+            f"the run in '{folder}' is interrupted at step "
             f"{_steps_done(folder, parameters)} of {parameters['steps']}: finish it first with "
             "--resume (in Python: resume)"
         )
@@ -151,7 +204,10 @@ def _steps(
     start = parameters["start"]
     protocol = (parameters["strain"], parameters["steps"], done, parameters["tolerance"])
     sim.restart(packing)
-    states = remaining_steps(sim, np.array(start["box"]), *protocol)
+    if parameters.get("protocol") == "shear":
+        states = shear_steps(sim, *protocol)
+    else:
+        states = remaining_steps(sim, np.array(start["box"]), *protocol)
     return write(_restarting(sim, states), folder, parameters, start["frame"] + done)
 
 

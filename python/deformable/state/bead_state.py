@@ -56,7 +56,7 @@ def sum_contacts(
     return RingContacts(i=contacts[:, 0], j=contacts[:, 1], image=contacts[:, 2:], force=force)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class BeadState:
     """A snapshot, the same on every rank. Rings are numbered from 0.
 
@@ -86,6 +86,12 @@ class BeadState:
     stress: NDArray[np.float64]
     residual: float
     stalled: bool
+
+    def __repr__(self) -> str:
+        return (
+            f"<BeadState: {len(self.packing)} rings, phi = {self.phi:.4f}, "
+            f"pressure = {self.pressure:.3g}, z = {self.coordination:.2f}>"
+        )
 
     @property
     def phi(self) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.renamed import FormerAttributes
+from ..model.laws import Law
 from ..model.packing import Packing
 from ..model.room import free_motions
 
@@ -46,6 +47,25 @@ class ContactNetwork(FormerAttributes, ABC):
     }
 
     packing: Packing
+    law: Law | None
+
+    @property
+    @abstractmethod
+    def phi(self) -> float:
+        """Packing fraction."""
+
+    @property
+    @abstractmethod
+    def pressure(self) -> float:
+        """Pressure of the packing."""
+
+    def __repr__(self) -> str:
+        law = "soft disks" if self.law is None else f"law {self.law!r}"
+        numbers = f"phi = {self.phi:.4f}, pressure = {self.pressure:.3g}"
+        return (
+            f"<{type(self).__name__}: {len(self.packing)} particles, {law}, {numbers}, "
+            f"z = {self.coordination:.2f}>"
+        )
 
     @property
     @abstractmethod

@@ -11,7 +11,7 @@ from ..model.packing import Packing
 from .contact_network import ContactNetwork
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class DiskState(ContactNetwork):
     """A snapshot of soft disks of contact stiffness k. Particles are numbered from 0.
 

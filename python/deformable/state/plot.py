@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from ..common.validate import expect
+from ..common.errors import ParameterError
+from ..common.validate import expect, numbers, shown
 from ..model.packing import Packing
 from ..model.room import closed, container, obstacles
 from .contact_table import ContactTable
@@ -71,6 +73,22 @@ def scale(
     return Scale(low, high, force or 1.0, widest)
 
 
+def limited(on: Scale, limits: tuple[float, float] | None) -> Scale:
+    """A scale with other values of the first and last color, if these are given.
+
+    Raises:
+        ParameterError: they are no two numbers, the first below the second.
+    """
+    if limits is None:
+        return on
+    ends = numbers("limits", limits)
+    if ends.shape != (2,) or not ends[0] < ends[1]:
+        raise ParameterError(
+            f"limits must be two numbers, the first below the second, not {shown(limits)}"
+        )
+    return replace(on, low=float(ends[0]), high=float(ends[1]))
+
+
 def draw(
     packing: Packing,
     outlines: Sequence[NDArray[np.float64]],
@@ -82,6 +100,7 @@ def draw(
     ax: Axes | None = None,
     flat: bool = False,
     forces: bool = False,
+    colormap: str = "YlGnBu",
 ) -> Axes:
     """Draw outlines and walls with all periodic images that reach into the box.
 
@@ -96,7 +115,13 @@ def draw(
         ax: axes to draw into; a new figure without.
         flat: draw the contacts, the straight parts of either outline, on top.
         forces: draw the force chains on top.
+        colormap: name of one of matplotlib's.
+
+    Raises:
+        ParameterError: there is no such color map.
     """
+    if not (isinstance(colormap, str) and colormap in colormaps):
+        raise ParameterError(f"colormap must be one of matplotlib's, not {shown(colormap)}")
     if ax is None:
         _, ax = plt.subplots(figsize=(6.4, 5.6), layout="constrained")
     expect("ax", ax, Axes)
@@ -137,7 +162,7 @@ def draw(
                     halves += [np.array([center, end]) - shift for end in table["position"]]
                     widths += (on.widest * table["force"] / on.force).tolist()
     particles = PolyCollection(
-        images, array=np.array(colors), cmap="YlGnBu", edgecolors="0.2", linewidths=0.6
+        images, array=np.array(colors), cmap=colormap, edgecolors="0.2", linewidths=0.6
     )
     one_value = on.high == on.low
     particles.set_clim(on.low, on.low + 1.0 if one_value else on.high)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError, UnsavedWarning
+from ..common.optional import optional
 from ..common.validate import count, expect, numbers, shown, whole
 from ..io.store import save
 from ..model.laws import Law
@@ -20,6 +21,7 @@ from ..model.packing import Packing
 from ..model.timestep import accurate_step
 from .contact_network import ContactNetwork
 from .contact_table import ContactTable
+from .exports import Exports
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,8 +32,8 @@ if TYPE_CHECKING:
 _VALUES = ("area_deficit", "particle_pressure", "rattlers", "shape_parameter")
 
 
-@dataclass(frozen=True, eq=False)
-class State(ContactNetwork):
+@dataclass(frozen=True, eq=False, repr=False)
+class State(ContactNetwork, Exports):
     """A snapshot, the same on every rank. Particles are numbered from 0.
 
     Attributes:
@@ -177,6 +179,9 @@ class State(ContactNetwork):
         contacts: bool = False,
         forces: bool = False,
         scale: Scale | None = None,
+        colormap: str = "YlGnBu",
+        limits: tuple[float, float] | None = None,
+        title: str | None = None,
     ) -> Axes:
         """Draw the outlines, colored by a value of each particle; returns the axes.
 
@@ -188,11 +193,16 @@ class State(ContactNetwork):
             forces: draw the force chains: lines between centers, with widths proportional to the
                 forces.
             scale: of colors and forces, to use one for several pictures, see `plot.scale`.
+            colormap: name of one of matplotlib's color maps.
+            limits: values of the first and the last color; those of `scale` if not given.
+            title: of the picture; phi and pressure if not given.
 
         Raises:
-            ParameterError: `color_by` is no such attribute.
+            ParameterError: `color_by` is no such attribute, there is no such color map, or the
+                limits do not increase.
             ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
         """
+        optional("matplotlib", "plot")
         from . import plot
 
         values, forces_here = self.values(color_by), self.contact_table["force"]
@@ -202,11 +212,14 @@ class State(ContactNetwork):
             self.particle_contacts,
             values,
             color_by,
-            f"$\\phi$ = {self.phi:.4f},  $p$ = {self.pressure:.3g}",
-            plot.scale([values], [forces_here], color_by) if scale is None else scale,
+            f"$\\phi$ = {self.phi:.4f},  $p$ = {self.pressure:.3g}" if title is None else title,
+            plot.limited(
+                plot.scale([values], [forces_here], color_by) if scale is None else scale, limits
+            ),
             ax,
             contacts,
             forces,
+            colormap,
         )
 
     def values(self, name: str) -> NDArray[np.float64]:

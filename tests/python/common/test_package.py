@@ -1,5 +1,6 @@
 """LAMMPS imports the package to find its plugin, so importing it has to stay light."""
 
+import importlib.metadata
 import subprocess
 import sys
 from pathlib import Path
@@ -57,3 +58,7 @@ def test_every_public_name_exists() -> None:
     assert set(deformable.__all__) <= set(dir(deformable))
     with pytest.raises(AttributeError, match="bubbles"):
         _ = deformable.bubbles
+
+
+def test_version() -> None:
+    assert deformable.__version__ == importlib.metadata.version("lammps-deformable")

@@ -1,0 +1,38 @@
+"""What commands print and draw of the states of a run."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from ..common.progress import print_once
+from ..io.frames import frames_in
+from ..state.state import State
+
+
+def print_states(states: Iterator[State], folder: Path, columns: Sequence[str]) -> State | None:
+    """Print a line for each state as it comes, and return the last one if there is any.
+
+    Args:
+        states: of a run.
+        folder: of the run; lines are numbered after the frames that it has.
+        columns: names of `State.numbers`.
+    """
+    first, state = frames_in(folder) + 1, None
+    for step, state in enumerate(states, start=first):
+        if step == first:
+            print_once("step " + " ".join(f"{name:>12}" for name in columns))
+        row = state.numbers()
+        print_once(f"{step:4d} " + " ".join(f"{row[name]:12.6g}" for name in columns))
+    return state
+
+
+def draw(state: State, path: Path) -> None:
+    """Draw a state on the rank that has it, if matplotlib is installed."""
+    if state.root and importlib.util.find_spec("matplotlib"):
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(6.4, 5.6), layout="constrained")
+        state.plot(figure.subplots())
+        figure.savefig(path, dpi=150)

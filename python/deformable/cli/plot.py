@@ -1,0 +1,68 @@
+"""The command `deformable plot`: the picture of a frame of a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..common.errors import ParameterError
+from ..common.optional import optional
+from ..common.progress import print_once
+from ..runs.record import load
+from ..runs.replay import replay
+from .options import refuse_ranks
+
+
+def plot_command(
+    run: Annotated[Path, typer.Argument(help="Folder of a run, e.g. of `deformable compress`.")],
+    out: Annotated[Path, typer.Option(metavar="PATH", help="Picture, .png, .pdf or .svg.")] = Path(
+        "packing.png"
+    ),
+    frame: Annotated[
+        int | None,
+        typer.Option(
+            help="Number of the frame, from 0; -1 is the last one. Without, the saved state.",
+            show_default=False,
+        ),
+    ] = None,
+    color_by: Annotated[
+        str, typer.Option(help="Quantity of the particles, e.g. shape_parameter.")
+    ] = "particle_pressure",
+    colormap: Annotated[str, typer.Option(help="Color map of matplotlib.")] = "YlGnBu",
+    limits: Annotated[
+        tuple[float, float] | None,
+        typer.Option(help="Values of the first and the last color.", show_default=False),
+    ] = None,
+    title: Annotated[
+        str | None, typer.Option(help="Title; by default phi and pressure.", show_default=False)
+    ] = None,
+    contacts: Annotated[bool, typer.Option("--contacts", help="Draw the contacts.")] = False,
+    forces: Annotated[bool, typer.Option("--forces", help="Draw the force chains.")] = False,
+) -> None:
+    """Draw a state of a run."""
+    refuse_ranks("a picture is drawn by one process")
+    optional("matplotlib", "plot")
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.4, 5.6), layout="constrained")
+    formats = figure.canvas.get_supported_filetypes()
+    if out.suffix.removeprefix(".") not in formats:
+        raise ParameterError(f"a picture is one of .{', .'.join(formats)}, not '{out}'")
+    if frame is None:
+        with load(run) as sim:
+            state = sim.state()
+    else:
+        (state,) = replay(run, frame)
+    state.plot(
+        figure.subplots(),
+        color_by,
+        contacts,
+        forces,
+        colormap=colormap,
+        limits=limits,
+        title=title,
+    )
+    figure.savefig(out, dpi=150)
+    print_once(f"wrote {out}")

@@ -1,0 +1,91 @@
+"""The command `deformable shear`: shear the packing of a run, keep the new run in a folder."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..common.errors import ParameterError
+from ..common.progress import print_once
+from ..engine.relaxation import TOLERANCE
+from ..io.run_folder import refuse
+from ..io.store import summary_in
+from ..runs.record import load
+from ..runs.resume import LARGEST_TOLERANCE, shear_in
+from ..runs.resume import resume as resume_in
+from .output import draw, print_states
+from .settings import check_same
+
+_WAYS_OUT = ("finish it with --resume", "replace it with --overwrite")
+
+# What is printed of each state; the stress is positive if it resists.
+_COLUMNS = ("shear_stress", "pressure", "energy", "coordination", "rattlers", "residual")
+
+
+def shear_command(
+    context: typer.Context,
+    run: Annotated[
+        Path | None,
+        typer.Argument(
+            help="Folder of a run, e.g. of `deformable compress`; its last packing is sheared."
+        ),
+    ] = None,
+    strain: Annotated[
+        float,
+        typer.Option(help="Shear strain of all steps together; negative shears the other way."),
+    ] = 0.1,
+    steps: Annotated[int, typer.Option(help="Number of steps.")] = 20,
+    tolerance: Annotated[
+        float,
+        typer.Option(
+            help="A step is relaxed when the largest force on a particle is this times the mean "
+            f"contact force; at most {LARGEST_TOLERANCE:g}."
+        ),
+    ] = TOLERANCE,
+    out: Annotated[str, typer.Option(metavar="PATH", help="Output folder.")] = "shear",
+    resume: Annotated[
+        bool,
+        typer.Option(
+            "--resume",
+            help="Finish the interrupted run in the output folder. Its options can be left out.",
+        ),
+    ] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the run in the output folder.")
+    ] = False,
+) -> None:
+    """Shear the last packing of a run quasistatically along x.
+
+    Writes the same files as `deformable compress` into the output folder after each step; the
+    column shear_stress of series.csv is the stress that resists.
+    """
+    began = time.perf_counter()
+    if resume and overwrite:
+        raise ParameterError("give one of --resume and --overwrite")
+    folder = refuse(out, "compression" if resume or overwrite else None, _WAYS_OUT)
+    if resume:
+        settings = {"strain": strain, "steps": steps, "tolerance": tolerance}
+        check_same(folder, {name: settings[name] for name in settings if _given(context, name)})
+        states = resume_in(folder)
+    elif run is None:
+        raise ParameterError("give the folder of a run, whose packing is sheared: shear RUN")
+    elif folder.resolve() == run.resolve():
+        raise ParameterError(f"'{run}' is the folder of the packing: give another one to --out")
+    else:
+        before = {"before": summary_in(run).get("parameters")}
+        states = shear_in(folder, load(run), strain, steps, tolerance, before, overwrite=overwrite)
+    last = print_states(states, folder, _COLUMNS)
+    if last is None:
+        print_once(f"the shear in '{folder}' is complete")
+    else:
+        draw(last, folder / "packing.png")
+        print_once(f"wrote {folder} ({time.perf_counter() - began:.1f} s)")
+
+
+def _given(context: typer.Context, name: str) -> bool:
+    """Whether an option is given on the command line."""
+    source = context.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"

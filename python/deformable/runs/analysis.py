@@ -1,0 +1,134 @@
+"""Recorded runs for other programs: MDAnalysis, pandas, ParaView, OVITO."""
+
+from __future__ import annotations
+
+import csv
+import warnings
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import FileError, ParameterError
+from ..common.files import write_whole
+from ..common.optional import optional
+from ..common.validate import expect
+from ..io.frames import check_frames, frames_in
+from ..io.outlines import collection
+from ..io.run_folder import SERIES, TRAJECTORY
+from ..io.store import read
+from ..state.state import State
+from .replay import replay
+
+if TYPE_CHECKING:
+    from MDAnalysis import Universe
+
+
+def universe(folder: str | Path) -> Universe:
+    """A Universe of MDAnalysis of a recorded run.
+
+        universe = deformable.universe("run")
+        for frame in universe.trajectory:
+            print(frame.time, frame.data["area"].mean())
+
+    Particles and frames are those of `State.to_mdanalysis`. `time` is that of a motion whose states
+    are equally far apart, and the number of the frame in all other runs.
+
+    Args:
+        folder: of `record`, `compress_in` or `deformable compress`.
+
+    Raises:
+        FileError: a file is missing or cannot be read.
+    """
+    expect("folder", folder, str, Path)
+    import MDAnalysis
+
+    from .plane_reader import PlaneReader
+
+    folder = Path(folder)
+    packing, _ = read(folder)
+    check_frames(folder)
+    if not (folder / TRAJECTORY).exists():
+        raise FileError(f"no recorded run in '{folder}': {folder / TRAJECTORY} is missing")
+    start, step = _clock(_times(folder / SERIES))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # masses are 1: that is no guess
+        found = MDAnalysis.Universe(
+            str(folder / TRAJECTORY),
+            format=PlaneReader,
+            topology_format="LAMMPSDUMP",
+            additional_columns=_columns(folder / TRAJECTORY),
+            dt=step,
+            time_offset=start,
+            frames=frames_in(folder),
+        )
+    found.add_TopologyAttr("radii", packing.radius)
+    return found
+
+
+def _columns(trajectory: Path) -> list[str]:
+    """Names of the values in a trajectory, beside id, type and position."""
+    with trajectory.open() as file:
+        head = next(line for line in file if line.startswith("ITEM: ATOMS"))
+    return head.split()[7:]
+
+
+def _times(path: Path) -> NDArray[np.float64]:
+    """Times in a series, shape (number of frames,)."""
+    with path.open(newline="") as file:
+        return np.array([float(row.get("time") or 0.0) for row in csv.DictReader(file)])
+
+
+def _clock(times: NDArray[np.float64]) -> tuple[float, float]:
+    """Time of the first frame, and from one to the next: the frames' numbers if that varies."""
+    steps = np.diff(times)
+    if len(steps) and steps[0] > 0.0 and np.allclose(steps, steps[0], rtol=1e-6):
+        return float(times[0]), float(np.mean(steps))
+    return 0.0, 1.0
+
+
+def series(folder: str | Path) -> Any:
+    """The series of a recorded run as a DataFrame of pandas, with the frames as index.
+
+    Args:
+        folder: of `record`, `compress_in` or `deformable compress`.
+
+    Raises:
+        FileError: it has no series.
+        ImportError: pandas is missing (`pip install 'lammps-deformable[pandas]'`).
+    """
+    expect("folder", folder, str, Path)
+    pandas = optional("pandas", "pandas")
+    path = Path(folder, SERIES)
+    if not path.exists():
+        raise FileError(f"no recorded run in '{folder}': {path} is missing")
+    return pandas.read_csv(path, index_col="frame")
+
+
+def export(states: str | Path | Iterable[State], path: str | Path) -> None:
+    """Write the outlines of several states for ParaView and OVITO, see `State.export`.
+
+    Args:
+        states: the folder of a recorded run, or states, e.g. from `compress` or `move`.
+        path: `NAME.pvd`, which lists the files NAME_0000.vtp, NAME_0001.vtp, ... beside it.
+
+    Raises:
+        ParameterError: the suffix is another, or there are no states.
+        FileError: the folder cannot be read.
+    """
+    expect("states", states, str, Path, Iterable)
+    expect("path", path, str, Path)
+    path = Path(path)
+    if path.suffix != ".pvd":
+        raise ParameterError(f"a series of outlines is a .pvd, not '{path}'")
+    names = []
+    for number, state in enumerate(replay(states) if isinstance(states, (str, Path)) else states):
+        expect("a state that is exported", state, State)
+        names.append(f"{path.stem}_{number:04d}.vtp")
+        state.export(path.with_name(names[-1]))
+        if state.root:
+            write_whole(path, collection(names))
+    if not names:
+        raise ParameterError("a series of outlines needs at least one state")

@@ -1,0 +1,175 @@
+"""States for other programs: MDAnalysis, freud, pandas, ParaView, OVITO, notebooks."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import ParameterError
+from ..common.optional import optional
+from ..common.validate import expect, shown
+from ..io.outlines import write_outlines
+from ..model.packing import Packing
+from .contact_table import ContactTable
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from MDAnalysis import Universe
+
+
+class _Snapshot(Protocol):
+    """What a state has."""
+
+    @property
+    def packing(self) -> Packing: ...
+    @property
+    def velocities(self) -> NDArray[np.float64]: ...
+    @property
+    def contact_table(self) -> ContactTable: ...
+    @property
+    def root(self) -> bool: ...
+    @property
+    def outlines(self) -> list[NDArray[np.float64]]: ...
+    @property
+    def area_deficit(self) -> NDArray[np.float64]: ...
+    @property
+    def shape_parameter(self) -> NDArray[np.float64]: ...
+    @property
+    def phi(self) -> float: ...
+    @property
+    def pressure(self) -> float: ...
+    def particle_values(self) -> dict[str, NDArray[Any]]: ...
+    def plot(self, ax: Axes | None = None) -> Axes: ...
+
+
+class Exports:
+    """What a state gives to other programs."""
+
+    def to_mdanalysis(self: _Snapshot) -> Universe:
+        """A Universe of MDAnalysis with one frame.
+
+        Particles have `ids` and `types` (from 1, as in LAMMPS), `radii` and `masses`. The values of
+        a trajectory (area, pressure, contacts, ...) are in `trajectory.ts.data`, by name.
+        MDAnalysis has three dimensions: z is 0, and the box is as high as its longer side, so that
+        searches for neighbors find none above. Positions are rounded to 32 bits there.
+        """
+        import MDAnalysis
+
+        packing, number = self.packing, len(self.packing)
+        universe = MDAnalysis.Universe.empty(number, trajectory=True, velocities=True)
+        universe.add_TopologyAttr("ids", np.arange(1, number + 1))
+        universe.add_TopologyAttr("types", (packing.species + 1).astype(str))
+        universe.add_TopologyAttr("radii", packing.radius)
+        universe.add_TopologyAttr("masses", np.ones(number))
+        frame = universe.trajectory.ts
+        frame.dimensions = box_in_space(packing.box)
+        frame.positions = in_space(packing.positions)
+        frame.velocities = in_space(self.velocities)
+        frame.data.update(self.particle_values())
+        return universe
+
+    def to_freud(self: _Snapshot) -> tuple[Any, NDArray[np.float64]]:
+        """Box and points as freud takes them, (freud.box.Box, array of shape (N, 3)).
+
+            freud.order.Hexatic().compute(state.to_freud())
+
+        The box is two-dimensional and has its center at the origin, so that the points are moved.
+
+        Raises:
+            ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
+        """
+        freud = optional("freud", "freud")
+        (lx, _), (xy, ly) = self.packing.box.tolist()
+        box = freud.box.Box(lx, ly, xy=xy / ly, is2D=True)
+        center = self.packing.box.sum(axis=0) / 2.0
+        return box, box.wrap(in_space(self.packing.positions - center))
+
+    def to_pandas(self: _Snapshot, table: str = "particles") -> Any:
+        """A DataFrame of pandas.
+
+        Args:
+            table: `particles`, a row for each, with position, species and all its values; or
+                `contacts`, the rows of `contact_table`. Particles are numbered from 0, and are the
+                index of their table.
+
+        Raises:
+            ParameterError: there is no such table.
+            ImportError: pandas is missing (`pip install 'lammps-deformable[pandas]'`).
+        """
+        if table not in ("particles", "contacts"):
+            raise ParameterError(f"table must be particles or contacts, not {shown(table)}")
+        pandas = optional("pandas", "pandas")
+        if table == "particles":
+            x, y = self.packing.positions.T
+            index = pandas.RangeIndex(len(self.packing), name="particle")
+            return pandas.DataFrame(
+                {"x": x, "y": y, "species": self.packing.species} | _values(self), index=index
+            )
+        columns: dict[str, NDArray[Any]] = {}
+        for name in self.contact_table.dtype.names or ():
+            column = self.contact_table[name]
+            if column.ndim == 1:
+                columns[name] = column
+            elif name == "position":
+                columns["x"], columns["y"] = column.T
+            else:
+                columns[f"{name}_a"], columns[f"{name}_b"] = column.T
+        return pandas.DataFrame(columns)
+
+    def export(self: _Snapshot, path: str | Path) -> None:
+        """Write the outlines as polygons, with the values of the particles.
+
+        Args:
+            path: `.vtp` for ParaView, OVITO and other programs that read VTK's files, with the
+                values as cell data; `.geojson` for programs of plane geometry, with the values as
+                properties. Particles have an `id` and a `type` from 1, as in LAMMPS. Outlines are
+                whole: those of particles at the boundary reach beyond the box.
+
+        Raises:
+            ParameterError: the suffix is another.
+        """
+        expect("path", path, str, Path)
+        packing = self.packing
+        names = {"id": np.arange(1, len(packing) + 1), "type": packing.species + 1}
+        numbers = {"box": packing.box, "phi": self.phi, "pressure": self.pressure}
+        if self.root:
+            write_outlines(path, self.outlines, names | _values(self), numbers)
+
+    def _repr_html_(self: _Snapshot) -> str | None:
+        """The picture and the line of `repr`, for notebooks; None without matplotlib."""
+        if not find_spec("matplotlib"):
+            return None
+        from matplotlib.figure import Figure
+
+        figure, picture = Figure(figsize=(5.2, 4.5), layout="constrained"), io.BytesIO()
+        self.plot(figure.subplots())
+        figure.savefig(picture, format="png", dpi=80)
+        line = html.escape(repr(self).strip("<>"))
+        coded = base64.b64encode(picture.getvalue()).decode()
+        return f'<img src="data:image/png;base64,{coded}" alt="{line}"><br>{line}'
+
+
+def _values(state: _Snapshot) -> dict[str, NDArray[Any]]:
+    """Values of the particles by name: those of a trajectory, and what follows from them."""
+    return state.particle_values() | {
+        "area_deficit": state.area_deficit,
+        "shape_parameter": state.shape_parameter,
+    }
+
+
+def in_space(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Vectors of the plane with z = 0, shape (N, 3)."""
+    return np.column_stack([vectors, np.zeros(len(vectors))])
+
+
+def box_in_space(box: NDArray[np.float64]) -> list[float]:
+    """Lengths and angles [degrees] of a box of MDAnalysis, as high as its longer side is long."""
+    a, b = np.linalg.norm(box, axis=1).tolist()
+    return [a, b, max(a, b), 90.0, 90.0, float(np.degrees(np.arctan2(box[1, 1], box[1, 0])))]

@@ -1,0 +1,128 @@
+"""`deformable shear` and `deformable plot`, as a user sees them."""
+
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import deformable
+import pytest
+
+COMMAND = str(Path(sys.executable).parent / "deformable")
+
+
+def run(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    result = subprocess.run(
+        [COMMAND, *arguments], cwd=cwd, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert "Traceback" not in result.stdout + result.stderr
+    return result
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a compression `run`, and a shear of its last packing, `shear`."""
+    folder = tmp_path_factory.mktemp("runs")
+    small = ("--number", "12", "--steps", "2", "--strain", "0.02", "--seed", "2")
+    assert run("compress", *small, "--out", "run", cwd=folder).returncode == 0
+    done = run("shear", "run", "--strain", "0.02", "--steps", "4", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    head, *rows = done.stdout.splitlines()[:-1]
+    assert head.split()[:3] == ["step", "shear_stress", "pressure"]
+    assert len(rows) == 4
+    return folder
+
+
+def test_shear_starts_from_the_last_packing(folder: Path) -> None:
+    with (folder / "shear" / "series.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 4
+    with deformable.load(folder / "run") as sim:
+        states = list(deformable.shear(sim, 0.02, 4))
+    for row, state in zip(rows, states, strict=True):
+        assert float(row["shear_stress"]) == pytest.approx(-state.stress[0, 1], abs=1e-5)
+        assert float(row["xy"]) == pytest.approx(state.packing.box[1, 0], rel=1e-9)
+        assert float(row["lx"]) == pytest.approx(state.packing.box[0, 0], rel=1e-12)
+    parameters = json.loads((folder / "shear" / "summary.json").read_text())["parameters"]
+    assert (parameters["strain"], parameters["steps"]) == (0.02, 4)
+    assert parameters["before"]["seed"] == 2
+
+
+def test_shear_resumes(folder: Path, tmp_path: Path) -> None:
+    with deformable.load(folder / "run") as sim:
+        before = {"before": json.loads((folder / "run" / "summary.json").read_text())["parameters"]}
+        steps = deformable.shear_in(tmp_path / "part", sim, 0.02, 4, parameters=before)
+        next(steps)
+    done = run("shear", "--resume", "--strain", "0.02", "--out", "part", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    for name in ("series.csv", "trajectory.lammpstrj", "summary.json", "packing.data"):
+        assert (tmp_path / "part" / name).read_bytes() == (folder / "shear" / name).read_bytes()
+    assert run("shear", "--resume", "--out", "part", cwd=tmp_path).stdout == (
+        "the shear in 'part' is complete\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["shear", "--out", "new"], ["RUN"]),
+        (["shear", "run"], ["'shear' holds a run", "--resume", "--overwrite"]),
+        (["shear", "run", "--out", "run", "--overwrite"], ["'run'", "--out"]),
+        (["shear", "nowhere", "--out", "new"], ["'nowhere'"]),
+        (["shear", "run", "--out", "new", "--steps", "0"], ["steps", "0"]),
+        (["shear", "run", "--out", "new", "--tolerance", "1"], ["tolerance", "0.01"]),
+        (["shear", "--resume", "--strain", "0.3"], ["--strain 0.02", "0.3"]),
+        (["shear", "run", "--resume", "--overwrite"], ["--resume", "--overwrite"]),
+        (["plot", "nowhere"], ["'nowhere'"]),
+        (["plot", "run", "--frame", "2"], ["frame", "-2", "1", "not 2"]),
+        (["plot", "run", "--color-by", "beauty"], ["beauty"]),
+        (["plot", "run", "--colormap", "beauty"], ["colormap", "beauty"]),
+        (["plot", "run", "--limits", "2", "1"], ["limits", "2.0", "1.0"]),
+        (["plot", "run", "--out", "a.doc"], [".png", "a.doc"]),
+        (["plot", "run", "--out", "no/a.png"], ["no/a.png"]),
+    ],
+    ids=lambda value: " ".join(value),
+)
+def test_errors_are_one_line(arguments: list[str], words: list[str], folder: Path) -> None:
+    before = sorted(folder.rglob("*"))
+    result = run(*arguments, cwd=folder)
+    assert result.returncode == 2
+    assert result.stderr.startswith("error: ")
+    assert result.stderr.count("\n") == 1
+    assert [word for word in words if word not in result.stderr] == []
+    assert sorted(folder.rglob("*")) == before
+
+
+def test_plot(folder: Path, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    last = run("plot", str(folder / "run"), cwd=tmp_path)
+    assert (last.returncode, last.stdout) == (0, "wrote packing.png\n")
+    assert (tmp_path / "packing.png").stat().st_size > 10_000
+    options = ("--color-by", "area", "--colormap", "magma", "--limits", "0.5", "1.5", "--forces")
+    one = run(
+        "plot",
+        str(folder / "run"),
+        "--frame",
+        "0",
+        *options,
+        "--title",
+        "A title",
+        "--out",
+        "first.svg",
+        cwd=tmp_path,
+    )
+    assert one.returncode == 0, one.stderr
+    assert "<!-- A title -->" in (tmp_path / "first.svg").read_text()
+
+
+def test_plot_draws_the_frame(folder: Path, tmp_path: Path) -> None:
+    """The title has phi and pressure of the frame."""
+    pytest.importorskip("matplotlib")
+    states = list(deformable.replay(folder / "run"))
+    for frame, state in ((0, states[0]), (-1, states[1])):
+        name = f"{frame}.svg"
+        run("plot", str(folder / "run"), "--frame", str(frame), "--out", name, cwd=tmp_path)
+        assert f"{state.phi:.4f}" in (tmp_path / name).read_text()
+    (again,) = deformable.replay(folder / "run", -2)
+    assert again.energy == states[0].energy

@@ -1,0 +1,124 @@
+"""Recorded runs in other programs: MDAnalysis, pandas, VTK."""
+
+import shutil
+from pathlib import Path
+from xml.etree import ElementTree
+
+import deformable
+import numpy as np
+import pytest
+
+pytest.importorskip("MDAnalysis")
+
+
+@pytest.fixture(scope="module", params=[0.0, 0.3])
+def run(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Path, list[deformable.State]]:
+    """A recorded motion."""
+    folder = tmp_path_factory.mktemp("run")
+    fluid = deformable.push_off(deformable.bidisperse(16, phi=0.7, tilt=request.param, seed=2))
+    with deformable.Simulation(fluid, deformable.Ring()) as sim:
+        motion = deformable.move(sim, 60, temperature=1e-5, every=20)
+        return folder, list(deformable.record(motion, folder))
+
+
+def test_universe_of_a_run(run: tuple[Path, list[deformable.State]]) -> None:
+    folder, states = run
+    universe = deformable.universe(folder)
+    assert len(universe.trajectory) == len(states) == 3
+    assert np.array_equal(universe.atoms.radii, states[0].packing.radius)
+    for frame, state in zip(universe.trajectory, states, strict=True):
+        one = state.to_mdanalysis()
+        assert frame.time == pytest.approx(state.time)
+        assert frame.dimensions == pytest.approx(one.dimensions, rel=1e-6)
+        assert frame.positions == pytest.approx(one.atoms.positions, abs=1e-5)
+        assert frame.velocities == pytest.approx(one.atoms.velocities, rel=1e-6)
+        for name, values in state.particle_values().items():
+            assert frame.data[name] == pytest.approx(values, rel=1e-12)
+    assert np.array_equal(universe.atoms.types, one.atoms.types)
+    assert np.array_equal(universe.atoms.ids, one.atoms.ids)
+
+
+def test_mean_square_displacement(run: tuple[Path, list[deformable.State]]) -> None:
+    """The analyses of MDAnalysis get the times of the motion."""
+    from MDAnalysis.analysis.msd import EinsteinMSD
+    from MDAnalysis.transformations import NoJump
+
+    folder, states = run
+    universe = deformable.universe(folder)
+    universe.trajectory.add_transformations(NoJump())
+    found = EinsteinMSD(universe, msd_type="xy", fft=False).run().results
+    first, last = states[0], states[-1]
+    assert found.delta_t_values[-1] == pytest.approx(last.time - first.time)
+    apart = (last.packing.positions - first.packing.positions) @ np.linalg.inv(first.packing.box)
+    moved = (apart - np.rint(apart)) @ first.packing.box
+    assert found.timeseries[-1] == pytest.approx(np.mean(np.sum(moved**2, axis=1)), rel=1e-3)
+
+
+def test_frames_without_a_clock_are_counted(state: deformable.State, tmp_path: Path) -> None:
+    list(deformable.record([state, state], tmp_path))
+    universe = deformable.universe(str(tmp_path))
+    assert [frame.time for frame in universe.trajectory] == [0.0, 1.0]
+
+
+def test_frames_that_are_not_complete_are_left_out(
+    run: tuple[Path, list[deformable.State]], tmp_path: Path
+) -> None:
+    """A run may be read while it goes on, or after it was killed."""
+    shutil.copytree(run[0], tmp_path, dirs_exist_ok=True)
+    text = (tmp_path / "trajectory.lammpstrj").read_text()
+    (tmp_path / "trajectory.lammpstrj").write_text(text + text[: len(text) // 4])
+    universe = deformable.universe(tmp_path)
+    for each in (universe, universe.copy()):
+        assert len(each.trajectory) == 3
+        assert len([frame.frame for frame in each.trajectory]) == 3
+        assert each.trajectory[-1].time == pytest.approx(run[1][-1].time)
+
+
+def test_series(run: tuple[Path, list[deformable.State]]) -> None:
+    pytest.importorskip("pandas")
+    table = deformable.series(run[0])
+    assert table.index.tolist() == [0, 1, 2]
+    for name, value in run[1][1].numbers().items():
+        assert table.loc[1, name] == pytest.approx(value, rel=1e-14)
+
+
+def test_export_of_a_run(run: tuple[Path, list[deformable.State]], tmp_path: Path) -> None:
+    folder, states = run
+    deformable.export(folder, tmp_path / "shapes.pvd")
+    deformable.export(states, tmp_path / "again.pvd")
+    root = ElementTree.parse(tmp_path / "shapes.pvd").getroot()
+    assert (root.tag, root.get("type")) == ("VTKFile", "Collection")
+    listed = [(each.get("timestep"), each.get("file")) for each in root.iter("DataSet")]
+    assert listed == [(str(n), f"shapes_{n:04d}.vtp") for n in range(3)]
+    assert {path.name for path in tmp_path.glob("shapes_*")} == {name for _, name in listed}
+    vtk = pytest.importorskip("vtkmodules.vtkIOXML")
+    for n, state in enumerate(states):
+        for name in ("shapes", "again"):
+            reader = vtk.vtkXMLPolyDataReader()
+            reader.SetFileName(str(tmp_path / f"{name}_{n:04d}.vtp"))
+            reader.Update()
+            pressure = reader.GetOutput().GetCellData().GetArray("pressure")
+            assert pressure.GetValue(3) == pytest.approx(state.particle_pressure[3], rel=1e-6)
+
+
+def test_refusals(state: deformable.State, tmp_path: Path) -> None:
+    with pytest.raises(deformable.ParameterError, match=r"\.pvd, not .*a\.vtp"):
+        deformable.export([state], tmp_path / "a.vtp")
+    with pytest.raises(deformable.ParameterError, match="at least one state"):
+        deformable.export([], tmp_path / "a.pvd")
+    for arguments in ((3, "a.pvd"), ([state], 3), ([state.packing], tmp_path / "a.pvd")):
+        with pytest.raises(
+            deformable.ParameterError, match=r"must be of the kind .* not (3|a Packing)"
+        ):
+            deformable.export(*arguments)
+    assert not list(tmp_path.iterdir())
+    for read in (deformable.universe, deformable.series):
+        with pytest.raises(deformable.FileError, match="'nowhere'"):
+            read("nowhere")
+        with pytest.raises(deformable.ParameterError, match=r"folder .* not 3"):
+            read(3)
+    state.save(tmp_path)
+    with pytest.raises(deformable.FileError, match=r"trajectory\.lammpstrj is missing"):
+        deformable.universe(tmp_path)

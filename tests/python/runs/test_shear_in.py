@@ -1,0 +1,74 @@
+"""A shear that is interrupted and resumed gives the files of one that was not, byte for byte."""
+
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+
+FILES = (
+    *("packing.data", "species.deformable", "in.lammps", "summary.json"),
+    *("series.csv", "trajectory.lammpstrj"),
+)
+
+# with rearrangements, so that other last digits would show, and the box is straightened once
+STRAIN, STEPS = 0.8, 5
+
+
+@pytest.fixture(scope="module")
+def squeezed() -> deformable.Packing:
+    jammed = deformable.jam(deformable.bidisperse(16, seed=4))
+    with deformable.Simulation(jammed.at(jammed.phi + 0.03), deformable.Ring()) as sim:
+        return sim.relax().packing
+
+
+def begin(packing: deformable.Packing, folder: Path) -> list[deformable.State]:
+    sim = deformable.Simulation(packing, deformable.Ring())
+    return deformable.shear_in(folder, sim, STRAIN, STEPS, parameters={"seed": 4})
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {name: (folder / name).read_bytes() for name in FILES}
+
+
+def test_interrupted_after_any_step(squeezed: deformable.Packing, tmp_path: Path) -> None:
+    whole = list(begin(squeezed, tmp_path / "whole"))
+    assert len(whole) == STEPS
+    assert np.diff([state.packing.box[1, 0] for state in whole]).min() < 0.0  # straightened
+    for steps in range(STEPS):
+        states = begin(squeezed, tmp_path / str(steps))
+        for _ in range(steps):
+            next(states)
+        missing = list(deformable.resume(tmp_path / str(steps)))
+        assert len(missing) == STEPS - steps
+        assert contents(tmp_path / str(steps)) == contents(tmp_path / "whole")
+    assert list(deformable.resume(tmp_path / "whole")) == []
+
+
+def test_it_is_a_shear(squeezed: deformable.Packing, tmp_path: Path) -> None:
+    """The same as `shear`, up to what rounding does; the box leans over and keeps its area."""
+    with deformable.Simulation(squeezed, deformable.Ring()) as sim:
+        first, *_ = deformable.shear(sim, 0.02, 2)
+    with deformable.Simulation(squeezed, deformable.Ring()) as sim:
+        again, last = deformable.shear_in(tmp_path, sim, 0.02, 2)
+    assert again.energy == pytest.approx(first.energy, rel=1e-4)
+    lean = last.packing.box[1, 0] - squeezed.box[1, 0]
+    assert lean == pytest.approx(0.02 * squeezed.box[1, 1], rel=1e-12)
+    assert last.packing.box.diagonal() == pytest.approx(squeezed.box.diagonal(), rel=1e-12)
+
+
+def test_refusals(squeezed: deformable.Packing, tmp_path: Path) -> None:
+    with deformable.Simulation(squeezed, deformable.Ring()) as sim:
+        for values, word in (((0.1, 0), "steps"), ((np.nan, 2), "strain")):
+            with pytest.raises(deformable.ParameterError, match=word):
+                deformable.shear_in(tmp_path / "run", sim, *values)
+        with pytest.raises(deformable.ParameterError, match=r"tolerance .* 0\.5"):
+            deformable.shear_in(tmp_path / "run", sim, 0.1, 2, tolerance=0.5)
+        assert not list(tmp_path.iterdir())
+        next(deformable.shear_in(tmp_path, sim, 0.02, 2))
+        with pytest.raises(deformable.FileError, match="overwrite=True"):
+            deformable.shear_in(tmp_path, sim, 0.02, 2)
+        with pytest.raises(deformable.FileError, match="interrupted at step 1 of 2"):
+            deformable.shear_in(tmp_path, sim, 0.02, 2, append=True)
+    with deformable.Disks(squeezed) as disks, pytest.raises(deformable.ParameterError, match="sim"):
+        deformable.shear_in(tmp_path / "run", disks, 0.1, 2)

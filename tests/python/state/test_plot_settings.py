@@ -1,0 +1,40 @@
+"""Color map, limits and title of a picture."""
+
+import deformable
+import pytest
+
+matplotlib = pytest.importorskip("matplotlib")
+matplotlib.use("agg")
+
+
+def test_settings_of_a_picture(state: deformable.State) -> None:
+    axes = state.plot(
+        color_by="area", colormap="magma", limits=(0.5, 2), title="a packing", forces=True
+    )
+    particles = axes.collections[0]
+    assert particles.get_cmap().name == "magma"
+    assert particles.get_clim() == (0.5, 2.0)
+    assert axes.get_title() == "a packing"
+    # widths of forces stay
+    widths = [max(ax.collections[1].get_linewidths()) for ax in (axes, state.plot(forces=True))]
+    assert widths[0] == widths[1]
+    assert state.plot(title="").get_title() == ""
+    matplotlib.pyplot.close("all")
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"colormap": "rainbows"}, "colormap .*'rainbows'"),
+        ({"colormap": ["magma"]}, r"colormap .*\['magma'\]"),
+        ({"limits": (1.0, 1.0)}, r"limits .*1\.0, 1\.0"),
+        ({"limits": (1.0,)}, r"limits .*\(1\.0,\)"),
+        ({"limits": (0.0, float("nan"))}, "limits .*nan"),
+    ],
+)
+def test_other_settings_are_refused(
+    settings: dict[str, object], words: str, state: deformable.State
+) -> None:
+    with pytest.raises(deformable.ParameterError, match=words):
+        state.plot(**settings)
+    matplotlib.pyplot.close("all")

@@ -1,0 +1,48 @@
+"""What Python prints of packings, laws, simulations and states: one line."""
+
+import deformable
+import pytest
+
+
+def test_packing() -> None:
+    straight = deformable.bidisperse(32, phi=0.3, seed=1)
+    side = straight.box[0, 0]
+    expected = f"<Packing: 32 particles of 2 species, phi = 0.3000, box {side:.4g} x {side:.4g}>"
+    assert repr(straight) == expected
+    tilted = deformable.bidisperse(32, tilt=-0.25)
+    assert repr(tilted).endswith(f" tilted by {-0.25 * side:.4g}>")
+
+
+@pytest.mark.parametrize(
+    ("law", "text"),
+    [
+        (deformable.Ring(), "Ring()"),
+        (deformable.Ring(kA=2, contact="radical"), "Ring(kA=2.0, contact='radical')"),
+        (deformable.Ring(kA=[1, 2], kP=5), "Ring(kA=(1.0, 2.0), kP=5.0)"),
+        (deformable.Sector(), "Sector(kA=1.0)"),
+    ],
+)
+def test_a_law_is_the_call_that_makes_it(law: object, text: str) -> None:
+    assert repr(law) == text
+    assert eval(text, {"Ring": deformable.Ring, "Sector": deformable.Sector}) == law
+
+
+def test_simulation_and_its_states(jammed: deformable.Packing) -> None:
+    (lx, _), (_, ly) = jammed.box
+    with deformable.Simulation(jammed, deformable.Ring(kP=3.0)) as sim:
+        text = f"<Simulation: 32 particles, law Ring(kP=3.0), box {lx:.4g} x {ly:.4g}>"
+        assert repr(sim) == text
+        state = sim.relax()
+    assert repr(sim) == "<Simulation: closed>"
+    numbers = (
+        f"phi = {state.phi:.4f}, pressure = {state.pressure:.3g}, z = {state.coordination:.2f}"
+    )
+    assert repr(state) == f"<State: 32 particles, law Ring(kP=3.0), {numbers}>"
+
+
+def test_other_states(jammed: deformable.Packing) -> None:
+    with deformable.Disks(jammed) as disks:
+        assert repr(disks.state()).startswith("<DiskState: 32 particles, soft disks, phi = 0.8")
+    few = deformable.jam(deformable.bidisperse(8, seed=1))
+    with deformable.BeadReference(few, deformable.Beads(number=20)) as rings:
+        assert repr(rings.state()).startswith("<BeadState: 8 rings, phi = 0.")
