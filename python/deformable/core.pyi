@@ -81,6 +81,9 @@ def polygon_edges(nx: ArrayLike, ny: ArrayLike, offset: ArrayLike) -> _Vector: .
 def nearest_on_polygon(
     nx: ArrayLike, ny: ArrayLike, offset: ArrayLike, x: float, y: float
 ) -> tuple[float, float, float, float] | None: ...
+def edge_contact(
+    vertex: ArrayLike, begin: ArrayLike, end: ArrayLike, kr: float, c: float
+) -> tuple[float, _Vector, _Vector]: ...
 @overload
 def contact_line(distance: float, radius_i: float, radius_j: float) -> float: ...
 @overload
