@@ -60,7 +60,7 @@ def test_sense_of_the_chain_is_arbitrary(chain, x, y):
     np.testing.assert_allclose(back, force, rtol=0, atol=1e-13)
 
 
-# The vertex beside the edge from (0, 0) to (0.1, 0), by where its foot is, and which vertex is near.
+# A vertex beside the edge from (0, 0) to (0.1, 0), by where its foot is, and which vertex is near
 PLACES = {
     "line": (0.07, 0.03),
     "line, other side": (0.07, -0.03),
@@ -77,7 +77,7 @@ CASES = [(place, 0.1) for place in PLACES.values()] + [(place, 0.01) for place i
 @pytest.mark.parametrize(("place", "length"), CASES, ids=[*PLACES, *SHORT])
 @pytest.mark.parametrize("turn", [0.0, 0.7, 2.0, 4.0])
 def test_derivatives(place, length, turn):
-    """Central differences: third derivatives below 10 kr/d^2, of which steps of 1e-6 leave 1e-12."""
+    """Central differences: third derivatives below 10 kr/d^2, steps of 1e-6 leave 1e-12 of that."""
     rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
     places = np.array([place, (0, 0), (length, 0)]) @ rotation.T + (0.3, -0.2)
     _, forces, stiffness = core.edge_contact(*places, KR, C)

@@ -1,0 +1,61 @@
+// Smooth and frictionless deformable polygons: vertices of rings against the edges of other rings.
+//   pair_style deformable/edge l
+//   pair_coeff I J kr c
+
+#ifndef LMP_PAIR_DEFORMABLE_EDGE_H
+#define LMP_PAIR_DEFORMABLE_EDGE_H
+
+#include "pair.h"
+
+#include "edge_contact.h"
+#include "ring_edges.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class PairDeformableEdge : public Pair {
+ public:
+  PairDeformableEdge(class LAMMPS *);
+  ~PairDeformableEdge() override;
+
+  void settings(int, char **) override;
+  void coeff(int, char **) override;
+  void init_style() override;
+  double init_one(int, int) override;
+  void compute(int, int) override;
+  void write_restart(FILE *) override;
+  void read_restart(FILE *) override;
+  void write_restart_settings(FILE *) override;
+  void read_restart_settings(FILE *) override;
+  void write_data(FILE *) override;
+  void write_data_all(FILE *) override;
+  double memory_usage() override;
+
+ private:
+  double longest;       // l
+  double **kr, **c;     // of each pair of types
+  double greatest_c;    // of all of them
+  RingEdges edges;
+
+  // What a pair of types needs in the force loop.
+  struct Reach {
+    deformable::Repulsion phi;
+    double square;    // of the distance beyond which no edge is in reach
+  };
+  std::vector<Reach> reaches;    // by (type of i) * (types + 1) + (type of j)
+
+  bool rings_unknown = true;
+  bigint atoms_known = -1, list_known = -1;    // number of atoms and neighbor list of the last call
+  bool warned_out_of_plane = false;
+
+  void allocate();
+  void set_ghost_cutoff();
+  void take_list();
+  template <bool TALLY> void add_contacts();
+  void tally(int i, int j, double px, double py, const RingEdge &, const deformable::EdgeContact &);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,175 @@
+#include "ring_edges.h"
+
+#include "atom.h"
+#include "domain.h"
+#include "error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+using namespace LAMMPS_NS;
+
+/* ---------------------------------------------------------------------- */
+
+void RingEdges::find(const BeadSelection &selection)
+{
+  rings = find_bead_rings(lmp, selection);
+  std::sort(rings.begin(), rings.end(),
+            [](const BeadRing &a, const BeadRing &b) { return a.first < b.first; });
+  most_vertices = 0;
+  for (const BeadRing &ring : rings) most_vertices = std::max(most_vertices, ring.beads);
+}
+
+/* ----------------------------------------------------------------------
+   Atoms that follow each other are often of one ring.
+------------------------------------------------------------------------- */
+
+int RingEdges::ring_of(tagint tag, int guess) const
+{
+  const auto has = [this, tag](int ring) {
+    return tag >= rings[ring].first && tag < rings[ring].first + rings[ring].beads;
+  };
+  if (guess >= 0 && has(guess)) return guess;
+  const auto after =
+      std::upper_bound(rings.begin(), rings.end(), tag,
+                       [](tagint sought, const BeadRing &ring) { return sought < ring.first; });
+  const int ring = static_cast<int>(after - rings.begin()) - 1;
+  return ring >= 0 && has(ring) ? ring : -1;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void RingEdges::link(double longest)
+{
+  const double *const *const x = atom->x;
+  const int count = atom->nlocal + atom->nghost;
+  edges.resize(count);
+  int r = -1;
+  for (int i = 0; i < count; ++i) {
+    r = ring_of(atom->tag[i], r);
+    edges[i] = {0.0, 0.0, -1, r};
+    if (r < 0) continue;
+    const BeadRing &ring = rings[r];
+    const tagint last = ring.first + ring.beads - 1;
+    const tagint successor = atom->tag[i] == last ? ring.first : atom->tag[i] + 1;
+    const int next = domain->closest_image(i, atom->map(successor));
+    if (i < atom->nlocal) {
+      if (next < 0)
+        error->one(FLERR,
+                   "{}: atom {} of ring {} is not found beside atom {}: lost, or farther away than "
+                   "l, the longest edge allowed, {:.6g}",
+                   style, successor, ring.molecule, atom->tag[i], longest);
+      if (atom->type[next] != atom->type[i])
+        error->one(FLERR, "{}: the atoms of ring {} are of types {} and {}, they must have one",
+                   style, ring.molecule, atom->type[i], atom->type[next]);
+    } else if (next >= 0) {
+      // another image, where the one beside this ghost is beyond the ghost cutoff
+      const double dx = x[next][0] - x[i][0], dy = x[next][1] - x[i][1];
+      if (dx * dx + dy * dy > longest * longest) continue;
+    }
+    edges[i].next = next;
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+double RingEdges::measure(double longest, double range)
+{
+  const double *const *const x = atom->x;
+  const int count = atom->nlocal + atom->nghost;
+  const double limit = longest * longest;
+  double greatest = 0.0;
+  bool all_short = true;
+  for (int i = 0; i < count; ++i) {
+    RingEdge &edge = edges[i];
+    if (edge.next < 0) continue;
+    edge.x = x[edge.next][0] - x[i][0];
+    edge.y = x[edge.next][1] - x[i][1];
+    const double square = edge.x * edge.x + edge.y * edge.y;
+    greatest = std::max(greatest, square);
+    all_short &= square <= limit;    // false for nan
+  }
+  if (!all_short) refuse_long(longest);
+
+  // distances between opposite faces of the box
+  const double up = domain->yprd;
+  const double across =
+      domain->triclinic ? domain->xprd * up / std::hypot(up, domain->xy) : domain->xprd;
+  double least = std::numeric_limits<double>::infinity();
+  if (domain->xperiodic) least = across;
+  if (domain->yperiodic) least = std::min(least, up);
+  if (2.0 * longest > least)
+    error->all(FLERR,
+               "{}: l is {:.6g}, more than half of the box, which is {:.6g} wide: use a smaller l, "
+               "or a larger box (replicate)",
+               style, longest, least);
+  // no ring is wider than half its perimeter
+  if (0.5 * most_vertices * longest + range > least) refuse_own_images(range, across, up);
+  return std::sqrt(greatest);
+}
+
+/* ----------------------------------------------------------------------
+   A long edge of a ghost is reported by the rank that owns it.
+------------------------------------------------------------------------- */
+
+void RingEdges::refuse_long(double longest) const
+{
+  for (int i = 0; i < atom->nlocal; ++i) {
+    const RingEdge &edge = edges[i];
+    const double length = std::hypot(edge.x, edge.y);
+    if (edge.next < 0 || length <= longest) continue;
+    error->one(FLERR,
+               "{}: the edge of ring {} from atom {} to atom {} is {:.6g} long, but l, the longest "
+               "edge allowed, is {:.6g}: use a larger l",
+               style, rings[edge.ring].molecule, atom->tag[i], atom->tag[edge.next], length,
+               longest);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   No ring meets an image of itself if it is narrower than the box, by the
+   range of contacts, along the normals of all faces. All ranks.
+------------------------------------------------------------------------- */
+
+void RingEdges::refuse_own_images(double range, double across, double up)
+{
+  // largest and minus smallest projection of each ring on both normals
+  extents.assign(4 * rings.size(), -std::numeric_limits<double>::max());
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (edges[i].ring < 0) continue;
+    const BeadRing &ring = rings[edges[i].ring];
+    const imageint image = atom->image[i];
+    double y = (atom->x[i][1] - domain->boxlo[1]) / domain->yprd;
+    double x = atom->x[i][0] - domain->boxlo[0] - (domain->triclinic ? y * domain->xy : 0.0);
+    x = across * (x / domain->xprd + boxes_between(ring.image_x, image_x(image)));
+    y = up * (y + boxes_between(ring.image_y, image_y(image)));
+    double *of_ring = &extents[4 * edges[i].ring];
+    for (const double projection : {x, -x, y, -y}) {
+      *of_ring = std::max(*of_ring, projection);
+      ++of_ring;
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, extents.data(), static_cast<int>(extents.size()), MPI_DOUBLE, MPI_MAX,
+                world);
+  for (std::size_t r = 0; r < rings.size(); ++r) {
+    const double *of_ring = &extents[4 * r];
+    const double width = of_ring[0] + of_ring[1], height = of_ring[2] + of_ring[3];
+    const bool wide = domain->xperiodic && !(width + range < across);
+    const bool high = domain->yperiodic && !(height + range < up);
+    if (wide || high)
+      error->all(FLERR,
+                 "{}: ring {} may meet its own image: it is {:.6g} wide, and the box {:.6g}: use a "
+                 "larger box (replicate)",
+                 style, rings[r].molecule, wide ? width : height, wide ? across : up);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+double RingEdges::memory_usage() const
+{
+  return static_cast<double>(rings.capacity() * sizeof(BeadRing) +
+                             edges.capacity() * sizeof(RingEdge) +
+                             extents.capacity() * sizeof(double));
+}
