@@ -14,7 +14,6 @@ from ..common.progress import progress
 from ..common.validate import positive
 from ..io.lammps_commands import minimizer_commands
 from ..io.ring_commands import (
-    LONGEST_EDGE,
     region_within,
     ring_contact_commands,
     ring_wall_commands,
@@ -143,11 +142,8 @@ class BeadReference(Engine):
             _SETUP.format(
                 contacts=ring_contact_commands(beads, longest),
                 bonds=bonds,
-                # A spring connects to a far image of a bead if the near one is no ghost. An edge
-                # needs the successor of each vertex in range.
-                ghosts=2.0 * beads.radius + skin + 2.0 * LONGEST_EDGE * longest
-                if beads.smooth
-                else max(2.0 * beads.radius + skin, 2.0 * longest),
+                # a spring connects to a far image of a bead if the near one is no ghost
+                ghosts=max(2.0 * beads.radius + skin, 2.0 * longest),
                 areas=areas,
                 timestep=_LARGEST_STEP / _STRETCH / rings.fastest_frequency(beads.kr),
             ),
@@ -333,4 +329,4 @@ class BeadReference(Engine):
                 (local_array(self.lmp, "pairs", 2) - 1, local_array(self.lmp, "overlaps", 4))
             )
             pairs, overlaps = (np.concatenate(column) for column in zip(*parts, strict=True))
-        return sum_contacts(vertices, self._first, pairs, overlaps, self.box)
+        return sum_contacts(vertices, self._first, pairs.astype(np.int64), overlaps, self.box)

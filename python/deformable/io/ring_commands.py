@@ -6,7 +6,7 @@ from ..model.beads import Beads
 from ..model.walls import Walls
 
 # Longest edge of smooth rings over the one at rest.
-LONGEST_EDGE = 1.5
+_LONGEST_EDGE = 1.5
 
 _ROUGH = """
 pair_style harmonic/cut
@@ -30,7 +30,7 @@ def ring_contact_commands(beads: Beads, spacing: float) -> str:
     """
     style = _SMOOTH if beads.smooth else _ROUGH
     return style.format(
-        longest=LONGEST_EDGE * spacing,
+        longest=_LONGEST_EDGE * spacing,
         kr=beads.kr,
         half=0.5 * beads.kr,  # the energy of LAMMPS' style has no factor 1/2
         range=2.0 * beads.radius,

@@ -31,7 +31,7 @@ class RingContacts:
 def sum_contacts(
     beads: NDArray[np.float64],
     first: NDArray[np.int64],
-    pairs: NDArray[np.float64],
+    pairs: NDArray[np.int64],
     overlaps: NDArray[np.float64],
     box: NDArray[np.float64],
 ) -> RingContacts:
@@ -45,7 +45,7 @@ def sum_contacts(
         overlaps: vector from the second to the first bead and force on the first, shape (K, 4).
         box: lattice vectors as rows, shape (2, 2) [length].
     """
-    a, b = pairs.astype(np.int64).T
+    a, b = pairs.T
     # an exact integer, equal for all beads of a contact in spite of rounding
     image = np.rint((beads[a] - overlaps[:, :2] - beads[b]) @ np.linalg.inv(box)).astype(np.int64)
     i, j = (np.searchsorted(first, bead, side="right") - 1 for bead in (a, b))
