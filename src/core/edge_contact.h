@@ -31,51 +31,51 @@ struct EdgeContact {
 constexpr double POINT_SQUARE = 1e-300;
 
 // phi(d) - phi(r), with d the distance from the vertex to the edge, r that to the first vertex of the edge.
-// (px, py): from there to the vertex. (ex, ey): from there to the end of the edge.
-//   foot at the fraction t = p.e/e.e of the edge, n = (p - t e)/d:
+//   foot at the fraction t = p.e/e.e of the edge, n from there to the vertex:
 //   t <= 0: d = r, nothing;   0 < t < 1: d = |e x p|/|e|;   t >= 1: d = |p - e|
 //   on the vertex kr (c - d) n - kr (c - r) p/r,   on the end -t kr (c - d) n, t clipped at 1
+// (px, py): from the first vertex of the edge to the vertex. (ex, ey): from there to the end of the edge.
 // Returns false, and leaves `contact`, where nothing acts.
 inline bool edge_contact(double px, double py, double ex, double ey, const Repulsion &phi,
                          EdgeContact &contact)
 {
-  const double along = px * ex + py * ey;
-  if (!(along > 0.0)) return false;
-  const double square = ex * ex + ey * ey, range = phi.c * phi.c;
-  if (square < POINT_SQUARE) return false;
+  const double along = px * ex + py * ey, square = ex * ex + ey * ey;
+  if (!(along > 0.0) || square < POINT_SQUARE) return false;
 
-  // from the foot to the vertex
-  double t = 1.0, nx = px - ex, ny = py - ey, d2 = nx * nx + ny * ny;
+  double t = 1.0, nx = 0.0, ny = 0.0, d = 0.0;
   if (along < square) {
-    t = along / square;
-    const double side = (ex * py - ey * px) / square;
-    nx = -side * ey;
-    ny = side * ex;
-    d2 = side * side * square;
+    const double per_length = 1.0 / std::sqrt(square);
+    const double side = (ex * py - ey * px) * per_length;
+    d = std::fabs(side);
+    if (d >= phi.c) return false;    // and r > d
+    t = along * per_length * per_length;
+    const double sign = side > 0.0 ? per_length : side < 0.0 ? -per_length : 0.0;
+    nx = -sign * ey;
+    ny = sign * ex;
+  } else {
+    const double qx = px - ex, qy = py - ey, d2 = qx * qx + qy * qy;
+    if (d2 >= phi.c * phi.c) return false;
+    if (d2 >= POINT_SQUARE) {
+      d = std::sqrt(d2);
+      nx = qx / d;
+      ny = qy / d;
+    }
   }
-  if (d2 >= range) return false;    // r >= d
-  contact = {};
-  double d = 0.0;
-  if (d2 >= POINT_SQUARE) {
-    d = std::sqrt(d2);
-    const double push = phi.kr * (phi.c - d) / d;
-    contact.vertex_x = push * nx;
-    contact.vertex_y = push * ny;
-    contact.end_x = -t * contact.vertex_x;
-    contact.end_y = -t * contact.vertex_y;
-  }
-  contact.energy = 0.5 * phi.kr * (phi.c - d) * (phi.c - d);
+  const double push = phi.kr * (phi.c - d);
+  contact.energy = 0.5 * push * (phi.c - d);
+  contact.vertex_x = push * nx;
+  contact.vertex_y = push * ny;
+  contact.end_x = -t * contact.vertex_x;
+  contact.end_y = -t * contact.vertex_y;
 
   const double r2 = px * px + py * py;
-  if (r2 >= range) return true;
-  double r = 0.0;
+  if (r2 >= phi.c * phi.c) return true;
+  const double r = std::sqrt(r2), back = phi.kr * (phi.c - r);
+  contact.energy -= 0.5 * back * (phi.c - r);
   if (r2 >= POINT_SQUARE) {
-    r = std::sqrt(r2);
-    const double push = phi.kr * (phi.c - r) / r;
-    contact.vertex_x -= push * px;
-    contact.vertex_y -= push * py;
+    contact.vertex_x -= back / r * px;
+    contact.vertex_y -= back / r * py;
   }
-  contact.energy -= 0.5 * phi.kr * (phi.c - r) * (phi.c - r);
   return true;
 }
 

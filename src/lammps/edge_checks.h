@@ -13,11 +13,6 @@ namespace LAMMPS_NS {
 // contacts of a part of a ring. To be called with new rings, when they are linked.
 void check_removed_contacts(class LAMMPS *, const RingEdges &, const std::string &style);
 
-// Stops with an error if edges of different rings cross, or if a successor is missing. `cutsq` are the squares
-// of the cutoffs of all pairs of types. To be called with a new neighbor list, when edges are measured.
-void check_listed_edges(class LAMMPS *, const class NeighList &, const RingEdges &,
-                        const double *const *cutsq, const std::string &style);
-
 }    // namespace LAMMPS_NS
 
 #endif

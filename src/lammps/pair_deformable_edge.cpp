@@ -17,6 +17,7 @@
 
 using namespace LAMMPS_NS;
 using deformable::EdgeContact;
+using deformable::Repulsion;
 
 namespace {
 
@@ -181,11 +182,12 @@ void PairDeformableEdge::take_list()
     };
     edges.find({STYLE, "the atom types of this style", has});
   }
-  edges.link(longest);
+  edges.link(longest, greatest_c + neighbor->skin);
   if (new_rings) {
     check_ghosts(lmp, *list);
     check_removed_contacts(lmp, edges, STYLE);
   }
+  list_edge_contacts(lmp, *list, edges, c, longest, STYLE, contacts);
   rings_unknown = false;
   atoms_known = atom->natoms;
   list_known = neighbor->ncalls;
@@ -197,19 +199,12 @@ void PairDeformableEdge::take_list()
 void PairDeformableEdge::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
-  const bool new_list = rings_unknown || list_known != neighbor->ncalls;
-  if (new_list) take_list();
-  const double present = edges.measure(longest, greatest_c);
-  if (new_list) check_listed_edges(lmp, *list, edges, cutsq, STYLE);
+  if (rings_unknown || list_known != neighbor->ncalls) take_list();
 
   const int n = atom->ntypes + 1;
-  reaches.resize(n * n);
+  repulsion.resize(n * n);
   for (int i = 1; i < n; ++i)
-    for (int j = 1; j < n; ++j) {
-      if (!setflag[std::min(i, j)][std::max(i, j)]) continue;
-      const double reach = c[i][j] + present;
-      reaches[i * n + j] = {{kr[i][j], c[i][j]}, reach * reach};
-    }
+    for (int j = 1; j < n; ++j) repulsion[i * n + j] = {kr[i][j], c[i][j]};
 
   if (eflag_atom || vflag_atom || (vflag_global && !vflag_fdotr))
     add_contacts<true>();
@@ -218,61 +213,26 @@ void PairDeformableEdge::compute(int eflag, int vflag)
   if (vflag_fdotr) virial_fdotr_compute();
 }
 
-/* ----------------------------------------------------------------------
-   Each pair (i, j) of the list has two contacts: vertex i with the edge of j
-   and vertex j with the edge of i.
-------------------------------------------------------------------------- */
-
 template <bool TALLY> void PairDeformableEdge::add_contacts()
 {
   const double *const *const x = atom->x;
   double *const *const f = atom->f;
-  const int *const type = atom->type;
-  const RingEdge *const edge = edges.begin();
+  const Repulsion *const phi = repulsion.data();
   double energy = 0.0;
   EdgeContact contact;
-
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii];
-    const double xi = x[i][0], yi = x[i][1];
-    const RingEdge ei = edge[i];
-    const Reach *const reach = &reaches[type[i] * (atom->ntypes + 1)];
-    const int *const neighbors = list->firstneigh[i];
-    const int count = list->numneigh[i];
-    double fx = 0.0, fy = 0.0, next_fx = 0.0, next_fy = 0.0;    // on i and its successor
-
-    for (int jj = 0; jj < count; ++jj) {
-      const int j = neighbors[jj] & NEIGHMASK;
-      const double dx = xi - x[j][0], dy = yi - x[j][1];
-      const Reach &pair = reach[type[j]];
-      if (dx * dx + dy * dy >= pair.square) continue;
-      const RingEdge &ej = edge[j];
-      if (ej.ring == ei.ring) continue;
-      if (deformable::edge_contact(dx, dy, ej.x, ej.y, pair.phi, contact)) {
-        energy += contact.energy;
-        fx += contact.vertex_x;
-        fy += contact.vertex_y;
-        f[j][0] -= contact.vertex_x + contact.end_x;
-        f[j][1] -= contact.vertex_y + contact.end_y;
-        f[ej.next][0] += contact.end_x;
-        f[ej.next][1] += contact.end_y;
-        if (TALLY) tally(i, j, dx, dy, ej, contact);
-      }
-      if (deformable::edge_contact(-dx, -dy, ei.x, ei.y, pair.phi, contact)) {
-        energy += contact.energy;
-        f[j][0] += contact.vertex_x;
-        f[j][1] += contact.vertex_y;
-        fx -= contact.vertex_x + contact.end_x;
-        fy -= contact.vertex_y + contact.end_y;
-        next_fx += contact.end_x;
-        next_fy += contact.end_y;
-        if (TALLY) tally(j, i, -dx, -dy, ei, contact);
-      }
-    }
-    f[i][0] += fx;
-    f[i][1] += fy;
-    f[ei.next][0] += next_fx;
-    f[ei.next][1] += next_fy;
+  for (const VertexAndEdge &at : contacts) {
+    const double *v = x[at.begin];
+    const double px = x[at.vertex][0] - v[0], py = x[at.vertex][1] - v[1];
+    const double ex = x[at.end][0] - v[0], ey = x[at.end][1] - v[1];
+    if (!deformable::edge_contact(px, py, ex, ey, phi[at.types], contact)) continue;
+    energy += contact.energy;
+    f[at.vertex][0] += contact.vertex_x;
+    f[at.vertex][1] += contact.vertex_y;
+    f[at.begin][0] -= contact.vertex_x + contact.end_x;
+    f[at.begin][1] -= contact.vertex_y + contact.end_y;
+    f[at.end][0] += contact.end_x;
+    f[at.end][1] += contact.end_y;
+    if (TALLY) tally(at, px, py, ex, ey, contact);
   }
   if (eflag_global) eng_vdwl += energy;
 }
@@ -282,16 +242,16 @@ template <bool TALLY> void PairDeformableEdge::add_contacts()
    begins. With positions relative to the latter the virial is p f_vertex + e f_end.
 ------------------------------------------------------------------------- */
 
-void PairDeformableEdge::tally(int vertex, int begin, double px, double py, const RingEdge &e,
+void PairDeformableEdge::tally(const VertexAndEdge &at, double px, double py, double ex, double ey,
                                const EdgeContact &contact)
 {
-  const double v[6] = {px * contact.vertex_x + e.x * contact.end_x,
-                       py * contact.vertex_y + e.y * contact.end_y,
+  const double v[6] = {px * contact.vertex_x + ex * contact.end_x,
+                       py * contact.vertex_y + ey * contact.end_y,
                        0.0,
-                       px * contact.vertex_y + e.x * contact.end_y,
+                       px * contact.vertex_y + ex * contact.end_y,
                        0.0,
                        0.0};
-  for (const int i : {vertex, begin}) {
+  for (const int i : {at.vertex, at.begin}) {
     if (eflag_atom) eatom[i] += 0.5 * contact.energy;
     for (int k = 0; vflag_atom && k < 6; ++k) vatom[i][k] += 0.5 * v[k];
   }
@@ -356,5 +316,5 @@ void PairDeformableEdge::write_data_all(FILE *fp)
 double PairDeformableEdge::memory_usage()
 {
   return Pair::memory_usage() + edges.memory_usage() +
-         static_cast<double>(reaches.capacity() * sizeof(Reach));
+         static_cast<double>(contacts.capacity() * sizeof(VertexAndEdge));
 }

@@ -8,7 +8,7 @@
 #include "pair.h"
 
 #include "edge_contact.h"
-#include "ring_edges.h"
+#include "edge_list.h"
 
 #include <vector>
 
@@ -38,12 +38,8 @@ class PairDeformableEdge : public Pair {
   double greatest_c;    // of all of them
   RingEdges edges;
 
-  // What a pair of types needs in the force loop.
-  struct Reach {
-    deformable::Repulsion phi;
-    double square;    // of the distance beyond which no edge is in reach
-  };
-  std::vector<Reach> reaches;    // by (type of i) * (types + 1) + (type of j)
+  std::vector<VertexAndEdge> contacts;             // that may act before the next neighbor list
+  std::vector<deformable::Repulsion> repulsion;    // by VertexAndEdge::types
 
   bool rings_unknown = true;
   bigint atoms_known = -1, list_known = -1;    // number of atoms and neighbor list of the last call
@@ -53,7 +49,8 @@ class PairDeformableEdge : public Pair {
   void set_ghost_cutoff();
   void take_list();
   template <bool TALLY> void add_contacts();
-  void tally(int i, int j, double px, double py, const RingEdge &, const deformable::EdgeContact &);
+  void tally(const VertexAndEdge &, double px, double py, double ex, double ey,
+             const deformable::EdgeContact &);
 };
 
 }    // namespace LAMMPS_NS

@@ -40,58 +40,58 @@ int RingEdges::ring_of(tagint tag, int guess) const
 
 /* ---------------------------------------------------------------------- */
 
-void RingEdges::link(double longest)
+void RingEdges::link(double longest, double range)
 {
-  const double *const *const x = atom->x;
-  const int count = atom->nlocal + atom->nghost;
-  edges.resize(count);
-  int r = -1;
-  for (int i = 0; i < count; ++i) {
-    r = ring_of(atom->tag[i], r);
-    edges[i] = {0.0, 0.0, -1, r};
-    if (r < 0) continue;
-    const BeadRing &ring = rings[r];
-    const tagint last = ring.first + ring.beads - 1;
-    const tagint successor = atom->tag[i] == last ? ring.first : atom->tag[i] + 1;
-    const int next = domain->closest_image(i, atom->map(successor));
-    if (i < atom->nlocal) {
-      if (next < 0)
-        error->one(FLERR,
-                   "{}: atom {} of ring {} is not found beside atom {}: lost, or farther away than "
-                   "l, the longest edge allowed, {:.6g}",
-                   style, successor, ring.molecule, atom->tag[i], longest);
-      if (atom->type[next] != atom->type[i])
-        error->one(FLERR, "{}: the atoms of ring {} are of types {} and {}, they must have one",
-                   style, ring.molecule, atom->type[i], atom->type[next]);
-    } else if (next >= 0) {
-      // another image, where the one beside this ghost is beyond the ghost cutoff
-      const double dx = x[next][0] - x[i][0], dy = x[next][1] - x[i][1];
-      if (dx * dx + dy * dy > longest * longest) continue;
-    }
-    edges[i].next = next;
+  edges.assign(atom->nlocal + atom->nghost, {-1, -1});
+  int ring = -1;
+  for (int i = 0; i < static_cast<int>(edges.size()); ++i) {
+    ring = ring_of(atom->tag[i], ring);
+    edges[i].ring = ring;
+    if (ring >= 0) link_successor(i, longest);
   }
+  refuse_own_images(longest, range);
 }
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   The nearest image of the successor. For a ghost whose successor is beyond
+   the ghost cutoff that is another one, farther away than any edge.
+------------------------------------------------------------------------- */
 
-double RingEdges::measure(double longest, double range)
+void RingEdges::link_successor(int i, double longest)
 {
-  const double *const *const x = atom->x;
-  const int count = atom->nlocal + atom->nghost;
-  const double limit = longest * longest;
-  double greatest = 0.0;
-  bool all_short = true;
-  for (int i = 0; i < count; ++i) {
-    RingEdge &edge = edges[i];
-    if (edge.next < 0) continue;
-    edge.x = x[edge.next][0] - x[i][0];
-    edge.y = x[edge.next][1] - x[i][1];
-    const double square = edge.x * edge.x + edge.y * edge.y;
-    greatest = std::max(greatest, square);
-    all_short &= square <= limit;    // false for nan
+  const BeadRing &ring = rings[edges[i].ring];
+  const tagint last = ring.first + ring.beads - 1;
+  const tagint successor = atom->tag[i] == last ? ring.first : atom->tag[i] + 1;
+  const int next = domain->closest_image(i, atom->map(successor));
+  const bool local = i < atom->nlocal;
+  if (next < 0) {
+    if (local)
+      error->one(FLERR,
+                 "{}: atom {} of ring {} is not found beside atom {}: lost, or farther away than "
+                 "l, the longest edge allowed, {:.6g}",
+                 style, successor, ring.molecule, atom->tag[i], longest);
+    return;
   }
-  if (!all_short) refuse_long(longest);
+  const double *const *x = atom->x;
+  const double length = std::hypot(x[next][0] - x[i][0], x[next][1] - x[i][1]);
+  if (length <= longest)
+    edges[i].next = next;
+  else if (local)
+    error->one(FLERR,
+               "{}: the edge of ring {} from atom {} to atom {} is {:.6g} long, but l, the longest "
+               "edge allowed, is {:.6g}: use a larger l",
+               style, ring.molecule, atom->tag[i], successor, length, longest);
+  if (local && atom->type[next] != atom->type[i])
+    error->one(FLERR, "{}: the atoms of ring {} are of types {} and {}, they must have one", style,
+               ring.molecule, atom->type[i], atom->type[next]);
+}
 
+/* ----------------------------------------------------------------------
+   No ring is wider than half its perimeter.
+------------------------------------------------------------------------- */
+
+void RingEdges::refuse_own_images(double longest, double range)
+{
   // distances between opposite faces of the box
   const double up = domain->yprd;
   const double across =
@@ -104,27 +104,7 @@ double RingEdges::measure(double longest, double range)
                "{}: l is {:.6g}, more than half of the box, which is {:.6g} wide: use a smaller l, "
                "or a larger box (replicate)",
                style, longest, least);
-  // no ring is wider than half its perimeter
-  if (0.5 * most_vertices * longest + range > least) refuse_own_images(range, across, up);
-  return std::sqrt(greatest);
-}
-
-/* ----------------------------------------------------------------------
-   A long edge of a ghost is reported by the rank that owns it.
-------------------------------------------------------------------------- */
-
-void RingEdges::refuse_long(double longest) const
-{
-  for (int i = 0; i < atom->nlocal; ++i) {
-    const RingEdge &edge = edges[i];
-    const double length = std::hypot(edge.x, edge.y);
-    if (edge.next < 0 || length <= longest) continue;
-    error->one(FLERR,
-               "{}: the edge of ring {} from atom {} to atom {} is {:.6g} long, but l, the longest "
-               "edge allowed, is {:.6g}: use a larger l",
-               style, rings[edge.ring].molecule, atom->tag[i], atom->tag[edge.next], length,
-               longest);
-  }
+  if (0.5 * most_vertices * longest + range > least) compare_extents(range, across, up);
 }
 
 /* ----------------------------------------------------------------------
@@ -132,7 +112,7 @@ void RingEdges::refuse_long(double longest) const
    range of contacts, along the normals of all faces. All ranks.
 ------------------------------------------------------------------------- */
 
-void RingEdges::refuse_own_images(double range, double across, double up)
+void RingEdges::compare_extents(double range, double across, double up)
 {
   // largest and minus smallest projection of each ring on both normals
   extents.assign(4 * rings.size(), -std::numeric_limits<double>::max());

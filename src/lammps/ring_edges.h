@@ -1,4 +1,4 @@
-// Edges of rings: each vertex of this rank, ghosts included, with the edge to its successor along the ring.
+// Edges of rings: each vertex of this rank, ghosts included, and its successor along the ring.
 
 #ifndef LMP_RING_EDGES_H
 #define LMP_RING_EDGES_H
@@ -12,10 +12,8 @@
 namespace LAMMPS_NS {
 
 struct RingEdge {
-  double x, y;    // from the vertex to its successor
-  int next;    // the successor by local index; -1 if the vertex is in no ring, or is a ghost whose
-               // successor is beyond the ghost cutoff
-  int ring;    // -1 if in none
+  int ring;    // -1 if the vertex is in none
+  int next;    // the successor by local index; -1 without ring, and for ghosts whose successor is no ghost
 };
 
 class RingEdges : protected Pointers {
@@ -26,14 +24,11 @@ class RingEdges : protected Pointers {
   // Which rings there are. All ranks.
   void find(const BeadSelection &);
 
-  // With a new neighbor list: successors by local index. longest: of the edges allowed.
-  void link(double longest);
+  // With a new neighbor list: successors by local index. Refuses edges above the longest allowed, and rings that
+  // may come within the range of their own images before the next list. All ranks.
+  void link(double longest, double range);
 
-  // In each force call: edge vectors. Returns the length of the longest one here. Refuses those that are not
-  // allowed, and rings that may come within the range of their own images. All ranks.
-  double measure(double longest, double range);
-
-  const RingEdge *begin() const { return edges.data(); }
+  const RingEdge &operator[](int i) const { return edges[i]; }
   tagint molecule(int ring) const { return rings[ring].molecule; }
 
   // The ring of an atom ID, -1 if none; the guess is tried first.
@@ -48,8 +43,9 @@ class RingEdges : protected Pointers {
   std::vector<double> extents;
   int most_vertices = 0;
 
-  void refuse_long(double longest) const;
-  void refuse_own_images(double range, double across, double up);
+  void link_successor(int i, double longest);
+  void refuse_own_images(double longest, double range);
+  void compare_extents(double range, double across, double up);
 };
 
 }    // namespace LAMMPS_NS
