@@ -241,14 +241,24 @@ def test_steps_so_large_that_rings_cross_are_refused() -> None:
 
 
 def test_soft_contacts_do_not_let_rings_pass() -> None:
-    """Areas a hundred times as stiff would sink into contacts of 0.002 kr by twice their range."""
+    """Areas so stiff that rings would cross if contacts began at 0.002 kr."""
     jammed = deformable.jam(deformable.bidisperse(6, seed=1))
-    beads = deformable.Beads(number=40, radius=0.025, kL=240.0, kA=100.0, kr=100.0, smooth=True)
+    beads = deformable.Beads(40, 0.025, kL=2400.0, kA=1000.0, kr=100.0, smooth=True)
     with deformable.BeadReference(jammed, beads) as rings:
-        rings.deform(0.98 * rings.box)
+        rings.deform(0.96 * rings.box)
         state = rings.relax()
     assert state.residual <= 1e-6
     assert state.energy > 0.0
+
+
+def test_edges_that_meet_their_images_are_refused() -> None:
+    packing = pair(1.42)
+    beads = deformable.Beads(number=5, radius=0.1, smooth=True)  # edges of 0.5 at rest
+    with (
+        deformable.BeadReference(packing, beads) as rings,
+        pytest.raises(deformable.LammpsError, match="more than half of the box"),
+    ):
+        rings.state()
 
 
 RANKS = """

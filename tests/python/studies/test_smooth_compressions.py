@@ -136,7 +136,9 @@ def test_smooth_rings_come_back() -> None:
     for row in rows:
         assert max(row["residual_forth"], row["residual_back"]) <= CONVERGED
         assert row["energy_forth"] > 0.0
-    assert rows[-1]["ratio"] == pytest.approx(1.0, abs=2e-3)
+    # without soft contacts first, 0.66 and 0.9988
+    assert rows[0]["ratio"] == pytest.approx(1.0, abs=5e-3)
+    assert rows[1]["ratio"] == pytest.approx(1.0, abs=5e-4)
 
 
 @pytest.mark.parametrize("indentation", [0.0, -0.1, 0.2, float("nan")])
