@@ -187,7 +187,8 @@ void PairDeformableEdge::take_list()
   list_edge_contacts(lmp, *list, edges, c, longest, STYLE, contacts);
   rings_unknown = false;
   atoms_known = atom->natoms;
-  list_known = neighbor->ncalls;
+  builds_known = neighbor->ncalls;
+  build_step = neighbor->lastcall;
   if (!warned_out_of_plane) warned_out_of_plane = warn_out_of_plane(lmp, *list);
 }
 
@@ -196,7 +197,8 @@ void PairDeformableEdge::take_list()
 void PairDeformableEdge::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
-  if (rings_unknown || list_known != neighbor->ncalls) take_list();
+  if (rings_unknown || neighbor->ncalls != builds_known || neighbor->lastcall != build_step)
+    take_list();
 
   const int n = atom->ntypes + 1;
   repulsion.resize(n * n);
