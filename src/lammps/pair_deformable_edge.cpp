@@ -142,6 +142,7 @@ void PairDeformableEdge::set_ghost_cutoff()
   for (int i = 1; i <= atom->ntypes; ++i)
     for (int j = i; j <= atom->ntypes; ++j)
       if (setflag[i][j]) greatest_c = std::max(greatest_c, c[i][j]);
+  edges.refuse_small_box(longest, greatest_c + neighbor->skin);
   const double needed = greatest_c + 2.0 * longest + neighbor->skin;
   if (comm->mode != Comm::SINGLE)
     error->all(FLERR, "{} needs ghosts up to {:.6g} of all atoms: use 'comm_modify mode single'",
@@ -233,6 +234,8 @@ template <bool TALLY> void PairDeformableEdge::add_contacts()
     f[at.end][1] += contact.end_y;
     if (TALLY) tally(at, px, py, ex, ey, contact);
   }
+  if (!std::isfinite(energy))
+    error->one(FLERR, "{}: the energy of the contacts is not finite: use a smaller kr", STYLE);
   if (eflag_global) eng_vdwl += energy;
 }
 
