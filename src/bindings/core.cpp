@@ -14,4 +14,6 @@ NB_MODULE(core, m)
   deformable::bind_outlines(m);
   deformable::bind_rules(m);
   deformable::bind_obstacles(m);
+  deformable::bind_edge_contacts(m);
+  deformable::bind_smooth_rings(m);
 }

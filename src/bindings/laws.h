@@ -32,6 +32,8 @@ void bind_soft_rings(nb::module_ &m);
 void bind_outlines(nb::module_ &m);
 void bind_rules(nb::module_ &m);
 void bind_obstacles(nb::module_ &m);
+void bind_edge_contacts(nb::module_ &m);
+void bind_smooth_rings(nb::module_ &m);
 
 }    // namespace deformable
 

@@ -18,12 +18,12 @@ struct Bead {
   double tag, molecule, image_x, image_y, x, y;
 };
 
-std::vector<Bead> gather_beads(LAMMPS *lmp, int groupbit)
+std::vector<Bead> gather_beads(LAMMPS *lmp, const BeadSelection &selection)
 {
   const Atom *atom = lmp->atom;
   std::vector<Bead> mine;
   for (int i = 0; i < atom->nlocal; ++i) {
-    if (!(atom->mask[i] & groupbit)) continue;
+    if (!selection.has(i)) continue;
     const imageint image = atom->image[i];
     mine.push_back({static_cast<double>(atom->tag[i]), static_cast<double>(atom->molecule[i]),
                     static_cast<double>(image_x(image)), static_cast<double>(image_y(image)),
@@ -69,31 +69,29 @@ bool LAMMPS_NS::is_nearest_image(const Domain *domain, double dx, double dy)
 
 /* ---------------------------------------------------------------------- */
 
-std::vector<BeadRing> LAMMPS_NS::find_bead_rings(LAMMPS *lmp, int groupbit, const char *fix_id)
+std::vector<BeadRing> LAMMPS_NS::find_bead_rings(LAMMPS *lmp, const BeadSelection &selection)
 {
   const Atom *atom = lmp->atom;
   const Domain *domain = lmp->domain;
   Error *error = lmp->error;
-  const std::vector<Bead> beads = gather_beads(lmp, groupbit);
-  if (beads.empty()) error->all(FLERR, "Fix {} deformable/polygon: its group has no atoms", fix_id);
+  const std::vector<Bead> beads = gather_beads(lmp, selection);
+  const std::string &style = selection.style;
 
   std::vector<BeadRing> found;
   for (std::size_t begin = 0, end; begin < beads.size(); begin = end) {
     const Bead &first = beads[begin];
     if (first.molecule <= 0.0)
-      error->all(FLERR, "Fix {} deformable/polygon: atom {:.0f} belongs to no molecule", fix_id,
-                 first.tag);
+      error->all(FLERR, "{}: atom {:.0f} belongs to no molecule", style, first.tag);
     for (end = begin; end < beads.size() && beads[end].molecule == first.molecule; ++end)
       if (beads[end].tag != first.tag + static_cast<double>(end - begin))
         error->all(FLERR,
-                   "Fix {} deformable/polygon: the beads of ring {:.0f} are not consecutive, atom "
+                   "{}: the beads of ring {:.0f} are not consecutive, atom "
                    "{:.0f} follows {:.0f}; number them around the ring",
-                   fix_id, first.molecule, beads[end].tag, beads[end - 1].tag);
+                   style, first.molecule, beads[end].tag, beads[end - 1].tag);
     const int count = static_cast<int>(end - begin);
     if (count < 3)
-      error->all(FLERR,
-                 "Fix {} deformable/polygon: ring {:.0f} has {} beads, at least 3 are needed",
-                 fix_id, first.molecule, count);
+      error->all(FLERR, "{}: ring {:.0f} has {} beads, at least 3 are needed", style,
+                 first.molecule, count);
     double area = 0.0, perimeter = 0.0, sum_x = 0.0, sum_y = 0.0;
     for (std::size_t k = begin; k < end; ++k) {
       const Bead &bead = beads[k], &next = k + 1 < end ? beads[k + 1] : first;
@@ -102,10 +100,10 @@ std::vector<BeadRing> LAMMPS_NS::find_bead_rings(LAMMPS *lmp, int groupbit, cons
       from_to(domain, bead, next, dx, dy);
       if (!is_nearest_image(domain, dx, dy))
         error->all(FLERR,
-                   "Fix {} deformable/polygon: by their image flags atoms {:.0f} and {:.0f} of "
+                   "{}: by their image flags atoms {:.0f} and {:.0f} of "
                    "ring {:.0f} are {:.6g} apart, more than half the box; set flags that make the "
                    "ring whole (set image, or read_data)",
-                   fix_id, bead.tag, next.tag, first.molecule, std::hypot(dx, dy));
+                   style, bead.tag, next.tag, first.molecule, std::hypot(dx, dy));
       area += 0.5 * (x * dy - y * dx);
       perimeter += std::hypot(dx, dy);
       sum_x += x;
@@ -118,16 +116,14 @@ std::vector<BeadRing> LAMMPS_NS::find_bead_rings(LAMMPS *lmp, int groupbit, cons
   }
 
   for (int i = 0; i < atom->nlocal; ++i) {
-    if (atom->mask[i] & groupbit) continue;
+    if (selection.has(i)) continue;
     const tagint molecule = atom->molecule[i];
     const auto ring =
         std::lower_bound(found.begin(), found.end(), molecule,
                          [](const BeadRing &a, tagint sought) { return a.molecule < sought; });
     if (ring != found.end() && ring->molecule == molecule)
-      error->one(FLERR,
-                 "Fix {} deformable/polygon: atom {} belongs to ring {} but not to the group of "
-                 "the fix",
-                 fix_id, atom->tag[i], molecule);
+      error->one(FLERR, "{}: atom {} belongs to ring {} but not to {}", style, atom->tag[i],
+                 molecule, selection.name);
   }
   return found;
 }

@@ -5,6 +5,8 @@
 
 #include "lmptype.h"
 
+#include <functional>
+#include <string>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -18,8 +20,14 @@ struct BeadRing {
   double x, y;             // mean of the beads in that image
 };
 
-// The rings of the group of a fix at present, by rising molecule ID; the same on every rank.
-std::vector<BeadRing> find_bead_rings(class LAMMPS *lmp, int groupbit, const char *fix_id);
+// The beads of a style, and how its errors name both: "Fix area deformable/polygon", "the group of the fix".
+struct BeadSelection {
+  std::string style, name;
+  std::function<bool(int)> has;    // this atom of the rank
+};
+
+// The rings of the selected beads at present, by rising molecule ID; the same on every rank.
+std::vector<BeadRing> find_bead_rings(class LAMMPS *lmp, const BeadSelection &);
 
 // Image flags as LAMMPS stores them, not negative.
 inline int image_x(imageint image)

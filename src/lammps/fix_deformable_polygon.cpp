@@ -68,7 +68,11 @@ FixDeformablePolygon::FixDeformablePolygon(LAMMPS *lmp, int narg, char **arg) : 
 std::vector<FixDeformablePolygon::Ring> FixDeformablePolygon::find_rings()
 {
   std::vector<Ring> found;
-  for (const BeadRing &ring : find_bead_rings(lmp, groupbit, id)) found.push_back({ring});
+  const BeadSelection members = {fmt::format("Fix {} deformable/polygon", id),
+                                 "the group of the fix",
+                                 [this](int i) { return (atom->mask[i] & groupbit) != 0; }};
+  for (const BeadRing &ring : find_bead_rings(lmp, members)) found.push_back({ring});
+  if (found.empty()) error->all(FLERR, "Fix {} deformable/polygon: its group has no atoms", id);
   perimeters_known = true;
   return found;
 }

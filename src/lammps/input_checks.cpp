@@ -62,12 +62,14 @@ struct BorderGroup : Comm {
   static int of(const Comm *comm) { return comm->*(&BorderGroup::bordergroup); }
 };
 
+}    // namespace
+
 /* ----------------------------------------------------------------------
    Particles outside of the group of comm_modify have no ghosts: they lack
    contacts across boundaries of the box and between ranks.
 ------------------------------------------------------------------------- */
 
-void check_ghosts(LAMMPS *lmp, const NeighList &list)
+void LAMMPS_NS::check_ghosts(LAMMPS *lmp, const NeighList &list)
 {
   const Group *group = lmp->group;
   const int chosen = BorderGroup::of(lmp->comm);
@@ -81,8 +83,6 @@ void check_ghosts(LAMMPS *lmp, const NeighList &list)
                     group->names[chosen], lmp->atom->tag[i], group->names[chosen]);
   }
 }
-
-}    // namespace
 
 void LAMMPS_NS::check_contacts(LAMMPS *lmp, const NeighList &list,
                                const std::vector<Species> &species)

@@ -17,6 +17,9 @@ class NeighList;
 // Stops with an error if special_bonds or comm_modify removes contacts of particles of these species (by type).
 void check_contacts(LAMMPS *, const NeighList &, const std::vector<Species> &);
 
+// The same for comm_modify only, which removes the ghosts of particles outside of a group.
+void check_ghosts(LAMMPS *, const NeighList &);
+
 // Warns if z or vz of a particle is not zero; whether one is, on any rank.
 bool warn_out_of_plane(LAMMPS *, const NeighList &);
 

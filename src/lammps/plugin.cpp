@@ -6,6 +6,7 @@
 #include "fix_deformable_polygon.h"
 #include "fix_deformable_stick.h"
 #include "fix_deformable_wall.h"
+#include "pair_deformable_edge.h"
 #include "pair_deformable_ring.h"
 #include "pair_deformable_sector.h"
 
@@ -67,6 +68,11 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.name = "deformable/ring";
   plugin.info = "deformable particles whose contacts slip, pair style deformable/ring";
   plugin.creator.v1 = &pair_creator<PairDeformableRing>;
+  register_style(&plugin, lmp);
+
+  plugin.name = "deformable/edge";
+  plugin.info = "vertices of rings against edges of other rings, pair style deformable/edge";
+  plugin.creator.v1 = &pair_creator<PairDeformableEdge>;
   register_style(&plugin, lmp);
 
   plugin.style = "fix";

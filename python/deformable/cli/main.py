@@ -38,6 +38,7 @@ app = typer.Typer(
 STYLES = (
     ("pair", "deformable/ring"),
     ("pair", "deformable/sector"),
+    ("pair", "deformable/edge"),
     ("fix", "deformable/wall"),
     ("fix", "deformable/stick"),
     ("fix", "deformable/polygon"),
@@ -78,42 +79,55 @@ def main() -> None:
 @app.command(cls=Command)
 def compare(
     number: Annotated[int, typer.Option(help="Number of particles.")] = 16,
-    beads: Annotated[int, typer.Option(help="Number of beads on a small ring.")] = 50,
+    beads: Annotated[int, typer.Option(help="Number of beads on a small ring.")] = 80,
     strain: Annotated[float, typer.Option(help="Linear strain from jamming, in one step.")] = 0.01,
     seed: Annotated[int, typer.Option(help="Seed of the random start.")] = 1,
+    smooth: Annotated[
+        bool,
+        typer.Option(
+            "--smooth/--rough", help="Rings with smooth edges, or of beads that interlock."
+        ),
+    ] = True,
 ) -> None:
-    """Compare the contact laws with a compressed packing of bead rings.
+    """Compare the contact laws with a compressed packing of rings of beads.
 
-    The laws get the centers of the rings. I is the mean distance of their outlines from the beads
-    over the radius, S_rms the error of the area deficits. Seconds are for the same strain step from
-    the same start. The sector law treats a particle with one contact as a soft disk, so its energy
-    can be far off.
+    At the centers of the rings, I is the mean distance of the laws' outlines from the beads over
+    the radius, S_rms the error of the area deficits, and energy/rings the ratio of energies. The
+    own energy is that of the law relaxed alone, over the rings'. Seconds are for the same strain
+    step from the same start. The sector law treats a particle with one contact as a soft disk, so
+    its energy can be far off.
     """
     refuse_ranks("compare times one core")
     from ..report.packings import packing_rows
 
     if not 0.0 < strain < 1.0:
         raise ParameterError(f"strain must lie between 0 and 1, not {strain}")
+    kind = "smooth" if smooth else "rough"
     print_once(
-        f"{number} rings, {beads} beads on a small one, {100 * strain:g} % strain from jamming"
+        f"{number} {kind} rings, {beads} beads on a small one, {100 * strain:g} % strain from "
+        "jamming"
     )
-    rows, _ = packing_rows(number, seed, strain, Beads(number=beads))
+    rows, _ = packing_rows(number, seed, strain, Beads(number=beads, smooth=smooth))
     width = max(len(row["law"]) for row in rows)
     print_once(
-        f"{'law':{width}} {'I':>9} {'S_rms':>9} {'energy/beads':>12} {'seconds':>9} {'speed-up':>9}"
+        f"{'law':{width}} {'I':>9} {'S_rms':>9} {'energy/rings':>12} {'own energy':>10} "
+        f"{'seconds':>9} {'speed-up':>9}"
     )
     seconds_beads = rows[0]["seconds_beads"]
-    print_once(f"{'beads':{width}} {'-':>9} {'-':>9} {1:12d} {seconds_beads:9.3g} {1:9d}")
+    print_once(f"{'rings':{width}} {'-':>9} {'-':>9} {1:12d} {1:10d} {seconds_beads:9.3g} {1:9d}")
     for row in rows:
         error = "-" if row["S_rms"] is None else f"{row['S_rms']:.2g}"
-        ratio = "-" if row["energy_ratio"] is None else f"{row['energy_ratio']:.3g}"
+        ratio, own = (
+            "-" if row[key] is None else f"{row[key]:.3g}"
+            for key in ("energy_ratio", "own_energy_ratio")
+        )
         stalled = row["residual"] is not None and row["residual"] > TOLERANCE
         speed_up = f"{seconds_beads / row['seconds']:9.0f}"
         print_once(
-            f"{row['law']:{width}} {row['I']:9.2e} {error:>9} {ratio:>12} {row['seconds']:9.2g} "
-            + ("did not converge" if stalled else speed_up)
+            f"{row['law']:{width}} {row['I']:9.2e} {error:>9} {ratio:>12} {own:>10} "
+            f"{row['seconds']:9.2g} " + ("did not converge" if stalled else speed_up)
         )
-    if not any(row["energy_ratio"] for row in rows):
+    if not smooth and not any(row["energy_ratio"] for row in rows):
         print_once(
             "no law has particles that touch: the rings interlock, strain more or take more beads"
         )

@@ -1,8 +1,9 @@
-"""Rings of beads in LAMMPS: the deformable-polygon model, the reference for the contact laws."""
+"""Rough and smooth rings in LAMMPS: the deformable-polygon models, references for the laws."""
 
 from __future__ import annotations
 
 import warnings
+from functools import partial
 
 import numpy as np
 from mpi4py import MPI
@@ -12,34 +13,38 @@ from ..common.errors import ParameterError, StalledWarning
 from ..common.progress import progress
 from ..common.validate import expect, positive
 from ..io.lammps_commands import minimizer_commands
+from ..io.ring_commands import (
+    region_within,
+    ring_contact_commands,
+    ring_wall_commands,
+    without_region,
+)
 from ..model.beads import Beads
 from ..model.packing import Packing
 from ..model.walls import Walls
-from ..state.bead_state import BeadState, sum_contacts
+from ..state.bead_state import BeadState, RingContacts, steiner_point, sum_contacts
 from .bead_start import refuse_outside, refuse_overlap, refuse_own_image, ring_file, undeformed
 from .followed import refuse_other, refuse_other_types, setup
 from .lammps import Engine, communicator, gather, local_array, run, shared_file, silent_lammps
 from .relaxation import (
     Forces,
-    force_rounding,
     largest_force,
     minimize_command,
     minimize_until_relaxed,
+    ring_forces,
     stress,
     thermo_commands,
     virial_command,
 )
+from .smooth_rings import SmoothRings, relax_smooth
 
 _SETUP = """
 neigh_modify exclude molecule/intra all
-pair_style harmonic/cut
-pair_coeff * * {pair!r} {diameter!r}
+{contacts}
 bond_style harmonic
 {bonds}
 comm_modify cutoff {ghosts!r}
 {areas}
-compute pairs all property/local patom1 patom2
-compute overlaps all pair/local dx dy fx fy
 timestep {timestep!r}
 """
 
@@ -52,8 +57,12 @@ _LARGEST_STEP, _STRETCH = 1.35, 2.0
 _ITERATIONS, _PATIENCE = 20_000, 2_000_000
 
 
+# Residuals at which relaxations end by default: by FIRE, and by Newton's method.
+_FIRE_TOLERANCE, _NEWTON_TOLERANCE = 1e-3, 1e-6
+
+
 class BeadReference(Engine):
-    """Rings of beads in LAMMPS, with the calls of `Simulation`.
+    """Rings of beads in LAMMPS, rough or smooth, with the calls of `Simulation`.
 
     Every rank of an MPI run must make the same calls, and gets the same values.
 
@@ -117,14 +126,13 @@ class BeadReference(Engine):
             run(self.lmp, f'atom_style bond\nread_data "{file}"')
         self._define_energy()
         if walls is not None:
-            self._define_region(walls)
-            run(self.lmp, f"fix walls all {_wall_style(beads, walls.stick)}")
-            run(self.lmp, "fix_modify walls energy yes")
+            run(self.lmp, f"{region_within(walls)}\n{ring_wall_commands(beads, walls.stick)}")
         self._setup = setup(self.lmp)
 
     def _define_energy(self) -> None:
         """Define springs, areas and contacts, their results, and the minimizer."""
         beads, rings, species = self.beads, self.rings, self._species
+        longest = float(rings.spacing.max())
         bonds = "\n".join(
             f"bond_coeff {n} {float(0.5 * kL)!r} {float(spacing)!r}"  # LAMMPS has no 1/2
             for n, (kL, spacing) in enumerate(zip(rings.kL, rings.spacing, strict=True), start=1)
@@ -142,11 +150,10 @@ class BeadReference(Engine):
         run(
             self.lmp,
             _SETUP.format(
-                pair=0.5 * beads.kr,
-                diameter=2.0 * beads.radius,
+                contacts=ring_contact_commands(beads, longest),
                 bonds=bonds,
                 # a spring connects to a far image of a bead if the near one is no ghost
-                ghosts=max(2.0 * beads.radius + skin, 2.0 * float(rings.spacing.max())),
+                ghosts=max(2.0 * beads.radius + skin, 2.0 * longest),
                 areas=areas,
                 timestep=_LARGEST_STEP / _STRETCH / rings.fastest_frequency(beads.kr),
             ),
@@ -193,26 +200,18 @@ class BeadReference(Engine):
                 f"{-gap[side]:.3g} beyond wall {side}: relax, and take steps below the radius of "
                 f"a bead, {self.beads.radius:g}"
             )
-        run(self.lmp, "\n".join(f"region {name} delete" for name in ("walls", *_sides(before))))
-        self._define_region(walls)
-
-    def _define_region(self, walls: Walls) -> None:
-        """Define the region within the walls."""
-        for side, (nx, ny), height in zip(
-            _sides(walls), walls.normal.tolist(), walls.height.tolist(), strict=True
-        ):
-            run(
-                self.lmp,
-                f"region {side} plane {height * nx!r} {height * ny!r} 0 {-nx!r} {-ny!r} 0",
-            )
-        run(self.lmp, f"region walls intersect {len(walls.angle)} {' '.join(_sides(walls))}")
+        run(self.lmp, without_region(before))
+        run(self.lmp, region_within(walls))
         self.walls = walls
 
-    def relax(self, tolerance: float = 1e-3) -> BeadState:
-        """Minimize the energy by FIRE until forces are small against those on beads in contact.
+    def relax(self, tolerance: float | None = None) -> BeadState:
+        """Minimize the energy until forces are small against those on beads in contact.
+
+        Smooth rings without walls take steps of Newton's method, see `relax_smooth`; others FIRE.
 
         Args:
-            tolerance: largest residual, see `BeadState.residual`.
+            tolerance: largest residual, see `BeadState.residual`; by default 1e-3 with FIRE, and
+                1e-6 with Newton's method.
 
         Returns:
             The relaxed state; its `stalled` is true if the tolerance was not reached.
@@ -224,7 +223,22 @@ class BeadReference(Engine):
         Warns:
             StalledWarning: the forces stopped falling.
         """
+        newton = self.beads.smooth and self.walls is None
+        if tolerance is None:
+            tolerance = _NEWTON_TOLERANCE if newton else _FIRE_TOLERANCE
         positive("tolerance", tolerance)
+        forces = self._by_newton(tolerance) if newton else self._by_fire(tolerance)
+        stalled = forces.residual > tolerance
+        if stalled and self.comm.rank == 0:
+            warnings.warn(
+                f"relaxation of rings of beads stalled: the largest force is {forces.residual:.2g} "
+                f"of that on a bead in a contact, not {tolerance:.2g}",
+                StalledWarning,
+                stacklevel=2,
+            )
+        return self._snapshot(forces, stalled)
+
+    def _by_fire(self, tolerance: float) -> Forces:
         with progress("relaxing rings", unit="step") as bar:
 
             def minimize(forces: Forces, left: int) -> int:
@@ -239,7 +253,7 @@ class BeadReference(Engine):
                 return forces
 
             # the scale falls while the packing relaxes
-            forces = minimize_until_relaxed(
+            return minimize_until_relaxed(
                 self._evaluate(),
                 tolerance,
                 _PATIENCE,
@@ -247,15 +261,33 @@ class BeadReference(Engine):
                 evaluate,
                 indicator=lambda forces: forces.residual,
             )
-        stalled = forces.residual > tolerance
-        if stalled and self.comm.rank == 0:
-            warnings.warn(
-                f"relaxation of rings of beads stalled: the largest force is {forces.residual:.2g} "
-                f"of that on a bead in a contact, not {tolerance:.2g}",
-                StalledWarning,
-                stacklevel=2,
-            )
-        return self._snapshot(forces, stalled)
+
+    def _by_newton(self, tolerance: float) -> Forces:
+        forces = self._evaluate()  # LAMMPS refuses rings that cannot be relaxed
+        if forces.residual <= tolerance:
+            return forces
+        with progress("relaxing rings", unit="step") as bar:
+
+            def each(residual: float) -> None:
+                bar.update()
+                bar.set_postfix(residual=f"{residual:.2g}", tolerance=f"{tolerance:.2g}")
+
+            x, shift = self._positions()
+            relaxed = None
+            if self.comm.rank == 0:  # ranks would only differ by roundings, but must not
+                relaxed = relax_smooth(self._smooth(), x + shift, 0.9 * tolerance, each)
+            placed = np.zeros((len(x), 3))
+            placed[:, :2] = self.comm.bcast(relaxed) - shift
+        self.lmp.scatter("x", 1, 3, np.ctypeslib.as_ctypes(placed.ravel()))
+        return self._evaluate()
+
+    def _smooth(self) -> SmoothRings:
+        return SmoothRings(self.beads, self.rings, self._species, self.box)
+
+    def _positions(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Places of the beads in the box, and the shifts that unwrap rings, shape (V, 2)."""
+        image = np.array(self.lmp.gather("image", 0, 3)).reshape(-1, 3)[:, :2]
+        return gather(self.lmp, "x", 3)[:, :2], image @ self.box
 
     def state(self) -> BeadState:
         """The present state, not relaxed."""
@@ -273,25 +305,20 @@ class BeadReference(Engine):
                 for row in range(len(members))
             ]
             self._area[members], self._perimeter[members] = np.array(measured).T
-        deficit = np.maximum(self.rings.area[self._species] - self._area, 0.0)
-        force_per_deficit = self.rings.kA * self.rings.spacing
-        scale = float(np.mean(force_per_deficit[self._species] * deficit))
-        rounding = force_rounding(self.box, float(self.rings.kL.max()))
-        return Forces(largest_force(self.lmp), max(scale, rounding), rounding)
+        rings, kind = self.rings, self._species
+        pressure = rings.kA[kind] * (rings.area[kind] - self._area)
+        largest = largest_force(self.lmp)
+        return ring_forces(largest, pressure, rings.spacing[kind], self.box, rings.kL)
 
     def _snapshot(self, forces: Forces, stalled: bool) -> BeadState:
         """The state at the last evaluation."""
         box = self.box
-        positions = gather(self.lmp, "x", 3)[:, :2]
-        image = np.array(self.lmp.gather("image", 0, 3)).reshape(-1, 3)[:, :2]
-        outlines = np.split(positions + image @ box, self._first[1:-1])
+        vertices = np.sum(self._positions(), axis=0)
+        outlines = np.split(vertices, self._first[1:-1])
         if self.walls is None:
             refuse_own_image(outlines, box, self.beads.radius)
-        centers = np.array([outline.mean(axis=0) for outline in outlines])
-        parts = self.comm.allgather(
-            (local_array(self.lmp, "pairs", 2), local_array(self.lmp, "overlaps", 4))
-        )
-        pairs, overlaps = (np.concatenate(column) for column in zip(*parts, strict=True))
+        center = steiner_point if self.beads.smooth else partial(np.mean, axis=0)
+        centers = np.array([center(outline) for outline in outlines])
         return BeadState(
             packing=Packing(centers, self._species, self._radii, box),
             beads=self.beads,
@@ -299,24 +326,20 @@ class BeadReference(Engine):
             outlines=outlines,
             area=self._area,
             perimeter=self._perimeter,
-            contacts=sum_contacts(np.vstack(outlines), self._first, pairs, overlaps, box),
+            contacts=self._contacts(vertices),
             energy=float(self.lmp.get_thermo("pe")),
             stress=stress(self.lmp),
             residual=forces.residual,
             stalled=stalled,
         )
 
-
-def _sides(walls: Walls) -> list[str]:
-    """Names of the regions of single walls."""
-    return [f"side{n}" for n in range(len(walls.angle))]
-
-
-def _wall_style(beads: Beads, stick: bool) -> str:
-    """LAMMPS command arguments for walls with the stiffness of beads.
-
-    The energy of LAMMPS' harmonic wall has no factor 1/2; it ignores the second number, sigma.
-    """
-    if stick:
-        return f"deformable/stick walls {beads.kr!r} radius {beads.radius!r}"
-    return f"wall/region walls harmonic {0.5 * beads.kr!r} 1.0 {beads.radius!r}"
+    def _contacts(self, vertices: NDArray[np.float64]) -> RingContacts:
+        """The contacts of rings at the last evaluation, which was at these vertices."""
+        if self.beads.smooth:
+            pairs, overlaps = self._smooth().energy(vertices).touches()
+        else:
+            parts = self.comm.allgather(
+                (local_array(self.lmp, "pairs", 2) - 1, local_array(self.lmp, "overlaps", 4))
+            )
+            pairs, overlaps = (np.concatenate(column) for column in zip(*parts, strict=True))
+        return sum_contacts(vertices, self._first, pairs.astype(np.int64), overlaps, self.box)

@@ -1,4 +1,4 @@
-"""Settings of rings of beads, the deformable-polygon model that the contact laws approximate."""
+"""Settings of rings, the deformable-polygon models that the contact laws approximate."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from ..common.validate import positive, shown
 from .laws import one_or_each, per_species
 
 # Least spacing of beads over their radius p. LAMMPS lists at most 2000 neighbors of a bead, within
-# a distance of 2.5 p. The part of a ring in this circle is convex, thus no longer than 5 pi p, with
-# 262 beads; and no more than 7 particles reach into it, because their radii are above 2 p.
+# a distance of 2.5 p, 2.6 p with edges. The part of a ring in this circle is convex, thus no longer
+# than 5.2 pi p, with 273 beads; and no more than 7 particles reach into it, because their radii are
+# above 2 p.
 _LEAST_SPACING = 0.06
 
 
@@ -22,25 +23,35 @@ _LEAST_SPACING = 0.06
 class Beads:
     """The deformable-polygon model: rings of beads, joined by springs around a soft area.
 
-        U = kL/2 sum (L - L0)^2 + kA/2 sum (A - A0)^2 + kr/2 sum (2p - |v - v'|)^2
+        U = kL/2 sum (L - L0)^2 + kA/2 sum (A - A0)^2 + contacts
 
-    summed over all springs, all rings, and all overlapping beads of different rings. At rest a
-    particle of radius R is a regular polygon of circumradius R - p, so that its beads reach to R.
-    kL and kA are numbers, or sequences of one number for each species.
+    summed over all springs and all rings. kL and kA are numbers, or sequences of one number for
+    each species. The contacts decide between two models.
+
+    Rough rings, as in the paper: kr/2 sum (2p - |v - v'|)^2 over overlapping beads of different
+    rings. At rest a particle of radius R is a regular polygon of circumradius R - p, so that its
+    beads reach to R. Beads of two rings interlock, and rings have friction.
+
+    Smooth rings: kr/2 sum (2p - d)^2 over the distances d of vertices from edges of other rings,
+    with what counts twice at corners subtracted, see `core.edge_contact`. They have hardly any
+    friction. At rest a particle of radius R is a regular polygon of perimeter
+    P0 = N_v L0 = 2 pi (R - p), and R is the radius of the particle in the ring laws.
 
     Args:
         number: beads on a ring of the smallest species; larger ones get more, N_v ~ R - p. Or a
             number for each species.
-        radius: p, of a bead [length].
+        radius: p, of a bead [length]; contacts reach as far as 2p.
         kL: stiffness of a spring [energy/length^2]; the perimeter of a ring has kP = kL/N_v.
         kA: stiffness of the area of a ring [energy/length^4].
-        kr: stiffness of the contact of two beads [energy/length^2].
+        kr: stiffness of the contact of two beads, or of a vertex and an edge [energy/length^2].
+        smooth: whether rings are smooth, else rough.
 
     Raises:
         ParameterError: a value is not positive and finite, or a ring has fewer than 3 beads.
 
     Source: Boromand et al., Phys. Rev. Lett. 121, 248003 (2018); R. Maharana, "Efficient
     Simulation of Deformable Particles", whose rest area lacks a factor cos(pi/N_v).
+    docs/theory.md, "Smooth rings".
     """
 
     number: int | Sequence[int] = 50
@@ -48,6 +59,7 @@ class Beads:
     kL: float | Sequence[float] = 300.0
     kA: float | Sequence[float] = 1.0
     kr: float = 30.0
+    smooth: bool = False
 
     def __post_init__(self) -> None:
         for name in ("radius", "kr"):
@@ -90,9 +102,10 @@ class Beads:
             )
         share = ring / ring.min() if one else np.ones_like(ring)
         number = np.rint(np.asarray(self.number, dtype=np.float64) * share)
-        spacing = 2.0 * ring * np.sin(np.pi / number)
+        half = np.pi / number  # of the angle of an edge
+        spacing = 2.0 * ring * (half if self.smooth else np.sin(half))
         widest, closest = int(spacing.argmax()), int(spacing.argmin())
-        if spacing[widest] >= 4.0 * self.radius:
+        if spacing[widest] >= 4.0 * self.radius and not self.smooth:  # edges have no gaps
             enough = np.floor(_beads_at(4.0 * self.radius, ring)) + 1.0
             # `number` is that of the smallest species: number * share must round to enough
             least = (np.floor((enough - 0.5) / share) + 1.0).max() if one else enough[widest]
@@ -109,12 +122,15 @@ class Beads:
                 f"of radius {radii[closest]:g}, LAMMPS cannot list so many neighbors: take "
                 f"{'number = ' if one else ''}{most:g} or fewer"
             )
+        rough = ring + 0.5 * np.sqrt(np.maximum(4.0 * self.radius**2 - 0.25 * spacing**2, 0.0))
+        effective_radius = radii.astype(np.float64) if self.smooth else rough
         return Rings(
             number=number.astype(np.int64),
-            radius=ring,
+            radius=0.5 * spacing / np.sin(half),
             spacing=spacing,
-            area=0.5 * number * ring**2 * np.sin(2.0 * np.pi / number),
-            effective_radius=ring + 0.5 * np.sqrt(4.0 * self.radius**2 - 0.25 * spacing**2),
+            area=0.25 * number * spacing**2 / np.tan(half),
+            effective_radius=effective_radius,
+            skin=effective_radius - ring,
             kL=np.array(per_species(self.kL, len(radii))),
             kA=np.array(per_species(self.kA, len(radii))),
         )
@@ -131,12 +147,15 @@ class Rings:
 
     Attributes:
         number: of beads, N_v.
-        radius: of the circle through the beads, R - p [length].
-        spacing: rest length of the springs, L0 = 2 (R - p) sin(pi/N_v) [length].
-        area: rest area, A0 = N_v/2 (R - p)^2 sin(2 pi/N_v) [length^2].
-        effective_radius: of the smooth particle that equals a ring for other rings,
-            R - p + sqrt(4p^2 - L0^2/4)/2 [length], because facing rows of beads interlock. For a
-            smooth wall the radius is R.
+        radius: of the circle through the beads [length], R - p of rough rings, and
+            L0/(2 sin(pi/N_v)) of smooth ones.
+        spacing: rest length of the springs, L0 [length].
+        area: rest area, A0 = N_v L0^2/4 cot(pi/N_v) [length^2].
+        effective_radius: of the smooth particle that equals a ring for other rings [length]. It is
+            R of a smooth ring, and R - p + sqrt(4p^2 - L0^2/4)/2 of a rough one, because facing
+            rows of beads interlock. For a smooth wall the radius is R.
+        skin: thickness of the rigid shell around that particle's ring, `effective_radius` minus
+            R - p [length].
         kL: stiffness of the springs [energy/length^2].
         kA: stiffness of the area [energy/length^4].
     """
@@ -146,6 +165,7 @@ class Rings:
     spacing: NDArray[np.float64]
     area: NDArray[np.float64]
     effective_radius: NDArray[np.float64]
+    skin: NDArray[np.float64]
     kL: NDArray[np.float64]
     kA: NDArray[np.float64]
 
@@ -153,11 +173,6 @@ class Rings:
     def kP(self) -> NDArray[np.float64]:
         """Stiffness of the perimeter against a uniform stretch, kL/N_v [energy/length^2]."""
         return self.kL / self.number
-
-    @property
-    def skin(self) -> NDArray[np.float64]:
-        """Thickness that the beads add to the ring, `effective_radius - radius` [length]."""
-        return self.effective_radius - self.radius
 
     def fastest_frequency(self, kr: float) -> float:
         """An upper bound of the frequencies of beads of mass 1 with contacts of stiffness kr.

@@ -15,7 +15,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 
 from ..engine.bead_reference import BeadReference
 from ..engine.simulation import Simulation
@@ -25,10 +24,9 @@ from ..model.packing import Packing, bidisperse
 from ..protocols.compression import compress
 from ..protocols.jamming import jam
 from ..state.bead_state import BeadState
-from ..state.contact_network import without_rattlers
 from ..state.state import State
 from ..studies.comparison import Comparison, predict
-from .packings import _UNJAMMED, _finite, matching_laws
+from ..studies.matching import centers_rms, finite_ratio, matching_laws
 
 S = TypeVar("S")
 
@@ -101,37 +99,14 @@ def _against(exact: BeadState, own: State, strain: float) -> dict[str, Any]:
     alone = Comparison(exact, own, no_shapes)
     there = Comparison(exact, predict(exact, own.law, MPI.COMM_SELF), no_shapes)
     return {
-        "energy_ratio": _finite(alone.energy_ratio),
-        "pressure_ratio": _finite(alone.pressure_ratio),
-        "energy_ratio_at_centers": _finite(there.energy_ratio),
+        "energy_ratio": finite_ratio(alone.energy_ratio),
+        "pressure_ratio": finite_ratio(alone.pressure_ratio),
+        "energy_ratio_at_centers": finite_ratio(there.energy_ratio),
         "centers_rms": distance,
-        "S_rms": _finite(alone.area_deficit_error),
+        "S_rms": finite_ratio(alone.area_deficit_error),
         "same_branch": same_branch(distance, strain),
         "net_force": net_force(exact),
     }
-
-
-def centers_rms(exact: BeadState, own: State) -> float | None:
-    """Root mean square distance of the centers over the mean radius; None if the law is unjammed.
-
-    Particles that are rattlers in one of the two do not count. A common drift is subtracted.
-    """
-    if own.pressure <= _UNJAMMED * exact.pressure:
-        return None
-    i, j = exact.contacts.i, exact.contacts.j
-    i, j = np.concatenate([i, j]), np.concatenate([j, i])
-    held = np.bincount(i[without_rattlers(i, j, len(own.packing))], minlength=len(own.packing)) > 0
-    return _rms(exact.packing, own.packing, held & ~own.rattlers)
-
-
-def _rms(a: Packing, b: Packing, held: NDArray[np.bool_]) -> float | None:
-    if not held.any():
-        return None
-    apart = (b.positions - a.positions)[held] @ np.linalg.inv(b.box)
-    apart -= apart[0]  # then the nearest image does not depend on the drift
-    apart = (apart - np.rint(apart)) @ b.box
-    apart -= apart.mean(axis=0)
-    return float(np.sqrt(np.mean(np.sum(apart**2, axis=1))) / b.radius.mean())
 
 
 def same_branch(distance: float | None, strain: float) -> bool:

@@ -19,20 +19,18 @@ from ..engine.disks import open_disks
 from ..engine.lammps import run
 from ..engine.relaxation import TOLERANCE, minimize_command
 from ..engine.simulation import Simulation
-from ..model.beads import Beads, Rings
-from ..model.laws import Law, Ring, Sector, per_species
+from ..model.beads import Beads
+from ..model.laws import Law, per_species
 from ..model.packing import Packing, bidisperse
 from ..protocols.jamming import jam
 from ..state.bead_state import BeadState
 from ..state.state import State
 from ..studies.comparison import Comparison, compare
+from ..studies.matching import finite_ratio, is_unjammed, matching_laws
 from ..studies.shape_error import shape_error
 
 # Runs of a law or of disks, which take milliseconds; the time is their median.
 _REPEATS = 5
-
-# A packing with less than this part of the beads' pressure has lost its rigidity.
-_UNJAMMED = 1e-6
 
 # kP/(kA R^2) of rings that stand for inextensible ones: the springs lower S by kA q^2/kP, below a
 # tenth. The time of a relaxation grows as the root of the stiffness.
@@ -43,36 +41,8 @@ _STIFF = 10.0
 _MIXED_TOLERANCE = 3e-3
 
 
-def matching_laws(beads: Beads, rings: Rings, rigid: Sequence[bool] = ()) -> dict[str, Law]:
-    """The contact laws for rings of such beads, by name.
-
-    `radical` and `balanced` have the rings' own stiffness kP = kL/N_v, and their beads as a rigid
-    skin. `radical, kP inf` conserves perimeters, as the paper does. `sector`, which has a single
-    kA, is left out if the kA of the species differ.
-
-    Args:
-        beads: of the rings.
-        rings: the undeformed ones.
-        rigid: species whose rings stand for inextensible ones. If there are any,
-            `balanced, kP inf` has kP = inf for them.
-    """
-    kA, kP, skin = beads.kA, rings.kP.tolist(), rings.skin.tolist()
-    found: dict[str, Law] = {}
-    if len(set(rings.kA)) == 1:
-        found["sector"] = Sector(rings.kA[0])
-    found |= {
-        "radical, kP inf": Ring(kA, contact="radical"),
-        "radical": Ring(kA, kP=kP, skin=skin, contact="radical"),
-        "balanced": Ring(kA, kP=kP, skin=skin, contact="balanced"),
-    }
-    if any(rigid):
-        kP = np.where(rigid, math.inf, kP).tolist()
-        found["balanced, kP inf"] = Ring(kA, kP=kP, skin=skin, contact="balanced")
-    return found
-
-
 def strain_beads(
-    start: Packing, beads: Beads, strain: float, tolerance: float = 1e-3
+    start: Packing, beads: Beads, strain: float, tolerance: float | None = None
 ) -> tuple[BeadState, float]:
     """Rings after one strain step from jamming, and the seconds of processor time."""
     with BeadReference(start, beads, comm=MPI.COMM_SELF) as rings:
@@ -138,7 +108,7 @@ def packing_rows(
     strain: float,
     beads: Beads,
     rigid: Sequence[bool] = (),
-    tolerance: float = 1e-3,
+    tolerance: float | None = None,
 ) -> tuple[list[dict[str, Any]], dict[str, Comparison]]:
     """One bidisperse packing of rings, strained from jamming in one step, against every law.
 
@@ -148,7 +118,7 @@ def packing_rows(
         strain: linear strain.
         beads: of the rings.
         rigid: as for `matching_laws`.
-        tolerance: of the relaxation of the rings.
+        tolerance: of the relaxation of the rings, see `BeadReference.relax`.
 
     Returns:
         A row for each law, and the comparisons by the law's name. A row has the errors of the
@@ -187,7 +157,7 @@ def packing_rows(
     for name, law in matching_laws(beads, rings.rings, rigid).items():
         comparison = comparisons[name] = compare(rings, law, MPI.COMM_SELF)
         own, seconds = strain_law(smooth, law, strain)
-        unjammed = own.pressure <= _UNJAMMED * rings.pressure
+        unjammed = is_unjammed(own, rings)
         rows.append(
             common
             | {
@@ -196,9 +166,9 @@ def packing_rows(
                     k if math.isfinite(k) else "inf" for k in per_species(law.kP, len(start.radii))
                 ],
                 "I": float(comparison.shape_error.mean()),
-                "S_rms": _finite(comparison.area_deficit_error),
-                "energy_ratio": _finite(comparison.energy_ratio),
-                "pressure_ratio": _finite(comparison.pressure_ratio),
+                "S_rms": finite_ratio(comparison.area_deficit_error),
+                "energy_ratio": finite_ratio(comparison.energy_ratio),
+                "pressure_ratio": finite_ratio(comparison.pressure_ratio),
                 "own_energy_ratio": None if unjammed else own.energy / rings.energy,
                 "own_pressure_ratio": None if unjammed else own.pressure / rings.pressure,
                 "unjammed": unjammed,
@@ -207,11 +177,6 @@ def packing_rows(
             }
         )
     return rows, comparisons
-
-
-def _finite(ratio: float) -> float | None:
-    """None for a ratio to rings without load: JSON has no infinity."""
-    return ratio if math.isfinite(ratio) else None
 
 
 def _error_of_disks(beads: BeadState) -> float:

@@ -8,18 +8,18 @@ the order of a polygon's error, from the two largest N_v.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..model.beads import Beads
-from ..model.packing import Packing, bidisperse
+from ..model.packing import bidisperse
 from ..protocols.jamming import jam
 from ..state.bead_state import BeadState
+from ..studies.matching import matching, matching_laws
 from ..studies.shape_error import radial_distance
-from .packings import matching_laws, strain_beads, strain_disks, strain_law
+from .packings import strain_beads, strain_disks, strain_law
 
 # Directions in which outlines are compared.
 _DIRECTIONS = 2.0 * np.pi * np.arange(720) / 720
@@ -110,14 +110,6 @@ def extrapolated(
 ) -> NDArray[np.float64]:
     """The limit of values whose error falls as 1/N^2, from those at N = n1 and n2."""
     return fine + n1**2 / (n2**2 - n1**2) * (fine - coarse)
-
-
-def matching(packing: Packing, beads: Beads) -> Packing:
-    """The packing with other radii, such that the rings have its own radii as effective ones."""
-    radii = packing.radii
-    for _ in range(10):  # the roughness hardly depends on the radius: each step gains two digits
-        radii = radii + packing.radii - beads.rings(radii).effective_radius
-    return replace(packing, radii=radii)
 
 
 def _dents(state: BeadState) -> NDArray[np.float64]:

@@ -11,9 +11,9 @@ from ..model.beads import Beads, Rings
 from ..model.packing import Packing
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class RingContacts:
-    """Pairs of rings whose beads overlap, each pair once.
+    """Pairs of rings in contact, each pair once.
 
     Attributes:
         i: number of a ring, shape (M,).
@@ -31,20 +31,21 @@ class RingContacts:
 def sum_contacts(
     beads: NDArray[np.float64],
     first: NDArray[np.int64],
-    pairs: NDArray[np.float64],
+    pairs: NDArray[np.int64],
     overlaps: NDArray[np.float64],
     box: NDArray[np.float64],
 ) -> RingContacts:
-    """Sum the forces of overlapping beads by pairs of rings.
+    """Sum the forces of touching beads, or of vertices and edges, by pairs of rings.
 
     Args:
         beads: positions in all rings, each ring unwrapped, shape (number of beads, 2) [length].
         first: the beads of ring m are first[m] to first[m + 1] - 1, shape (N + 1,).
-        pairs: numbers, from 1, of two beads that overlap, shape (K, 2).
+        pairs: numbers, from 0, of two beads that overlap, or of a vertex and the first vertex of
+            an edge, shape (K, 2).
         overlaps: vector from the second to the first bead and force on the first, shape (K, 4).
         box: lattice vectors as rows, shape (2, 2) [length].
     """
-    a, b = pairs.astype(np.int64).T - 1
+    a, b = pairs.T
     # an exact integer, equal for all beads of a contact in spite of rounding
     image = np.rint((beads[a] - overlaps[:, :2] - beads[b]) @ np.linalg.inv(box)).astype(np.int64)
     i, j = (np.searchsorted(first, bead, side="right") - 1 for bead in (a, b))
@@ -56,12 +57,27 @@ def sum_contacts(
     return RingContacts(i=contacts[:, 0], j=contacts[:, 1], image=contacts[:, 2:], force=force)
 
 
+def steiner_point(outline: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Steiner point of a polygon, 1/(2 pi) sum beta_k v_k, with beta_k the turn at the corner v_k.
+
+    Args:
+        outline: corners, counterclockwise, shape (m, 2) [length].
+    """
+    edge = np.roll(outline, -1, axis=0) - outline
+    before = np.roll(edge, 1, axis=0)
+    x, y = edge.T
+    turn = np.arctan2(before[:, 0] * y - before[:, 1] * x, np.sum(before * edge, axis=1))
+    center: NDArray[np.float64] = outline[0] + turn @ (outline - outline[0]) / (2.0 * np.pi)
+    return center
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class BeadState:
     """A snapshot, the same on every rank. Rings are numbered from 0.
 
     Attributes:
-        packing: centers of mass (mean of the beads), species, radii and box.
+        packing: centers, species, radii and box. The center of a rough ring is the mean of its
+            beads; that of a smooth one its Steiner point, which is the center in the ring laws.
         beads: the settings.
         rings: the undeformed rings.
         outlines: beads of each ring, unwrapped around its center, arrays (N_v, 2) [length].

@@ -17,6 +17,7 @@ from ..common.optional import optional
 from ..common.validate import expect, shown
 from ..io.outlines import write_outlines
 from ..model.packing import Packing
+from ..model.room import closed
 from .contact_table import ContactTable
 
 if TYPE_CHECKING:
@@ -58,7 +59,8 @@ class Exports:
         Particles have `ids` and `types` (from 1, as in LAMMPS), `radii` and `masses`. The values of
         a trajectory (area, pressure, contacts, ...) are in `trajectory.ts.data`, by name.
         MDAnalysis has three dimensions: z is 0, and the box is as high as its longer side, so that
-        searches for neighbors find none above. Positions are rounded to 32 bits there.
+        searches for neighbors find none above. Positions are rounded to 32 bits there, and count
+        from the lower left corner of the box, `Packing.origin`. Walls are left out.
         """
         import MDAnalysis
 
@@ -70,7 +72,7 @@ class Exports:
         universe.add_TopologyAttr("masses", np.ones(number))
         frame = universe.trajectory.ts
         frame.dimensions = box_in_space(packing.box)
-        frame.positions = in_space(packing.positions)
+        frame.positions = in_space(packing.positions - packing.origin)
         frame.velocities = in_space(self.velocities)
         frame.data.update(self.particle_values())
         return universe
@@ -81,6 +83,7 @@ class Exports:
             freud.order.Hexatic().compute(state.to_freud())
 
         The box is two-dimensional and has its center at the origin, so that the points are moved.
+        It is not periodic along directions that walls close; walls themselves are left out.
 
         Raises:
             ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
@@ -88,7 +91,8 @@ class Exports:
         freud = optional("freud", "freud")
         (lx, _), (xy, ly) = self.packing.box.tolist()
         box = freud.box.Box(lx, ly, xy=xy / ly, is2D=True)
-        center = self.packing.box.sum(axis=0) / 2.0
+        box.periodic = [*np.logical_not(closed(self.packing.walls)), False]
+        center = self.packing.origin + self.packing.box.sum(axis=0) / 2.0
         return box, box.wrap(in_space(self.packing.positions - center))
 
     def to_pandas(self: _Snapshot, table: str = "particles") -> Any:

@@ -60,7 +60,7 @@ class Squeezed:
     `ring, kP inf` keep the perimeter.
 
     The center that the laws get depends on the walls: the origin, where the particle began, if
-    walls stick, and the mean of the beads if they slip.
+    walls stick, and the center of the beads if they slip, see `BeadState.packing`.
 
     Attributes:
         walls: around the particle.
@@ -71,7 +71,8 @@ class Squeezed:
         outlines: line of bead centers in each law, about the center, by name, arrays (m, 2)
             [length].
         area_deficit: S of each law, by name [length^2].
-        deviation: |v| - g(theta) of each bead from each law, by name, shape (N_v,) [length].
+        deviation: |v| - g(theta) of each bead from each law, less that at rest, by name, shape
+            (N_v,) [length].
         law_seconds: processor time of one call of each law, by name.
     """
 
@@ -109,7 +110,7 @@ def squeeze(
     tolerance: float = 1e-3,
     step: float = STEP,
 ) -> list[Squeezed]:
-    """Squeeze a ring of beads whose circle has the radius R0 = 1, as the paper does.
+    """Squeeze a ring of beads, rough or smooth, whose circle has the radius R0 = 1, as the paper.
 
     Args:
         angle: directions of the walls, shape (n,) [rad].
@@ -163,6 +164,9 @@ def _measure(walls: Walls, a: float, beads: BeadState, seconds: float) -> Squeez
     touching = pressed >= 0.0  # contacts of the sector law; the ring law finds its own
     stuck, slipping = (walls.angle[touching], pressed[touching]), (walls.angle, pressed)
     rings, skin = beads.rings, beads.beads.radius
+    beyond = (
+        rings.radius[0] - 1.0
+    )  # corners of a smooth ring at rest, which has the circle's length
     kA, kP, outer = float(rings.kA[0]), float(rings.kP[0]), 1.0 + skin
     ring = Ring(kA, kP=kP, skin=skin)
     calls: dict[str, Callable[[], core.Shape | core.SoftShape]] = {
@@ -184,7 +188,8 @@ def _measure(walls: Walls, a: float, beads: BeadState, seconds: float) -> Squeez
         outlines=outlines,
         area_deficit={law: call().area_deficit for law, call in calls.items()},
         deviation={
-            law: deviation(beads.outlines[0] - center, outline) for law, outline in outlines.items()
+            law: deviation(beads.outlines[0] - center, outline) - beyond
+            for law, outline in outlines.items()
         },
         law_seconds={law: _call_seconds(call) for law, call in calls.items()},
     )
