@@ -10,6 +10,7 @@
 #include "stiffness.h"
 #include "trigonometry.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -32,14 +33,14 @@ struct ContactBlock {
     const std::size_t end = static_cast<std::size_t>(used + room);
     if (end > places.size()) places.resize(2 * end);
     particles.push_back({radius, radius - skin, stiffness.kA, stiffness.kP, used, 0, used + room,
-                         used + room, name, Outcome::DONE, 0.0, 0.0, 0.0, 0.0, radius - skin});
+                         used + room, name, Outcome::DONE, false, 0.0, 0.0, 0.0, 0.0, radius - skin});
     used += room;
     return particles.back();
   }
 
   // scratch of the walk
   std::vector<BlockParticle *> waiting, sorted;
-  std::vector<Place> moved;
+  std::vector<Place> arranged;
 
   std::vector<Contact> contacts;    // of one particle
 
@@ -48,7 +49,7 @@ struct ContactBlock {
     const auto of = [](const auto &v) {
       return static_cast<double>(v.capacity() * sizeof(*v.data()));
     };
-    return of(particles) + of(places) + of(waiting) + of(sorted) + of(moved) + of(contacts);
+    return of(particles) + of(places) + of(waiting) + of(sorted) + of(arranged) + of(contacts);
   }
 };
 
@@ -91,7 +92,6 @@ void shape_one(ContactBlock &block, BlockParticle &p, const Shape &shape, Law &&
 {
   const Contacts contacts = load_contacts(block, p);
   const Energy energy = law(p, contacts);
-  p.outcome = Outcome::DONE;
   p.energy = energy.value;
   p.area_deficit = shape.area_deficit;
   p.perimeter_excess = shape.perimeter_excess;
@@ -109,15 +109,19 @@ void shape_one(ContactBlock &block, BlockParticle &p, const Shape &shape, Law &&
   });
 }
 
-// After a batch has found other contacts active: puts those in front.
-inline void move_active(ContactBlock &block, BlockParticle &p)
+// Puts those contacts in front for which is_active(place) holds, in the order of their slots.
+template <class IsActive>
+void arrange(ContactBlock &block, BlockParticle &p, IsActive &&is_active)
 {
-  block.moved.clear();
-  for_each_place(block, p, [&](const Place &place) { block.moved.push_back(place); });
+  block.arranged.clear();
+  for_each_place(block, p, [&](const Place &place) { block.arranged.push_back(place); });
+  std::sort(block.arranged.begin(), block.arranged.end(),
+            [](const Place &a, const Place &b) { return a.slot < b.slot; });
+  p.moved = true;
   p.active = 0;
   p.others = p.last;
-  for (Place &place : block.moved) {
-    const bool active = place.length > 0.0;
+  for (Place &place : block.arranged) {
+    const bool active = is_active(place);
     place.length = 0.0;
     block.places[active ? p.first + p.active++ : --p.others] = place;
   }
@@ -153,13 +157,16 @@ void shape_block(ContactBlock &block, const BatchKernel *kernels, int groups, bo
     waiting.clear();
     for (BlockParticle *p : sorted) {
       if (p->outcome != Outcome::RETRY) continue;
-      move_active(block, *p);
+      arrange(block, *p, [](const Place &place) { return place.length > 0.0; });
       p->outcome = Outcome::ODD;    // unless another attempt changes it
       waiting.push_back(p);
     }
   }
   for (BlockParticle &p : block.particles)
-    if (p.outcome == Outcome::ODD) shape_one(block, p, shape, law);
+    if (p.outcome == Outcome::ODD) {
+      arrange(block, p, [](const Place &) { return true; });
+      shape_one(block, p, shape, law);
+    }
 }
 
 }    // namespace deformable

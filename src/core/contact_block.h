@@ -14,6 +14,7 @@ struct Place {
   double fx, fy;    // force of this side on the particle; the opposite force acts on the partner
   double length;    // 0 without contact
   double force;     // dU/da
+  int slot;         // places are in the order of their slots, so that sums do not depend on how they got there
   int partner;      // a number for the caller
 };
 
@@ -31,6 +32,7 @@ struct BlockParticle {
   int first, active, others, last;
   int name;    // a number for the caller
   Outcome outcome;
+  bool moved;    // other contacts are active than the caller has put in front
   double energy, pressure;
   double area_deficit, perimeter_excess, arc_radius;
 

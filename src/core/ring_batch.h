@@ -108,7 +108,7 @@ template <int N>
 DEFORMABLE_LANE_FUNCTION Mask reached(BlockParticle *const *p, Place *const *at, Place *places,
                                       const LineLanes *line, const Lanes *angle,
                                       const Lanes *length, Lanes radius, Lanes expansion,
-                                      Mask settled)
+                                      Mask settled, Mask &odd)
 {
   int most = 0, count[W];
   for (int w = 0; w < W; ++w) {
@@ -125,6 +125,7 @@ DEFORMABLE_LANE_FUNCTION Mask reached(BlockParticle *const *p, Place *const *at,
     });
     const Lanes dx = of_places(other, 0, &Place::dx), dy = of_places(other, 0, &Place::dy);
     const LineLanes at_other = contact_lines(dx, dy, radius, of_places(other, 0, &Place::radius));
+    odd |= exists & ~(at_other.indentation < radius);    // behind the center
     Lanes gap = at_other.indentation;
 #pragma GCC unroll 8
     for (int m = 0; m < N; ++m)
@@ -207,7 +208,8 @@ DEFORMABLE_LANE_FUNCTION void ring_batch(BlockParticle *const *p, Place *places,
   Mask retry = Mask{};
 #pragma GCC unroll 8
   for (int m = 0; m < N; ++m) retry |= ~(length[m] >= 0.0);
-  retry |= reached<N>(p, at, places, line, angle, length, radius, expansion, ~(odd | retry));
+  const Mask settled = ~(odd | retry);
+  retry |= reached<N>(p, at, places, line, angle, length, radius, expansion, settled, odd);
 
   Lanes sum = Lanes{}, twice_deficit = Lanes{}, mx = Lanes{}, my = Lanes{}, d_angle[N];
 #pragma GCC unroll 8

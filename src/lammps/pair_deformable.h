@@ -92,6 +92,9 @@ class PairDeformable : public Pair {
   const deformable::BatchKernels *kernels;
   bool whole_list = true;    // blocks need each pair at both of its particles
   deformable::ContactBlock block;
+  // Which contacts of each particle were active at the last call, by their place in the neighbor list; 0: not known.
+  // Empty for a law whose contacts are always active.
+  std::vector<unsigned> active_slots;
   struct WallContact {
     int wall;    // as in Partner
     double nx, ny, height, per_lever;
@@ -132,6 +135,8 @@ class PairDeformable : public Pair {
   template <bool WALLS, bool BY_ATOM> void gather_block(int begin, int end);
   template <bool WALLS> void push_block();
   void visit_walls(int i);
+  static constexpr int SLOTS = 32;    // bits of active_slots
+  void remember_active(const deformable::BlockParticle &);
   void push_mirror(const deformable::BlockParticle &, const deformable::Place &);
   void observe(const deformable::BlockParticle &);
   void check_own_images(const deformable::BlockParticle &);
@@ -168,6 +173,7 @@ void PairDeformable::for_each_block(const deformable::BatchKernel *chosen, int g
                 });
     push_block<WALLS>();
     for (const deformable::BlockParticle &p : block.particles) {
+      if (p.moved && !active_slots.empty()) remember_active(p);
       if (observing) observe(p);
       finish(p);
     }

@@ -8,9 +8,10 @@ using namespace LAMMPS_NS;
 using namespace deformable;
 
 /* ----------------------------------------------------------------------
-   The contacts of particles begin to end of the list. Lines inside of the
-   circle are put in front, those outside at the end. Nothing is skipped by a
-   branch: it would be mispredicted.
+   The contacts of particles begin to end of the list: those that are expected
+   to be active in front, the others at the end. Active contacts of the last
+   call are expected again, and the lines inside of the circle where nothing is
+   known. Nothing is skipped by a branch: it would be mispredicted.
 ------------------------------------------------------------------------- */
 
 template <bool WALLS, bool BY_ATOM> void PairDeformable::gather_block(int begin, int end)
@@ -33,7 +34,8 @@ template <bool WALLS, bool BY_ATOM> void PairDeformable::gather_block(int begin,
     BlockParticle &p = block.add(i, ri, s.skin, s.stiffness, room);
 
     Place *const places = block.places.data();
-    int inside = p.first, outside = p.last;
+    const unsigned known = active_slots.empty() || room > SLOTS ? 0u : active_slots[i];
+    int front = p.first, back = p.last, inside = 0;
     for (int jj = 0; jj < count; ++jj) {
       const int j = neighbors[jj] & NEIGHMASK;
       const double dx = x[3 * j] - xi, dy = x[3 * j + 1] - yi;
@@ -41,24 +43,36 @@ template <bool WALLS, bool BY_ATOM> void PairDeformable::gather_block(int begin,
       const double square = dx * dx + dy * dy, sum = ri + rj, cutoff = stretch * sum;
       // not a number counts as inside, where it is noticed
       const bool touches = !(square > sum * sum), near = !(square > cutoff * cutoff);
-      Place &place = places[touches ? inside : outside - 1];
+      const bool active = near & (known ? known >> (jj & (SLOTS - 1)) & 1u : touches);
+      Place &place = places[active ? front : back - 1];
       place.dx = dx;
       place.dy = dy;
       place.radius = rj;
       place.length = 0.0;
+      place.slot = jj;
       place.partner = j;
       inside += touches;
-      outside -= near & !touches;
+      front += active;
+      back -= near & !active;
     }
     if constexpr (WALLS)
       for (std::size_t w = first_wall; w < wall_contacts.size(); ++w) {
         const WallContact &wall = wall_contacts[w];
         const double d = 2.0 * wall.height;    // the mirror image
-        places[wall.height <= ri ? inside++ : --outside] = {
-            d * wall.nx, d * wall.ny, ri, 0.0, 0.0, 0.0, 0.0, -1 - static_cast<int>(w)};
+        const int slot = count + static_cast<int>(w - first_wall);
+        const bool touches = wall.height <= ri, active = known ? known >> (slot & (SLOTS - 1)) & 1u : touches;
+        places[active ? front++ : --back] = {
+            d * wall.nx, d * wall.ny, ri, 0.0, 0.0, 0.0, 0.0, slot, -1 - static_cast<int>(w)};
+        inside += touches;
       }
-    p.active = inside - p.first;
-    p.others = outside;
+    p.active = inside > 0 ? front - p.first : 0;
+    p.others = back;
+    p.moved = known == 0;
+    if (inside > 0 && p.active == 0)    // others than expected
+      arrange(block, p, [&](const Place &place) {
+        const double sum = ri + place.radius;
+        return !(place.dx * place.dx + place.dy * place.dy > sum * sum);
+      });
   }
 }
 
@@ -77,6 +91,18 @@ void PairDeformable::visit_walls(int i)
       wall_contacts.push_back(
           {-1 - (w + count * point.feature), point.nx, point.ny, point.height, point.per_lever});
     });
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformable::remember_active(const BlockParticle &p)
+{
+  unsigned slots = 0;
+  const Place *const first = block.places.data() + p.first;
+  for (const Place *place = first; place != first + p.active; ++place)
+    if (place->slot < SLOTS && (p.outcome != Outcome::ODD || place->length > 0.0))
+      slots |= 1u << place->slot;
+  active_slots[p.name] = slots;
 }
 
 /* ----------------------------------------------------------------------

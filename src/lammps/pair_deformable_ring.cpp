@@ -116,6 +116,7 @@ template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate(int eflag, in
 
 template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate_radical()
 {
+  if (neighbor->ago == 0) active_slots.assign(atom->nlocal, 0);
   for_each_block<WALLS>(
       kernels->ring, 2 * MOST_IN_BATCH + 1, [](BlockParticle &) {},
       [](const BlockParticle &p) {
