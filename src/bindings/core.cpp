@@ -14,4 +14,5 @@ NB_MODULE(core, m)
   deformable::bind_outlines(m);
   deformable::bind_rules(m);
   deformable::bind_obstacles(m);
+  deformable::bind_batches(m);
 }

@@ -32,6 +32,7 @@ void bind_soft_rings(nb::module_ &m);
 void bind_outlines(nb::module_ &m);
 void bind_rules(nb::module_ &m);
 void bind_obstacles(nb::module_ &m);
+void bind_batches(nb::module_ &m);
 
 }    // namespace deformable
 

@@ -21,21 +21,28 @@ struct ContactBlock {
   std::vector<Place> places;    // memory that only grows
   int used = 0;                 // places of the particles
 
-  void clear()
+  void clear(int size)
   {
-    particles.clear();
+    particles.resize(size);
     used = 0;
   }
 
-  // A particle with room for so many contacts. Invalidates references to places.
-  BlockParticle &add(int name, double radius, double skin, const Stiffness &stiffness, int room)
+  // Makes p a circle with room for so many contacts; places may move.
+  void place(BlockParticle &p, int name, double radius, double skin, const Stiffness &stiffness,
+             int room)
   {
     const std::size_t end = static_cast<std::size_t>(used + room);
     if (end > places.size()) places.resize(2 * end);
-    particles.push_back({radius, radius - skin, stiffness.kA, stiffness.kP, used, 0, used + room,
-                         used + room, name, Outcome::DONE, false, 0.0, 0.0, 0.0, 0.0, radius - skin});
-    used += room;
-    return particles.back();
+    p.radius = radius;
+    p.ring_radius = radius - skin;
+    p.kA = stiffness.kA;
+    p.kP = stiffness.kP;
+    p.first = used;
+    p.active = 0;
+    p.others = p.last = used += room;
+    p.name = name;
+    p.moved = false;
+    p.circle();
   }
 
   // scratch of the walk
@@ -52,6 +59,18 @@ struct ContactBlock {
     return of(particles) + of(places) + of(waiting) + of(sorted) + of(arranged) + of(contacts);
   }
 };
+
+// The kernel of a particle, an index of BatchKernels::ring and sector; 0 if there is none.
+inline int ring_group(const BlockParticle &p)
+{
+  if (p.active > MOST_IN_BATCH) return 0;
+  return Stiffness{p.kA, p.kP}.conserves_perimeter() ? p.active : MOST_IN_BATCH + p.active;
+}
+
+inline int sector_group(const BlockParticle &p)
+{
+  return std::isinf(p.kP) && p.active >= 2 && p.active <= MOST_IN_BATCH ? p.active : 0;
+}
 
 // Calls visit(place) for the contacts of a particle: the active ones, then the others.
 template <class Visitor>
@@ -130,30 +149,32 @@ void arrange(ContactBlock &block, BlockParticle &p, IsActive &&is_active)
 // Shapes the particles that have active contacts. group_of(particle) is an index of `kernels`, or 0 for a particle
 // that law(particle, contacts) must shape. `shapes`: whether lengths and perimeters are asked for.
 template <class GroupOf, class Law>
-void shape_block(ContactBlock &block, const BatchKernel *kernels, int groups, bool shapes,
-                 const Shape &shape, GroupOf &&group_of, Law &&law)
+void shape_block(ContactBlock &block, const BatchKernel *kernels, bool shapes, const Shape &shape,
+                 GroupOf &&group_of, Law &&law)
 {
   std::vector<BlockParticle *> &waiting = block.waiting, &sorted = block.sorted;
-  waiting.clear();
-  for (BlockParticle &p : block.particles)
-    if (p.active > 0) waiting.push_back(&p);
+  waiting.resize(block.particles.size());
+  std::size_t count = 0;
+  for (BlockParticle &p : block.particles) {
+    waiting[count] = &p;
+    count += p.active > 0;
+  }
+  waiting.resize(count);
 
-  constexpr int MOST_GROUPS = 2 * MOST_IN_BATCH + 2;
+  constexpr int GROUPS = 2 * MOST_IN_BATCH + 1;
   for (int attempt = 0; attempt < 6 && !waiting.empty(); ++attempt) {
-    int end[MOST_GROUPS] = {};
-    for (const BlockParticle *p : waiting) ++end[group_of(*p)];
-    for (int g = 1; g < groups; ++g) end[g] += end[g - 1];
-    int place[MOST_GROUPS] = {};
-    for (int g = 1; g < groups; ++g) place[g] = end[g - 1];
+    int end[GROUPS + 1] = {};    // of each group, after its begin
+    for (const BlockParticle *p : waiting) ++end[group_of(*p) + 1];
+    for (int g = 1; g <= GROUPS; ++g) end[g] += end[g - 1];
     sorted.resize(waiting.size());
     for (BlockParticle *p : waiting) {
-      p->outcome = Outcome::DONE;
-      sorted[place[group_of(*p)]++] = p;
+      const int group = group_of(*p);
+      p->outcome = group == 0 ? Outcome::ODD : Outcome::DONE;
+      sorted[end[group]++] = p;
     }
-    for (int k = 0; k < end[0]; ++k) sorted[k]->outcome = Outcome::ODD;
-    for (int g = 1; g < groups; ++g)
+    for (int g = 1; g < GROUPS; ++g)
       if (end[g] > end[g - 1])
-        kernels[g](sorted.data() + end[g - 1], end[g] - end[g - 1], block.places.data(), shapes);
+        kernels[g](&sorted[end[g - 1]], end[g] - end[g - 1], block.places.data(), shapes);
     waiting.clear();
     for (BlockParticle *p : sorted) {
       if (p->outcome != Outcome::RETRY) continue;

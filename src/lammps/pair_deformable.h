@@ -83,10 +83,10 @@ class PairDeformable : public Pair {
   // A force call is begin_call, then blocks of particles or all contacts at once, then end_call.
   void begin_call(int eflag, int vflag);
   // Shapes and forces of all particles in blocks. prepare(particle) may take out its contacts, group_of(particle)
-  // chooses one of `groups` kernels or 0 for law(particle, contacts), and finish(particle) follows its forces.
+  // chooses a kernel or 0 for law(particle, contacts), and finish(particle) follows its forces.
   template <bool WALLS, class Prepare, class GroupOf, class Law, class Finish>
-  void for_each_block(const deformable::BatchKernel *chosen, int groups, Prepare &&prepare,
-                      GroupOf &&group_of, Law &&law, Finish &&finish);
+  void for_each_block(const deformable::BatchKernel *chosen, Prepare &&prepare, GroupOf &&group_of,
+                      Law &&law, Finish &&finish);
   void check_lines(const deformable::BlockParticle &);    // all in front of the center?
   void load_shape(const deformable::BlockParticle &);     // into `shape`
   const deformable::BatchKernels *kernels;
@@ -156,9 +156,8 @@ class PairDeformable : public Pair {
 };
 
 template <bool WALLS, class Prepare, class GroupOf, class Law, class Finish>
-void PairDeformable::for_each_block(const deformable::BatchKernel *chosen, int groups,
-                                    Prepare &&prepare, GroupOf &&group_of, Law &&law,
-                                    Finish &&finish)
+void PairDeformable::for_each_block(const deformable::BatchKernel *chosen, Prepare &&prepare,
+                                    GroupOf &&group_of, Law &&law, Finish &&finish)
 {
   const bool shapes = results.requested || recording || neighbor->ago == 0;
   const bool observing = results.requested || recording || eflag_atom || vflag_either;
@@ -166,7 +165,7 @@ void PairDeformable::for_each_block(const deformable::BatchKernel *chosen, int g
     const int end = std::min(begin + BLOCK, list->inum);
     atom_radius ? gather_block<WALLS, true>(begin, end) : gather_block<WALLS, false>(begin, end);
     for (deformable::BlockParticle &p : block.particles) prepare(p);
-    shape_block(block, chosen, groups, shapes, shape, group_of,
+    shape_block(block, chosen, shapes, shape, group_of,
                 [&](deformable::BlockParticle &p, const deformable::Contacts &contacts) {
                   check_lines(p);
                   return law(p, contacts);

@@ -20,7 +20,7 @@ template <bool WALLS, bool BY_ATOM> void PairDeformable::gather_block(int begin,
   const int *const type = atom->type;
   const double *const radii = BY_ATOM ? atom_radius : radius.data();
   const double stretch = 1.0 + reach;
-  block.clear();
+  block.clear(end - begin);
   wall_contacts.clear();
   for (int ii = begin; ii < end; ++ii) {
     const int i = list->ilist[ii];
@@ -31,7 +31,8 @@ template <bool WALLS, bool BY_ATOM> void PairDeformable::gather_block(int begin,
     if constexpr (WALLS) visit_walls(i);
     const int room = count + static_cast<int>(wall_contacts.size() - first_wall);
     const Species &s = species[type[i]];
-    BlockParticle &p = block.add(i, ri, s.skin, s.stiffness, room);
+    BlockParticle &p = block.particles[ii - begin];
+    block.place(p, i, ri, s.skin, s.stiffness, room);
 
     Place *const places = block.places.data();
     const unsigned known = active_slots.empty() || room > SLOTS ? 0u : active_slots[i];

@@ -118,12 +118,7 @@ template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate_radical()
 {
   if (neighbor->ago == 0) active_slots.assign(atom->nlocal, 0);
   for_each_block<WALLS>(
-      kernels->ring, 2 * MOST_IN_BATCH + 1, [](BlockParticle &) {},
-      [](const BlockParticle &p) {
-        if (p.active > MOST_IN_BATCH) return 0;
-        return SOFT && !Stiffness{p.kA, p.kP}.conserves_perimeter() ? MOST_IN_BATCH + p.active
-                                                                    : p.active;
-      },
+      kernels->ring, [](BlockParticle &) {}, ring_group,
       [this](BlockParticle &p, const Contacts &contacts) {
         is_active.assign(contacts.size, 0);
         const Energy energy = shape_ring<SOFT>(p.name, contacts, is_active.data());

@@ -91,15 +91,12 @@ template <bool WALLS> void PairDeformableSector::evaluate(int eflag, int vflag)
     std::fill_n(ncontacts, atom->nlocal, 0.0);
   singles.clear();
   for_each_block<WALLS>(
-      kernels->sector, MOST_IN_BATCH + 1,
+      kernels->sector,
       [this](BlockParticle &p) {
         ncontacts[p.name] = p.active;
         if (p.active == 1) set_aside(p);
       },
-      [](const BlockParticle &p) {
-        return std::isinf(p.kP) && p.active <= MOST_IN_BATCH ? p.active : 0;
-      },
-      [this](BlockParticle &p, const Contacts &contacts) { return deform(p, contacts); },
+      sector_group, [this](BlockParticle &p, const Contacts &contacts) { return deform(p, contacts); },
       [](const BlockParticle &) {});
 
   comm->forward_comm(this);
