@@ -18,7 +18,8 @@ using BatchKernel = void (*)(BlockParticle *const *particles, int count, Place *
 struct BatchKernels {
   const char *level;
   BatchKernel sector[MOST_IN_BATCH + 1];
-  BatchKernel ring[2 * MOST_IN_BATCH + 1];    // beyond MOST_IN_BATCH: rings that change their perimeter
+  BatchKernel
+      ring[2 * MOST_IN_BATCH + 1];    // beyond MOST_IN_BATCH: rings that change their perimeter
 };
 
 // The kernels of this level, or the fastest ones of this processor for an empty name. Null if the level is unknown,

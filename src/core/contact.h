@@ -20,8 +20,7 @@ DEFORMABLE_INLINE ContactLine<T> contact_line(T distance, T per_distance, T radi
 {
   const T overlap = radius_i + radius_j - distance;
   const T factor = 0.5 * overlap * per_distance;
-  const T skew = 0.5 * (radius_i - radius_j) * (radius_i + radius_j) * per_distance *
-                 per_distance;
+  const T skew = 0.5 * (radius_i - radius_j) * (radius_i + radius_j) * per_distance * per_distance;
   return {factor * (2.0 * radius_j - overlap), factor * (2.0 * radius_i - overlap), skew - 0.5,
           -skew - 0.5};
 }

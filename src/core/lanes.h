@@ -67,13 +67,13 @@ DEFORMABLE_LANE_FUNCTION Lanes root(Lanes x)
 
 DEFORMABLE_LANE_FUNCTION Lanes magnitude(Lanes x)
 {
-  return (Lanes) ((Mask) x & 0x7fffffffffffffffLL);
+  return (Lanes)((Mask)x & 0x7fffffffffffffffLL);
 }
 
 DEFORMABLE_LANE_FUNCTION Lanes with_sign_of(Lanes x, Lanes sign)
 {
   constexpr long long BIT = -0x7fffffffffffffffLL - 1;
-  return (Lanes) (((Mask) x & ~BIT) | ((Mask) sign & BIT));
+  return (Lanes)(((Mask)x & ~BIT) | ((Mask)sign & BIT));
 }
 
 DEFORMABLE_LANE_FUNCTION Lanes larger(Lanes a, Lanes b)

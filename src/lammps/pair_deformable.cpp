@@ -335,5 +335,6 @@ double PairDeformable::smallest_radius() const
 
 double PairDeformable::memory_usage()
 {
-  return Pair::memory_usage() + table.bytes() + block.bytes() + bytes_of(recorded, active_slots) + results.bytes();
+  return Pair::memory_usage() + table.bytes() + block.bytes() + bytes_of(recorded, active_slots) +
+         results.bytes();
 }

@@ -131,7 +131,7 @@ class PairDeformable : public Pair {
   const double *atom_radius = nullptr;    // in this call, ghosts included; null: radii by type
   void check_radii();
 
-  static constexpr int BLOCK = 128;
+  static constexpr int BLOCK = 256;
   template <bool WALLS, bool BY_ATOM> void gather_block(int begin, int end);
   template <bool WALLS> void push_block();
   void visit_walls(int i);

@@ -36,6 +36,9 @@ template <bool WALLS, bool BY_ATOM> void PairDeformable::gather_block(int begin,
 
     Place *const places = block.places.data();
     const unsigned known = active_slots.empty() || room > SLOTS ? 0u : active_slots[i];
+    const auto expected = [known](int slot, bool touches) -> bool {
+      return known ? known >> (slot & (SLOTS - 1)) & 1u : touches;
+    };
     int front = p.first, back = p.last, inside = 0;
     for (int jj = 0; jj < count; ++jj) {
       const int j = neighbors[jj] & NEIGHMASK;
@@ -44,7 +47,7 @@ template <bool WALLS, bool BY_ATOM> void PairDeformable::gather_block(int begin,
       const double square = dx * dx + dy * dy, sum = ri + rj, cutoff = stretch * sum;
       // not a number counts as inside, where it is noticed
       const bool touches = !(square > sum * sum), near = !(square > cutoff * cutoff);
-      const bool active = near & (known ? known >> (jj & (SLOTS - 1)) & 1u : touches);
+      const bool active = near & expected(jj, touches);
       Place &place = places[active ? front : back - 1];
       place.dx = dx;
       place.dy = dy;
@@ -61,8 +64,8 @@ template <bool WALLS, bool BY_ATOM> void PairDeformable::gather_block(int begin,
         const WallContact &wall = wall_contacts[w];
         const double d = 2.0 * wall.height;    // the mirror image
         const int slot = count + static_cast<int>(w - first_wall);
-        const bool touches = wall.height <= ri, active = known ? known >> (slot & (SLOTS - 1)) & 1u : touches;
-        places[active ? front++ : --back] = {
+        const bool touches = wall.height <= ri;
+        places[expected(slot, touches) ? front++ : --back] = {
             d * wall.nx, d * wall.ny, ri, 0.0, 0.0, 0.0, 0.0, slot, -1 - static_cast<int>(w)};
         inside += touches;
       }
@@ -201,9 +204,8 @@ void PairDeformable::load_shape(const BlockParticle &p)
   shape.perimeter_excess = p.perimeter_excess;
   shape.arc_radius = p.arc_radius;
   auto response = shape.contact.begin();
-  for_each_place(block, p, [&](const Place &place) {
-    *response++ = {place.length, place.length, 0.0};
-  });
+  for_each_place(block, p,
+                 [&](const Place &place) { *response++ = {place.length, place.length, 0.0}; });
 }
 
 /* ---------------------------------------------------------------------- */

@@ -40,7 +40,8 @@ class PairDeformableRing : public PairDeformable {
   void finish(int i, const deformable::Contacts &, const deformable::Energy &);
   template <class PartnerOf>
   void check_reach(int i, const deformable::Contacts &, PartnerOf &&partner_of);
-  [[noreturn]] void refuse_bulge(int i, int partner, double indentation, double ratio, double depth);
+  [[noreturn]] void refuse_bulge(int i, int partner, double indentation, double ratio,
+                                 double depth);
   [[noreturn]] void no_shape(int i, int contacts);
 };
 

@@ -96,7 +96,8 @@ template <bool WALLS> void PairDeformableSector::evaluate(int eflag, int vflag)
         ncontacts[p.name] = p.active;
         if (p.active == 1) set_aside(p);
       },
-      sector_group, [this](BlockParticle &p, const Contacts &contacts) { return deform(p, contacts); },
+      sector_group,
+      [this](BlockParticle &p, const Contacts &contacts) { return deform(p, contacts); },
       [](const BlockParticle &) {});
 
   comm->forward_comm(this);

@@ -89,9 +89,11 @@ SECTORS = {
 
 
 def assert_agree(law, level, some, most_in_batches):
-    """The batches do the same operations in the same order as the law for one particle. The compiler
-    may contract products and sums of the latter only: the tolerance is that of such a difference,
-    enlarged by the condition of nearly coinciding contacts."""
+    """Batches do the same operations in the same order as the law for one particle.
+
+    The compiler may contract products and sums of the latter only: the tolerance is that of such a
+    difference, enlarged by the condition of nearly coinciding contacts.
+    """
     found, expected = some.shaped(law, level), some.shaped(law, "one")
     for name in OUTPUTS:
         values, reference = getattr(found, name), getattr(expected, name)
