@@ -24,10 +24,17 @@ const BatchKernels *batch_kernels(const char *level)
     const BatchKernels *kernels;
     bool runs;
   };
+#ifdef DEFORMABLE_X86_LEVELS    // x86-64-v3 and x86-64-v4
+  const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+                        __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+#endif
   const Level levels[] = {
 #ifdef DEFORMABLE_X86_LEVELS
-      {&avx512::kernels, __builtin_cpu_supports("x86-64-v4") != 0},
-      {&avx2::kernels, __builtin_cpu_supports("x86-64-v3") != 0},
+      {&avx512::kernels,
+       has_avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+           __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+           __builtin_cpu_supports("avx512vl")},
+      {&avx2::kernels, has_avx2},
 #endif
       {&plain::kernels, true}};
   for (const Level &l : levels)
