@@ -81,6 +81,14 @@ void for_each_place(ContactBlock &block, const BlockParticle &p, Visitor &&visit
   for (int c = p.others; c < p.last; ++c) visit(places[c]);
 }
 
+// The same for the active contacts only: forces of the others are not set.
+template <class Visitor>
+void for_each_active(const ContactBlock &block, const BlockParticle &p, Visitor &&visit)
+{
+  const Place *const places = block.places.data();
+  for (int c = p.first; c < p.first + p.active; ++c) visit(places[c]);
+}
+
 // Contact line of one place.
 struct PlacedLine {
   Contact contact;

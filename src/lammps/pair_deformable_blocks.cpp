@@ -170,13 +170,12 @@ void PairDeformable::push_mirror(const BlockParticle &p, const Place &place)
 void PairDeformable::observe(const BlockParticle &p)
 {
   if (eflag_atom) eatom[p.name] += p.energy;
-  if (vflag_either) {
-    const Place *const first = block.places.data() + p.first;
-    for (const Place *place = first; place != first + p.active; ++place)
-      if (place->partner >= 0)
-        ev_tally_xyz(p.name, place->partner, atom->nlocal, 1, 0.0, 0.0, place->fx, place->fy, 0.0,
-                     -place->dx, -place->dy, 0.0);
-  }
+  if (vflag_either)
+    for_each_active(block, p, [&](const Place &place) {
+      if (place.partner >= 0)
+        ev_tally_xyz(p.name, place.partner, atom->nlocal, 1, 0.0, 0.0, place.fx, place.fy, 0.0,
+                     -place.dx, -place.dy, 0.0);
+    });
   if (results.requested) {
     if (p.pressure == 0.0) {
       results.store_circle(p.name, p.ring_radius);
@@ -186,7 +185,7 @@ void PairDeformable::observe(const BlockParticle &p)
     }
   }
   if (recording)
-    for_each_place(block, p, [&](const Place &place) {
+    for_each_active(block, p, [&](const Place &place) {
       const PlacedLine line = line_of(p, place);
       const bool wall = place.partner < 0;
       const int partner = wall ? wall_contacts[-1 - place.partner].wall : place.partner;
@@ -235,7 +234,7 @@ void PairDeformable::refuse_behind_center(int i, int j, double dx, double dy)
 void PairDeformable::check_own_images(const BlockParticle &p)
 {
   if (PI * p.ring_radius * p.ring_radius - p.area_deficit > 0.0) return;
-  for_each_place(block, p, [&](const Place &place) {
+  for_each_active(block, p, [&](const Place &place) {
     if (place.partner >= 0 && (place.fx != 0.0 || place.fy != 0.0))
       check_own_image(p.name, place.partner);
   });
