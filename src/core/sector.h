@@ -53,11 +53,11 @@ void for_each_sector(const Contacts &contacts, const int *order, Visitor &&visit
 
 // With D = 2 - 2 cos phi - phi sin phi:
 //   alpha = (sin phi - phi cos phi)/D,  beta = (phi - sin phi)/D,  gamma = (1 - cos phi)/D
-struct SectorCoefficients {
-  double alpha, beta, gamma;
+template <class T> struct SectorCoefficients {
+  T alpha, beta, gamma;
 };
 
-inline SectorCoefficients sector_coefficients(const Opening &o)
+inline SectorCoefficients<double> sector_coefficients(const Opening &o)
 {
   const double phi = o.angle;
   if (phi < 0.5) {    // D ~ phi^4/12 loses digits: the powers of phi are taken out of every term
@@ -78,12 +78,14 @@ inline SectorCoefficients sector_coefficients(const Opening &o)
 }
 
 // One sector, between contacts i and k.
-struct Sector {
-  double length_i, length_k;    // the parts of the two contacts on this side of their feet
-  double shrinkage;             // R - q, q the radius of the arc
+template <class T> struct SectorPart {
+  T length_i, length_k;    // the parts of the two contacts on this side of their feet
+  T shrinkage;             // R - q, q the radius of the arc
 };
+using Sector = SectorPart<double>;
 
-inline Sector sector(const SectorCoefficients &w, double ai, double ak)
+template <class T>
+DEFORMABLE_INLINE SectorPart<T> sector(const SectorCoefficients<T> &w, T ai, T ak)
 {
   return {w.alpha * ai + w.beta * ak, w.beta * ai + w.alpha * ak, (ai + ak) * w.gamma};
 }

@@ -14,6 +14,7 @@
 #include "neighbor.h"
 #include "update.h"
 
+#include <cstdlib>
 #include <limits>
 
 using namespace LAMMPS_NS;
@@ -32,6 +33,14 @@ PairDeformable::PairDeformable(LAMMPS *lmp, int outputs)
   centroidstressflag = CENTROID_NOTAVAIL;
   nextra = outputs;
   pvector = new double[nextra]();
+
+  const char *const level = std::getenv("DEFORMABLE_SIMD");
+  kernels = deformable::batch_kernels(level ? level : "");
+  if (!kernels)
+    error->all(FLERR,
+               "DEFORMABLE_SIMD is '{}': it must be 'plain', or 'avx2' or 'avx512' on a processor "
+               "that has these instructions",
+               level);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -106,8 +115,8 @@ void PairDeformable::init_style()
                "Pair style deformable with 'radius atom' needs atoms that have radii: use "
                "'atom_style sphere', not {}",
                atom->get_style());
-  // each pair of this rank's particles once, pairs with a ghost on both ranks
-  neighbor->add_request(this, NeighConst::REQ_NEWTON_OFF);
+  // or each pair of this rank's particles once, pairs with a ghost on both ranks
+  neighbor->add_request(this, whole_list ? NeighConst::REQ_FULL : NeighConst::REQ_NEWTON_OFF);
 
   // false again after unfix; extract_peratom sets it for a new fix pair
   results.requested = !modify->get_fix_by_style("^pair$").empty();
@@ -142,7 +151,6 @@ void PairDeformable::begin_call(int eflag, int vflag)
   }
   atom_radius = radius_by_atom ? atom->radius : nullptr;
   if (radius_by_atom) check_radii();
-  table.clear(atom->nlocal);
   for (FixDeformableWall *wall : walls) wall->begin_call(this);
 
   if (!results.requested) return;
@@ -181,13 +189,12 @@ void PairDeformable::end_call()
 
 /* ---------------------------------------------------------------------- */
 
-template <bool WITHIN_CUTOFF> void PairDeformable::insert_pairs_of(int begin, int end)
+void PairDeformable::insert_pairs_of(int begin, int end)
 {
   const double *const *const x = atom->x;
   const int *const type = atom->type;
   const double *const by_type = radius.data(), *const by_atom = atom_radius;
   const auto radius_at = [=](int i) { return by_atom ? by_atom[i] : by_type[type[i]]; };
-  const double stretch = 1.0 + reach;
   std::size_t most = 0;
   for (int ii = begin; ii < end; ++ii) most += list->numneigh[list->ilist[ii]];
   pairs.reserve(most);
@@ -200,19 +207,16 @@ template <bool WITHIN_CUTOFF> void PairDeformable::insert_pairs_of(int begin, in
     const int count = list->numneigh[i];
     for (int jj = 0; jj < count; ++jj) {
       const int j = neighbors[jj] & NEIGHMASK;
-      const double dx = x[j][0] - xi, dy = x[j][1] - yi, rj = radius_at(j);
-      const double cutoff = stretch * (ri + rj);
-      if (WITHIN_CUTOFF && dx * dx + dy * dy > cutoff * cutoff) continue;
-      pairs.add(i, j, dx, dy, ri, rj);
+      pairs.add(i, j, x[j][0] - xi, x[j][1] - yi, ri, radius_at(j));
     }
   }
   compute_contact_lines(pairs);
   const int bad_pair = insert_pairs(pairs, atom->nlocal, table);
-  if (bad_pair >= 0) refuse_behind_center(bad_pair);
+  if (bad_pair < 0) return;
+  const bool is_i = !(pairs.indentation_i[bad_pair] < pairs.radius_i[bad_pair]);
+  const int i = pairs.i[bad_pair], j = pairs.j[bad_pair];
+  refuse_behind_center(is_i ? i : j, is_i ? j : i, pairs.dx[bad_pair], pairs.dy[bad_pair]);
 }
-
-template void PairDeformable::insert_pairs_of<true>(int, int);
-template void PairDeformable::insert_pairs_of<false>(int, int);
 
 /* ---------------------------------------------------------------------- */
 
@@ -228,21 +232,6 @@ void PairDeformable::insert_walls(int i)
     });
 }
 
-/* ---------------------------------------------------------------------- */
-
-void PairDeformable::refuse_behind_center(int pair)
-{
-  const bool is_i = !(pairs.indentation_i[pair] < pairs.radius_i[pair]);
-  const int i = is_i ? pairs.i[pair] : pairs.j[pair], j = is_i ? pairs.j[pair] : pairs.i[pair];
-  error->one(
-      FLERR,
-      "The contact line of atoms {} and {} does not lie in front of the center of atom {}: their "
-      "distance is {:.6g}, their radii are {:.6g} and {:.6g}. Separate particles that overlap "
-      "first, start from a less compressed state, or take smaller steps or a smaller timestep",
-      atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(pairs.dx[pair], pairs.dy[pair]),
-      radius_of(i), radius_of(j));
-}
-
 /* ----------------------------------------------------------------------
    A particle in a box smaller than itself: its own images leave it no area.
 ------------------------------------------------------------------------- */
@@ -253,14 +242,18 @@ void PairDeformable::check_own_images(int i, int contacts)
   if (area > 0.0) return;
   const Partner *const partners = &table.partner[table.first(i)];
   for (int c = 0; c < contacts; ++c) {
-    const int j = partners[c].atom;
-    if (j < 0 || atom->tag[j] != atom->tag[i] || atom->tag[i] == 0) continue;
-    if (!(shape.contact[c].length > 0.0)) continue;
-    error->one(FLERR,
-               "Atom {} of radius {:.6g} has no area left between its own images: the box, {:.6g} "
-               "x {:.6g}, is too small for it",
-               atom->tag[i], radius_of(i), domain->xprd, domain->yprd);
+    if (partners[c].atom >= 0 && shape.contact[c].length > 0.0)
+      check_own_image(i, partners[c].atom);
   }
+}
+
+void PairDeformable::check_own_image(int i, int j)
+{
+  if (atom->tag[j] != atom->tag[i] || atom->tag[i] == 0) return;
+  error->one(FLERR,
+             "Atom {} of radius {:.6g} has no area left between its own images: the box, {:.6g} "
+             "x {:.6g}, is too small for it",
+             atom->tag[i], radius_of(i), domain->xprd, domain->yprd);
 }
 
 /* ----------------------------------------------------------------------
@@ -343,5 +336,6 @@ double PairDeformable::smallest_radius() const
 
 double PairDeformable::memory_usage()
 {
-  return Pair::memory_usage() + table.bytes() + bytes_of(recorded) + results.bytes();
+  return Pair::memory_usage() + table.bytes() + block.bytes() + bytes_of(recorded, active_slots) +
+         results.bytes();
 }

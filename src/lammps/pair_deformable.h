@@ -6,6 +6,7 @@
 
 #include "pair.h"
 
+#include "block_walk.h"
 #include "contact_pairs.h"
 #include "contact_table.h"
 #include "fix_deformable_wall.h"
@@ -16,6 +17,7 @@
 
 #include "atom.h"
 #include "neigh_list.h"
+#include "neighbor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -82,12 +84,29 @@ class PairDeformable : public Pair {
   ContactTable table;
   deformable::Shape shape;    // of the particle that is evaluated
 
-  // A force call is begin_call, for_each_particle, end_call. For each particle the law computes the shape and
-  // calls apply, or store_circle if there is no deformation.
+  // A force call is begin_call, then blocks of particles or all contacts at once, then end_call.
   void begin_call(int eflag, int vflag);
-  template <bool WALLS, class Law> void for_each_particle(Law &&law);
-  // Alternatively all contacts at once, which stay in the table until the next call: the pairs of the neighbor
-  // list in their order, then the walls.
+  // Shapes and forces of all particles in blocks. prepare(particle) may take out its contacts, group_of(particle)
+  // chooses a kernel or 0 for law(particle, contacts), and finish(particle) follows its forces.
+  template <bool WALLS, class Prepare, class GroupOf, class Law, class Finish>
+  void for_each_block(const deformable::BatchKernel *chosen, Prepare &&prepare, GroupOf &&group_of,
+                      Law &&law, Finish &&finish);
+  void check_lines(const deformable::BlockParticle &);    // all in front of the center?
+  void load_shape(const deformable::BlockParticle &);     // into `shape`
+  const deformable::BatchKernels *kernels;
+  bool whole_list = true;    // blocks need each pair at both of its particles
+  deformable::ContactBlock block;
+  // Which contacts of each particle were active at the last call, by their place in the neighbor list; 0: not known.
+  // Empty for a law whose contacts are always active.
+  std::vector<unsigned> active_slots;
+  struct WallContact {
+    int wall;    // as in Partner
+    double nx, ny, height, per_lever;
+  };
+  std::vector<WallContact> wall_contacts;    // of the block; a place has -1 minus the index
+
+  // Alternatively all contacts at once (with `whole_list` false), which stay in the table until the next call: the
+  // pairs of the neighbor list in their order, then the walls.
   template <bool WALLS> void gather_contacts();
   template <bool WALLS>
   void apply(int i, const deformable::Contacts &, const deformable::Energy &energy);
@@ -116,9 +135,18 @@ class PairDeformable : public Pair {
   const double *atom_radius = nullptr;    // in this call, ghosts included; null: radii by type
   void check_radii();
 
-  static constexpr int BLOCK = 64;
+  static constexpr int BLOCK = 256;
+  template <bool WALLS, bool BY_ATOM> void gather_block(int begin, int end);
+  template <bool WALLS> void push_block();
+  void visit_walls(int i);
+  static constexpr int SLOTS = 32;    // bits of active_slots
+  void remember_active(const deformable::BlockParticle &);
+  void push_mirror(const deformable::BlockParticle &, const deformable::Place &);
+  void observe(const deformable::BlockParticle &);
+  void check_own_images(const deformable::BlockParticle &);
+
   ContactPairs pairs;    // of the block of particles that is evaluated
-  template <bool WITHIN_CUTOFF> void insert_pairs_of(int begin, int end);
+  void insert_pairs_of(int begin, int end);
   void insert_walls(int i);
 
   struct {
@@ -130,31 +158,40 @@ class PairDeformable : public Pair {
   bool warned_beyond_model = false, warned_out_of_plane = false, warned_unused_radii = false;
 
   void allocate();
-  [[noreturn]] void refuse_behind_center(int pair);
+  [[noreturn]] void refuse_behind_center(int i, int j, double dx, double dy);
   void check_own_images(int i, int contacts);
+  void check_own_image(int i, int j);
 };
 
-// Calls law(i, contacts) for all particles. Pairs are computed for a block of particles at a time, in vectors.
-// Particles come in the order of their index and the list has a pair at its lower index: contacts with earlier
-// particles are in the table already.
-template <bool WALLS, class Law> void PairDeformable::for_each_particle(Law &&law)
+template <bool WALLS, class Prepare, class GroupOf, class Law, class Finish>
+void PairDeformable::for_each_block(const deformable::BatchKernel *chosen, Prepare &&prepare,
+                                    GroupOf &&group_of, Law &&law, Finish &&finish)
 {
+  const bool shapes = results.requested || recording || neighbor->ago == 0;
+  const bool observing = results.requested || recording || eflag_atom || vflag_either;
   for (int begin = 0; begin < list->inum; begin += BLOCK) {
     const int end = std::min(begin + BLOCK, list->inum);
-    insert_pairs_of<true>(begin, end);
-    for (int ii = begin; ii < end; ++ii) {
-      const int i = list->ilist[ii];
-      if constexpr (WALLS) insert_walls(i);
-      law(i, table.of(i));
-      table.release(i);
+    atom_radius ? gather_block<WALLS, true>(begin, end) : gather_block<WALLS, false>(begin, end);
+    for (deformable::BlockParticle &p : block.particles) prepare(p);
+    shape_block(block, chosen, shapes, shape, group_of,
+                [&](deformable::BlockParticle &p, const deformable::Contacts &contacts) {
+                  check_lines(p);
+                  return law(p, contacts);
+                });
+    push_block<WALLS>();
+    for (const deformable::BlockParticle &p : block.particles) {
+      if (p.moved && !active_slots.empty()) remember_active(p);
+      if (observing) observe(p);
+      finish(p);
     }
   }
 }
 
 template <bool WALLS> void PairDeformable::gather_contacts()
 {
+  table.clear(atom->nlocal);
   for (int begin = 0; begin < list->inum; begin += BLOCK)
-    insert_pairs_of<false>(begin, std::min(begin + BLOCK, list->inum));
+    insert_pairs_of(begin, std::min(begin + BLOCK, list->inum));
   if constexpr (WALLS)
     for (int ii = 0; ii < list->inum; ++ii) insert_walls(list->ilist[ii]);
 }

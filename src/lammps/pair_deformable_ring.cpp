@@ -77,6 +77,7 @@ void PairDeformableRing::settings(int narg, char **arg)
     error->all(FLERR, balance_keyword,
                "pair_style deformable/ring balance is for 'contact balanced' only");
   balanced.reset(radical ? nullptr : new BalancedRings(lmp, tolerance, max_evaluations));
+  whole_list = radical;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -108,22 +109,47 @@ template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate(int eflag, in
 {
   begin_call(eflag, vflag);
   if (neighbor->ago == 0) smallest = smallest_radius();
-  if (balanced)
-    evaluate_balanced<WALLS, SOFT>();
-  else
-    for_each_particle<WALLS>([&](int i, const Contacts &contacts) {
-      finish<WALLS>(i, contacts, deform<SOFT>(i, contacts));
-    });
+  balanced ? evaluate_balanced<WALLS, SOFT>() : evaluate_radical<WALLS, SOFT>();
   end_call();
+}
+
+/* ---------------------------------------------------------------------- */
+
+template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate_radical()
+{
+  if (neighbor->ago == 0) active_slots.assign(atom->nlocal, 0);
+  for_each_block<WALLS>(
+      kernels->ring, [](BlockParticle &) {}, ring_group,
+      [this](BlockParticle &p, const Contacts &contacts) {
+        is_active.assign(contacts.size, 0);
+        const Energy energy = shape_ring<SOFT>(p.name, contacts, is_active.data());
+        if (!std::isfinite(energy.derivative)) no_shape(p.name, contacts.size);
+        p.pressure = energy.derivative;
+        return energy;
+      },
+      [this](const BlockParticle &p) {
+        if (neighbor->ago != 0 || p.pressure == 0.0) return;
+        load_shape(p);
+        check_reach(p.name, load_contacts(block, p), [&](int deepest) {
+          const int partner = block.places[p.first + deepest].partner;
+          return partner < 0 ? wall_contacts[-1 - partner].wall : partner;
+        });
+      });
 }
 
 /* ---------------------------------------------------------------------- */
 
 template <bool SOFT> Energy PairDeformableRing::deform(int i, const Contacts &contacts)
 {
-  const int type = atom->type[i];
   char *const active = active_contacts.of(
       i, contacts.size, [](char *first, char *last) { std::fill(first, last, 0); });
+  return shape_ring<SOFT>(i, contacts, active);
+}
+
+template <bool SOFT>
+Energy PairDeformableRing::shape_ring(int i, const Contacts &contacts, char *active)
+{
+  const int type = atom->type[i];
   if (SOFT && !species[type].stiffness.conserves_perimeter()) {
     Energy energy;
     soft_ring_shape(ring_radius_of(i), species[type].stiffness, contacts, active, lcp, shape,
@@ -143,7 +169,8 @@ void PairDeformableRing::finish(int i, const Contacts &contacts, const Energy &e
   if (!std::isfinite(energy.derivative)) no_shape(i, contacts.size);
   apply<WALLS>(i, contacts, energy);
   store_shape(i, contacts, energy.derivative);
-  if (neighbor->ago == 0) check_reach(i, contacts);
+  if (neighbor->ago == 0)
+    check_reach(i, contacts, [&](int c) { return table.partner[table.first(i) + c].atom; });
 }
 
 template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate_balanced()
@@ -182,7 +209,8 @@ void PairDeformableRing::no_shape(int i, int contacts)
    to the smallest particles.
 ------------------------------------------------------------------------- */
 
-void PairDeformableRing::check_reach(int i, const Contacts &contacts)
+template <class PartnerOf>
+void PairDeformableRing::check_reach(int i, const Contacts &contacts, PartnerOf &&partner_of)
 {
   const double r = radius_of(i), cutoff = (1.0 + reach) * (r + smallest);
   const double depth =
@@ -190,23 +218,25 @@ void PairDeformableRing::check_reach(int i, const Contacts &contacts)
   const double expansion = shape.perimeter_excess / (2.0 * PI);
   if (expansion + ring_bulge_at_most(contacts, shape) <= bulge_over_reach * depth) return;
   const double ratio = (expansion + ring_bulge(ring_radius_of(i), contacts, shape)) / depth;
-  if (ratio > 1.0) refuse_bulge(i, contacts, ratio, depth);
+  if (ratio > 1.0) {
+    int deepest = 0;
+    for (int c = 1; c < contacts.size; ++c)
+      if (contacts[c].indentation > contacts[deepest].indentation) deepest = c;
+    refuse_bulge(i, partner_of(deepest), contacts[deepest].indentation, ratio, depth);
+  }
   if (ratio > bulge_over_reach) bulge_over_reach = ratio;
 }
 
-void PairDeformableRing::refuse_bulge(int i, const Contacts &contacts, double ratio, double depth)
+void PairDeformableRing::refuse_bulge(int i, int partner, double indentation, double ratio,
+                                      double depth)
 {
-  int deepest = 0;
-  for (int c = 1; c < contacts.size; ++c)
-    if (contacts[c].indentation > contacts[deepest].indentation) deepest = c;
-  const int partner = table.partner[table.first(i) + deepest].atom;
   const std::string cause =
       partner >= 0
           ? "separate particles that overlap first"
           : fmt::format(
                 "a wall of fix {} cuts it {:.4g} from its center, whose radius is {:.4g}: move "
                 "one of them",
-                wall_id(partner), radius_of(i) - contacts[deepest].indentation, radius_of(i));
+                wall_id(partner), radius_of(i) - indentation, radius_of(i));
   const double enough = 1.2 * ratio * reach;
   const std::string larger =
       enough <= LARGEST_REACH ? fmt::format(" or use a reach of {:.2g} or more", enough) : "";

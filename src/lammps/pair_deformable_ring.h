@@ -27,15 +27,21 @@ class PairDeformableRing : public PairDeformable {
   double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
 
   deformable::RingLCP lcp;
-  WarmStart<char> active_contacts;
+  WarmStart<char> active_contacts;    // of balanced contacts
+  std::vector<char> is_active;        // of one ring
 
   template <bool WALLS, bool SOFT> void evaluate(int eflag, int vflag);
   template <bool WALLS, bool SOFT> void evaluate_balanced();
+  template <bool WALLS, bool SOFT> void evaluate_radical();
   template <bool SOFT> deformable::Energy deform(int i, const deformable::Contacts &);
+  template <bool SOFT>
+  deformable::Energy shape_ring(int i, const deformable::Contacts &, char *active);
   template <bool WALLS>
   void finish(int i, const deformable::Contacts &, const deformable::Energy &);
-  void check_reach(int i, const deformable::Contacts &);
-  [[noreturn]] void refuse_bulge(int i, const deformable::Contacts &, double ratio, double depth);
+  template <class PartnerOf>
+  void check_reach(int i, const deformable::Contacts &, PartnerOf &&partner_of);
+  [[noreturn]] void refuse_bulge(int i, int partner, double indentation, double ratio,
+                                 double depth);
   [[noreturn]] void no_shape(int i, int contacts);
 };
 

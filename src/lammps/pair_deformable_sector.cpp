@@ -91,17 +91,15 @@ template <bool WALLS> void PairDeformableSector::evaluate(int eflag, int vflag)
   if (list->inum < atom->nlocal)    // particles of other pair styles have none
     std::fill_n(ncontacts, atom->nlocal, 0.0);
   singles.clear();
-  for_each_particle<WALLS>([&](int i, const Contacts &contacts) {
-    ncontacts[i] = contacts.size;
-    if (contacts.size >= 2) return apply<WALLS>(i, contacts, deform(i, contacts));
-    if (contacts.size == 1) {
-      const Partner &partner = table.partner[table.first(i)];
-      const double height = radius_of(i) - contacts[0].indentation;
-      singles.push_back(
-          {i, partner.atom, contacts[0], partner.atom < 0 ? height : 1.0 / partner.per_lever});
-    }
-    store_circle(i);
-  });
+  for_each_block<WALLS>(
+      kernels->sector,
+      [this](BlockParticle &p) {
+        ncontacts[p.name] = p.active;
+        if (p.active == 1) set_aside(p);
+      },
+      sector_group,
+      [this](BlockParticle &p, const Contacts &contacts) { return deform(p, contacts); },
+      [](const BlockParticle &) {});
 
   comm->forward_comm(this);
   for (const SingleContact &single : singles) repel<WALLS>(single);
@@ -109,41 +107,53 @@ template <bool WALLS> void PairDeformableSector::evaluate(int eflag, int vflag)
 }
 
 /* ----------------------------------------------------------------------
+   Takes the contact of a particle with a single one out of the block.
+------------------------------------------------------------------------- */
+
+void PairDeformableSector::set_aside(BlockParticle &p)
+{
+  check_lines(p);
+  const Place &place = block.places[p.first];
+  const PlacedLine line = line_of(p, place);
+  const bool wall = place.partner < 0;
+  singles.push_back({p.name, wall ? wall_contacts[-1 - place.partner].wall : place.partner,
+                     line.contact, (wall ? 0.5 : 1.0) / line.per_distance});
+  p.active = 0;
+}
+
+/* ----------------------------------------------------------------------
    Shape and energy of a particle with two contacts or more.
 ------------------------------------------------------------------------- */
 
-Energy PairDeformableSector::deform(int i, const Contacts &contacts)
+Energy PairDeformableSector::deform(BlockParticle &p, const Contacts &contacts)
 {
-  int *const by_angle =
-      order.of(i, contacts.size, [](int *first, int *last) { std::iota(first, last, 0); });
-  const int type = atom->type[i];
-  const Stiffness &stiffness = species[type].stiffness;
-  const bool conserves_perimeter = std::isinf(stiffness.kP);
+  by_angle.resize(contacts.size);
+  std::iota(by_angle.begin(), by_angle.end(), 0);
+  const bool conserves_perimeter = std::isinf(p.kP);
   if (conserves_perimeter)
-    sector_shape(radius_of(i), contacts, by_angle, shape);
-  else if (!area_sector_shape(radius_of(i), contacts, by_angle, shape))
+    sector_shape(p.radius, contacts, by_angle.data(), shape);
+  else if (!area_sector_shape(p.radius, contacts, by_angle.data(), shape))
     error->one(FLERR,
                "Atom {} has no shape that keeps the area of each of its sectors: its {} contacts "
                "leave no room. Compress less, or conserve the perimeter (kP = inf)",
-               atom->tag[i], contacts.size);
+               atom->tag[p.name], contacts.size);
   const double change = conserves_perimeter ? shape.area_deficit : shape.perimeter_excess;
   if (!std::isfinite(change))
     error->one(FLERR,
                "Atom {} has two contacts in the same direction, which leaves no sector between "
                "them: use pair_style deformable/ring",
-               atom->tag[i]);
+               atom->tag[p.name]);
 
-  const Energy energy = harmonic(conserves_perimeter ? stiffness.kA : stiffness.kP, change);
-  double pressure = energy.derivative;
+  const Energy energy = harmonic(conserves_perimeter ? p.kA : p.kP, change);
+  p.pressure = energy.derivative;
   if (!conserves_perimeter) {    // each arc has its own pressure, tension/radius: take the mean over contacts
     double force = 0.0, length = 0.0;
     for (int c = 0; c < contacts.size; ++c) {
       force += energy.derivative * shape.contact[c].d_indentation;
       length += shape.contact[c].length;
     }
-    pressure = length > 0.0 ? force / length : 0.0;
+    p.pressure = length > 0.0 ? force / length : 0.0;
   }
-  store_shape(i, contacts, pressure);
   return energy;
 }
 
@@ -203,6 +213,6 @@ void PairDeformableSector::unpack_forward_comm(int n, int first, double *buf)
 
 double PairDeformableSector::memory_usage()
 {
-  return PairDeformable::memory_usage() + order.bytes() + bytes_of(singles) +
+  return PairDeformable::memory_usage() + bytes_of(by_angle, singles) +
          static_cast<double>(maxcontacts) * sizeof(double);
 }

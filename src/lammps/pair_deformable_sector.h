@@ -23,7 +23,7 @@ class PairDeformableSector : public PairDeformable {
   void check_species(const Species &) const override;
 
  private:
-  WarmStart<int> order;    // of the contacts by angle
+  std::vector<int> by_angle;    // the contacts of one particle
 
   // A particle with one contact has no sector: the pair repels as soft disks, once. The partner's number of
   // contacts, which only its own rank knows, decides whether both particles add one half.
@@ -38,7 +38,8 @@ class PairDeformableSector : public PairDeformable {
 
   template <bool WALLS> void evaluate(int eflag, int vflag);
   template <bool WALLS> void repel(const SingleContact &);
-  deformable::Energy deform(int i, const deformable::Contacts &);
+  void set_aside(deformable::BlockParticle &);
+  deformable::Energy deform(deformable::BlockParticle &, const deformable::Contacts &);
 };
 
 }    // namespace LAMMPS_NS

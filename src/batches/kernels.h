@@ -1,0 +1,38 @@
+// The kernels of one level. A source file for each level defines DEFORMABLE_LEVEL and DEFORMABLE_LANES, includes
+// this file and is compiled with the options of its level.
+
+#include "batch_kernels.h"
+#include "ring_batch.h"
+#include "sector_batch.h"
+
+namespace deformable::DEFORMABLE_LEVEL {
+
+// Batches of W particles. The last one is filled up with copies of its last particle.
+#define DEFORMABLE_BATCHES(NAME, BATCH)                                                            \
+  template <int N>                                                                                 \
+  static void NAME(BlockParticle *const *particles, int count, Place *places, bool shapes)         \
+  {                                                                                                \
+    for (int begin = 0; begin < count; begin += W) {                                               \
+      BlockParticle *batch[W];                                                                     \
+      for (int w = 0; w < W; ++w) batch[w] = particles[begin + w < count ? begin + w : count - 1]; \
+      BATCH(batch, places, shapes);                                                                \
+    }                                                                                              \
+  }
+
+DEFORMABLE_BATCHES(rings, (ring_batch<N, false>))
+DEFORMABLE_BATCHES(soft_rings, (ring_batch<N, true>))
+DEFORMABLE_BATCHES(sectors, sector_batch<N>)
+
+extern const BatchKernels kernels;
+
+#define DEFORMABLE_STRING_OF(x) #x
+#define DEFORMABLE_STRING(x) DEFORMABLE_STRING_OF(x)
+const BatchKernels kernels = {DEFORMABLE_STRING(DEFORMABLE_LEVEL),
+                              {nullptr, nullptr, sectors<2>, sectors<3>, sectors<4>, sectors<5>,
+                               sectors<6>, sectors<7>, sectors<8>},
+                              {nullptr, rings<1>, rings<2>, rings<3>, rings<4>, rings<5>, rings<6>,
+                               rings<7>, rings<8>, soft_rings<1>, soft_rings<2>, soft_rings<3>,
+                               soft_rings<4>, soft_rings<5>, soft_rings<6>, soft_rings<7>,
+                               soft_rings<8>}};
+
+}    // namespace deformable::DEFORMABLE_LEVEL

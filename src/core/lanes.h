@@ -1,0 +1,91 @@
+// Numbers of several particles side by side: the vector types of GCC and Clang, without intrinsics.
+//
+// Each level of SIMD instructions has a source file of its own, compiled for it, which defines DEFORMABLE_LEVEL
+// (a namespace) and DEFORMABLE_LANES. All functions are inlined: one that is not could be linked into code that
+// runs on processors without these instructions. Products and sums are neither contracted nor reordered, so that
+// every level computes the same bits.
+
+#ifndef DEFORMABLE_LANES_H
+#define DEFORMABLE_LANES_H
+
+#include <utility>
+
+#define DEFORMABLE_LANE_LAMBDA __attribute__((always_inline))
+#define DEFORMABLE_LANE_FUNCTION static inline __attribute__((always_inline, unused))
+
+namespace deformable::DEFORMABLE_LEVEL {
+
+constexpr int W = DEFORMABLE_LANES;
+typedef double Lanes __attribute__((vector_size(8 * W)));
+typedef long long Mask __attribute__((vector_size(8 * W)));    // of each lane: -1 (true) or 0
+
+// The vector of value(w), and action(w) for each lane. Written out, because compilers turn loops over lanes into
+// instructions that gather and scatter, which are slow.
+template <class Value, int... LANE>
+DEFORMABLE_LANE_FUNCTION Lanes each_of(Value &&value, std::integer_sequence<int, LANE...>)
+{
+  return Lanes{value(LANE)...};
+}
+
+template <class Action, int... LANE>
+DEFORMABLE_LANE_FUNCTION void for_each_of(Action &&action, std::integer_sequence<int, LANE...>)
+{
+  (action(LANE), ...);
+}
+
+template <class Value> DEFORMABLE_LANE_FUNCTION Lanes each_lane(Value &&value)
+{
+  return each_of(value, std::make_integer_sequence<int, W>());
+}
+
+template <class Action> DEFORMABLE_LANE_FUNCTION void for_each_lane(Action &&action)
+{
+  for_each_of(action, std::make_integer_sequence<int, W>());
+}
+
+DEFORMABLE_LANE_FUNCTION Lanes all(double x)
+{
+  return x - Lanes{};
+}
+
+DEFORMABLE_LANE_FUNCTION Lanes select(Mask m, Lanes yes, Lanes no)
+{
+  return m ? yes : no;
+}
+
+DEFORMABLE_LANE_FUNCTION bool any(Mask m)
+{
+  long long found = 0;
+  for (int w = 0; w < W; ++w) found |= m[w];
+  return found != 0;
+}
+
+DEFORMABLE_LANE_FUNCTION Lanes root(Lanes x)
+{
+  return each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return __builtin_sqrt(x[w]); });
+}
+
+DEFORMABLE_LANE_FUNCTION Lanes magnitude(Lanes x)
+{
+  return (Lanes)((Mask)x & 0x7fffffffffffffffLL);
+}
+
+DEFORMABLE_LANE_FUNCTION Lanes with_sign_of(Lanes x, Lanes sign)
+{
+  constexpr long long BIT = -0x7fffffffffffffffLL - 1;
+  return (Lanes)(((Mask)x & ~BIT) | ((Mask)sign & BIT));
+}
+
+DEFORMABLE_LANE_FUNCTION Lanes larger(Lanes a, Lanes b)
+{
+  return a < b ? b : a;
+}
+
+DEFORMABLE_LANE_FUNCTION Lanes smaller(Lanes a, Lanes b)
+{
+  return b < a ? b : a;
+}
+
+}    // namespace deformable::DEFORMABLE_LEVEL
+
+#endif

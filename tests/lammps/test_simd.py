@@ -1,0 +1,66 @@
+"""The levels of SIMD instructions: DEFORMABLE_SIMD."""
+
+import numpy as np
+import pytest
+from deformable import core
+from scene import PACKINGS, Scene, box_walls
+from test_soft_rings import mixture, pushed
+
+LEVELS = core.simd_levels()
+CASE = PACKINGS[0]
+SCENES = {
+    "sector": lambda: Scene.packing(CASE, "deformable/sector"),
+    "sector, area conserved": lambda: Scene.packing(
+        PACKINGS[1], "deformable/sector", ("fixed", "fixedlarge")
+    ),
+    "radical": lambda: Scene.packing(CASE, "deformable/ring contact radical"),
+    "mixture": lambda: mixture(CASE)[0],
+    "walls": lambda: Scene.packing(
+        CASE,
+        "deformable/ring contact radical",
+        ("both", "large"),
+        boundary="f f p",
+        commands=box_walls(0, CASE["L"], 0, CASE["L"]),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_levels_agree_to_the_last_bit(name, monkeypatch):
+    case = PACKINGS[1] if name == "sector, area conserved" else CASE
+    x = pushed(case)
+    if name == "walls":
+        x = np.clip(x, 0.46, case["L"] - 0.46)
+    states = []
+    for level in [*LEVELS, None]:
+        if level is None:
+            monkeypatch.delenv("DEFORMABLE_SIMD")
+        else:
+            monkeypatch.setenv("DEFORMABLE_SIMD", level)
+        states.append(SCENES[name]().evaluate(x))
+    assert np.abs(states[0].force).max() > 1e-4
+    for state in states[1:]:
+        assert state.energy == states[0].energy
+        np.testing.assert_array_equal(state.force, states[0].force)
+
+
+@pytest.mark.parametrize("law", ["deformable/ring contact radical", "deformable/sector"])
+def test_first_guesses_change_nothing(law):
+    """Rings keep which contacts were active as a first guess. Forces after a way through other
+    states are those of a fresh start, to the last bit."""
+    x = pushed(CASE)
+    fresh = Scene.packing(CASE, law)
+    expected = fresh.evaluate(x)
+    wandering = Scene.packing(CASE, law)
+    rng = np.random.default_rng(2)
+    for _ in range(5):
+        wandering.evaluate(x + rng.uniform(-0.02, 0.02, x.shape))
+    found = wandering.evaluate(x)
+    assert found.energy == expected.energy
+    np.testing.assert_array_equal(found.force, expected.force)
+
+
+def test_unknown_level(monkeypatch):
+    monkeypatch.setenv("DEFORMABLE_SIMD", "sse9")
+    with pytest.raises(Exception, match="sse9"):
+        Scene.packing(CASE, "deformable/sector")
