@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,14 @@ def matching_laws(beads: Beads, rings: Rings, rigid: Sequence[bool] = ()) -> dic
         kP = np.where(rigid, math.inf, kP).tolist()
         found["balanced, kP inf"] = Ring(kA, kP=kP, skin=skin, contact="balanced")
     return found
+
+
+def of_equal_size(packing: Packing, beads: Beads) -> Packing:
+    """The packing with other radii, such that the rings have its own radii as effective ones."""
+    radii = packing.radii
+    for _ in range(10):  # the roughness hardly depends on the radius: each step gains two digits
+        radii = radii + packing.radii - beads.rings(radii).effective_radius
+    return replace(packing, radii=radii)
 
 
 def is_unjammed(own: State | BeadState, exact: BeadState) -> bool:
