@@ -75,6 +75,15 @@ def test_beads(tree):
     assert abs(found / exact - 1 + stretch + spacing) < 0.2 * (stretch + spacing)
 
 
+def test_polygons(tree):
+    """The area deficit is K a^2, reduced by the stretch of springs; smooth rings are not rough."""
+    log = run(tree / "examples" / "polygons", "lmp", "-in", "in.polygons")
+    ((found, _, exact),) = numbers(log, "area deficit")
+    stretch = 0.785**2 / (1e4 / 96)
+    # to first order; kr and the spacing of vertices add terms of second order
+    assert abs(found / exact - 1 + stretch) < 0.5 * stretch
+
+
 def test_hexagon(tree):
     log = run(tree / "examples" / "hexagon", "lmp", "-in", "in.hexagon")
     step, a, deficit, _, force, _, energy = table(log, ["Step", "v_a"])

@@ -36,7 +36,6 @@ PairDeformableEdge::PairDeformableEdge(LAMMPS *lmp)
       edges(lmp, STYLE)
 {
   single_enable = 0;    // the energy of a pair needs the successors of both
-  manybody_flag = 1;
   writedata = 1;
   centroidstressflag = CENTROID_NOTAVAIL;
 }
@@ -174,6 +173,7 @@ void PairDeformableEdge::take_list()
 {
   const bool new_rings = rings_unknown || atom->natoms != atoms_known;
   if (new_rings) {
+    check_ghosts(lmp, *list);
     const auto has = [this](int i) {
       const int type = atom->type[i];
       for (int other = 1; other <= atom->ntypes; ++other)
@@ -183,10 +183,7 @@ void PairDeformableEdge::take_list()
     edges.find({STYLE, "the atom types of this style", has});
   }
   edges.link(longest, greatest_c + neighbor->skin);
-  if (new_rings) {
-    check_ghosts(lmp, *list);
-    check_removed_contacts(lmp, edges, STYLE);
-  }
+  if (new_rings) check_removed_contacts(lmp, edges, STYLE);
   list_edge_contacts(lmp, *list, edges, c, longest, STYLE, contacts);
   rings_unknown = false;
   atoms_known = atom->natoms;

@@ -53,34 +53,40 @@ void RingEdges::link(double longest, double range)
 }
 
 /* ----------------------------------------------------------------------
-   The nearest image of the successor. For a ghost whose successor is beyond
-   the ghost cutoff that is another one, farther away than any edge.
+   The image of the successor within the longest edge: there is only one, as
+   that is less than half of the box. It often is the next atom in memory. A
+   ghost may have none, if its successor is beyond the ghost cutoff.
 ------------------------------------------------------------------------- */
 
 void RingEdges::link_successor(int i, double longest)
 {
+  const double *const *x = atom->x;
+  const auto square = [i, x](int j) {
+    const double dx = x[j][0] - x[i][0], dy = x[j][1] - x[i][1];
+    return dx * dx + dy * dy;
+  };
   const BeadRing &ring = rings[edges[i].ring];
   const tagint last = ring.first + ring.beads - 1;
   const tagint successor = atom->tag[i] == last ? ring.first : atom->tag[i] + 1;
-  const int next = domain->closest_image(i, atom->map(successor));
   const bool local = i < atom->nlocal;
-  if (next < 0) {
-    if (local)
-      error->one(FLERR,
-                 "{}: atom {} of ring {} is not found beside atom {}: lost, or farther away than "
-                 "l, the longest edge allowed, {:.6g}",
-                 style, successor, ring.molecule, atom->tag[i], longest);
-    return;
-  }
-  const double *const *x = atom->x;
-  const double length = std::hypot(x[next][0] - x[i][0], x[next][1] - x[i][1]);
-  if (length <= longest)
+  int next = i + 1;
+  if (next >= static_cast<int>(edges.size()) || atom->tag[next] != successor ||
+      !(square(next) <= longest * longest))
+    next = domain->closest_image(i, atom->map(successor));
+  if (next >= 0 && square(next) <= longest * longest)
     edges[i].next = next;
-  else if (local)
+  else if (!local)
+    return;
+  else if (next < 0)
+    error->one(FLERR,
+               "{}: atom {} of ring {} is not found beside atom {}: lost, or farther away than l, "
+               "the longest edge allowed, {:.6g}",
+               style, successor, ring.molecule, atom->tag[i], longest);
+  else
     error->one(FLERR,
                "{}: the edge of ring {} from atom {} to atom {} is {:.6g} long, but l, the longest "
                "edge allowed, is {:.6g}: use a larger l",
-               style, ring.molecule, atom->tag[i], successor, length, longest);
+               style, ring.molecule, atom->tag[i], successor, std::sqrt(square(next)), longest);
   if (local && atom->type[next] != atom->type[i])
     error->one(FLERR, "{}: the atoms of ring {} are of types {} and {}, they must have one", style,
                ring.molecule, atom->type[i], atom->type[next]);

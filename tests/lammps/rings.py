@@ -64,22 +64,25 @@ def regular(number, radius, center=(0, 0)):
     return np.array(center) + radius * np.column_stack([np.cos(turn), np.sin(turn)])
 
 
-def data_file(outlines, box=BOX, tilt=0.0, molecules=None, others=(), types=None):
+def data_file(outlines, box=BOX, tilt=0.0, molecules=None, others=(), types=None, other_type=1):
     """Rings, then atoms that belong to no molecule. types: of the atoms and bonds of each ring."""
     types = types or [1] * len(outlines)
+    kinds = max(*types, other_type)
     atoms, bonds, first = [], [], 1
     for molecule, ring, kind in zip(molecules or range(1, 99), outlines, types, strict=False):
         for k, (x, y) in enumerate(np.asarray(ring, float).tolist()):
             atoms.append(f"{first + k} {molecule} {kind} {x!r} {y!r} 0")
             bonds.append(f"{first + k} {kind} {first + k} {first + (k + 1) % len(ring)}")
         first += len(ring)
-    atoms += [f"{first + k} 0 1 {x} {y} 0" for k, (x, y) in enumerate(others)]
+    atoms += [f"{first + k} 0 {other_type} {x} {y} 0" for k, (x, y) in enumerate(others)]
     return f"""rings
 
 {len(atoms)} atoms
 {len(bonds)} bonds
-{max(types)} atom types
-{max(types)} bond types
+1 extra bond per atom
+8 extra special per atom
+{kinds} atom types
+{kinds} bond types
 {-box[0] / 2} {box[0] / 2} xlo xhi
 {-box[1] / 2} {box[1] / 2} ylo yhi
 -0.5 0.5 zlo zhi
@@ -89,7 +92,7 @@ Masses
 
 """ + "\n".join(
         [
-            *(f"{kind + 1} 1.0" for kind in range(max(types))),
+            *(f"{kind + 1} 1.0" for kind in range(kinds)),
             "\nAtoms # bond\n",
             *atoms,
             "\nBonds\n",
@@ -110,6 +113,7 @@ class Rings:
         molecules=None,
         others=(),
         types=None,
+        other_type=1,
         header=HEADER,
         springs=SPRINGS,
         commands=AREA,
@@ -119,7 +123,7 @@ class Rings:
         self.run(header)
         with TemporaryDirectory() as folder:
             file = Path(folder, "data")
-            file.write_text(data_file(outlines, box, tilt, molecules, others, types))
+            file.write_text(data_file(outlines, box, tilt, molecules, others, types, other_type))
             self.run(f"read_data {file}")
         self.run(springs + MEASURE + commands)
 

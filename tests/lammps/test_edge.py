@@ -242,7 +242,8 @@ def test_hardly_any_friction():
     turn = np.pi * np.arange(1, 9) / 9
     right = np.column_stack([0.4 + 0.3 * np.sin(turn), 0.3 - 0.3 * np.cos(turn)])
     side = np.column_stack([np.linspace(-0.4, 0.4, 9), np.zeros(9)])
-    slider = np.vstack([side, right, (0, 0.6) - side, (0, 0.6) - right]) + (0.01, 0.03)
+    half = np.vstack([side, right])
+    slider = np.vstack([half, (0, 0.6) - half]) + np.array((0.01, 0.03))
     outlines, distances = [np.array(flat), slider], np.linspace(0, spacing, 20)
     edges = slid(outlines, "pair_style deformable/edge 1.1\npair_coeff * * 10 0.06\n", distances)
     beads = slid(outlines, "pair_style harmonic/cut\npair_coeff * * 5 0.06\n", distances)

@@ -6,7 +6,7 @@ from ..model.beads import Beads
 from ..model.walls import Walls
 
 # Longest edge of smooth rings over the one at rest.
-_LONGEST_EDGE = 1.5
+_LONGEST_EDGE = 2.0
 
 _ROUGH = """
 pair_style harmonic/cut

@@ -124,27 +124,30 @@ def table(output: str) -> dict[str, list[str]]:
     head = next(n for n, line in enumerate(lines) if line.startswith("law "))
     rows = [line for line in lines[head + 1 :] if not line.startswith("no law")]
     width = lines[head].index("I") - 8  # a column of nine digits
-    return {line[:width].strip(): line[width:].split(maxsplit=4) for line in rows}
+    return {line[:width].strip(): line[width:].split(maxsplit=5) for line in rows}
 
 
-def test_compare_has_a_row_a_law(tmp_path: Path) -> None:
+@pytest.mark.parametrize("kind", ["smooth", "rough"])
+def test_compare_has_a_row_a_law(kind: str, tmp_path: Path) -> None:
     options = ("--number", "8", "--beads", "20", "--strain", "0.03")
-    result = run("compare", *options, cwd=tmp_path)
+    rough = ("--rough",) if kind == "rough" else ()
+    result = run("compare", *options, *rough, cwd=tmp_path)
     assert result.returncode == 0, result.stderr
+    assert result.stdout.startswith(f"8 {kind} rings, 20 beads on a small one, 3 % strain")
     rows = table(result.stdout)
-    assert {"beads", "disk", "sector", "balanced"} < rows.keys()
-    assert rows.pop("beads")[0] == "-"
+    assert {"rings", "disk", "sector", "balanced"} < rows.keys()
+    assert rows.pop("rings")[0] == "-"
     assert rows.pop("disk")[2] == "-"
     for row in rows.values():
         assert 0.0 < float(row[0]) < 0.02
         assert float(row[2]) > 0.0
-    assert float(rows["balanced"][4]) > 1.0
+    assert float(rows["balanced"][5]) > 1.0
     assert "interlock" not in result.stdout
 
 
 def test_compare_warns_that_rings_interlock(tmp_path: Path) -> None:
     options = ("--number", "8", "--beads", "20", "--strain", "1e-7")
-    result = run("compare", *options, cwd=tmp_path)
+    result = run("compare", *options, "--rough", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert "the rings interlock" in result.stdout.splitlines()[-1]
 
@@ -153,6 +156,7 @@ def test_compare_marks_what_failed(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     common = {"I": 0.01, "S_rms": 0.5, "seconds_beads": 4.0, "seconds": 2.0}
+    common["own_energy_ratio"] = 0.25
     rows = [
         common | {"law": "disk", "energy_ratio": None, "residual": None},
         common | {"law": "sector", "energy_ratio": 0.5, "residual": 2e-6},
@@ -161,9 +165,9 @@ def test_compare_marks_what_failed(
     monkeypatch.setattr(packings, "packing_rows", lambda *arguments: (rows, []))
     cli.compare()
     shown = table(capsys.readouterr().out)
-    assert shown["disk"][2:] == ["-", "2", "2"]
-    assert shown["sector"][2:] == ["0.5", "2", "did not converge"]
-    assert shown["balanced, kP inf"][2:] == ["-", "2", "2"]
+    assert shown["disk"][2:] == ["-", "0.25", "2", "2"]
+    assert shown["sector"][2:] == ["0.5", "0.25", "2", "did not converge"]
+    assert shown["balanced, kP inf"][2:] == ["-", "0.25", "2", "2"]
 
 
 @pytest.mark.parametrize("strain", ["0", "-0.01", "1", "nan"])

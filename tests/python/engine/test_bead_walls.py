@@ -1,8 +1,11 @@
 """A ring of beads between walls."""
 
+from dataclasses import replace
+
 import deformable
 import numpy as np
 import pytest
+from deformable import core
 from deformable.engine.lammps import gather
 from naive_rings import ALONE, LONE_BEADS, naive, square
 
@@ -88,3 +91,18 @@ def test_walls_do_not_follow_the_box() -> None:
         with pytest.raises(deformable.ParameterError, match="confine"):
             ring.deform(2.0 * np.eye(2))
         assert ring.box == pytest.approx(3.0 * np.eye(2))
+
+
+def test_walls_press_smooth_rings_at_their_skin() -> None:
+    """The ring law with the skin c/2 has the same area deficit: both touch R + c/2 outside."""
+    beads = replace(LONE_BEADS, number=160, kL=160.0, kr=300.0, smooth=True)
+    with deformable.BeadReference(ALONE, beads, square(0.5)) as ring:
+        for height in (0.49, 0.48):
+            ring.confine(square(height))
+            state = ring.relax(1e-3)
+    (kP,), (skin,) = state.rings.kP, state.rings.skin
+    walls = square(0.48)
+    law = core.soft_ring(0.5, walls.angle, np.full(4, 0.02), 1.0, kP, skin)
+    # walls yield by p L0/kr, 3e-5 of the indentation; chords of 160 sides cut (pi/160)^2 off
+    assert state.area_deficit[0] == pytest.approx(law.area_deficit, rel=2e-3)
+    assert state.packing.positions[0] == pytest.approx([0.0, 0.0], abs=1e-6)

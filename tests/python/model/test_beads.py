@@ -16,6 +16,24 @@ def test_numbers_of_the_paper() -> None:
     assert rings.effective_radius == pytest.approx(RADII - 0.00205, abs=2e-5)
 
 
+def test_smooth_rings_have_the_perimeter_of_the_law() -> None:
+    rings = deformable.Beads(number=80, radius=0.025, kL=480.0, smooth=True).rings(RADII)
+    assert rings.number.tolist() == [80, 114]
+    assert rings.number * rings.spacing == pytest.approx(2.0 * np.pi * (RADII - 0.025), rel=1e-14)
+    assert rings.spacing == pytest.approx(2.0 * rings.radius * np.sin(np.pi / rings.number))
+    assert rings.effective_radius.tolist() == RADII.tolist()
+    assert rings.skin == pytest.approx([0.025, 0.025], rel=1e-13)
+    assert rings.kP.tolist() == [480.0 / 80, 480.0 / 114]
+
+
+def test_few_vertices_are_enough_for_smooth_rings() -> None:
+    assert deformable.Beads(number=8, radius=0.01, smooth=True).rings(RADII).number[0] == 8
+    with pytest.raises(deformable.ParameterError, match="too few"):
+        deformable.Beads(number=8, radius=0.01).rings(RADII)
+    with pytest.raises(deformable.ParameterError, match="too many"):
+        deformable.Beads(number=9000, radius=0.01, smooth=True).rings(RADII)
+
+
 def test_rest_values_are_those_of_a_regular_polygon() -> None:
     rings = deformable.Beads(number=[5, 11], radius=0.1).rings(np.array([0.4, 0.3]))
     for n, radius, spacing, area in zip(
