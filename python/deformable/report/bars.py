@@ -23,6 +23,13 @@ def bar(strain: float) -> float | None:
     return next((part for most, part in BARS.items() if strain <= most + _ROUNDING), None)
 
 
+def whole(rows: Sequence[Row]) -> list[Row]:
+    """Rows of the references that are compressed to the largest strain."""
+    last = max(row["strain"] for row in rows)
+    numbers = {row["n_v"] for row in rows if row["strain"] == last}
+    return [row for row in rows if row["n_v"] in numbers]
+
+
 def exceptions(rows: Sequence[Row]) -> list[Row]:
     """Rows of `smooth_rows` of the balanced law, relaxed on its own, that miss their bar.
 

@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..studies.law_styles import BEADS, SMOOTH, STYLES, Style
-from .bars import BARS, CONVERGED
+from .bars import BARS, CONVERGED, whole
+from .summary import energy_errors, label
 
 Row = dict[str, Any]
 
@@ -24,18 +25,17 @@ def accuracy(rows: Sequence[Row], pareto: Sequence[Row]) -> Figure:
     """
     figure = Figure(figsize=(10.0, 4.4), layout="constrained")
     error, time = figure.subplots(1, 2, width_ratios=(3, 2))
-    finest = max(row["n_v"] for row in rows)
-    for law in STYLES:
-        path = [
-            row
-            for row in rows
-            if (row["law"], row["n_v"]) == (law, finest)
-            and (row["own"] or law == "sector")
-            and row["residual"] <= CONVERGED
-            and row["energy_ratio"] is not None
-        ]
-        if path:
-            _medians(error, path, law)
+    for law, style in STYLES.items():
+        wrong = energy_errors(rows, law)
+        if not wrong:
+            continue
+        x = [100.0 * strain for strain in wrong]
+        middle = [np.median(each) for each in wrong.values()]
+        error.plot(x, middle, linestyle=style.line, color=style.color, linewidth=1.2)
+        for strain, each in zip(x, wrong.values(), strict=True):
+            error.plot([strain] * len(each), each, style.marker, color=style.color, markersize=4.5)
+        name = law if law != "sector" else "sector, at the rings' centers"
+        error.plot([], [], style.marker, color=style.color, linestyle=style.line, label=name)
     error.set(
         xlabel="strain beyond jamming [%]",
         ylabel="error of the energy, |E / E(smooth rings) − 1|",
@@ -61,28 +61,6 @@ def accuracy(rows: Sequence[Row], pareto: Sequence[Row]) -> Figure:
     time.set_xlim(0.5 * min(seconds), 8.0 * max(seconds))
     _legend_below(figure, error)
     return figure
-
-
-def _medians(ax: Any, path: Sequence[Row], law: str) -> None:
-    style = STYLES[law]
-    strains = sorted({row["strain"] for row in path})
-    wrong = [
-        [abs(row["energy_ratio"] - 1.0) for row in path if row["strain"] == strain]
-        for strain in strains
-    ]
-    x = 100.0 * np.array(strains)
-    ax.plot(x, [np.median(each) for each in wrong], style.line, color=style.color, linewidth=1.2)
-    for strain, each in zip(x, wrong, strict=True):
-        ax.plot([strain] * len(each), each, style.marker, color=style.color, markersize=4.5)
-    name = law if law != "sector" else "sector, at the rings' centers"
-    ax.plot([], [], style.marker, color=style.color, linestyle=style.line, label=name)
-
-
-def label(row: Row) -> str:
-    """Name of a method in words."""
-    if row["method"] == "reference":
-        return f"smooth rings, {row['rings']}, the reference"
-    return f"{row['method']} rings, {row['rings']}" if row["rings"] else row["method"]
 
 
 def _style(method: str) -> Style:
@@ -139,8 +117,9 @@ def pareto(rows: Sequence[Row]) -> Figure:
 def compressions(rows: Sequence[Row]) -> Figure:
     """The balanced law along compressions, a column for each packing, and all laws' centers.
 
-    Hollow: the reference has not converged.
+    Steps at which the reference has not converged are left out.
     """
+    rows = whole(rows)
     seeds = sorted({row["seed"] for row in rows})
     numbers = sorted({row["n_v"] for row in rows})
     figure = Figure(figsize=(max(3.4 * len(seeds), 6.0), 6.4), layout="constrained")
@@ -150,17 +129,17 @@ def compressions(rows: Sequence[Row]) -> Figure:
     fills = dict(zip(numbers[::-1], (balanced.color, "white"), strict=False))
     for column, seed in zip(panels.T, seeds, strict=True):
         for ax, key in zip(column[:2], ("energy_ratio", "pressure_ratio"), strict=True):
-            _allowed(ax)
+            ax.axhline(1.0, color=SMOOTH.color, linewidth=1.0)
             for count in numbers:
                 path = [
                     row
                     for row in own
                     if (row["law"], row["seed"], row["n_v"]) == ("balanced", seed, count)
-                    and row["residual"] <= CONVERGED
                 ]
+                known = [row[key] is not None and row["residual"] <= CONVERGED for row in path]
                 ax.plot(
                     [100.0 * row["strain"] for row in path],
-                    [np.nan if row[key] is None else row[key] for row in path],
+                    [row[key] if there else np.nan for row, there in zip(path, known, strict=True)],
                     balanced.marker,
                     color=balanced.color,
                     markerfacecolor=fills.get(count, "0.7"),
@@ -168,9 +147,12 @@ def compressions(rows: Sequence[Row]) -> Figure:
                     linewidth=0.8,
                     markersize=8,
                 )
-            ax.set_ylim(0.98, 1.04)
+            ax.set_ylim(0.985, 1.04)
             ax.grid(alpha=0.3)
-        _distances(column[2], [r for r in own if (r["seed"], r["n_v"]) == (seed, numbers[-1])])
+        _allowed(column[0])
+        these = [row for row in own if row["seed"] == seed]
+        most = max(row["n_v"] for row in these)
+        _distances(column[2], [row for row in these if row["n_v"] == most])
         column[0].set_title(f"packing {seed}", fontsize=10)
         column[2].set_xlabel("strain beyond jamming [%]")
     names = ("energy", "pressure")
@@ -204,7 +186,6 @@ def _allowed(ax: Any) -> None:
     for strain, part in BARS.items():
         ax.fill_between([100 * low, 100 * strain], 1 - part, 1 + part, color="0.9", linewidth=0)
         low = strain
-    ax.axhline(1.0, color=SMOOTH.color, linewidth=1.0)
 
 
 def _distances(ax: Any, rows: Sequence[Row]) -> None:

@@ -36,21 +36,25 @@ _MIXTURES = (
     ((1.0, 1.0), (0.1, math.inf)),
 )
 
+# Packings of 16 that stay rigid. Seed 2 loses its rigidity between 2 and 4 %, where nothing can be
+# compared; one run of it shows that.
+_RIGID = (1, 3, 4)
+
 # Small and large rings have perimeters of the ratio 19:27 at rest, so that multiples of 19 give
 # both the same kP at every number of vertices.
 FULL = Plan(
     ablation={},
-    pareto=[(16, seed, 171, 0.02, 4, (38, 57, 76, 114), (38, 76)) for seed in (1, 2, 3)],
-    smooth=[(16, seed, count) for count in (80, 160) for seed in (1, 2, 3)],
+    pareto=[(16, seed, 171, 0.02, 2, (38, 57, 76, 114), (38, 57, 76)) for seed in _RIGID],
+    smooth=[
+        *((16, seed, count) for count in (80, 160) for seed in _RIGID),
+        *((16, seed, 320, 0.005, 1) for seed in _RIGID),
+        (16, 2, 80),
+    ],
     friction=[(smooth_beads(n, smooth=kind),) for kind in (True, False) for n in (40, 80, 160)],
     hysteresis=[(16, 1, smooth_beads(80, smooth=kind), 0.03, 6) for kind in (True, False)],
     crystal=[(smooth_beads(n), a) for a in (0.01, 0.03) for n in (40, 80, 160)],
     large=(128, 1, 0.01, Beads()),
-    mixtures=[
-        (16, seed, strain, 95, kA, kP)
-        for kA, kP in _MIXTURES
-        for seed, strain in ((1, 0.01), (1, 0.02), (2, 0.02))
-    ],
+    mixtures=[(16, seed, 0.02, 76, kA, kP) for kA, kP in _MIXTURES for seed in _RIGID[:2]],
     shapes={},
     stiffness={},
     limits=[(sides,) for sides in (3, 4, 6)],

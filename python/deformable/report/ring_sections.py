@@ -6,39 +6,27 @@ from collections.abc import Sequence
 from statistics import median
 from typing import Any
 
-from ..studies.law_styles import STYLES
 from . import columns as c
-from .bars import BARS, CONVERGED, exceptions
-from .figures import label
+from .bars import BARS, CONVERGED, exceptions, whole
 from .numbers import listed, percent, show, span
 from .page import Column, Picture, Section, Table
+from .summary import label, summary, whole_percents
 
 Row = dict[str, Any]
 
 
 def in_short(rows: Sequence[Row], pareto: Sequence[Row]) -> Section:
     """How right and how fast each law is: one table and one picture."""
-    finest = max(row["n_v"] for row in rows)
-    strains = sorted({row["strain"] for row in rows})
-    shown = [s for s in strains if round(100 * s, 6) % 1 == 0] or strains
-    seconds = {row["method"]: row["seconds"] for row in pareto if row["rings"] is None}
-    rings = fastest_as_good(pareto)
-    table: list[Row] = []
-    for law in STYLES:
-        own = [row for row in rows if (row["law"], row["n_v"]) == (law, finest)]
-        own = [row for row in own if row["own"] or law == "sector"]
-        if own:
-            table.append(
-                {"law": law, "seconds": seconds[law]}
-                | {percent(s): span(converged(own, s, "energy_ratio")) for s in shown}
-            )
+    finest = max(row["n_v"] for row in whole(rows))
+    strains = [percent(strain) for strain in whole_percents(rows)]
     return Section(
         "In short",
         (
-            f"Each law compresses the same {_packings(rows)} as smooth rings of {finest} vertices, "
-            "and relaxes on its own. The table has its energy over that of the rings: 1 is right. "
-            "The sector law does not come to rest; it is taken at the centers of the rings.",
-            _as_good(pareto, rings),
+            f"Laws and smooth rings compress the same packings of {rows[0]['n']} particles from "
+            "jamming, and each relaxes on its own. The table has the error of the energy: of the "
+            f"laws against rings of {finest} vertices, the median over the packings. The sector "
+            "law does not come to rest; it is taken at the centers of the rings.",
+            _as_good(pareto),
         ),
         pictures=[
             Picture(
@@ -51,21 +39,20 @@ def in_short(rows: Sequence[Row], pareto: Sequence[Row]) -> Section:
         ],
         tables=[
             Table(
-                "Energy over that of smooth rings by strain, range over the packings",
+                "Error of the energy by strain, error of the area deficits, and time",
                 [
-                    c.LAW,
-                    *(Column(percent(s), percent(s), "strain beyond jamming") for s in shown),
-                    Column(
-                        "seconds", "time", f"to {percent(pareto[0]['strain'])} strain, mean", "s"
-                    ),
+                    Column("name", "method", "rings: number of vertices", text=True),
+                    *(Column(s, s, "error of the energy at this strain") for s in strains),
+                    Column("error", f"areas, {percent(pareto[0]['strain'])}", c.AREA.note),
+                    Column("seconds", "time", f"to {percent(pareto[0]['strain'])} strain", "s"),
                 ],
-                table,
+                summary(rows, pareto),
             )
         ],
     )
 
 
-def converged(rows: Sequence[Row], strain: float, key: str) -> list[float]:
+def _converged(rows: Sequence[Row], strain: float, key: str) -> list[float]:
     """Values at a strain where the reference has converged."""
     return [
         row[key]
@@ -74,7 +61,7 @@ def converged(rows: Sequence[Row], strain: float, key: str) -> list[float]:
     ]
 
 
-def fastest_as_good(pareto: Sequence[Row]) -> dict[str, Row]:
+def _fastest_as_good(pareto: Sequence[Row]) -> dict[str, Row]:
     """The fastest rings of each kind whose energy is at least as right as the balanced law's."""
     (balanced,) = (row for row in pareto if row["method"] == "balanced")
     found: dict[str, Row] = {}
@@ -86,7 +73,8 @@ def fastest_as_good(pareto: Sequence[Row]) -> dict[str, Row]:
     return found
 
 
-def _as_good(pareto: Sequence[Row], rings: dict[str, Row]) -> str:
+def _as_good(pareto: Sequence[Row]) -> str:
+    rings = _fastest_as_good(pareto)
     (balanced,) = (row for row in pareto if row["method"] == "balanced")
     text = (
         f"At {percent(balanced['strain'])} strain the energy of `balanced` is wrong by "
@@ -116,7 +104,7 @@ def pareto(rows: Sequence[Row]) -> Section:
             f"Errors are against smooth rings of {first['reference']} vertices; errors and times "
             "are means. Rings of different numbers of vertices stand for the same particles: radii "
             "and kP agree.",
-            _as_good(rows, fastest_as_good(rows)),
+            _as_good(rows),
             "Rough rings catch on each other: more vertices do not make them as right as smooth "
             "rings. Few vertices are wrong for both: contacts then have no more than one.",
         ),
@@ -152,11 +140,11 @@ def pareto(rows: Sequence[Row]) -> Section:
 def compressions(rows: Sequence[Row]) -> Section:
     """The rows of `smooth_rows`: the balanced law along compressions, and where it is off."""
     missed = exceptions(rows)
-    numbers = sorted({row["n_v"] for row in rows})
+    numbers = sorted({row["n_v"] for row in whole(rows)})
     own = [row for row in rows if row["own"] and row["law"] == "balanced"]
     sentences = [
-        f"{percent(strain)}: energy {span(converged(finest, strain, 'energy_ratio'))}, pressure "
-        f"{span(converged(finest, strain, 'pressure_ratio'))}"
+        f"{percent(strain)}: energy {span(_converged(finest, strain, 'energy_ratio'))}, pressure "
+        f"{span(_converged(finest, strain, 'pressure_ratio'))}"
         for finest in [[row for row in own if row["n_v"] == numbers[-1]]]
         for strain in sorted({row["strain"] for row in finest})[1::2]
     ]
@@ -180,9 +168,9 @@ def compressions(rows: Sequence[Row]) -> Section:
         pictures=[
             Picture(
                 "compressions.png",
-                "Each column is a packing. Top: the law balanced over smooth rings; gray: the "
-                "error that is allowed. Bottom: distances of the laws' centers from those of the "
-                f"rings of {numbers[-1]} vertices; above the dotted line one of both has "
+                "Each column is a packing. Top: the law balanced over smooth rings that have "
+                "converged; gray: the error that is allowed. Bottom: distances of the laws' "
+                "centers from those of the finest rings; above the dotted line one of both has "
                 "rearranged.",
                 "Lines of energy and pressure ratios near one, and of distances of centers, "
                 "against strain, for each packing.",
@@ -247,11 +235,6 @@ def _medians(rows: Sequence[Row], count: int) -> str:
         ]
         found.append(f"{show(median(ratios), 3)} in the median (`{law}`)")
     return listed(found)
-
-
-def _packings(rows: Sequence[Row]) -> str:
-    seeds = {row["seed"] for row in rows}
-    return f"{len(seeds)} packings of {rows[0]['n']} particles" if len(seeds) > 1 else "packing"
 
 
 def roughness(

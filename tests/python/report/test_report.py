@@ -15,10 +15,10 @@ from deformable.studies.smooth_compressions import smooth_beads
 RINGS = [smooth_beads(40, smooth=kind) for kind in (True, False)]
 SMALLEST = Plan(
     ablation={"number": 64, "steps": 2, "repeats": 1},
-    pareto=[(8, 1, 57, 0.03, 1, (38,), (38,))],
-    smooth=[(8, 1, 38, 0.03, 1)],
+    pareto=[(8, 1, 57, 0.015, 1, (38,), (38,))],
+    smooth=[(8, 1, 38, 0.015, 1)],
     friction=[(RINGS[0], 0.04, 2), (RINGS[1], 0.04, 2, 1e-2)],
-    hysteresis=[(8, 1, rings, 0.03, 2) for rings in RINGS],
+    hysteresis=[(6, 1, rings, 0.03, 2) for rings in RINGS],
     crystal=[(RINGS[0], 0.03)],
     large=(8, 3, 0.03, Beads(number=16)),
     mixtures=[(8, 1, 0.03, 38, (1.0, 10.0), (0.1, math.inf))],
