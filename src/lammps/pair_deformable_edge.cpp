@@ -142,6 +142,7 @@ void PairDeformableEdge::set_ghost_cutoff()
   for (int i = 1; i <= atom->ntypes; ++i)
     for (int j = i; j <= atom->ntypes; ++j)
       if (setflag[i][j]) greatest_c = std::max(greatest_c, c[i][j]);
+  edges.refuse_small_box(longest, greatest_c + neighbor->skin);
   const double needed = greatest_c + 2.0 * longest + neighbor->skin;
   if (comm->mode != Comm::SINGLE)
     error->all(FLERR, "{} needs ghosts up to {:.6g} of all atoms: use 'comm_modify mode single'",
@@ -187,7 +188,8 @@ void PairDeformableEdge::take_list()
   list_edge_contacts(lmp, *list, edges, c, longest, STYLE, contacts);
   rings_unknown = false;
   atoms_known = atom->natoms;
-  list_known = neighbor->ncalls;
+  builds_known = neighbor->ncalls;
+  build_step = neighbor->lastcall;
   if (!warned_out_of_plane) warned_out_of_plane = warn_out_of_plane(lmp, *list);
 }
 
@@ -196,7 +198,8 @@ void PairDeformableEdge::take_list()
 void PairDeformableEdge::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
-  if (rings_unknown || list_known != neighbor->ncalls) take_list();
+  if (rings_unknown || neighbor->ncalls != builds_known || neighbor->lastcall != build_step)
+    take_list();
 
   const int n = atom->ntypes + 1;
   repulsion.resize(n * n);
@@ -231,6 +234,8 @@ template <bool TALLY> void PairDeformableEdge::add_contacts()
     f[at.end][1] += contact.end_y;
     if (TALLY) tally(at, px, py, ex, ey, contact);
   }
+  if (!std::isfinite(energy))
+    error->one(FLERR, "{}: the energy of the contacts is not finite: use a smaller kr", STYLE);
   if (eflag_global) eng_vdwl += energy;
 }
 

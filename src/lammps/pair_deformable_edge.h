@@ -42,7 +42,9 @@ class PairDeformableEdge : public Pair {
   std::vector<deformable::Repulsion> repulsion;    // by VertexAndEdge::types
 
   bool rings_unknown = true;
-  bigint atoms_known = -1, list_known = -1;    // number of atoms and neighbor list of the last call
+  bigint atoms_known = -1;
+  // which neighbor list the contacts are from; `rerun` counts the builds anew for each snapshot
+  bigint builds_known = -1, build_step = -1;
   bool warned_out_of_plane = false;
 
   void allocate();

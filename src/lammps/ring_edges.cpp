@@ -49,7 +49,9 @@ void RingEdges::link(double longest, double range)
     edges[i].ring = ring;
     if (ring >= 0) link_successor(i, longest);
   }
-  refuse_own_images(longest, range);
+  const double least = refuse_small_box(longest, range);
+  // no ring is wider than half its perimeter
+  if (0.5 * most_vertices * longest + range > least) refuse_own_images(range);
 }
 
 /* ----------------------------------------------------------------------
@@ -93,33 +95,41 @@ void RingEdges::link_successor(int i, double longest)
 }
 
 /* ----------------------------------------------------------------------
-   No ring is wider than half its perimeter.
+   Distances between opposite faces of the box.
 ------------------------------------------------------------------------- */
 
-void RingEdges::refuse_own_images(double longest, double range)
+double RingEdges::across() const
 {
-  // distances between opposite faces of the box
   const double up = domain->yprd;
-  const double across =
-      domain->triclinic ? domain->xprd * up / std::hypot(up, domain->xy) : domain->xprd;
+  return domain->triclinic ? domain->xprd * up / std::hypot(up, domain->xy) : domain->xprd;
+}
+
+double RingEdges::refuse_small_box(double longest, double range) const
+{
   double least = std::numeric_limits<double>::infinity();
-  if (domain->xperiodic) least = across;
-  if (domain->yperiodic) least = std::min(least, up);
+  if (domain->xperiodic) least = across();
+  if (domain->yperiodic) least = std::min(least, domain->yprd);
   if (2.0 * longest > least)
     error->all(FLERR,
                "{}: l is {:.6g}, more than half of the box, which is {:.6g} wide: use a smaller l, "
                "or a larger box (replicate)",
                style, longest, least);
-  if (0.5 * most_vertices * longest + range > least) compare_extents(range, across, up);
+  if (range > least)
+    error->all(FLERR,
+               "{}: c and the skin of the neighbor list are {:.6g} together, more than the box, "
+               "which is {:.6g} wide: use a smaller c or skin, or a larger box (replicate)",
+               style, range, least);
+  return least;
 }
 
 /* ----------------------------------------------------------------------
    No ring meets an image of itself if it is narrower than the box, by the
-   range of contacts, along the normals of all faces. All ranks.
+   range of contacts, along the normals of all faces.
 ------------------------------------------------------------------------- */
 
-void RingEdges::compare_extents(double range, double across, double up)
+void RingEdges::refuse_own_images(double range)
 {
+  const double across = this->across(), up = domain->yprd;
   // largest and minus smallest projection of each ring on both normals
   extents.assign(4 * rings.size(), -std::numeric_limits<double>::max());
   for (int i = 0; i < atom->nlocal; ++i) {

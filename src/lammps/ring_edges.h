@@ -21,6 +21,9 @@ class RingEdges : protected Pointers {
   // style: begins the errors
   RingEdges(class LAMMPS *lmp, const std::string &style) : Pointers(lmp), style(style) {}
 
+  // Before there are ghosts: refuses edges and ranges for which the box is too small. Returns its smallest width.
+  double refuse_small_box(double longest, double range) const;
+
   // Which rings there are. All ranks.
   void find(const BeadSelection &);
 
@@ -44,8 +47,8 @@ class RingEdges : protected Pointers {
   int most_vertices = 0;
 
   void link_successor(int i, double longest);
-  void refuse_own_images(double longest, double range);
-  void compare_extents(double range, double across, double up);
+  double across() const;
+  void refuse_own_images(double range);
 };
 
 }    // namespace LAMMPS_NS

@@ -189,6 +189,31 @@ def test_polygons(host, examples):
     answers()
 
 
+EDGES = st.one_of(
+    words_of("l", "kr").map(" ".join), numbers, st.sampled_from(["1.05", "1.5", "3.9"])
+)
+CONTACTS = st.one_of(
+    st.tuples(TYPES, TYPES, numbers, numbers).map(" ".join),
+    st.tuples(positive, st.floats(0.1, 1.9)).map("* * {0[0]} {0[1]!r}".format),
+    words_of("*").map(" ".join),
+)
+NEAR = [*SQUARE, *((x + 1.2, y + 0.1) for x, y in SQUARE)]
+
+
+@pytest.mark.parametrize("examples", SOME)
+def test_edges(host, examples):
+    @settings(max_examples=examples, deadline=None)
+    @given(EDGES, CONTACTS, MOLECULES, IMAGES, st.one_of(PLACES, st.just(NEAR)))
+    def answers(longest, contacts, molecules, images, places):
+        commands = [
+            *("units lj", "dimension 2", "atom_style bond", "read_data data"),
+            *(f"pair_style deformable/edge {longest}", f"pair_coeff {contacts}", *RUNS),
+        ]
+        assert check(host.answer(commands, {"data": rings(molecules, images, places)}))
+
+    answers()
+
+
 # Commands that may come in any order, once everything is defined. They do not remove a compute that
 # another one still uses, because any LAMMPS then crashes.
 READY = """

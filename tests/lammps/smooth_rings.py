@@ -89,10 +89,14 @@ def expected_energy(outlines, cell, parameters):
             if m == n:
                 continue
             kr, c = parameters(m, n)
-            apart = (ring.mean(0) - other.mean(0)) @ np.linalg.inv(cell)
+            apart = ring.mean(0) - other.mean(0)
+            nearest = np.round(apart @ np.linalg.inv(cell))
+            size = sum(np.hypot(*(v - v.mean(0)).T).max() for v in (ring, other))
             e = np.roll(other, -1, axis=0) - other
             for image in np.ndindex(3, 3):
-                shift = (np.array(image) - 1 - np.round(apart)) @ cell
+                shift = (np.array(image) - 1 - nearest) @ cell
+                if np.hypot(*(apart + shift)) > size + c:
+                    continue
                 p = ring[:, None] + shift - other
                 t = np.clip((p * e).sum(2) / (e * e).sum(1), 0, 1)
                 foot = p - t[..., None] * e

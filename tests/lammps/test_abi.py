@@ -12,6 +12,7 @@ from deformable import core, plugin
 STYLES = (
     "pair style plugin deformable/ring",
     "deformable/sector",
+    "deformable/edge",
     "fix style plugin deformable/wall",
     "deformable/polygon",
     "deformable/stick",

@@ -120,6 +120,28 @@ def test_data_file(option, commands, tmp_path):
     assert again.energy() == pytest.approx(energy, rel=1e-10)  # 16 digits in the file
 
 
+def test_rerun(tmp_path):
+    """Contacts are those of each snapshot, however far apart."""
+    rings = two_rings()
+    rings.energy()
+    x, energies = rings.x, []
+    for step, shift in enumerate([0.5, 0.0, 0.02, -0.01]):
+        moved = x + shift * np.array([1.0, 0.0]) * (np.arange(len(x)) >= len(FIRST))[:, None]
+        rings.run(f"reset_timestep {step}")
+        energies.append(rings.energy(moved))
+        dump = f"write_dump all custom {tmp_path}/{step} id x y ix iy modify format float %.17g"
+        rings.run(dump)
+    files = " ".join(f"{tmp_path}/{step}" for step in range(4))
+    rings.run(
+        "thermo_style custom step pe\nthermo_modify norm no format float %.17g\nthermo 1\n"
+        f"log {tmp_path}/log\nrerun {files} dump x y ix iy\nlog none"
+    )
+    lines = (tmp_path / "log").read_text().split("PotEng")[1].splitlines()[1:5]
+    found = np.array([float(line.split()[1]) for line in lines])
+    np.testing.assert_allclose(found, energies, rtol=1e-12)
+    assert found[0] == 0 < found[1]
+
+
 # ---- other styles and atoms ----
 
 

@@ -9,6 +9,7 @@ from rings import lattice
 from smooth_rings import AREAS, DATA, EXCLUDE, KR, PAIR, C, expected_energy, of_contacts, packing
 
 MOVE = "fix move all nve\n"
+DISPLACE = "displace_atoms all random 0.001 0.001 0 7"
 HEAT = "temp 1e-4 1e-4 1"
 SCENE = """
 velocity all create 1e-4 4711 loop all
@@ -31,13 +32,13 @@ COMMANDS = {
     "fix box/relax": "min_style cg\nfix box all box/relax iso 1e-4\nminimize 0 1e-6 100 200",
     "change_box": "change_box all x scale 0.999 y scale 1.001 remap",
     "change_box, tilted": "change_box all triclinic xy delta 0.01 remap",
-    "displace_atoms": "displace_atoms all random 0.001 0.001 0 7",
+    "displace_atoms": DISPLACE,
     "neighbor nsq": "neighbor 0.05 nsq\n" + MOVE,
     "neighbor multi": "neighbor 0.05 multi\n" + MOVE,
     "atom_modify sort": "atom_modify sort 5 0.5\n" + MOVE,
     "run every": MOVE + "run 30 every 10 NULL\nrun 20 pre no",
     "pair_modify": "pair_modify shift yes mix arithmetic nofdotr\n" + MOVE,
-    "minimize": "displace_atoms all random 1e-3 1e-3 0 7\nmin_style quickmin\nminimize 0 1e-9 50 100",
+    "minimize": DISPLACE + "\nmin_style quickmin\nminimize 0 1e-9 50 100",
 }
 
 

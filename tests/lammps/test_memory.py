@@ -84,11 +84,14 @@ fix walls all deformable/wall walls
 ROOM = "change_box all x scale 1.04 y scale 1.04 remap"  # what keeps its area needs some
 
 
-def bead_scene(commands):
+SMOOTH = rings.SPRINGS.replace("harmonic/cut", "deformable/edge 1.6")
+
+
+def bead_scene(commands, springs=rings.SPRINGS):
     """The two rings of `rings`, moving."""
     return f"""{rings.HEADER}
 read_data rings.data
-{rings.SPRINGS}
+{springs}
 {commands}
 neigh_modify every 1 delay 0 check yes
 compute stress all stress/atom NULL virial
@@ -141,6 +144,17 @@ write_restart rings.restart
 clear
 read_restart rings.restart
 {rings.SPRINGS}
+{rings.AREA}
+fix move all nve
+run 2
+""",
+    "edge and its restart": bead_scene(rings.REST, SMOOTH)
+    + f"""
+write_restart smooth.restart
+clear
+read_restart smooth.restart
+bond_style harmonic
+bond_coeff * {rings.KL / 2} {rings.SPACING}
 {rings.AREA}
 fix move all nve
 run 2

@@ -36,6 +36,7 @@ app = typer.Typer(
 STYLES = (
     ("pair", "deformable/ring"),
     ("pair", "deformable/sector"),
+    ("pair", "deformable/edge"),
     ("fix", "deformable/wall"),
     ("fix", "deformable/stick"),
     ("fix", "deformable/polygon"),

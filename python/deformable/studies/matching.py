@@ -48,7 +48,7 @@ def matching_laws(beads: Beads, rings: Rings, rigid: Sequence[bool] = ()) -> dic
     return found
 
 
-def of_equal_size(packing: Packing, beads: Beads) -> Packing:
+def matching(packing: Packing, beads: Beads) -> Packing:
     """The packing with other radii, such that the rings have its own radii as effective ones."""
     radii = packing.radii
     for _ in range(10):  # the roughness hardly depends on the radius: each step gains two digits

@@ -21,6 +21,7 @@ from ..model.laws import Ring, Sector
 from ..model.packing import bidisperse
 from ..protocols.compression import compress
 from ..protocols.jamming import jam
+from ..state.bead_state import steiner_point
 from .comparison import Comparison, compare
 from .shape_error import shape_error
 from .single import IRREGULAR, LAWS, STEP, Squeezed, regular, squeeze
@@ -111,15 +112,10 @@ def _key(law: str) -> str:
 def steiner_error(result: Squeezed) -> float:
     """I of the ring law with kP = inf about the Steiner point of the beads, the law's own center.
 
-    The Steiner point is the mean of a polygon's corners, weighted by the angles of turn. It differs
-    from the mean of the beads, the center of `Squeezed`, to second order in a.
+    It differs from the mean of the beads, the center of `Squeezed`, to second order in a.
     """
     beads = result.beads.outlines[0]
-    edge = np.roll(beads, -1, axis=0) - beads
-    direction = np.arctan2(edge[:, 1], edge[:, 0])
-    turn = direction - np.roll(direction, 1)
-    turn -= 2.0 * np.pi * np.rint(turn / (2.0 * np.pi))
-    point = turn @ beads / (2.0 * np.pi)
+    point = steiner_point(beads)
     pressed = 1.0 + result.beads.beads.radius - result.walls.distances_from(point)
     points = len(result.outlines["ring, kP inf"])
     outline = core.outline("ring", 1.0, result.walls.angle, pressed, points)

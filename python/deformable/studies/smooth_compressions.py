@@ -26,7 +26,7 @@ from ..protocols.jamming import jam
 from ..state.bead_state import BeadState
 from ..state.state import State
 from .comparison import predict, shape_errors
-from .matching import centers_rms, finite_ratio, is_unjammed, matching_laws, of_equal_size
+from .matching import centers_rms, finite_ratio, is_unjammed, matching, matching_laws
 
 S = TypeVar("S", State, BeadState)
 Path = list[tuple[S, float]]
@@ -70,8 +70,8 @@ def smooth_rows(
         count: N_v of the reference, vertices of a small ring, see `smooth_beads`.
         strain: total linear strain.
         steps: number of steps.
-        rivals: other rings to compare with the reference, smooth or rough, of the same effective
-            radii.
+        rivals: other rings to compare with the reference, smooth or rough. All stand for the same
+            particles: rough ones have the laws' radii as effective ones, see `matching`.
 
     Returns:
         Rows for each step, in the order of the steps. Their keys:
@@ -102,9 +102,7 @@ def smooth_rows(
         for name, law in laws.items()
         if name not in _RESTLESS
     }
-    others = [
-        (rival, ring_path(of_equal_size(start, rival), rival, strain, steps)) for rival in rivals
-    ]
+    others = [(rival, ring_path(matching(start, rival), rival, strain, steps)) for rival in rivals]
     rows: list[dict[str, Any]] = []
     for n, (exact, seconds) in enumerate(reference):
         common = {

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from deformable import BeadReference, Beads, BeadState, Ring, Simulation, State, bidisperse, jam
 from deformable.studies.crystal import crystal_row
-from deformable.studies.matching import centers_rms, of_equal_size
+from deformable.studies.matching import centers_rms, matching
 from deformable.studies.smooth_compressions import smooth_beads
 
 
@@ -63,11 +63,11 @@ def test_rattlers_do_not_count(pair):
 
 
 @pytest.mark.parametrize("smooth", [True, False])
-def test_rings_of_equal_size_have_the_same_effective_radii(smooth):
+def test_rings_matching_have_the_same_effective_radii(smooth):
     packing = bidisperse(4, seed=1)
     for number in (40, 100):
         beads = smooth_beads(number, smooth=smooth)
-        rings = beads.rings(of_equal_size(packing, beads).radii)
+        rings = beads.rings(matching(packing, beads).radii)
         # ten steps leave the rounding of sums of a few terms
         np.testing.assert_allclose(rings.effective_radius, packing.radii, rtol=1e-14)
 
