@@ -52,7 +52,7 @@ def folder(tmp_path_factory):
         patch.setattr(writing, "QUICK", SMALLEST)
         lines = []
         write_report(folder, quick=True, print_once=lines.append)
-    assert len(lines) == 13
+    assert len(lines) == 12
     return folder
 
 

@@ -63,7 +63,7 @@ def test_rattlers_do_not_count(pair):
 
 
 @pytest.mark.parametrize("smooth", [True, False])
-def test_rings_matching_have_the_same_effective_radii(smooth):
+def test_matching_rings_have_the_same_effective_radii(smooth):
     packing = bidisperse(4, seed=1)
     for number in (40, 100):
         beads = smooth_beads(number, smooth=smooth)
