@@ -37,7 +37,7 @@ def grouped(rows: Iterable[Row], by: Sequence[str], values: Sequence[str]) -> li
         groups.setdefault(repr([row[key] for key in by]), []).append(row)
     return [
         {key: same[0][key] for key in by}
-        | {key: span(row[key] for row in same) for key in values}
+        | {key: span((row[key] for row in same), 2 + key.endswith("_ratio")) for key in values}
         | {"packings": len({row["seed"] for row in same})}
         for same in groups.values()
     ]

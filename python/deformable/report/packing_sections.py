@@ -59,7 +59,7 @@ _RATIOS = ("I", "S_rms", "energy_ratio", "pressure_ratio", "own_energy_ratio")
 def mixtures(rows: Sequence[Row]) -> Section:
     best, laws = _by_error(rows)
     energies, own = (
-        span(row[key] for row in rows if row["law"] == best)
+        span((row[key] for row in rows if row["law"] == best), 3)
         for key in ("energy_ratio", "own_energy_ratio")
     )
     return Section(

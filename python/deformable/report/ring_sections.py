@@ -99,12 +99,12 @@ def pareto(rows: Sequence[Row]) -> Section:
     return Section(
         "Error against run time",
         (
-            f"Every method compresses the same {len(first['seeds'])} packings of {first['n']} "
-            f"particles from jamming to {percent(first['strain'])} strain, and relaxes on its own. "
+            f"Every method compresses the same packings of {first['n']} particles (seeds "
+            f"{show(first['seeds'])}) from jamming to {percent(first['strain'])} strain, and relaxes "
+            "on its own. "
             f"Errors are against smooth rings of {first['reference']} vertices; errors and times "
             "are means. Rings of different numbers of vertices stand for the same particles: radii "
             "and kP agree.",
-            _as_good(rows),
             "Rough rings catch on each other: more vertices do not make them as right as smooth "
             "rings. Few vertices are wrong for both: contacts then have no more than one.",
         ),
@@ -142,11 +142,11 @@ def compressions(rows: Sequence[Row]) -> Section:
     missed = exceptions(rows)
     numbers = sorted({row["n_v"] for row in whole(rows)})
     own = [row for row in rows if row["own"] and row["law"] == "balanced"]
+    finest = [row for row in own if row["n_v"] == numbers[-1]]
     sentences = [
-        f"{percent(strain)}: energy {span(_converged(finest, strain, 'energy_ratio'))}, pressure "
-        f"{span(_converged(finest, strain, 'pressure_ratio'))}"
-        for finest in [[row for row in own if row["n_v"] == numbers[-1]]]
-        for strain in sorted({row["strain"] for row in finest})[1::2]
+        f"{percent(strain)}: energy {span(_converged(finest, strain, 'energy_ratio'), 4)}, "
+        f"pressure {span(_converged(finest, strain, 'pressure_ratio'), 4)}"
+        for strain in whole_percents(finest)
     ]
     bars = listed(
         f"{percent(part)} up to {percent(strain)} strain" for strain, part in BARS.items()
@@ -158,7 +158,7 @@ def compressions(rows: Sequence[Row]) -> Section:
             + "; ".join(sentences)
             + ". "
             "At the centers of the rings it has "
-            f"{span(_at_centers(rows, numbers[-1]))} times their energy.",
+            f"{span(_at_centers(rows, numbers[-1]), 4)} times their energy.",
             f"Its energy is to be right to {bars}, wherever the rings have converged (residual at "
             f"most {show(CONVERGED)}). {len(own) - len(missed)} of {len(own)} steps are. "
             + (_reasons(missed) if missed else ""),
@@ -178,7 +178,7 @@ def compressions(rows: Sequence[Row]) -> Section:
         ],
         tables=[
             Table(
-                f"The {len(missed)} steps at which the energy of the balanced law is off",
+                "Steps at which the energy of the balanced law is off, with the reason",
                 [*_STEP, _BAR, c.RESIDUAL, _REASON],
                 missed,
             ),
@@ -194,7 +194,7 @@ def compressions(rows: Sequence[Row]) -> Section:
 
 _OWN = Column("own", "on its own", "relaxed alone, else at the centers of the rings")
 _BAR = Column("bar", "allowed", "error of the energy")
-_REASON = Column("reason", "reason", text=True)
+_REASON = Column("reason", "reason", text=True, show=lambda reason: reason or "none found")
 _STEP = (
     c.SEED,
     c.STRAIN,
@@ -220,7 +220,9 @@ def _reasons(missed: Sequence[Row]) -> str:
     counts = {row["reason"]: 0 for row in missed}
     for row in missed:
         counts[row["reason"]] += 1
-    texts = [f"{count} because {why or 'of nothing known'}" for why, count in counts.items()]
+    texts = [
+        f"{count} because {why or 'of no reason that was found'}" for why, count in counts.items()
+    ]
     return f"The others are listed: {listed(texts)}."
 
 
@@ -254,9 +256,10 @@ def roughness(
                 for row in friction
             )
             + ".",
-            f"A packing is compressed to {percent(_last(hysteresis))} strain or a little more and "
-            "expanded again. Its energy on the way back over that on the way forth is "
-            f"{span(row['ratio'] for row in smooth)} for smooth rings, and "
+            "A packing is compressed step by step and expanded again. Up to "
+            f"{percent(max(row['strain'] for row in hysteresis))} strain, one step below the "
+            "largest, its energy on the way back over that on the way forth is "
+            f"{span((row['ratio'] for row in smooth), 4)} for smooth rings, and "
             f"{span(row['ratio'] for row in rough)} for rough ones.",
             "In a triangular lattice of equal rings the exact energy of smooth particles is known. "
             f"Smooth rings of {best['n_v']} vertices have {show(best['energy_ratio'], 5)} of it at "
@@ -284,10 +287,6 @@ def roughness(
             )
         ],
     )
-
-
-def _last(rows: Sequence[Row]) -> float:
-    return max(row["strain"] for row in rows)
 
 
 def _five(value: Any) -> str:

@@ -82,7 +82,7 @@ def test_files(folder):
     pictures = re.findall(r'<img src="([^"]+)"', page)
     expected = {"index.html", "report.json", *pictures}
     assert {path.name for path in folder.iterdir()} == expected
-    assert len(pictures) == 10
+    assert len(pictures) == 11
 
 
 class Reader(HTMLParser):
