@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Iterable, Sequence
 from statistics import mean
 from typing import Any
@@ -12,7 +11,7 @@ from ..engine.disks import Disks
 from ..model.packing import Packing, bidisperse
 from ..protocols.compression import compress
 from ..protocols.jamming import jam
-from ..studies.smooth_compressions import smooth_beads, smooth_rows
+from ..studies.smooth_compressions import smooth_beads, smooth_rows, timed
 
 Row = dict[str, Any]
 
@@ -67,10 +66,7 @@ def pareto_rows(
 
 
 def _seconds_of_disks(start: Packing, strain: float, steps: int) -> float:
-    began = time.process_time()
-    for _ in compress(Disks(start), strain, steps):
-        pass
-    return time.process_time() - began
+    return math.fsum(seconds for _, seconds in timed(compress(Disks(start), strain, steps)))
 
 
 def pareto_means(packings: Iterable[Sequence[Row]]) -> list[Row]:

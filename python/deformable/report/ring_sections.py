@@ -100,8 +100,8 @@ def pareto(rows: Sequence[Row]) -> Section:
         "Error against run time",
         (
             f"Every method compresses the same packings of {first['n']} particles (seeds "
-            f"{show(first['seeds'])}) from jamming to {percent(first['strain'])} strain, and relaxes "
-            "on its own. "
+            f"{show(first['seeds'])}) from jamming to {percent(first['strain'])} strain, and "
+            "relaxes on its own. "
             f"Errors are against smooth rings of {first['reference']} vertices; errors and times "
             "are means. Rings of different numbers of vertices stand for the same particles: radii "
             "and kP agree.",
