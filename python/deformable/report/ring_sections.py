@@ -256,11 +256,10 @@ def roughness(
                 for row in friction
             )
             + ".",
-            "A packing is compressed step by step and expanded again. Up to "
-            f"{percent(max(row['strain'] for row in hysteresis))} strain, one step below the "
-            "largest, its energy on the way back over that on the way forth is "
-            f"{span((row['ratio'] for row in smooth), 4)} for smooth rings, and "
-            f"{span(row['ratio'] for row in rough)} for rough ones.",
+            "A packing is compressed step by step and expanded again. Its energy on the way back over "
+            f"that on the way forth is {_ratios(smooth)} for smooth rings, and {_ratios(rough)} "
+            "for rough ones. Where contacts are shorter than the spacing of the vertices, smooth "
+            "rings rest in several ways, too.",
             "In a triangular lattice of equal rings the exact energy of smooth particles is known. "
             f"Smooth rings of {best['n_v']} vertices have {show(best['energy_ratio'], 5)} of it at "
             f"a/R = {percent(best['indentation'])}.",
@@ -287,6 +286,10 @@ def roughness(
             )
         ],
     )
+
+
+def _ratios(rows: Sequence[Row]) -> str:
+    return listed(f"{show(row['ratio'], 4)} at {percent(row['strain'])}" for row in rows)
 
 
 def _five(value: Any) -> str:
