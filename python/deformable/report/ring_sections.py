@@ -258,8 +258,8 @@ def roughness(
             + ".",
             "A packing is compressed step by step and expanded again. Its energy on the way back "
             f"over that on the way forth is {_ratios(smooth)} for smooth rings, and "
-            f"{_ratios(rough)} for rough ones. Where contacts are shorter than the spacing of the vertices, smooth "
-            "rings rest in several ways, too.",
+            f"{_ratios(rough)} for rough ones. Where contacts are shorter than the spacing of the "
+            "vertices, smooth rings rest in several ways, too.",
             "In a triangular lattice of equal rings the exact energy of smooth particles is known. "
             f"Smooth rings of {best['n_v']} vertices have {show(best['energy_ratio'], 5)} of it at "
             f"a/R = {percent(best['indentation'])}.",
