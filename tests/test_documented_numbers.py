@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from deformable.report.numbers import percent
-from deformable.report.summary import summary, whole_percents
+from deformable.report.summary import fastest_as_good, summary, whole_percents
 
 ROOT = Path(__file__).parents[1]
 REPORT = json.loads((ROOT / "docs" / "report" / "report.json").read_text())
@@ -120,6 +120,19 @@ def test_tables_are_those_of_the_report(page, table):
         assert line in text
 
 
+def speed_up():
+    """The smooth rings that are as right as the law balanced, and how much longer they take."""
+    (balanced,) = (row for row in REPORT["pareto"] if row["method"] == "balanced")
+    rings = fastest_as_good(REPORT["pareto"])["smooth"]
+    longer = float(f"{rings['seconds'] / balanced['seconds']:.2g}")
+    return f"{rings['rings']} vertices and take {longer:.0f} times as long"
+
+
+def test_the_speed_up_is_that_of_the_report():
+    assert speed_up() in " ".join((ROOT / "README.md").read_text().split())
+
+
 if __name__ == "__main__":
+    print(speed_up())
     for lines in (accuracy_table(), mixture_table(), compression_table(), stability_table()):
         print(*lines, "", sep="\n")

@@ -10,7 +10,7 @@ from . import columns as c
 from .bars import BARS, CONVERGED, exceptions, whole
 from .numbers import listed, percent, show, span
 from .page import Column, Picture, Section, Table
-from .summary import label, summary, whole_percents
+from .summary import fastest_as_good, label, summary, whole_percents
 
 Row = dict[str, Any]
 
@@ -61,20 +61,8 @@ def _converged(rows: Sequence[Row], strain: float, key: str) -> list[float]:
     ]
 
 
-def _fastest_as_good(pareto: Sequence[Row]) -> dict[str, Row]:
-    """The fastest rings of each kind whose energy is at least as right as the balanced law's."""
-    (balanced,) = (row for row in pareto if row["method"] == "balanced")
-    found: dict[str, Row] = {}
-    for row in sorted(pareto, key=lambda row: row["seconds"] or 0.0):
-        error = row["energy_error"]
-        known = error is not None and row["method"] in ("smooth", "rough")
-        if known and error <= balanced["energy_error"]:
-            found.setdefault(row["method"], row)
-    return found
-
-
 def _as_good(pareto: Sequence[Row]) -> str:
-    rings = _fastest_as_good(pareto)
+    rings = fastest_as_good(pareto)
     (balanced,) = (row for row in pareto if row["method"] == "balanced")
     text = (
         f"At {percent(balanced['strain'])} strain the energy of `balanced` is wrong by "

@@ -69,3 +69,15 @@ def summary(rows: Sequence[Row], pareto: Sequence[Row]) -> list[Row]:
             {"name": label(row), "error": row["error"], "seconds": row["seconds"]} | energy
         )
     return sorted(found, key=lambda row: row["seconds"] or 0.0)
+
+
+def fastest_as_good(pareto: Sequence[Row]) -> dict[str, Row]:
+    """The fastest rings of each kind whose energy is at least as right as the balanced law's."""
+    (balanced,) = (row for row in pareto if row["method"] == "balanced")
+    found: dict[str, Row] = {}
+    for row in sorted(pareto, key=lambda row: row["seconds"] or 0.0):
+        error = row["energy_error"]
+        known = error is not None and row["method"] in ("smooth", "rough")
+        if known and error <= balanced["energy_error"]:
+            found.setdefault(row["method"], row)
+    return found
