@@ -1,4 +1,4 @@
-"""Tables of README.md and docs/stability.md have the numbers of docs/report/report.json.
+"""Tables of README.md and of docs have the numbers of docs/report/report.json.
 
 Run as a script, this prints the tables of the report.
 """
@@ -7,33 +7,20 @@ import json
 from pathlib import Path
 
 import pytest
+from deformable.report.numbers import percent
+from deformable.report.summary import fastest_as_good, summary, whole_percents
 
 ROOT = Path(__file__).parents[1]
 REPORT = json.loads((ROOT / "docs" / "report" / "report.json").read_text())
-LAWS = ("disk", "sector", "radical, kP inf", "radical", "balanced")
-ACCURACY = {
-    "I": "mean distance of outline and beads, over R",
-    "S_rms": "relative rms error of the area deficits",
-    "energy_ratio": "energy over that of the beads",
-}
 
 
-def short(value):
-    """Two digits, or two decimals of numbers of order one."""
-    if value >= 0.095:
-        return f"{value:.2f}"
-    return f"{value:.1e}".replace("e-0", "e-")
+def part(value):
+    """A relative error in per cent, two digits; empty where there is none."""
+    return "" if value is None else f"{float(f'{100 * value:.2g}'):g} %"
 
 
-def span(values):
-    """The range of some values; empty where a law has none."""
-    found = [value for value in values if value is not None]
-    if not found:
-        return ""
-    if set(found) == {1.0}:
-        return "1"
-    low, high = short(min(found)), short(max(found))
-    return low if low == high else f"{low} to {high}"
+def seconds(value):
+    return "" if value is None else f"{float(f'{value:.2g}'):g} s"
 
 
 def table_of(heads, rows):
@@ -43,25 +30,58 @@ def table_of(heads, rows):
 
 
 def accuracy_table():
-    """16 rings of 150 beads and more, all seeds."""
+    """Errors of the energy by strain, of the area deficits, and times; see `summary`."""
+    methods = summary(REPORT["smooth"], REPORT["pareto"])
+    strains = [percent(strain) for strain in whole_percents(REPORT["smooth"])]
+    at = percent(REPORT["pareto"][0]["strain"])
+    rows = [
+        [
+            row["name"],
+            *(part(row.get(strain)) for strain in strains),
+            part(row["error"]),
+            seconds(row["seconds"]),
+        ]
+        for row in methods
+    ]
+    return table_of(["", *strains, f"areas, {at}", f"time to {at}"], rows)
+
+
+def mixture_table():
+    """S_rms, energy at the rings' centers and alone, over that of the rings, of each mixture."""
     rows = []
-    for name, title in ACCURACY.items():
-        for strain in (0.01, 0.02):
-            found = {law: [] for law in LAWS}
-            for row in REPORT["packing"]:
-                if (row["n"], row["beads"], row["strain"]) == (16, 150, strain):
-                    found[row["law"]].append(row[name])
-            first = title if strain == 0.01 else ""
-            rows.append([first, f"{100 * strain:g} %", *(span(found[law]) for law in LAWS)])
-    return table_of(["", "strain", *LAWS], rows)
+    for row in REPORT["stiffness_packing"]:
+        if row["law"] != "balanced":
+            continue
+        same = {key: row[key] for key in ("kA", "kP", "strain", "seed")}
+        (radical,) = (
+            other
+            for other in REPORT["stiffness_packing"]
+            if other["law"] == "radical" and same.items() <= other.items()
+        )
+        species = [", ".join(f"{each[n]:.2g}" for each in (row["kA"], row["kP"])) for n in (0, 1)]
+        rows.append([*species, f"{row['seed']}", mixed(radical), mixed(row), f"{row['I']:.1e}"])
+    return table_of(["small kA, kP", "large kA, kP", "seed", "`radical`", "`balanced`", "I"], rows)
 
 
-def cost_table():
-    """Processor time of a strain step of 1 % with 128 particles."""
-    rows = {row["law"]: row for row in REPORT["packing"] if row["n"] == 128}
-    laws = ("disk", "radical, kP inf", "balanced")
-    seconds = [rows["disk"]["seconds_beads"], *(rows[law]["seconds"] for law in laws)]
-    return table_of(["beads", *laws], [[f"{float(f'{s:.2g}'):g} s" for s in seconds]])
+def mixed(row):
+    own = row["own_energy_ratio"]
+    alone = "none" if own is None else f"{own:.2f}"
+    return f"{row['S_rms']:.2g}, {row['energy_ratio']:.2f}, {alone}"
+
+
+def compression_table():
+    """Energy of the law balanced over that of smooth rings of 160 vertices, by strain."""
+    own = [
+        row
+        for row in REPORT["smooth"]
+        if (row["law"], row["n_v"], row["own"]) == ("balanced", 160, True)
+    ]
+    strains = list(dict.fromkeys(row["strain"] for row in own))
+    rows = []
+    for seed in dict.fromkeys(row["seed"] for row in own):
+        ratios = {row["strain"]: row["energy_ratio"] for row in own if row["seed"] == seed}
+        rows.append([f"seed {seed}", *(f"{ratios[strain]:.3f}" for strain in strains)])
+    return table_of(["strain", *map(percent, strains)], rows)
 
 
 def stability_table():
@@ -89,7 +109,8 @@ def measured(row):
     ("page", "table"),
     [
         ("README.md", accuracy_table),
-        ("README.md", cost_table),
+        ("docs/paper.md", mixture_table),
+        ("docs/theory.md", compression_table),
         ("docs/stability.md", stability_table),
     ],
 )
@@ -99,6 +120,19 @@ def test_tables_are_those_of_the_report(page, table):
         assert line in text
 
 
+def speed_up():
+    """The smooth rings that are as right as the law balanced, and how much longer they take."""
+    (balanced,) = (row for row in REPORT["pareto"] if row["method"] == "balanced")
+    rings = fastest_as_good(REPORT["pareto"])["smooth"]
+    longer = float(f"{rings['seconds'] / balanced['seconds']:.2g}")
+    return f"{rings['rings']} vertices and take {longer:.0f} times as long"
+
+
+def test_the_speed_up_is_that_of_the_report():
+    assert speed_up() in " ".join((ROOT / "README.md").read_text().split())
+
+
 if __name__ == "__main__":
-    for lines in (accuracy_table(), cost_table(), stability_table()):
+    print(speed_up())
+    for lines in (accuracy_table(), mixture_table(), compression_table(), stability_table()):
         print(*lines, "", sep="\n")

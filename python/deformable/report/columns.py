@@ -10,27 +10,24 @@ from .page import Column
 
 Row = dict[str, Any]
 
-PARTICLES = Column("n", "particles")
 STRAIN = Column("strain", "strain", "linear strain beyond jamming", show=percent)
 SEED = Column("seed", "packing", "seed of the random start")
-BEADS = Column("beads", "beads", "number of beads on a ring of the small particles")
 LAW = Column("law", "law", text=True)
-SHAPE = Column("I", "shape error I", "mean distance of the outline from the beads over the radius")
+SHAPE = Column("I", "shape error I", "mean distance of the outline from the rings over the radius")
 AREA = Column("S_rms", "area error", "rms error of the area deficits over their rms")
-ENERGY = Column("energy_ratio", "energy", "of the law over that of the beads, at their centers")
+ENERGY = Column("energy_ratio", "energy", "of the law over that of the rings, at their centers")
 PRESSURE = Column(
-    "pressure_ratio", "pressure", "of the law over that of the beads, at their centers"
+    "pressure_ratio", "pressure", "of the law over that of the rings, at their centers"
 )
 OWN_ENERGY = Column(
     "own_energy_ratio",
     "own energy",
-    "of the packing that the law relaxes to itself, over that of the beads",
+    "of the packing that the law relaxes to itself, over that of the rings",
 )
 RESIDUAL = Column(
     "residual", "residual", "largest force on a particle over the mean contact force at the end"
 )
 SECONDS = Column("seconds", "time", "processor time of the law", "s")
-SECONDS_BEADS = Column("seconds_beads", "time of beads", "processor time of the rings", "s")
 
 
 def grouped(rows: Iterable[Row], by: Sequence[str], values: Sequence[str]) -> list[Row]:
@@ -40,7 +37,7 @@ def grouped(rows: Iterable[Row], by: Sequence[str], values: Sequence[str]) -> li
         groups.setdefault(repr([row[key] for key in by]), []).append(row)
     return [
         {key: same[0][key] for key in by}
-        | {key: span(row[key] for row in same) for key in values}
+        | {key: span((row[key] for row in same), 2 + key.endswith("_ratio")) for key in values}
         | {"packings": len({row["seed"] for row in same})}
         for same in groups.values()
     ]

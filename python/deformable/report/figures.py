@@ -9,136 +9,233 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ..engine.relaxation import TOLERANCE
-from ..studies.law_styles import BEADS, STYLES
+from ..studies.law_styles import BEADS, SMOOTH, STYLES, Style
+from .bars import BARS, CONVERGED, whole
+from .summary import energy_errors, label
+
+Row = dict[str, Any]
+
+RINGS = {"smooth": SMOOTH, "rough": BEADS}
 
 
-def pareto(rows: Sequence[dict[str, Any]]) -> Figure:
-    """Errors of areas and of outlines against seconds, one point per method, beads joined.
+def accuracy(rows: Sequence[Row], pareto: Sequence[Row]) -> Figure:
+    """How wrong the energy of each law is at each strain, and how long each method takes.
 
-    Hollow: laws that did not converge, and the rings of which the reference is made.
+    Left: a point for each packing, a line through their medians. Right: bars.
     """
-    figure = Figure(figsize=(10.0, 4.8), layout="constrained")
+    figure = Figure(figsize=(10.0, 4.4), layout="constrained")
+    error, time = figure.subplots(1, 2, width_ratios=(3, 2))
+    for law, style in STYLES.items():
+        wrong = energy_errors(rows, law)
+        if not wrong:
+            continue
+        x = [100.0 * strain for strain in wrong]
+        middle = [np.median(each) for each in wrong.values()]
+        error.plot(x, middle, linestyle=style.line, color=style.color, linewidth=1.2)
+        for strain, each in zip(x, wrong.values(), strict=True):
+            error.plot([strain] * len(each), each, style.marker, color=style.color, markersize=4.5)
+        name = law if law != "sector" else "sector, at the rings' centers"
+        error.plot([], [], style.marker, color=style.color, linestyle=style.line, label=name)
+    error.set(
+        xlabel="strain beyond jamming [%]",
+        ylabel="error of the energy, |E / E(smooth rings) − 1|",
+        yscale="log",
+    )
+    for part in sorted(set(BARS.values())):
+        error.axhline(part, color="0.6", linewidth=0.8, linestyle=":")
+        error.text(0.02, part, f" {100 * part:g} %", fontsize=8, color="0.4", va="bottom")
+    error.set_xlim(left=0.0)
+    error.grid(alpha=0.3)
+
+    timed = [row for row in pareto if row["seconds"] is not None]
+    timed.sort(key=lambda row: row["seconds"])
+    y = np.arange(len(timed))[::-1]
+    seconds = [row["seconds"] for row in timed]
+    bars = time.barh(y, seconds, color=[_style(row["method"]).color for row in timed])
+    time.bar_label(bars, [f"{s:.2g} s" for s in seconds], padding=3, fontsize=8)
+    time.set_yticks(y, [label(row) for row in timed], fontsize=8)
+    time.set(
+        xscale="log",
+        xlabel=f"processor time, compressed by {100 * timed[0]['strain']:g} % [s]",
+    )
+    time.set_xlim(0.5 * min(seconds), 8.0 * max(seconds))
+    _legend_below(figure, error)
+    return figure
+
+
+def _style(method: str) -> Style:
+    return SMOOTH if method == "reference" else (RINGS | STYLES)[method]
+
+
+def _legend_below(figure: Figure, ax: Any) -> None:
+    figure.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=4)
+
+
+def pareto(rows: Sequence[Row]) -> Figure:
+    """Errors of energies and of areas against seconds, one point per law, rings joined."""
+    figure = Figure(figsize=(10.0, 4.6), layout="constrained")
     panels = figure.subplots(1, 2, sharex=True)
-    labels = {"error": "area error (rms, relative)", "shape_error": "shape error (mean, over R)"}
-    beads = [row for row in rows if row["method"] == "beads"]
-    free = [row for row in beads if not row["reference"]]
-    for ax, (key, label) in zip(panels, labels.items(), strict=True):
-        x, y = [row["seconds"] for row in free], [row[key] for row in free]
-        ax.loglog(x, y, "o-", color=BEADS.color, label="rings of beads")
-        for n, row in enumerate(beads):
-            if row["reference"]:
-                ax.loglog(row["seconds"], row[key], "o", color=BEADS.color, fillstyle="none")
-            below = n % 2 == 0  # neighbors may be close: below and above the falling line in turn
-            ax.annotate(
-                f"{row['beads']}",
-                (row["seconds"], row[key]),
-                textcoords="offset points",
-                xytext=(1, -5) if below else (0, 4),
-                ha="right" if below else "left",
-                va="top" if below else "bottom",
-                color=BEADS.color,
-                fontsize=8,
-            )
-        for row in rows:
-            if row["method"] == "beads":
-                continue
-            style = STYLES[row["method"]]
-            converged = row.get("residual", 0.0) <= TOLERANCE
-            ax.loglog(
-                row["seconds"],
-                row[key],
-                style.marker,
-                color=style.color,
-                fillstyle="full" if converged else "none",
-                markersize=9,
-                linestyle="none",
-                label=row["method"] + ("" if converged else ", not converged"),
-            )
-        ax.set(xlabel="processor time of a strain step [s]", ylabel=label)
+    labels = {"energy_error": "error of the energy", "error": "error of the area deficits (rms)"}
+    for ax, (key, name) in zip(panels, labels.items(), strict=True):
+        known = [row for row in rows if row[key] and row["seconds"] is not None]
+        for kind, style in RINGS.items():
+            line = [row for row in known if row["method"] == kind]
+            x, y = [row["seconds"] for row in line], [row[key] for row in line]
+            ax.loglog(x, y, style.marker, color=style.color, linestyle="-", label=f"{kind} rings")
+            for row in line:
+                ax.annotate(
+                    f"{row['rings']}",
+                    (row["seconds"], row[key]),
+                    textcoords="offset points",
+                    xytext=(-5, -4) if kind == "smooth" else (5, 3),
+                    ha="right" if kind == "smooth" else "left",
+                    va="top" if kind == "smooth" else "bottom",
+                    color=style.color,
+                    fontsize=8,
+                )
+        for row in known:
+            if row["method"] not in RINGS:
+                style = STYLES[row["method"]]
+                ax.loglog(
+                    row["seconds"],
+                    row[key],
+                    style.marker,
+                    color=style.color,
+                    markersize=11 if style.marker == "*" else 7,
+                    linestyle="none",
+                    label=row["method"],
+                )
+        balanced = next(row for row in rows if row["method"] == "balanced")
+        ax.axhline(balanced[key], color=STYLES["balanced"].color, linewidth=0.8, linestyle=":")
+        ax.set(xlabel="processor time [s]", ylabel=name)
         ax.margins(0.12)
         ax.grid(which="major", alpha=0.3)
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=6)
+    _legend_below(figure, panels[1])
     return figure
 
 
-def packings(rows: Sequence[dict[str, Any]]) -> Figure:
-    """Shape and area errors of each law, a point for each packing."""
-    figure = Figure(figsize=(10.0, 4.4), layout="constrained")
-    panels = figure.subplots(1, 2)
-    cases = list(dict.fromkeys(_case(row) for row in rows))
-    laws = [law for law in STYLES if any(row["law"] == law for row in rows)]
-    labels = {"I": "shape error I", "S_rms": "area error (rms, relative)"}
-    for ax, (key, label) in zip(panels, labels.items(), strict=True):
-        for n, law in enumerate(laws):
-            chosen = [row for row in rows if row["law"] == law and row[key] is not None]
-            x = [cases.index(_case(row)) + 0.12 * (n - (len(laws) - 1) / 2) for row in chosen]
-            style = STYLES[law]
-            y = [row[key] for row in chosen]
-            ax.plot(x, y, style.marker, color=style.color, markersize=6, label=law)
-        ax.set_xticks(range(len(cases)), cases, fontsize=8)
-        ax.set(ylabel=label, yscale="log")
-        ax.margins(x=0.1)
-        ax.grid(axis="y", which="major", alpha=0.3)
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=6)
-    return figure
+def compressions(rows: Sequence[Row]) -> Figure:
+    """The balanced law along compressions, a column for each packing, and all laws' centers.
 
-
-def _case(row: dict[str, Any]) -> str:
-    return f"{row['n']} rings\n{row['beads']} beads\n{100 * row['strain']:g} % strain"
-
-
-def compressions(rows: Sequence[dict[str, Any]]) -> Figure:
-    """Energy and centers of each law along compressions, a column for each packing.
-
-    Hollow: law and beads are on different branches.
+    Steps at which the reference has not converged are left out.
     """
-    seeds = list(dict.fromkeys(row["seed"] for row in rows))
-    figure = Figure(figsize=(max(3.4 * len(seeds), 6.0), 5.6), layout="constrained")
-    panels = figure.subplots(2, len(seeds), sharex=True, sharey="row", squeeze=False)
-    labels = {
-        "energy_ratio": "energy of the law\nover that of the beads",
-        "centers_rms": "distance of the centers\n(rms) over R",
-    }
-    laws = [law for law in STYLES if any(row["law"] == law for row in rows)]
+    rows = whole(rows)
+    seeds = sorted({row["seed"] for row in rows})
+    numbers = sorted({row["n_v"] for row in rows})
+    figure = Figure(figsize=(max(3.4 * len(seeds), 6.0), 6.4), layout="constrained")
+    panels = figure.subplots(3, len(seeds), sharex=True, sharey="row", squeeze=False)
+    own = [row for row in rows if row["own"]]
+    balanced = STYLES["balanced"]
+    fills = dict(zip(numbers[::-1], (balanced.color, "white"), strict=False))
     for column, seed in zip(panels.T, seeds, strict=True):
-        for ax, (key, label) in zip(column, labels.items(), strict=True):
-            for law in laws:
-                _path(ax, [r for r in rows if (r["law"], r["seed"]) == (law, seed)], key)
+        for ax, key in zip(column[:2], ("energy_ratio", "pressure_ratio"), strict=True):
+            ax.axhline(1.0, color=SMOOTH.color, linewidth=1.0)
+            for count in numbers:
+                path = [
+                    row
+                    for row in own
+                    if (row["law"], row["seed"], row["n_v"]) == ("balanced", seed, count)
+                ]
+                known = [row[key] is not None and row["residual"] <= CONVERGED for row in path]
+                ax.plot(
+                    [100.0 * row["strain"] for row in path],
+                    [row[key] if there else np.nan for row, there in zip(path, known, strict=True)],
+                    balanced.marker,
+                    color=balanced.color,
+                    markerfacecolor=fills.get(count, "0.7"),
+                    linestyle="-",
+                    linewidth=0.8,
+                    markersize=8,
+                )
+            ax.set_ylim(0.985, 1.04)
             ax.grid(alpha=0.3)
-            if seed == seeds[0]:
-                ax.set_ylabel(label)
-        column[0].axhline(1.0, color=BEADS.color, linewidth=1.0)
+        _allowed(column[0])
+        these = [row for row in own if row["seed"] == seed]
+        most = max(row["n_v"] for row in these)
+        _distances(column[2], [row for row in these if row["n_v"] == most])
         column[0].set_title(f"packing {seed}", fontsize=10)
-        strain = np.array(sorted({row["strain"] for row in rows}))
-        column[1].plot(100.0 * strain, 2.0 * strain, ":", color="0.3")
-        column[1].set_xlabel("strain beyond jamming [%]")
-    for ax in panels[:, 0]:  # once all columns that share it are drawn
-        ax.set_ylim(bottom=0.0)
+        column[2].set_xlabel("strain beyond jamming [%]")
+    names = ("energy", "pressure")
+    for ax, name in zip(panels[:2, 0], names, strict=True):
+        ax.set_ylabel(f"{name}, balanced\nover smooth rings")
+    panels[2, 0].set_ylabel("distance of the centers\n(rms) over R")
     handles = [
-        Line2D([], [], color=STYLES[law].color, marker=STYLES[law].marker, label=law)
-        for law in laws
+        Line2D(
+            *([], []),
+            color=balanced.color,
+            marker=balanced.marker,
+            markerfacecolor=fills.get(count, "0.7"),
+            markersize=8,
+            label=f"balanced, against {count} vertices",
+        )
+        for count in numbers
     ]
     handles += [
-        Line2D([], [], color=BEADS.color, label="rings of beads"),
-        Line2D([], [], color="0.3", linestyle=":", label="mean overlap"),
+        Line2D([], [], color=STYLES[law].color, marker=STYLES[law].marker, ls="-", label=law)
+        for law in STYLES
+        if law != "balanced" and any(row["law"] == law for row in own)
     ]
-    columns = len(handles) if len(seeds) > 2 else 3
-    figure.legend(handles=handles, loc="outside upper center", ncols=columns)
+    handles.append(Line2D([], [], color="0.3", linestyle=":", label="mean overlap"))
+    figure.legend(handles=handles, loc="outside lower center", ncols=3)
     return figure
 
 
-def _path(ax: Any, path: Sequence[dict[str, Any]], key: str) -> None:
-    """A line of one law in one packing, with hollow points where the branches differ."""
-    style = STYLES[path[0]["law"]]
-    x = np.array([100.0 * row["strain"] for row in path])
-    y = np.array([np.nan if row[key] is None else row[key] for row in path])
-    ax.plot(x, y, style.marker, color=style.color, linestyle="-", linewidth=0.8, markersize=6)
-    other = ~np.array([row["same_branch"] for row in path])
-    ax.plot(x[other], y[other], style.marker, color="white", markersize=2.5, linestyle="none")
+def _allowed(ax: Any) -> None:
+    """The errors that are allowed, as a band."""
+    low = 0.0
+    for strain, part in BARS.items():
+        ax.fill_between([100 * low, 100 * strain], 1 - part, 1 + part, color="0.9", linewidth=0)
+        low = strain
 
 
-def cost(rows: Sequence[dict[str, Any]]) -> Figure:
+def _distances(ax: Any, rows: Sequence[Row]) -> None:
+    strains = np.array(sorted({row["strain"] for row in rows}))
+    for law in dict.fromkeys(row["law"] for row in rows):
+        style, path = STYLES[law], [row for row in rows if row["law"] == law]
+        y = [np.nan if row["distance"] is None else row["distance"] for row in path]
+        x = [100.0 * row["strain"] for row in path]
+        ax.semilogy(x, y, style.marker, color=style.color, linestyle="-", lw=0.8, markersize=5)
+    ax.plot(100.0 * strains, 2.0 * strains, ":", color="0.3")
+    ax.grid(alpha=0.3)
+
+
+def roughness(friction: Sequence[Row], hysteresis: Sequence[Row], crystal: Sequence[Row]) -> Figure:
+    """Friction of two rings, hysteresis of a packing, and the error of a crystal."""
+    figure = Figure(figsize=(10.0, 3.8), layout="constrained")
+    left, middle, right = figure.subplots(1, 3)
+    for kind, style in RINGS.items():
+        look = {"marker": style.marker, "color": style.color, "label": f"{kind} rings"}
+        same = sorted(
+            (r for r in friction if r["smooth"] == (kind == "smooth")), key=lambda r: r["n_v"]
+        )
+        left.loglog([r["n_v"] for r in same], [r["friction"] for r in same], **look)
+        path = [r for r in hysteresis if r["smooth"] == (kind == "smooth")]
+        middle.plot([100 * r["strain"] for r in path], [r["ratio"] for r in path], **look)
+    left.set(xlabel="vertices of a ring", ylabel="friction over normal force")
+    middle.set(xlabel="strain beyond jamming [%]", ylabel="energy back over energy forth")
+    middle.axhline(1.0, color="0.6", linewidth=0.8)
+    for indentation, line in zip(sorted({r["indentation"] for r in crystal}), "-:", strict=False):
+        same = [r for r in crystal if r["indentation"] == indentation]
+        right.loglog(
+            [r["n_v"] for r in same],
+            [abs(r["energy_ratio"] - 1.0) for r in same],
+            SMOOTH.marker + line,
+            color=SMOOTH.color,
+            label=f"a/R = {100 * indentation:g} %",
+        )
+    right.set(xlabel="vertices of a ring", ylabel="error of the energy of a crystal")
+    right.legend(fontsize=8)
+    numbers = sorted({r["n_v"] for r in (*friction, *crystal)})
+    for ax in (left, right):
+        ax.set_xticks(numbers, [str(n) for n in numbers])
+        ax.set_xticks([], minor=True)
+    for ax in (left, middle, right):
+        ax.grid(which="major", alpha=0.3)
+    _legend_below(figure, left)
+    return figure
+
+
+def cost(rows: Sequence[Row]) -> Figure:
     """Run time per particle and step of each law, and the extra time of each option."""
     figure = Figure(figsize=(10.0, 3.6), layout="constrained")
     bare, extra = figure.subplots(1, 2)

@@ -29,12 +29,12 @@ def show(value: Any, digits: int = 2) -> str:
     return sign + (exponent if float(mantissa) == 1.0 else f"{mantissa}\u00a0×\u00a0{exponent}")
 
 
-def span(values: Iterable[float | None]) -> str:
+def span(values: Iterable[float | None], digits: int = 2) -> str:
     """The range of values, e.g. 0.71 to 0.82; a dash if there are none."""
     known = [value for value in values if value is not None]
     if not known:
         return "–"
-    low, high = show(min(known)), show(max(known))
+    low, high = show(min(known), digits), show(max(known), digits)
     return low if low == high else f"{low} to {high}"
 
 

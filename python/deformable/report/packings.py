@@ -1,4 +1,4 @@
-"""Packings of bead rings against the contact laws: at the rings' centers, and relaxed alone."""
+"""Packings of rings against the contact laws: at the rings' centers, and relaxed alone."""
 
 from __future__ import annotations
 
@@ -36,19 +36,17 @@ _REPEATS = 5
 # tenth. The time of a relaxation grows as the root of the stiffness.
 _STIFF = 10.0
 
-# Tolerance of mixtures, where soft rings creep at the small time step of the stiff ones. From 1e-2
-# to this value the time doubled, and S_rms moved from 0.0159 to 0.0150.
-_MIXED_TOLERANCE = 3e-3
+# Radius of the beads of mixtures, and the stiffness of contacts over the largest kA, as for
+# `studies.smooth_compressions.smooth_beads`.
+_SKIN, _CONTACT = 0.025, 10.0
 
 
-def strain_beads(
-    start: Packing, beads: Beads, strain: float, tolerance: float | None = None
-) -> tuple[BeadState, float]:
+def strain_beads(start: Packing, beads: Beads, strain: float) -> tuple[BeadState, float]:
     """Rings after one strain step from jamming, and the seconds of processor time."""
     with BeadReference(start, beads, comm=MPI.COMM_SELF) as rings:
         rings.deform(rings.box * (1.0 - strain))
         began = time.process_time()
-        state = rings.relax(tolerance)
+        state = rings.relax()
         return state, time.process_time() - began
 
 
@@ -81,24 +79,24 @@ def strain_disks(start: Packing, strain: float) -> float:
 def mixed_rows(
     number: int, seed: int, strain: float, count: int, kA: Sequence[float], kP: Sequence[float]
 ) -> list[dict[str, Any]]:
-    """As `packing_rows`, for rings whose species differ in stiffness.
+    """As `packing_rows`, for smooth rings whose species differ in stiffness.
 
     Args:
         number: of particles.
         seed: of the random start.
         strain: linear strain.
-        count: number of beads on a ring of the small particles.
+        count: N_v, of the small particles.
         kA: stiffness of the area of the small and of the large particles [energy/length^4].
         kP: stiffness of their perimeters [energy/length^2]. Where it is infinite, rings have a
             large one instead, because no spring is rigid; `balanced, kP inf` is the law with the
             infinite value.
     """
     radii = bidisperse(number).radii
-    rings = Beads(number=count).rings(radii)
+    rings = Beads(number=count, radius=_SKIN, smooth=True).rings(radii)
     rigid = np.isinf(kP)
     springs = rings.number * np.where(rigid, _STIFF * np.array(kA) * radii**2, kP)
-    beads = Beads(count, kL=springs.tolist(), kA=kA)
-    rows, _ = packing_rows(number, seed, strain, beads, rigid.tolist(), _MIXED_TOLERANCE)
+    beads = Beads(count, _SKIN, springs.tolist(), kA, kr=_CONTACT * max(kA), smooth=True)
+    rows, _ = packing_rows(number, seed, strain, beads, rigid.tolist())
     return rows
 
 
@@ -108,7 +106,6 @@ def packing_rows(
     strain: float,
     beads: Beads,
     rigid: Sequence[bool] = (),
-    tolerance: float | None = None,
 ) -> tuple[list[dict[str, Any]], dict[str, Comparison]]:
     """One bidisperse packing of rings, strained from jamming in one step, against every law.
 
@@ -118,7 +115,6 @@ def packing_rows(
         strain: linear strain.
         beads: of the rings.
         rigid: as for `matching_laws`.
-        tolerance: of the relaxation of the rings, see `BeadReference.relax`.
 
     Returns:
         A row for each law, and the comparisons by the law's name. A row has the errors of the
@@ -127,7 +123,7 @@ def packing_rows(
         relaxes to from the same start, None if that is `unjammed`.
     """
     start = jam(bidisperse(number, seed=seed))
-    rings, seconds_beads = strain_beads(start, beads, strain, tolerance)
+    rings, seconds_beads = strain_beads(start, beads, strain)
     common: dict[str, Any] = {
         "n": number,
         "strain": strain,

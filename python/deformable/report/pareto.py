@@ -1,142 +1,106 @@
-"""Error against run time: every method on the same packings, against the limit of many beads.
-
-Rings of different numbers of beads N_v stand for the same smooth particles: their effective radii
-are the same, and kL = N_v kP. The reference is their limit for many beads, extrapolated in 1/N_v^2,
-the order of a polygon's error, from the two largest N_v.
-"""
+"""Error against run time: laws and rings compressed from the same start, on one core."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
+from statistics import mean
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from ..model.beads import Beads
-from ..model.packing import bidisperse
+from ..engine.disks import Disks
+from ..model.packing import Packing, bidisperse
+from ..protocols.compression import compress
 from ..protocols.jamming import jam
-from ..state.bead_state import BeadState
-from ..studies.matching import matching, matching_laws
-from ..studies.shape_error import radial_distance
-from .packings import strain_beads, strain_disks, strain_law
+from ..studies.smooth_compressions import smooth_beads, smooth_rows, timed
 
-# Directions in which outlines are compared.
-_DIRECTIONS = 2.0 * np.pi * np.arange(720) / 720
+Row = dict[str, Any]
 
 
 def pareto_rows(
-    number: int, seeds: Sequence[int], strain: float, bead_numbers: Sequence[int], kP: float = 6.0
-) -> list[dict[str, Any]]:
-    """Error and processor time of one strain step from jamming, on one core, of every method.
+    number: int,
+    seed: int,
+    reference: int,
+    strain: float,
+    steps: int,
+    smooth: Sequence[int],
+    rough: Sequence[int],
+) -> list[Row]:
+    """One packing compressed from jamming by every method, each relaxed on its own, on one core.
 
     Args:
         number: of particles.
-        seeds: of the random starts; errors and times are means over the packings.
-        strain: linear strain.
-        bead_numbers: N_v of the small particles in rising order, at least two.
-        kP: stiffness of the perimeter of a small ring [energy/length^2].
+        seed: of the random start.
+        reference: N_v of the smooth rings that errors refer to.
+        strain: total linear strain.
+        steps: number of steps.
+        smooth: N_v of other smooth rings, which take part like a law.
+        rough: N_v of rough rings.
 
     Returns:
-        A row for each method: `error`, the root mean square error of the area deficits over their
-        root mean square; `shape_error`, the mean over particles and directions of the error of
-        the outline over the radius, each about its own center; `seconds`; `residual`, the largest
-        of the laws' relaxations; for beads N_v as `beads`, and `reference` for the two of which
-        the reference is made: their errors follow from the extrapolation.
+        A row for each method at the last strain: `method`, `rings` (N_v, or None), `seconds` of
+        processor time of all steps, and the values of `smooth_rows`. The sector law does not come
+        to rest and is taken at the centers of the reference, without a time.
     """
-    found = [_one_packing(number, seed, strain, bead_numbers, kP) for seed in seeds]
-    common = {"n": number, "seeds": list(seeds), "strain": strain}
+    rivals = [smooth_beads(count) for count in smooth]
+    rivals += [smooth_beads(count, smooth=False) for count in rough]
+    paths: dict[tuple[str, int | None], list[Row]] = {}
+    for row in smooth_rows(number, seed, reference, strain, steps, rivals):
+        if row["own"] or row["law"] == "sector":
+            paths.setdefault((row["law"], row["rings"]), []).append(row)
+    found = []
+    for (method, _), path in paths.items():
+        times = [row["seconds"] for row in path]
+        seconds = None if None in times else math.fsum(times)
+        found.append(path[-1] | {"method": method, "seconds": seconds})
+    last = path[-1]
+    # a disk keeps its area, S = 0; its stiffness is free, so that its energy says nothing
+    disk = dict.fromkeys(last) | {key: last[key] for key in ("n", "seed", "strain", "n_v")}
+    spent = _seconds_of_disks(jam(bidisperse(number, seed=seed)), strain, steps)
+    of_reference = math.fsum(row["seconds_smooth"] for row in path)
+    exact = {"method": "reference", "rings": reference, "seconds": of_reference}
+    return [
+        disk | {"method": "disk", "S_rms": 1.0, "seconds": spent},
+        *found,
+        disk | exact | {"S_rms": 0.0, "energy_ratio": 1.0, "pressure_ratio": 1.0},
+    ]
+
+
+def _seconds_of_disks(start: Packing, strain: float, steps: int) -> float:
+    return math.fsum(seconds for _, seconds in timed(compress(Disks(start), strain, steps)))
+
+
+def pareto_means(packings: Iterable[Sequence[Row]]) -> list[Row]:
+    """A row for each method of `pareto_rows`, with means over the packings.
+
+    Keys: `method`; `rings`, N_v or None; `reference`, N_v; `n`, `strain`, `seeds`; `energy_error`
+    and `pressure_error`, means of |ratio - 1|; `error`, of `S_rms`; `shape_error`, of I;
+    `seconds`; and the largest `residual` of the method.
+    """
     rows = []
-    for same in zip(*found, strict=True):
-        means = {
-            key: float(np.mean([row[key] for row in same]))
-            for key in ("error", "shape_error", "seconds")
-        }
-        if "residual" in same[0]:
-            means["residual"] = max(row["residual"] for row in same)
-        rows.append(same[0] | means | common)
-    return rows
-
-
-def _one_packing(
-    number: int, seed: int, strain: float, bead_numbers: Sequence[int], kP: float
-) -> list[dict[str, Any]]:
-    start = jam(bidisperse(number, seed=seed))
-    runs = []
-    for count in bead_numbers:
-        beads = Beads(number=count, kL=kP * count)
-        runs.append((count, *strain_beads(matching(start, beads), beads, strain)))
-    (n1, coarse, _), (n2, fine, _) = runs[-2:]
-    deficit = extrapolated(n1, coarse.area_deficit, n2, fine.area_deficit)
-    dents = extrapolated(n1, _dents(coarse), n2, _dents(fine))
-
-    def row(
-        method: str, area_deficit: NDArray[np.float64], shape_error: float, seconds: float
-    ) -> dict[str, Any]:
-        return {
-            "method": method,
-            "error": float(np.linalg.norm(area_deficit - deficit) / np.linalg.norm(deficit)),
-            "shape_error": shape_error,
-            "seconds": seconds,
-        }
-
-    def off(found: NDArray[np.float64]) -> float:
-        return float(np.mean(np.abs(found - dents) / start.radius[:, None]))
-
-    rows = [row("disk", 0.0 * deficit, off(0.0 * dents), strain_disks(start, strain))]
-    for name, law in matching_laws(beads, fine.rings).items():
-        state, seconds = strain_law(start, law, strain)
-        outlines = state.parallels(points=2 * len(_DIRECTIONS))
-        found = np.array(
-            [
-                radius - radial_distance(outline, _DIRECTIONS)
-                for radius, outline in zip(start.radius, outlines, strict=True)
-            ]
-        )
+    for same in zip(*packings, strict=True):
+        first = same[0]
         rows.append(
-            row(name, state.area_deficit, off(found), seconds) | {"residual": state.residual}
-        )
-    for count, rings, seconds in runs:
-        error = _error_of_beads(rings, dents)
-        rows.append(
-            row("beads", rings.area_deficit, error, seconds)
-            | {"beads": count, "reference": count in (n1, n2)}
+            {key: first[key] for key in ("method", "rings", "n", "strain")}
+            | {
+                "reference": first["n_v"],
+                "seeds": [row["seed"] for row in same],
+                "energy_error": _mean(same, "energy_ratio", 1.0),
+                "pressure_error": _mean(same, "pressure_ratio", 1.0),
+                "error": _mean(same, "S_rms"),
+                "shape_error": _mean(same, "I"),
+                "seconds": _mean(same, "seconds"),
+                "residual": _most([row["law_residual"] for row in same]),
+            }
         )
     return rows
 
 
-def extrapolated(
-    n1: int, coarse: NDArray[np.float64], n2: int, fine: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """The limit of values whose error falls as 1/N^2, from those at N = n1 and n2."""
-    return fine + n1**2 / (n2**2 - n1**2) * (fine - coarse)
+def _mean(rows: Sequence[Row], key: str, right: float = 0.0) -> float | None:
+    """Mean distance from the right value; None if a row has none."""
+    values = [row[key] for row in rows]
+    return None if None in values else mean(abs(value - right) for value in values)
 
 
-def _dents(state: BeadState) -> NDArray[np.float64]:
-    """Distance from each ring outward to its circle at rest, shape (N, directions) [length].
-
-    Straight lines between beads lie within the arcs by the order 1/N_v^2, which the extrapolation
-    removes.
-    """
-    radii = state.rings.radius[state.packing.species]
-    return np.array(
-        [
-            radius - radial_distance(ring - center, _DIRECTIONS)
-            for ring, center, radius in zip(
-                state.outlines, state.packing.positions, radii, strict=True
-            )
-        ]
-    )
-
-
-def _error_of_beads(state: BeadState, dents: NDArray[np.float64]) -> float:
-    """The shape error of rings at their beads."""
-    errors = []
-    for ring, center, kind, exact in zip(
-        state.outlines, state.packing.positions, state.packing.species, dents, strict=True
-    ):
-        x, y = (ring - center).T
-        expected = np.interp(np.arctan2(y, x), _DIRECTIONS, exact, period=2.0 * np.pi)
-        found = state.rings.radius[kind] - np.hypot(x, y)
-        errors.append(np.mean(np.abs(found - expected)) / state.packing.radii[kind])
-    return float(np.mean(errors))
+def _most(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return max(known, default=None)

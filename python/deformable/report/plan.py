@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..model.beads import Beads
+from ..studies.smooth_compressions import smooth_beads
 
 
 @dataclass(frozen=True)
@@ -14,10 +15,12 @@ class Plan:
     """Arguments of the measurements of a report."""
 
     ablation: dict[str, Any]
-    pareto: dict[str, Any]
+    pareto: list[tuple[Any, ...]]
+    smooth: list[tuple[int, int, int] | tuple[int, int, int, float, int]]
+    friction: list[tuple[Beads]]
+    hysteresis: list[tuple[int, int, Beads, float, int]]
+    crystal: list[tuple[Beads, float]]
     large: tuple[int, int, float, Beads]
-    packings: list[tuple[int, int, float, Beads]]
-    compression: list[tuple[int, int, Beads, float, int]]
     mixtures: list[tuple[Any, ...]]
     shapes: dict[str, Any]
     stiffness: dict[str, Any]
@@ -33,26 +36,23 @@ _MIXTURES = (
     ((1.0, 1.0), (0.1, math.inf)),
 )
 
+# Packings of 16 that stay rigid to 5 %. Seed 2 loses its rigidity between 2 and 4 % strain.
+_RIGID = (1, 3, 4)
+
+# Small and large rings have perimeters of the ratio 19:27 at rest, so that multiples of 19 give
+# both the same kP at every number of vertices.
 FULL = Plan(
     ablation={},
-    pareto={
-        "number": 16,
-        "seeds": (1, 3, 4),
-        "strain": 0.02,
-        "bead_numbers": [25, 35, 50, 70, 100, 140, 200],
-    },
+    pareto=[(16, seed, 171, 0.02, 2, (38, 57, 76, 114), (38, 57, 76)) for seed in _RIGID],
+    smooth=[
+        *((16, seed, count) for count in (80, 160) for seed in _RIGID),
+        *((16, seed, 320, 0.005, 1) for seed in _RIGID),
+    ],
+    friction=[(smooth_beads(n, smooth=kind),) for kind in (True, False) for n in (40, 80, 160)],
+    hysteresis=[(16, 1, smooth_beads(80, smooth=kind), 0.03, 6) for kind in (True, False)],
+    crystal=[(smooth_beads(n), a) for a in (0.01, 0.03) for n in (40, 80, 160)],
     large=(128, 1, 0.01, Beads()),
-    packings=[
-        (16, seed, strain, Beads(number=number))
-        for number, strain in ((150, 0.01), (150, 0.02), (50, 0.01), (50, 0.02))
-        for seed in (1, 2, 3)
-    ],
-    compression=[(16, seed, Beads(number=100), 0.035, 7) for seed in (1, 2, 3)],
-    mixtures=[
-        (16, seed, strain, 150, kA, kP)
-        for kA, kP in _MIXTURES
-        for seed, strain in ((1, 0.01), (1, 0.02), (2, 0.02))
-    ],
+    mixtures=[(16, seed, 0.02, 76, kA, kP) for kA, kP in _MIXTURES for seed in _RIGID[:2]],
     shapes={},
     stiffness={},
     limits=[(sides,) for sides in (3, 4, 6)],
@@ -61,11 +61,13 @@ FULL = Plan(
 
 QUICK = Plan(
     ablation={"repeats": 3},
-    pareto={"number": 16, "seeds": (1,), "strain": 0.02, "bead_numbers": [25, 35, 50]},
+    pareto=[(8, 1, 76, 0.02, 2, (38, 57), (38,))],
+    smooth=[(8, 1, 57, 0.03, 3)],
+    friction=[(smooth_beads(40, smooth=kind),) for kind in (True, False)],
+    hysteresis=[(8, 1, smooth_beads(40, smooth=kind), 0.02, 2) for kind in (True, False)],
+    crystal=[(smooth_beads(n), 0.03) for n in (40, 80)],
     large=(48, 1, 0.01, Beads()),
-    packings=[(16, seed, 0.01, Beads()) for seed in (1, 2, 3)],
-    compression=[(16, 3, Beads(), 0.03, 2)],
-    mixtures=[(8, 1, 0.02, 50, kA, kP) for kA, kP in _MIXTURES],
+    mixtures=[(8, 1, 0.02, 57, kA, kP) for kA, kP in _MIXTURES],
     shapes={"indentations": (0.01, 0.02, 0.03), "number": 94},
     stiffness={"indentations": (0.01, 0.02, 0.03), "number": 94, "kL": (1.0, 1e2, 1e4)},
     limits=[(6, 0.05, (24, 48, 96))],

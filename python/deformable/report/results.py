@@ -1,7 +1,7 @@
 """All measurements of a report.
 
-The cost of options, the error against run time and the large packing are timed alone. Other calls
-run side by side on the cores. All times are processor times.
+The cost of options and the large packing are timed alone. Other calls run side by side on the
+cores. All times are processor times.
 """
 
 from __future__ import annotations
@@ -17,11 +17,13 @@ from ..common.parallel import call_once, parallel_map
 from ..common.progress import progress
 from ..studies import paper
 from ..studies.comparison import Comparison
+from ..studies.crystal import crystal_row
+from ..studies.friction import hysteresis, sliding
 from ..studies.single import Squeezed
+from ..studies.smooth_compressions import smooth_rows
 from .ablation import ablation_rows
-from .compressions import compression_rows
 from .packings import mixed_rows, packing_rows
-from .pareto import pareto_rows
+from .pareto import pareto_means, pareto_rows
 from .plan import Plan
 from .stability import stability_rows
 
@@ -33,10 +35,12 @@ class Results:
     """Rows for tables, and the data of the figures."""
 
     ablation: Rows
-    pareto: Rows
+    pareto: list[Rows]
+    smooth: list[Rows]
+    friction: Rows
+    hysteresis: list[Rows]
+    crystal: Rows
     large: tuple[Rows, dict[str, Comparison]]
-    packings: list[tuple[Rows, dict[str, Comparison]]]
-    compression: list[Rows]
     mixtures: list[Rows]
     shapes: list[Squeezed]
     stiffness: list[Squeezed]
@@ -45,13 +49,15 @@ class Results:
 
     def rows(self) -> dict[str, Rows]:
         """The lists of rows of report.json, by name."""
-        packings = [rows for rows, _ in (*self.packings, self.large)]
         return {
             "single": [_single_row(result) for result in (*self.shapes, *self.stiffness)],
-            "packing": [row for rows in packings for row in rows],
-            "compression": [row for rows in self.compression for row in rows],
+            "smooth": [row for rows in self.smooth for row in rows],
+            "pareto": pareto_means(self.pareto),
+            "friction": self.friction,
+            "hysteresis": [row for rows in self.hysteresis for row in rows],
+            "crystal": self.crystal,
+            "packing": self.large[0],
             "stiffness_packing": [row for rows in self.mixtures for row in rows],
-            "pareto": self.pareto,
             "ablation": self.ablation,
             "limit": [_limit_row(limit) for limit in self.limits],
             "stability": self.stability,
@@ -64,12 +70,12 @@ def measure(plan: Plan, keep: Path, print_once: Callable[[str], None]) -> Result
     over_cores = partial(parallel_map, keep=keep)
     parts: dict[str, Callable[[], Any]] = {
         "ablation": lambda: once(ablation_rows, **plan.ablation),
-        "pareto": lambda: once(pareto_rows, **plan.pareto),
         "large": lambda: once(packing_rows, *plan.large),
-        "packings": lambda: over_cores(packing_rows, plan.packings, description="packings"),
-        "compression": lambda: over_cores(
-            compression_rows, plan.compression, description="compressions"
-        ),
+        "smooth": lambda: over_cores(smooth_rows, plan.smooth, description="smooth rings"),
+        "pareto": lambda: over_cores(pareto_rows, plan.pareto, description="error against time"),
+        "friction": lambda: over_cores(sliding, plan.friction, description="friction"),
+        "hysteresis": lambda: over_cores(hysteresis, plan.hysteresis, description="hysteresis"),
+        "crystal": lambda: over_cores(crystal_row, plan.crystal, description="crystal"),
         "mixtures": lambda: over_cores(mixed_rows, plan.mixtures, description="mixtures"),
         "shapes": lambda: once(paper.shapes, **plan.shapes),
         "stiffness": lambda: once(paper.stiffness_sweep, **plan.stiffness),

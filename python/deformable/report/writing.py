@@ -34,9 +34,9 @@ def write_report(
         print_once: called with a line after each part.
 
     Returns:
-        The content of report.json: lists of rows `single`, `packing`, `stiffness_packing`,
-        `compression`, `pareto`, `ablation`, `limit`, `stability`, and `machine`, `versions`,
-        `quick`.
+        The content of report.json: lists of rows `smooth`, `pareto`, `friction`, `hysteresis`,
+        `crystal`, `packing`, `stiffness_packing`, `single`, `limit`, `ablation`, `stability`, and
+        `machine`, `versions`, `quick`.
 
     Raises:
         ParameterError: matplotlib is missing, or there is nothing to resume.
@@ -58,7 +58,7 @@ def write_report(
 
     for name, figure in pictures(results).items():
         figure.savefig(folder / name, dpi=150)
-    title = "Deformable particles against rings of beads"
+    title = "Contact laws against smooth rings"
     (folder / "index.html").write_text(page(title, _lead(content), sections(results)))
     (folder / "report.json").write_text(json.dumps(content, indent=1, allow_nan=False) + "\n")
     _discard(parts)

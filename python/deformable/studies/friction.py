@@ -126,8 +126,9 @@ def hysteresis(
         steps: number of steps on each way.
 
     Returns:
-        A row for each strain below the largest: `energy_forth`, `energy_back`, their `ratio` back
-        over forth, and the residuals, `residual_forth` and `residual_back`.
+        A row for each strain below the largest: `seed`, `n_v`, `smooth`; `energy_forth`,
+        `energy_back`, their `ratio` back over forth, and the residuals, `residual_forth` and
+        `residual_back`.
     """
     start = jam(bidisperse(number, seed=seed))
     with BeadReference(start, beads, comm=MPI.COMM_SELF) as rings, warnings.catch_warnings():
@@ -139,6 +140,9 @@ def hysteresis(
             back.append(rings.relax())
     return [
         {
+            "seed": seed,
+            "n_v": int(rings.rings.number.min()),
+            "smooth": beads.smooth,
             "strain": strain * (n + 1) / steps,
             "energy_forth": there.energy,
             "energy_back": again.energy,

@@ -1,4 +1,7 @@
-"""One color, marker and line for each contact law in all figures, in the order of the legends."""
+"""One color, marker and line for each contact law in all figures, in the order of the legends.
+
+`BEADS` is the style of rough rings, `SMOOTH` that of smooth ones.
+"""
 
 from __future__ import annotations
 
@@ -17,6 +20,7 @@ class Style:
 
 # Colors that differ for color-blind readers and in gray.
 BEADS = Style("#c22026", "o", "-")
+SMOOTH = Style("#6a3d9a", "v", "-")
 STYLES = {
     "disk": Style("0.55", "o", (0, (1, 3))),
     "sector": Style("black", "s", "-"),

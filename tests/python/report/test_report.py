@@ -10,14 +10,18 @@ from deformable import Beads, ParameterError
 from deformable.report import numbers, results, write_report, writing
 from deformable.report.page import Column, Picture, Section, Table, page
 from deformable.report.plan import Plan
+from deformable.studies.smooth_compressions import smooth_beads
 
+RINGS = [smooth_beads(40, smooth=kind) for kind in (True, False)]
 SMALLEST = Plan(
     ablation={"number": 64, "steps": 2, "repeats": 1},
-    pareto={"number": 8, "seeds": (1,), "strain": 0.03, "bead_numbers": [20, 22, 25]},
+    pareto=[(8, 1, 57, 0.015, 1, (38,), (38,))],
+    smooth=[(8, 1, 38, 0.015, 1)],
+    friction=[(RINGS[0], 0.04, 2), (RINGS[1], 0.04, 2, 1e-2)],
+    hysteresis=[(6, 1, rings, 0.03, 2) for rings in RINGS],
+    crystal=[(RINGS[0], 0.03)],
     large=(8, 3, 0.03, Beads(number=16)),
-    packings=[(8, 2, 0.03, Beads(number=16))],
-    compression=[(8, 1, Beads(number=25), 0.06, 1)],
-    mixtures=[(8, 1, 0.03, 16, (1.0, 10.0), (0.1, math.inf))],
+    mixtures=[(8, 1, 0.03, 38, (1.0, 10.0), (0.1, math.inf))],
     shapes={"indentations": (0.02,), "number": 24, "kL": 100.0},
     stiffness={"indentations": (0.01, 0.02), "number": 24, "kL": (1.0, 100.0)},
     limits=[(6, 0.05, (16, 24), (5.0, 10.0))],
@@ -28,11 +32,13 @@ KEYS = {
     "single": "sides walls beads kL a_over_R I_sector I_ring_kP_inf I_ring S_dp S_sector "
     "S_ring_kP_inf S_ring seconds_dp seconds_law",
     "packing": "n strain beads seed law I S_rms energy_ratio pressure_ratio seconds",
-    "compression": "n seed beads strain law energy_ratio pressure_ratio energy_ratio_at_centers "
-    "centers_rms S_rms same_branch seconds",
+    "smooth": "n seed strain n_v law own energy_ratio pressure_ratio S_rms I distance residual",
     "stiffness_packing": "n strain beads kA kP seed law kP_law I S_rms energy_ratio "
     "pressure_ratio own_energy_ratio own_pressure_ratio seconds",
-    "pareto": "method error seconds",
+    "pareto": "method rings energy_error error seconds",
+    "friction": "n_v smooth friction residual",
+    "hysteresis": "n_v smooth strain ratio",
+    "crystal": "n_v indentation energy_ratio residual",
     "ablation": "law option on",
     "stability": "case law quantity value limit ok reason",
 }
@@ -46,7 +52,7 @@ def folder(tmp_path_factory):
         patch.setattr(writing, "QUICK", SMALLEST)
         lines = []
         write_report(folder, quick=True, print_once=lines.append)
-    assert len(lines) == 10
+    assert len(lines) == 12
     return folder
 
 
@@ -58,15 +64,17 @@ def test_json(folder):
         for row in rows[name]:
             assert set(keys.split()) <= set(row)
     assert {row["law"] for row in rows["packing"]} == {"disk", *LAWS}
-    assert [row["method"] for row in rows["pareto"]] == ["disk", *LAWS, *["beads"] * 3]
+    methods = [row["method"] for row in rows["pareto"]]
+    assert methods == ["disk", *LAWS, "smooth", "rough", "reference"]
     assert {row["law"] for row in rows["ablation"]} == {"disk", *LAWS}
-    assert {row["law"] for row in rows["compression"]} == {*LAWS} - {"sector"}
+    assert {row["law"] for row in rows["smooth"]} == {*LAWS}
+    assert {row["law"] for row in rows["smooth"] if row["own"]} == {*LAWS} - {"sector"}
     assert {row["walls"] for row in rows["single"]} == {"stick", "slip"}
     assert {row["sides"] for row in rows["single"]} == {3, 4, 5, 6}
     assert rows["machine"]["cores"] >= 1
     assert "lammps" in rows["versions"]
     for row in (*rows["pareto"], *rows["packing"]):
-        assert row["seconds"] > 0.0
+        assert row["seconds"] is None if row.get("method") == "sector" else row["seconds"] > 0.0
 
 
 def test_files(folder):
@@ -74,7 +82,7 @@ def test_files(folder):
     pictures = re.findall(r'<img src="([^"]+)"', page)
     expected = {"index.html", "report.json", *pictures}
     assert {path.name for path in folder.iterdir()} == expected
-    assert len(pictures) == 10
+    assert len(pictures) == 11
 
 
 class Reader(HTMLParser):
@@ -110,7 +118,7 @@ def test_page(folder):
     reader = Reader()
     reader.feed(text)
     assert reader.open == []
-    assert len(reader.links) == text.count("<h2 ") == 11
+    assert len(reader.links) == text.count("<h2 ") == 12
     assert set(reader.links) <= reader.ids
     assert reader.silent == []
     assert not {"nan", "inf", "True", "False", "None", ""} & set(reader.cells)
@@ -124,7 +132,8 @@ def test_numbers_of_the_page_are_those_of_the_rows(folder):
     rows = json.loads((folder / "report.json").read_text())
     text = (folder / "index.html").read_text()
     (balanced,) = (row for row in rows["pareto"] if row["method"] == "balanced")
-    assert f"<td>{numbers.show(balanced['error'])}</td>" in text
+    for key in ("error", "energy_error", "seconds"):
+        assert f"<td>{numbers.show(balanced[key])}</td>" in text
     kept = sum(row["ok"] for row in rows["stability"])
     assert f"{kept} of {len(rows['stability'])} measurements" in text
 
@@ -185,7 +194,8 @@ def test_an_interrupted_report_goes_on(tmp_path, monkeypatch):
         measure.__qualname__ = name
         return measure
 
-    rows = ("ablation_rows", "pareto_rows", "packing_rows", "compression_rows", "mixed_rows")
+    rows = ("ablation_rows", "pareto_rows", "packing_rows", "smooth_rows", "sliding", "hysteresis")
+    rows += ("crystal_row", "mixed_rows")
     for name in (*rows, "stability_rows"):
         monkeypatch.setattr(results, name, stand_in(name))
     for name in ("shapes", "stiffness_sweep", "limit"):
@@ -200,10 +210,10 @@ def test_an_interrupted_report_goes_on(tmp_path, monkeypatch):
             write_report(tmp_path, **how)
         return list(measured)
 
-    # two calls of packing_rows: the large packing and a small one
-    assert len(interrupted(quick=True)) == len(rows) + 1 + 3 + 1
+    calls = len(rows) + 2 + 3 + 1  # friction and hysteresis of both kinds of rings
+    assert len(interrupted(quick=True)) == calls
     assert interrupted(quick=True, resume=True) == ["stability_rows"]
-    assert len(interrupted(quick=True)) == len(rows) + 1 + 3 + 1
+    assert len(interrupted(quick=True)) == calls
     assert len(interrupted(quick=False, resume=True)) > 30
 
 

@@ -1,0 +1,82 @@
+"""Two packings side by side: equal sizes, the distance of their centers, and a crystal."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from deformable import BeadReference, Beads, BeadState, Ring, Simulation, State, bidisperse, jam
+from deformable.studies.crystal import crystal_row
+from deformable.studies.matching import centers_rms, matching
+from deformable.studies.smooth_compressions import smooth_beads
+
+
+@pytest.fixture(scope="module")
+def pair() -> tuple[BeadState, State]:
+    """Rings, and particles of the ring law, both strained by 6 %."""
+    start = jam(bidisperse(8, seed=1))
+    states = []
+    for packing in (BeadReference(start, Beads(number=25)), Simulation(start, Ring())):
+        with packing as sim:
+            sim.deform(0.94 * start.box)
+            states.append(sim.relax())
+    exact, own = states
+    return exact, own
+
+
+def moved(exact: BeadState, step: np.ndarray) -> BeadState:
+    return replace(exact, packing=replace(exact.packing, positions=exact.packing.positions + step))
+
+
+def test_distance_of_centers(pair):
+    """Neither drift nor periodic images nor rattlers count; a particle that moves does."""
+    exact, own = pair
+    same = replace(exact, packing=replace(exact.packing, positions=own.packing.positions))
+    touching = np.bincount(np.concatenate([exact.contacts.i, exact.contacts.j]), minlength=8)
+    held = np.flatnonzero((touching >= 3) & ~own.rattlers)
+    assert len(held) >= 3
+    assert centers_rms(same, own) == pytest.approx(0.0, abs=1e-15)
+    images = np.random.default_rng(1).integers(-2, 3, (8, 2)) @ own.packing.box
+    drifted = moved(same, images + np.array([0.3, -2.0]))
+    assert centers_rms(drifted, own) == pytest.approx(0.0, abs=1e-14)
+    step = np.zeros((8, 2))
+    step[held[-1]] = 0.03, 0.04
+    share = 1.0 / len(held)
+    expected = 0.05 * np.sqrt(share * (1.0 - share)) / own.packing.radius.mean()
+    assert centers_rms(moved(drifted, step), own) == pytest.approx(expected)
+
+
+def test_rattlers_do_not_count(pair):
+    exact, own = pair
+    loose = exact.contacts.i[0]
+    there = (exact.contacts.i != loose) & (exact.contacts.j != loose)
+    contacts = replace(
+        exact.contacts,
+        **{name: value[there] for name, value in vars(exact.contacts).items()},
+    )
+    exact = replace(exact, contacts=contacts)
+    step = np.zeros((8, 2))
+    step[loose] = 0.1
+    assert centers_rms(exact, own) == centers_rms(moved(exact, step), own)
+    none = replace(contacts, **{name: value[:0] for name, value in vars(contacts).items()})
+    assert centers_rms(replace(exact, contacts=none), own) is None
+    assert centers_rms(exact, replace(own, stress=1e-7 * own.stress)) is None
+
+
+@pytest.mark.parametrize("smooth", [True, False])
+def test_matching_rings_have_the_same_effective_radii(smooth):
+    packing = bidisperse(4, seed=1)
+    for number in (40, 100):
+        beads = smooth_beads(number, smooth=smooth)
+        rings = beads.rings(matching(packing, beads).radii)
+        # ten steps leave the rounding of sums of a few terms
+        np.testing.assert_allclose(rings.effective_radius, packing.radii, rtol=1e-14)
+
+
+@pytest.mark.parametrize("indentation", [0.01, 0.03])
+def test_a_crystal_of_smooth_rings_tends_to_the_exact_energy(indentation):
+    rows = [crystal_row(smooth_beads(count), indentation) for count in (80, 160)]
+    errors = [abs(row["energy_ratio"] - 1.0) for row in rows]
+    assert errors[0] < 0.0035
+    assert errors[1] < 0.5 * errors[0]
+    assert [row["n_v"] for row in rows] == [80, 160]
+    assert max(row["residual"] for row in rows) <= 1e-6
