@@ -44,7 +44,8 @@ def accuracy_table():
         ]
         for row in methods
     ]
-    return table_of(["", *strains, f"areas, {at}", f"time to {at}"], rows)
+    heads = ["error of the energy at", *strains, f"of the areas at {at}", f"time to {at}"]
+    return table_of(heads, rows)
 
 
 def mixture_table():
