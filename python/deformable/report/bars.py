@@ -61,7 +61,7 @@ def exceptions(rows: Sequence[Row]) -> list[Row]:
             "the reference has too few vertices": any(
                 _meets(other) for other in (*same, *limit) if other["n_v"] > row["n_v"]
             ),
-            "the law itself": bool(limit),
+            "the law itself is off": bool(limit),
         }
         reason = next((text for text, holds in reasons.items() if holds), "")
         found.append(row | {"bar": bar(row["strain"]), "reason": reason})
