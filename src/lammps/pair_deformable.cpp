@@ -207,7 +207,7 @@ template <bool WITHIN_CUTOFF> void PairDeformable::insert_pairs_of(int begin, in
   }
   compute_contact_lines(pairs);
   const int bad_pair = insert_pairs(pairs, atom->nlocal, table);
-  if (bad_pair >= 0) refuse_behind_center(bad_pair);
+  if (bad_pair >= 0) refuse_behind_center(pairs.i[bad_pair], pairs.j[bad_pair]);
 }
 
 template void PairDeformable::insert_pairs_of<true>(int, int);
@@ -229,37 +229,27 @@ void PairDeformable::insert_walls(int i)
 
 /* ---------------------------------------------------------------------- */
 
-void PairDeformable::refuse_behind_center(int pair)
+void PairDeformable::refuse_behind_center(int i, int j)
 {
-  const bool is_i = !(pairs.indentation_i[pair] < pairs.radius_i[pair]);
-  const int i = is_i ? pairs.i[pair] : pairs.j[pair], j = is_i ? pairs.j[pair] : pairs.i[pair];
+  const double *const *const x = atom->x;
+  if (radius_of(i) > radius_of(j)) std::swap(i, j);    // the line lies behind the smaller one
   error->one(
       FLERR,
       "The contact line of atoms {} and {} does not lie in front of the center of atom {}: their "
       "distance is {:.6g}, their radii are {:.6g} and {:.6g}. Separate particles that overlap "
       "first, start from a less compressed state, or take smaller steps or a smaller timestep",
-      atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(pairs.dx[pair], pairs.dy[pair]),
-      radius_of(i), radius_of(j));
+      atom->tag[i], atom->tag[j], atom->tag[i],
+      std::hypot(x[j][0] - x[i][0], x[j][1] - x[i][1]), radius_of(i), radius_of(j));
 }
 
-/* ----------------------------------------------------------------------
-   A particle in a box smaller than itself: its own images leave it no area.
-------------------------------------------------------------------------- */
+/* ---------------------------------------------------------------------- */
 
-void PairDeformable::check_own_images(int i, int contacts)
+void PairDeformable::refuse_own_images(int i)
 {
-  const double r = ring_radius_of(i), area = deformable::PI * r * r - shape.area_deficit;
-  if (area > 0.0) return;
-  const Partner *const partners = &table.partner[table.first(i)];
-  for (int c = 0; c < contacts; ++c) {
-    const int j = partners[c].atom;
-    if (j < 0 || atom->tag[j] != atom->tag[i] || atom->tag[i] == 0) continue;
-    if (!(shape.contact[c].length > 0.0)) continue;
-    error->one(FLERR,
-               "Atom {} of radius {:.6g} has no area left between its own images: the box, {:.6g} "
-               "x {:.6g}, is too small for it",
-               atom->tag[i], radius_of(i), domain->xprd, domain->yprd);
-  }
+  error->one(FLERR,
+             "Atom {} of radius {:.6g} has no area left between its own images: the box, {:.6g} "
+             "x {:.6g}, is too small for it",
+             atom->tag[i], radius_of(i), domain->xprd, domain->yprd);
 }
 
 /* ----------------------------------------------------------------------

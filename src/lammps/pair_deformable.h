@@ -13,6 +13,7 @@
 #include "shape.h"
 #include "species.h"
 #include "stiffness.h"
+#include "trigonometry.h"
 
 #include "atom.h"
 #include "neigh_list.h"
@@ -89,6 +90,9 @@ class PairDeformable : public Pair {
   void apply(int i, const deformable::Contacts &, const deformable::Energy &energy);
   void end_call();
 
+  // Whether anyone asks for shapes and contacts of single particles in this call.
+  bool needs_shapes() const { return recording || results.requested; }
+
   // For compute deformable/contact, if there is one.
   void record(int i, int partner, const deformable::Contact &, double length, double force,
               double distance);
@@ -103,6 +107,23 @@ class PairDeformable : public Pair {
   {
     if (results.requested) results.store_circle(i, ring_radius_of(i));
   }
+
+  [[noreturn]] void refuse_behind_center(int i, int j);
+
+  // A particle in a box smaller than itself: its own images leave it no area. touches(c): whether contact c is one of
+  // an image.
+  template <class Touches> void check_own_images(int i, int contacts, Touches &&touches)
+  {
+    const double r = ring_radius_of(i), area = deformable::PI * r * r - shape.area_deficit;
+    if (area > 0.0) return;
+    for (int c = 0; c < contacts; ++c)
+      if (touches(c) && shape.contact[c].length > 0.0) refuse_own_images(i);
+  }
+  bool is_own_image(int i, int j) const
+  {
+    return j >= 0 && atom->tag[j] == atom->tag[i] && atom->tag[i] != 0;
+  }
+  [[noreturn]] void refuse_own_images(int i);
 
   int beyond_model;           // particles of this rank with a negative radius of curvature
   double bulge_over_reach;    // the largest of this rank, at the last new neighbor list
@@ -122,8 +143,6 @@ class PairDeformable : public Pair {
   bool warned_beyond_model = false, warned_out_of_plane = false, warned_unused_radii = false;
 
   void allocate();
-  [[noreturn]] void refuse_behind_center(int pair);
-  void check_own_images(int i, int contacts);
 };
 
 // Calls law(i, contacts) for all particles. Pairs are computed for a block of particles at a time, in vectors.
@@ -201,7 +220,7 @@ void PairDeformable::apply(int i, const deformable::Contacts &contacts,
   if (eflag_atom) eatom[i] += energy.value;
   if (shape.arc_radius < 0.0) {
     ++beyond_model;
-    check_own_images(i, contacts.size);
+    check_own_images(i, contacts.size, [&](int c) { return is_own_image(i, partners[c].atom); });
   }
 }
 

@@ -75,7 +75,7 @@ void PairDeformableRing::settings(int narg, char **arg)
   if (radical && balance_keyword >= 0)
     error->all(FLERR, balance_keyword,
                "pair_style deformable/ring balance is for 'contact balanced' only");
-  balanced.reset(radical ? nullptr : new BalancedRings(lmp, tolerance, max_evaluations));
+  balanced.reset(radical ? nullptr : new BalancedForces(lmp, tolerance, max_evaluations));
 }
 
 /* ---------------------------------------------------------------------- */
@@ -108,7 +108,7 @@ template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate(int eflag, in
   begin_call(eflag, vflag);
   if (neighbor->ago == 0) smallest = smallest_radius();
   if (balanced)
-    evaluate_balanced<WALLS, SOFT>();
+    evaluate_balanced();
   else
     for_each_particle<WALLS>([&](int i, const Contacts &contacts) {
       finish<WALLS>(i, contacts, deform<SOFT>(i, contacts));
@@ -142,29 +142,9 @@ void PairDeformableRing::finish(int i, const Contacts &contacts, const Energy &e
   if (!std::isfinite(energy.derivative)) no_shape(i, contacts.size);
   apply<WALLS>(i, contacts, energy);
   store_shape(i, contacts, energy.derivative);
-  if (neighbor->ago == 0) check_reach(i, contacts);
+  if (neighbor->ago == 0 && !is_within_reach(i, contacts))
+    refuse_bulge(i, contacts, table.partner[table.first(i) + deepest(contacts)].atom);
 }
-
-template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate_balanced()
-{
-  gather_contacts<WALLS>();
-  balanced->solve(
-      list, neighbor->ago == 0, table, shape,
-      [this](int i, const Contacts &contacts) { return deform<SOFT>(i, contacts); },
-      [this](int i) -> BalancedRings::Ring {
-        return {ring_radius_of(i), species[atom->type[i]].stiffness};
-      });
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii];
-    const Energy energy = balanced->result(i, table, shape);
-    finish<WALLS>(i, table.of(i), energy);
-  }
-  if (comm->me != 0) return;    // compute pair sums over ranks
-  pvector[2] = balanced->evaluations();
-  pvector[3] = balanced->imbalance();
-}
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableRing::no_shape(int i, int contacts)
 {
@@ -181,31 +161,42 @@ void PairDeformableRing::no_shape(int i, int contacts)
    to the smallest particles.
 ------------------------------------------------------------------------- */
 
-void PairDeformableRing::check_reach(int i, const Contacts &contacts)
+double PairDeformableRing::depth_of_reach(int i) const
 {
   const double r = radius_of(i), cutoff = (1.0 + reach) * (r + smallest);
-  const double depth =
-      std::min(reach * r, -contact_line(cutoff, 1.0 / cutoff, r, smallest).indentation_i);
-  const double expansion = shape.perimeter_excess / (2.0 * PI);
-  if (expansion + ring_bulge_at_most(contacts, shape) <= bulge_over_reach * depth) return;
-  const double ratio = (expansion + ring_bulge(ring_radius_of(i), contacts, shape)) / depth;
-  if (ratio > 1.0) refuse_bulge(i, contacts, ratio, depth);
-  if (ratio > bulge_over_reach) bulge_over_reach = ratio;
+  return std::min(reach * r, -contact_line(cutoff, 1.0 / cutoff, r, smallest).indentation_i);
 }
 
-void PairDeformableRing::refuse_bulge(int i, const Contacts &contacts, double ratio, double depth)
+bool PairDeformableRing::is_within_reach(int i, const Contacts &contacts)
+{
+  const double depth = depth_of_reach(i), expansion = shape.perimeter_excess / (2.0 * PI);
+  if (expansion + ring_bulge_at_most(contacts, shape) <= bulge_over_reach * depth) return true;
+  const double ratio = (expansion + ring_bulge(ring_radius_of(i), contacts, shape)) / depth;
+  if (ratio > 1.0) return false;
+  if (ratio > bulge_over_reach) bulge_over_reach = ratio;
+  return true;
+}
+
+int PairDeformableRing::deepest(const Contacts &contacts)
 {
   int deepest = 0;
   for (int c = 1; c < contacts.size; ++c)
     if (contacts[c].indentation > contacts[deepest].indentation) deepest = c;
-  const int partner = table.partner[table.first(i) + deepest].atom;
+  return deepest;
+}
+
+// partner: of the deepest contact
+void PairDeformableRing::refuse_bulge(int i, const Contacts &contacts, int partner)
+{
+  const double depth = depth_of_reach(i), expansion = shape.perimeter_excess / (2.0 * PI);
+  const double ratio = (expansion + ring_bulge(ring_radius_of(i), contacts, shape)) / depth;
   const std::string cause =
       partner >= 0
           ? "separate particles that overlap first"
           : fmt::format(
                 "a wall of fix {} cuts it {:.4g} from its center, whose radius is {:.4g}: move "
                 "one of them",
-                wall_id(partner), radius_of(i) - contacts[deepest].indentation, radius_of(i));
+                wall_id(partner), radius_of(i) - contacts[deepest(contacts)].indentation, radius_of(i));
   const double enough = 1.2 * ratio * reach;
   const std::string larger =
       enough <= LARGEST_REACH ? fmt::format(" or use a reach of {:.2g} or more", enough) : "";

@@ -6,7 +6,7 @@
 
 #include "pair_deformable.h"
 
-#include "balanced_rings.h"
+#include "balanced_forces.h"
 #include "soft_ring.h"
 
 #include <memory>
@@ -22,7 +22,7 @@ class PairDeformableRing : public PairDeformable {
   double memory_usage() override;
 
  private:
-  std::unique_ptr<BalancedRings> balanced;    // null: contacts stay on their radical axes
+  std::unique_ptr<BalancedForces> balanced;    // null: contacts stay on their radical axes
   bool soft = false;                          // some species does not conserve its perimeter
   double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
 
@@ -30,12 +30,20 @@ class PairDeformableRing : public PairDeformable {
   WarmStart<char> active_contacts;
 
   template <bool WALLS, bool SOFT> void evaluate(int eflag, int vflag);
-  template <bool WALLS, bool SOFT> void evaluate_balanced();
+  std::vector<double> radii;                     // of all particles, ghosts included
+  std::vector<deformable::Contact> contacts;    // of one particle
+  std::vector<int> seats;
+  void evaluate_balanced();
+  void push_pairs();
+  void finish_balanced(int i);
   template <bool SOFT> deformable::Energy deform(int i, const deformable::Contacts &);
   template <bool WALLS>
   void finish(int i, const deformable::Contacts &, const deformable::Energy &);
-  void check_reach(int i, const deformable::Contacts &);
-  [[noreturn]] void refuse_bulge(int i, const deformable::Contacts &, double ratio, double depth);
+  // Whether all lines that the outline in `shape` may touch are known.
+  bool is_within_reach(int i, const deformable::Contacts &);
+  double depth_of_reach(int i) const;
+  static int deepest(const deformable::Contacts &);
+  [[noreturn]] void refuse_bulge(int i, const deformable::Contacts &, int partner);
   [[noreturn]] void no_shape(int i, int contacts);
 };
 
