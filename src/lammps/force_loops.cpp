@@ -19,7 +19,7 @@ DEFORMABLE_CLONES Largest LAMMPS_NS::find_residuals(const ForceLoop &p, int begi
     const double r = overlap[k] - indentation[first[k]] - indentation[second[k]], f = force[k];
     const double w = 1.0 / (compliance[first[k]] + compliance[second[k]]);
     const double linear = r * w, cubic = stiffening[k] * r * r * r;
-    const bool takes_part = f > 0.0 || r > 0.0;
+    const bool counts = f > 0.0 || r > 0.0, takes_part = f + linear > 0.0;
     const double more = linear > cubic ? linear : cubic;         // r > 0
     const double less = linear < cubic ? linear : cubic;         // r <= 0, f = 0
     const double loss = linear > -f ? linear : -f;               // r <= 0, f > 0
@@ -27,7 +27,7 @@ DEFORMABLE_CLONES Largest LAMMPS_NS::find_residuals(const ForceLoop &p, int begi
     residual[k] = r;
     weight[k] = takes_part ? w : 0.0;
     error[k] = e;
-    const double size = takes_part ? std::fabs(e) : 0.0;
+    const double size = counts ? std::fabs(e) : 0.0;
     worst = size > worst ? size : worst;
     largest = f > largest ? f : largest;
   }

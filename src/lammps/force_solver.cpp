@@ -159,8 +159,7 @@ double ForceSolver::take_step(bool newton)
   if (!newton) std::copy(begin.begin(), begin.end(), pairs->force.begin());
   for (int k = 0; k < pairs->size; ++k) {
     const double f = force[k], r = residual[k];
-    const bool takes_part = f > 0.0 || r > 0.0;
-    double next = f + (newton ? step[k] : takes_part ? ALONE * error[k] : 0.0);
+    double next = f + (!newton ? ALONE * error[k] : weight[k] > 0.0 ? step[k] : error[k]);
     if (r > 0.0) next = std::max(next, stiffening[k] * r * r * r);
     next = std::max(next, 0.0);
     begin[k] = f;
