@@ -41,7 +41,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
     if (!balanced) warn_unbalanced();
     break;
   }
-  batch_kernels().slopes(batches, near.pairs.force.data());
+  force_kernels().slopes(batches, near.pairs.force.data());
   return -1;
 }
 

@@ -1,10 +1,10 @@
-// The rings of this rank in batches (ring_batch.h): which particle is where, and the contacts of each.
+// The rings of this rank in batches (force_lanes.h): which particle is where, and the contacts of each.
 
 #ifndef DEFORMABLE_FORCE_BATCHES_H
 #define DEFORMABLE_FORCE_BATCHES_H
 
 #include "near_pairs.h"
-#include "ring_batch.h"
+#include "force_lanes.h"
 
 #include <vector>
 
@@ -50,7 +50,7 @@ struct ForceBatches {
 };
 
 // For all batches. The code is that for the processor of this machine.
-struct BatchKernels {
+struct ForceKernels {
   // Shapes rings by the forces of pairs; new_directions: G and G' too. False: a ring does not exist.
   bool (*shape)(ForceBatches &, const NearPairs &, bool new_directions);
   void (*multiply)(ForceBatches &, const double *x);       // C x, x by pair
@@ -58,7 +58,7 @@ struct BatchKernels {
   const char *name;
 };
 
-const BatchKernels &batch_kernels();
+const ForceKernels &force_kernels();
 
 }    // namespace LAMMPS_NS
 

@@ -1,4 +1,4 @@
-// The kernels of ring_batch.h for all batches, in versions for vectors of 2, 4 and 8 numbers.
+// The kernels of force_lanes.h for all batches, in versions for vectors of 2, 4 and 8 numbers.
 
 
 #include "force_batches.h"
@@ -79,20 +79,20 @@ template <class V> DEFORMABLE_KERNEL void slopes_all(ForceBatches &b, const doub
 #define DEFORMABLE_BATCH_KERNELS(NAME, TARGET, N)                                                   \
   TARGET bool shape_##NAME(ForceBatches &b, const NearPairs &p, bool fresh)                        \
   {                                                                                                \
-    using V = Vector<N>::Type;                                                                     \
+    using V = LaneVector<N>::Type;                                                                     \
     if (b.soft) return fresh ? shape_all<V, true, true>(b, p) : shape_all<V, true, false>(b, p);   \
     return fresh ? shape_all<V, false, true>(b, p) : shape_all<V, false, false>(b, p);             \
   }                                                                                                \
   TARGET void multiply_##NAME(ForceBatches &b, const double *x)                                    \
   {                                                                                                \
-    using V = Vector<N>::Type;                                                                     \
+    using V = LaneVector<N>::Type;                                                                     \
     b.soft ? multiply_all<V, true>(b, x) : multiply_all<V, false>(b, x);                           \
   }                                                                                                \
   TARGET void slopes_##NAME(ForceBatches &b, const double *force)                                  \
   {                                                                                                \
-    slopes_all<Vector<N>::Type>(b, force);                                                         \
+    slopes_all<LaneVector<N>::Type>(b, force);                                                         \
   }                                                                                                \
-  constexpr BatchKernels NAME##_KERNELS = {shape_##NAME, multiply_##NAME, slopes_##NAME, #NAME};
+  constexpr ForceKernels NAME##_KERNELS = {shape_##NAME, multiply_##NAME, slopes_##NAME, #NAME};
 
 DEFORMABLE_BATCH_KERNELS(plain, , 2)
 #if defined(__x86_64__)
@@ -100,7 +100,7 @@ DEFORMABLE_BATCH_KERNELS(avx2, __attribute__((target("avx2"))), 4)
 DEFORMABLE_BATCH_KERNELS(avx512, __attribute__((target("avx512f,avx512dq,avx512vl"))), 8)
 #endif
 
-const BatchKernels &chosen()
+const ForceKernels &chosen()
 {
 #if defined(__x86_64__)
   __builtin_cpu_init();
@@ -114,8 +114,8 @@ const BatchKernels &chosen()
 
 }    // namespace
 
-const BatchKernels &LAMMPS_NS::batch_kernels()
+const ForceKernels &LAMMPS_NS::force_kernels()
 {
-  static const BatchKernels &kernels = chosen();
+  static const ForceKernels &kernels = chosen();
   return kernels;
 }

@@ -38,10 +38,10 @@ bool ForceSolver::solve(NearPairs &p, ForceBatches &b, RemoteSides &r)
   pairs = &p;
   batches = &b;
   remote = &r;
-  const std::size_t one_more = p.size + 1;
+  const std::size_t one_more = p.size + 1;    // nothing happens in the last one, which stays zero
   for (std::vector<double> *v :
        {&residual, &error, &weight, &begin, &step, &left, &direction, &product})
-    v->assign(one_more, 0.0);
+    if (v->size() != one_more) v->assign(one_more, 0.0);
   for (int k = 0; k < p.size; ++k) p.force[k] = std::max(p.past[0][k], 0.0);
 
   if (!first_solution) --evaluations;    // of the same forces as the last one
@@ -55,6 +55,7 @@ bool ForceSolver::solve(NearPairs &p, ForceBatches &b, RemoteSides &r)
   const bool minimizing = update->whichflag == 2;
   if (first_solution)
     target = minimizing ? std::max(tolerance, TENTH * std::min(now.relative(), 1.0)) : tolerance;
+  pairs_of_all = 1.0 + sum_over_pairs([](int a, int z) { return z - a; });
   first_solution = false;
   while (now.worst > target * now.largest && evaluations < max_evaluations) {
     newton_step(now);
@@ -96,7 +97,7 @@ template <class Sum> double ForceSolver::sum_over_pairs(Sum &&sum) const
 ForceSolver::Evaluation ForceSolver::evaluate(bool new_directions)
 {
   ++evaluations;
-  const bool exist = batch_kernels().shape(*batches, *pairs, new_directions);
+  const bool exist = force_kernels().shape(*batches, *pairs, new_directions);
   remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                    batches->indentation.data(), batches->compliance.data());
   const Largest here = find_residuals(LOOP, 0, pairs->size);
@@ -119,19 +120,14 @@ void ForceSolver::newton_step(const Evaluation &from)
   double norm2 = sum_over_pairs([&](int a, int z) { return begin_gradients(loop, a, z); });
   const double weights = sum_over_pairs([&](int a, int z) { return sum(loop.weight, a, z); });
   if (!(norm2 > 0.0)) return;
-  // |r| of a typical pair times its weight: the typical imbalance
-  const double participants = sum_over_pairs([&](int a, int z) {
-    int n = 0;
-    for (int k = a; k < z; ++k) n += weight[k] > 0.0;
-    return static_cast<double>(n);
-  });
-  const double typical = std::sqrt(norm2 * weights) / std::max(participants, 1.0);
+  // of r, times the mean weight
+  const double typical = std::sqrt(norm2 * weights) / pairs_of_all;
   const double accuracy =
       std::min(LEAST_ACCURACY, std::max(MARGIN * target * from.largest / from.worst,
                                         SQUARE * typical / from.largest));
   const double enough = accuracy * accuracy * norm2;
   for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
-    batch_kernels().multiply(*batches, direction.data());
+    force_kernels().multiply(*batches, direction.data());
     remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                      batches->product.data());
     const double curvature =

@@ -71,6 +71,7 @@ class ForceSolver : protected Pointers {
   int consecutive_calls = 0;    // at successive steps before this one, up to 3
   bool first_solution = true;   // of this call
   double target = 0.0;
+  double pairs_of_all = 1.0;    // ranks
 
   Evaluation evaluate(bool new_directions);
   void newton_step(const Evaluation &);

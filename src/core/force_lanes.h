@@ -5,8 +5,8 @@
 // which the kernels gather. Kernels are templates of the number of lanes that a register holds and of the number of
 // contacts, so that all loops unroll; 0 contacts stands for a number known at run time only.
 
-#ifndef DEFORMABLE_RING_BATCH_H
-#define DEFORMABLE_RING_BATCH_H
+#ifndef DEFORMABLE_FORCE_LANES_H
+#define DEFORMABLE_FORCE_LANES_H
 
 #include "ring_forces.h"
 
@@ -18,7 +18,7 @@ namespace deformable {
 
 constexpr int LANES = 8;
 
-template <int N> struct Vector {
+template <int N> struct LaneVector {
   typedef double Type __attribute__((vector_size(8 * N)));
 };
 
