@@ -11,6 +11,7 @@
 #include "ring_forces.h"
 
 #include <cstring>
+#include <utility>
 
 namespace deformable {
 
@@ -56,13 +57,16 @@ struct ContactLanes {
   double *scratch;    // for 3 numbers a contact, where their number is not known to the compiler
 };
 
+// Written out, because compilers turn a loop into instructions that gather, which are slow.
+template <class V, int... LANE>
+DEFORMABLE_KERNEL V gather(const double *x, const int *seat, std::integer_sequence<int, LANE...>)
+{
+  return V{x[seat[LANE] >> 1]...};
+}
+
 template <class V> DEFORMABLE_KERNEL V gather(const double *x, const int *seat)
 {
-  constexpr int N = sizeof(V) / 8;
-  V v;
-#pragma GCC unroll 8
-  for (int w = 0; w < N; ++w) v[w] = x[seat[w] >> 1];
-  return v;
+  return gather<V>(x, seat, std::make_integer_sequence<int, sizeof(V) / 8>());
 }
 
 // p^3 = kA Q, from the last pressure where that is close: two steps of Halley's method, each of which triples the
@@ -143,7 +147,8 @@ DEFORMABLE_KERNEL bool shape_lanes(const PairArrays &pairs, const ContactLanes &
     const int *const seat = c.seat + m * LANES;
     force[m] = gather<V>(pairs.force, seat);
     product[m] = GREEN_AT_ZERO * force[m];
-    double *const g = c.green + m * (m - 1) / 2 * LANES, *const dg = c.d_green + m * (m - 1) / 2 * LANES;
+    double *const g = c.green + m * (m - 1) / 2 * LANES, *const dg =
+                                                             c.d_green + m * (m - 1) / 2 * LANES;
     if (NEW) {
       V sign;
 #pragma GCC unroll 8

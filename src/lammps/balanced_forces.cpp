@@ -30,7 +30,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
   }
   solver.begin_call(near.pairs);
   for (int lists = 0;; ++lists) {
-    const bool balanced = solver.solve(near.pairs, batches, near.remote_sides);
+    is_balanced = solver.solve(near.pairs, batches, near.remote_sides);
     find_bulges();
     if (lists < MOST_LISTS && !near.is_sufficient(p)) {
       near.build(p, false);
@@ -38,7 +38,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
       near.locate(p);
       continue;
     }
-    if (!balanced) warn_unbalanced();
+    if (!is_balanced && without_room() < 0) warn_unbalanced();
     break;
   }
   force_kernels().slopes(batches, near.pairs.force.data());
@@ -78,10 +78,21 @@ void BalancedForces::find_bulges()
   }
 }
 
-/* ----------------------------------------------------------------------
-   The energy of the solution has an error of second order only if a ring has
-   its part of what is left of the overlaps.
-------------------------------------------------------------------------- */
+// Where no split of the overlaps leaves room for its area, the free arcs of a ring vanish as its forces grow.
+int BalancedForces::without_room() const
+{
+  constexpr double NONE = 0.01;
+  if (is_balanced) return -1;
+  for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
+    if (batches.particle[ring] < 0 || !std::isinf(batches.kA[ring])) continue;
+    const double q = batches.radius[ring] + batches.expansion[ring] -
+                     batches.total[ring] * batches.per_pressure[ring] * (0.5 / PI);
+    if (q < NONE * batches.radius[ring]) return batches.particle[ring];
+  }
+  return -1;
+}
+
+/* ---------------------------------------------------------------------- */
 
 BalancedForces::Ring BalancedForces::ring(int i) const
 {
@@ -121,8 +132,7 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
     const double sign = seat & 1 ? -1.0 : 1.0, theta = p.angle[pair];
     const double angle = sign > 0.0 ? theta : theta > 0.0 ? theta - PI : theta + PI;
     // contacts without force may be in one row with rings that have none, whose compliance is not finite
-    const double own = batches.compliance[c],
-                 other = batches.compliance[p.side[sign > 0.0][pair]];
+    const double own = batches.compliance[c], other = batches.compliance[p.side[sign > 0.0][pair]];
     const double share = p.force[pair] > 0.0 ? own / (own + other) : 0.5;
     contacts[m] = {angle, sign * p.nx[pair], sign * p.ny[pair],
                    batches.indentation[c] + share * residual(pair)};
@@ -134,8 +144,7 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
   const double lengths = batches.total[ring] * per_p;
   shape.area_deficit = batches.pressure[ring] / k.kA;
   shape.perimeter_excess = 2.0 * PI * delta;
-  shape.arc_radius =
-      batches.radius[ring] + delta - lengths * (0.5 / PI) - std::hypot(mx, my) / PI;
+  shape.arc_radius = batches.radius[ring] + delta - lengths * (0.5 / PI) - std::hypot(mx, my) / PI;
   return n;
 }
 

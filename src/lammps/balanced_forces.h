@@ -31,12 +31,16 @@ class BalancedForces : protected Pointers {
   int evaluations() const { return solver.evaluations; }
   double imbalance() const { return solver.imbalance; }
 
+  // A particle of infinite kA that cannot keep its area between its contacts, if the forces have grown without a limit
+  // for that reason; or -1.
+  int without_room() const;
+
   // What is left of the overlap of a pair: both sides share it by their compliances.
   double residual(int k) const { return solver.residuals()[k]; }
   // After solve: L G' summed over the other contacts of that side's ring, the slope of its outline at the contact.
   double outline_slope(int k, int side) const { return batches.product[near.pairs.side[side][k]]; }
 
-  // Ring i: energy, pressure, what its smallest radius of curvature may be (or the radius itself, if negative)
+  // Of ring i. The radius of curvature is the smallest one if that is negative, otherwise a lower bound.
   struct Ring {
     deformable::Energy energy;
     double expansion, arc_radius;
@@ -54,7 +58,7 @@ class BalancedForces : protected Pointers {
   NearList near;
   ForceBatches batches;
   ForceSolver solver;
-  bool warned = false;
+  bool is_balanced = false, warned = false;
 
   void arrange(const DeformableParticles &);
   void set_material(const DeformableParticles &);

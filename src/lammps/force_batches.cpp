@@ -74,7 +74,7 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   for (int k = 0; k < pairs.size; ++k) {
     pairs.side[0][k] = sit(pairs.i[k], 2 * k);
     pairs.side[1][k] = pairs.second[k] >= 0 ? sit(pairs.second[k], 2 * k + 1)
-        : k < pairs.wall                    ? contacts + k - pairs.remote
+                       : k < pairs.wall     ? contacts + k - pairs.remote
                                             : contacts + remote;
   }
 }

@@ -3,8 +3,8 @@
 #ifndef DEFORMABLE_FORCE_BATCHES_H
 #define DEFORMABLE_FORCE_BATCHES_H
 
-#include "near_pairs.h"
 #include "force_lanes.h"
+#include "near_pairs.h"
 
 #include <vector>
 
@@ -12,11 +12,13 @@ namespace LAMMPS_NS {
 
 struct ForceBatches {
   int batches = 0;
-  int contacts = 0;    // places for contacts; remote ones follow, then one for walls, which yield nothing
-  bool soft = false;   // some ring does not conserve its perimeter
+  int contacts =
+      0;    // places for contacts; remote ones follow, then one for walls, which yield nothing
+  bool soft = false;    // some ring does not conserve its perimeter
 
   // of batches
-  std::vector<int> size, first, first_green;    // contacts of a ring; in arrays of contacts and of two contacts
+  std::vector<int> size, first,
+      first_green;    // contacts of a ring; in arrays of contacts and of two contacts
 
   // of rings: batch x LANES + lane
   std::vector<int> particle;    // or -1
@@ -36,7 +38,6 @@ struct ForceBatches {
   // Seats all contacts, and tells pairs their places. order: the particles, near ones close to each other.
   void arrange(const int *order, int rings, int particles, NearPairs &);
 
-  int ring_batch(int ring) const { return ring / deformable::LANES; }
   // of contact m of a ring
   int contact(int ring, int m) const
   {
@@ -53,8 +54,8 @@ struct ForceBatches {
 struct ForceKernels {
   // Shapes rings by the forces of pairs; new_directions: G and G' too. False: a ring does not exist.
   bool (*shape)(ForceBatches &, const NearPairs &, bool new_directions);
-  void (*multiply)(ForceBatches &, const double *x);       // C x, x by pair
-  void (*slopes)(ForceBatches &, const double *force);     // of the outlines at the contacts
+  void (*multiply)(ForceBatches &, const double *x);      // C x, x by pair
+  void (*slopes)(ForceBatches &, const double *force);    // of the outlines at the contacts
   const char *name;
 };
 

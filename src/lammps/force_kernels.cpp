@@ -1,6 +1,5 @@
 // The kernels of force_lanes.h for all batches, in versions for vectors of 2, 4 and 8 numbers.
 
-
 #include "force_batches.h"
 
 using namespace LAMMPS_NS;
@@ -76,21 +75,21 @@ template <class V> DEFORMABLE_KERNEL void slopes_all(ForceBatches &b, const doub
                     });
 }
 
-#define DEFORMABLE_BATCH_KERNELS(NAME, TARGET, N)                                                   \
+#define DEFORMABLE_BATCH_KERNELS(NAME, TARGET, N)                                                  \
   TARGET bool shape_##NAME(ForceBatches &b, const NearPairs &p, bool fresh)                        \
   {                                                                                                \
-    using V = LaneVector<N>::Type;                                                                     \
+    using V = LaneVector<N>::Type;                                                                 \
     if (b.soft) return fresh ? shape_all<V, true, true>(b, p) : shape_all<V, true, false>(b, p);   \
     return fresh ? shape_all<V, false, true>(b, p) : shape_all<V, false, false>(b, p);             \
   }                                                                                                \
   TARGET void multiply_##NAME(ForceBatches &b, const double *x)                                    \
   {                                                                                                \
-    using V = LaneVector<N>::Type;                                                                     \
+    using V = LaneVector<N>::Type;                                                                 \
     b.soft ? multiply_all<V, true>(b, x) : multiply_all<V, false>(b, x);                           \
   }                                                                                                \
   TARGET void slopes_##NAME(ForceBatches &b, const double *force)                                  \
   {                                                                                                \
-    slopes_all<LaneVector<N>::Type>(b, force);                                                         \
+    slopes_all<LaneVector<N>::Type>(b, force);                                                     \
   }                                                                                                \
   constexpr ForceKernels NAME##_KERNELS = {shape_##NAME, multiply_##NAME, slopes_##NAME, #NAME};
 

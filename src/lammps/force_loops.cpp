@@ -20,9 +20,9 @@ DEFORMABLE_CLONES Largest LAMMPS_NS::find_residuals(const ForceLoop &p, int begi
     const double w = 1.0 / (compliance[first[k]] + compliance[second[k]]);
     const double linear = r * w, cubic = stiffening[k] * r * r * r;
     const bool counts = f > 0.0 || r > 0.0, takes_part = f + linear > 0.0;
-    const double more = linear > cubic ? linear : cubic;         // r > 0
-    const double less = linear < cubic ? linear : cubic;         // r <= 0, f = 0
-    const double loss = linear > -f ? linear : -f;               // r <= 0, f > 0
+    const double more = linear > cubic ? linear : cubic;    // r > 0
+    const double less = linear < cubic ? linear : cubic;    // r <= 0, f = 0
+    const double loss = linear > -f ? linear : -f;          // r <= 0, f > 0
     const double e = r > 0.0 ? more : f > 0.0 ? loss : less;
     residual[k] = r;
     weight[k] = takes_part ? w : 0.0;
@@ -85,8 +85,7 @@ DEFORMABLE_CLONES void LAMMPS_NS::turn(const ForceLoop &p, double conjugation, i
   const double *const left = p.left, *const weight = p.weight;
   double *const direction = p.direction;
   DEFORMABLE_INDEPENDENT
-  for (int k = begin; k < end; ++k)
-    direction[k] = weight[k] * left[k] + conjugation * direction[k];
+  for (int k = begin; k < end; ++k) direction[k] = weight[k] * left[k] + conjugation * direction[k];
 }
 
 DEFORMABLE_CLONES double LAMMPS_NS::sum(const double *x, int begin, int end)

@@ -1,7 +1,5 @@
 #include "force_solver.h"
 
-#include "force_loops.h"
-
 #include "comm.h"
 #include "update.h"
 
@@ -11,16 +9,22 @@
 using namespace LAMMPS_NS;
 
 /* ----------------------------------------------------------------------
-   At successive steps forces start from an extrapolation in time. The forces
-   of the new call take the first place among the past ones.
+   At successive steps forces start from an extrapolation in time: a quadratic
+   one, or, where a loose tolerance leaves errors that it would amplify, one
+   that is stable if each step corrects it (J. Kolafa, J. Comput. Chem. 25,
+   335 (2004)). The forces of the new call take the first place among the past
+   ones.
 ------------------------------------------------------------------------- */
 
 void ForceSolver::begin_call(NearPairs &p)
 {
   static constexpr double COEFFICIENTS[][3] = {{1, 0, 0}, {1, 0, 0}, {2, -1, 0}, {3, -3, 1}};
+  static constexpr double STABLE[3] = {2.5, -2, 0.5};
   consecutive_calls = update->ntimestep == last_step + 1 ? std::min(consecutive_calls + 1, 3) : 0;
   last_step = update->ntimestep;
-  const double *const c = COEFFICIENTS[consecutive_calls];
+  const bool predicts = consecutive_calls == 3;
+  must_correct = predicts && tolerance > LOOSE;
+  const double *const c = must_correct ? STABLE : COEFFICIENTS[consecutive_calls];
   for (int k = 0; k < p.size; ++k) {
     const double now = p.past[0][k], last = p.past[1][k], before = p.past[2][k];
     p.past[2][k] = last;
@@ -57,8 +61,10 @@ bool ForceSolver::solve(NearPairs &p, ForceBatches &b, RemoteSides &r)
     target = minimizing ? std::max(tolerance, TENTH * std::min(now.relative(), 1.0)) : tolerance;
   pairs_of_all = 1.0 + sum_over_pairs([](int a, int z) { return z - a; });
   first_solution = false;
-  while (now.worst > target * now.largest && evaluations < max_evaluations) {
+  while ((now.worst > target * now.largest || (must_correct && now.worst > 0.0)) &&
+         evaluations < max_evaluations) {
     newton_step(now);
+    must_correct = false;
     double slope = take_step(true);
     if (!(slope > 0.0)) slope = take_step(false);
     now = line_search(now, slope);
@@ -70,24 +76,21 @@ bool ForceSolver::solve(NearPairs &p, ForceBatches &b, RemoteSides &r)
 
 /* ---------------------------------------------------------------------- */
 
-static ForceLoop loop_over(NearPairs &p, const ForceBatches &b, std::vector<double> &residual,
-                           std::vector<double> &error, std::vector<double> &weight,
-                           std::vector<double> &step, std::vector<double> &left,
-                           std::vector<double> &direction, std::vector<double> &product)
+ForceLoop ForceSolver::loop()
 {
-  return {p.overlap.data(),     p.stiffening.data(), p.side[0].data(),   p.side[1].data(),
-          b.indentation.data(), b.compliance.data(), b.product.data(),   p.force.data(),
-          residual.data(),      error.data(),        weight.data(),      step.data(),
+  NearPairs &p = *pairs;
+  const ForceBatches &b = *batches;
+  return {p.overlap.data(),     p.stiffening.data(), p.side[0].data(), p.side[1].data(),
+          b.indentation.data(), b.compliance.data(), b.product.data(), p.force.data(),
+          residual.data(),      error.data(),        weight.data(),    step.data(),
           left.data(),          direction.data(),    product.data()};
 }
-
-#define LOOP loop_over(*pairs, *batches, residual, error, weight, step, left, direction, product)
 
 // Pairs that two ranks share count half on each.
 template <class Sum> double ForceSolver::sum_over_pairs(Sum &&sum) const
 {
-  const double part = sum(0, pairs->remote) + 0.5 * sum(pairs->remote, pairs->wall) +
-      sum(pairs->wall, pairs->size);
+  const double part =
+      sum(0, pairs->remote) + 0.5 * sum(pairs->remote, pairs->wall) + sum(pairs->wall, pairs->size);
   if (comm->nprocs == 1) return part;
   double all;
   MPI_Allreduce(&part, &all, 1, MPI_DOUBLE, MPI_SUM, world);
@@ -100,7 +103,7 @@ ForceSolver::Evaluation ForceSolver::evaluate(bool new_directions)
   const bool exist = force_kernels().shape(*batches, *pairs, new_directions);
   remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                    batches->indentation.data(), batches->compliance.data());
-  const Largest here = find_residuals(LOOP, 0, pairs->size);
+  const Largest here = find_residuals(loop(), 0, pairs->size);
   double largest[3] = {here.error, here.force, exist ? 0.0 : 1.0};
   if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, largest, 3, MPI_DOUBLE, MPI_MAX, world);
   return {largest[0], largest[1], largest[2] == 0.0};
@@ -109,33 +112,32 @@ ForceSolver::Evaluation ForceSolver::evaluate(bool new_directions)
 /* ----------------------------------------------------------------------
    Solves C x = r on the pairs that take part. Newton's method squares its
    relative error in each step: the solution need not be better than that,
-   nor than the tolerance.
+   nor than the tolerance. The first step finds which contacts open or close,
+   and may be coarse.
 ------------------------------------------------------------------------- */
 
 void ForceSolver::newton_step(const Evaluation &from)
 {
   constexpr int MAX_ITERATIONS = 500;
   constexpr double LEAST_ACCURACY = 0.03, MARGIN = 0.3, SQUARE = 10.0;
-  const ForceLoop loop = LOOP;
+  const ForceLoop loop = this->loop();
   double norm2 = sum_over_pairs([&](int a, int z) { return begin_gradients(loop, a, z); });
   const double weights = sum_over_pairs([&](int a, int z) { return sum(loop.weight, a, z); });
   if (!(norm2 > 0.0)) return;
   // of r, times the mean weight
   const double typical = std::sqrt(norm2 * weights) / pairs_of_all;
-  const double accuracy =
-      std::min(LEAST_ACCURACY, std::max(MARGIN * target * from.largest / from.worst,
-                                        SQUARE * typical / from.largest));
+  const double sufficient =
+      std::max(MARGIN * target * from.largest / from.worst, SQUARE * typical / from.largest);
+  const double accuracy = evaluations == 1 ? LEAST_ACCURACY : std::min(LEAST_ACCURACY, sufficient);
   const double enough = accuracy * accuracy * norm2;
   for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
     force_kernels().multiply(*batches, direction.data());
     remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                      batches->product.data());
-    const double curvature =
-        sum_over_pairs([&](int a, int z) { return add_products(loop, a, z); });
+    const double curvature = sum_over_pairs([&](int a, int z) { return add_products(loop, a, z); });
     if (!(curvature > 0.0)) break;
     const double length = norm2 / curvature;
-    const double next =
-        sum_over_pairs([&](int a, int z) { return advance(loop, length, a, z); });
+    const double next = sum_over_pairs([&](int a, int z) { return advance(loop, length, a, z); });
     turn(loop, next / norm2, 0, pairs->size);
     norm2 = next;
   }
@@ -162,8 +164,7 @@ double ForceSolver::take_step(bool newton)
     step[k] = next - f;
     force[k] = next;
   }
-  return sum_over_pairs(
-      [this](int a, int z) { return dot(residual.data(), step.data(), a, z); });
+  return sum_over_pairs([this](int a, int z) { return dot(residual.data(), step.data(), a, z); });
 }
 
 /* ----------------------------------------------------------------------
@@ -181,8 +182,8 @@ ForceSolver::Evaluation ForceSolver::line_search(const Evaluation &from, double 
     if (now.exists && now.worst <= BETTER * from.worst) return now;
     double here = -std::numeric_limits<double>::infinity();
     if (now.exists)
-      here = sum_over_pairs(
-          [this](int a, int z) { return dot(residual.data(), step.data(), a, z); });
+      here =
+          sum_over_pairs([this](int a, int z) { return dot(residual.data(), step.data(), a, z); });
     if (here >= -SMALL_SLOPE * slope && (at == 1.0 || here <= SMALL_SLOPE * slope)) return now;
     if (evaluations >= max_evaluations) return now;
 
@@ -198,8 +199,7 @@ ForceSolver::Evaluation ForceSolver::line_search(const Evaluation &from, double 
     next = std::clamp(next, low + 0.1 * (high - low), high - 0.1 * (high - low));
     if (!(next > low && next < high) || high - low < 1e-10) return now;
     at = next;
-    for (int k = 0; k < pairs->size; ++k)
-      pairs->force[k] = std::max(begin[k] + at * step[k], 0.0);
+    for (int k = 0; k < pairs->size; ++k) pairs->force[k] = std::max(begin[k] + at * step[k], 0.0);
   }
 }
 

@@ -18,6 +18,7 @@
 #include "pointers.h"
 
 #include "force_batches.h"
+#include "force_loops.h"
 #include "near_pairs.h"
 #include "remote_sides.h"
 
@@ -63,16 +64,21 @@ class ForceSolver : protected Pointers {
   RemoteSides *remote = nullptr;
 
   // by pair
-  std::vector<double> residual, error, weight;    // r, imbalance, 1/(C_i + C_j) of pairs that take part
-  std::vector<double> begin, step;                // of a line search
+  std::vector<double> residual, error,
+      weight;                         // r, imbalance, 1/(C_i + C_j) of pairs that take part
+  std::vector<double> begin, step;    // of a line search
   std::vector<double> left, direction, product;
 
   bigint last_step = -2;
-  int consecutive_calls = 0;    // at successive steps before this one, up to 3
-  bool first_solution = true;   // of this call
+  int consecutive_calls = 0;     // at successive steps before this one, up to 3
+  bool first_solution = true;    // of this call
+  static constexpr double LOOSE =
+      1e-7;    // larger tolerances leave errors that matter for predictions
+  bool must_correct = false;
   double target = 0.0;
   double pairs_of_all = 1.0;    // ranks
 
+  ForceLoop loop();
   Evaluation evaluate(bool new_directions);
   void newton_step(const Evaluation &);
   double take_step(bool newton);

@@ -42,7 +42,8 @@ void NearList::build(const DeformableParticles &p, bool new_list)
   const double *const *const x = atom->x;
   const NeighList *const list = p.list;
   for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii], count = list->numneigh[i], *const neighbors = list->firstneigh[i];
+    const int i = list->ilist[ii],
+              count = list->numneigh[i], *const neighbors = list->firstneigh[i];
     const double xi = x[i][0], yi = x[i][1], of_i = p.radius[i] + bulge[i] + margin;
     for (int jj = 0; jj < count; ++jj) {
       const int j = neighbors[jj] & NEIGHMASK;
@@ -102,8 +103,7 @@ void NearList::store_history()
   for (int k = 0; k < pairs.wall; ++k) {
     const double d = 1.0 / pairs.per_distance[k], x = pairs.nx[k] * d, y = pairs.ny[k] * d;
     const tagint tag = tags[pairs.i[k]];
-    const tagint partner =
-        k < pairs.remote ? tags[pairs.second[k]] : remote_tags[k - pairs.remote];
+    const tagint partner = k < pairs.remote ? tags[pairs.second[k]] : remote_tags[k - pairs.remote];
     history.add(tag, partner, x, y, pairs.past_of(k));
     history.add(partner, tag, -x, -y, pairs.past_of(k));
   }
@@ -199,9 +199,9 @@ void NearList::set_constants(const DeformableParticles &p)
   using deformable::GREEN_AT_ZERO;
   std::vector<double> softness;    // by atom type
   for (const Species &s : *p.species)
-    softness.push_back(s.radius > 0.0 ? 1.0 / std::cbrt(deformable::area_stiffness(
-                                                s.radius - s.skin, s.stiffness))
-                                      : 0.0);
+    softness.push_back(
+        s.radius > 0.0 ? 1.0 / std::cbrt(deformable::area_stiffness(s.radius - s.skin, s.stiffness))
+                       : 0.0);
   for (int k = 0; k < pairs.size; ++k) {
     const int i = pairs.i[k], j = pairs.j[k];
     const double ri = p.radius[i], rj = k < pairs.wall ? p.radius[j] : 0.0;

@@ -59,11 +59,11 @@ class NearList : protected Pointers {
   // as of the last build
   std::vector<double> x_then, bulge_then, radius_then;
   std::array<double, 3> box_then{};    // lengths of the periodic edges, tilt
-  std::vector<int> first_wall;    // pair of each particle
+  std::vector<int> first_wall;         // pair of each particle
 
-  std::vector<tagint> tags;    // as of the last neighbor list
+  std::vector<tagint> tags;           // as of the last neighbor list
   std::vector<tagint> remote_tags;    // of the second particles of remote pairs
-  std::vector<int> owned;      // by local index: the particle of this rank whose image it is, or -1
+  std::vector<int> owned;    // by local index: the particle of this rank whose image it is, or -1
   ForceHistory history;
   NearPairs old;
   std::vector<RemoteSides::Candidate> candidates;

@@ -22,11 +22,14 @@ struct PastForces {
 struct NearPairs {
   int remote = 0, wall = 0, size = 0;    // first remote pair, first pair with a wall, end
 
-  std::vector<int> i, j;      // local indices, as in the neighbor list; of a wall: its code in Partner::atom
-  std::vector<int> second;    // row of j if it, or the particle whose image it is, is on this rank; or -1
-  std::vector<double> touching;        // R_i + R_j
-  std::vector<double> least_square;    // of the distance: the contact line must lie between the centers
-  std::vector<double> stiffening;      // k: two circles that overlap by o repel with at least k o^3
+  std::vector<int> i,
+      j;    // local indices, as in the neighbor list; of a wall: its code in Partner::atom
+  std::vector<int>
+      second;    // row of j if it, or the particle whose image it is, is on this rank; or -1
+  std::vector<double> touching;    // R_i + R_j
+  std::vector<double>
+      least_square;    // of the distance: the contact line must lie between the centers
+  std::vector<double> stiffening;    // k: two circles that overlap by o repel with at least k o^3
   std::vector<double> past[3];
 
   // one more than pairs: the last one stands for places of contacts that are empty

@@ -238,8 +238,8 @@ void PairDeformable::refuse_behind_center(int i, int j)
       "The contact line of atoms {} and {} does not lie in front of the center of atom {}: their "
       "distance is {:.6g}, their radii are {:.6g} and {:.6g}. Separate particles that overlap "
       "first, start from a less compressed state, or take smaller steps or a smaller timestep",
-      atom->tag[i], atom->tag[j], atom->tag[i],
-      std::hypot(x[j][0] - x[i][0], x[j][1] - x[i][1]), radius_of(i), radius_of(j));
+      atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(x[j][0] - x[i][0], x[j][1] - x[i][1]),
+      radius_of(i), radius_of(j));
 }
 
 /* ---------------------------------------------------------------------- */

@@ -196,7 +196,8 @@ void PairDeformableRing::refuse_bulge(int i, const Contacts &contacts, int partn
           : fmt::format(
                 "a wall of fix {} cuts it {:.4g} from its center, whose radius is {:.4g}: move "
                 "one of them",
-                wall_id(partner), radius_of(i) - contacts[deepest(contacts)].indentation, radius_of(i));
+                wall_id(partner), radius_of(i) - contacts[deepest(contacts)].indentation,
+                radius_of(i));
   const double enough = 1.2 * ratio * reach;
   const std::string larger =
       enough <= LARGEST_REACH ? fmt::format(" or use a reach of {:.2g} or more", enough) : "";

@@ -23,14 +23,14 @@ class PairDeformableRing : public PairDeformable {
 
  private:
   std::unique_ptr<BalancedForces> balanced;    // null: contacts stay on their radical axes
-  bool soft = false;                          // some species does not conserve its perimeter
+  bool soft = false;                           // some species does not conserve its perimeter
   double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
 
   deformable::RingLCP lcp;
   WarmStart<char> active_contacts;
 
   template <bool WALLS, bool SOFT> void evaluate(int eflag, int vflag);
-  std::vector<double> radii;                     // of all particles, ghosts included
+  std::vector<double> radii;                    // of all particles, ghosts included
   std::vector<deformable::Contact> contacts;    // of one particle
   std::vector<int> seats;
   void evaluate_balanced();

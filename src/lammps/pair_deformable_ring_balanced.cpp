@@ -19,6 +19,8 @@ void PairDeformableRing::evaluate_balanced()
                                          &walls, reach,    smallest};
   const int wrong = balanced->solve(particles, neighbor->ago == 0);
   if (wrong >= 0) refuse_behind_center(balanced->pairs().i[wrong], balanced->pairs().j[wrong]);
+  const int crushed = balanced->without_room();
+  if (crushed >= 0) no_shape(crushed, balanced->ring(crushed).contacts);
   push_pairs();
   for (int ii = 0; ii < list->inum; ++ii) finish_balanced(list->ilist[ii]);
   if (comm->me != 0) return;    // compute pair sums over ranks
@@ -97,8 +99,6 @@ void PairDeformableRing::finish_balanced(int i)
     record(i, other, row[c], shape.contact[c].length, p.force[k], distance);
   }
   store_shape(i, row, ring.energy.derivative);
-  if (is_beyond)
-    check_own_images(i, row.size, [&](int c) { return is_own_image(i, partner(c)); });
-  if (neighbor->ago == 0 && !is_within_reach(i, row))
-    refuse_bulge(i, row, partner(deepest(row)));
+  if (is_beyond) check_own_images(i, row.size, [&](int c) { return is_own_image(i, partner(c)); });
+  if (neighbor->ago == 0 && !is_within_reach(i, row)) refuse_bulge(i, row, partner(deepest(row)));
 }

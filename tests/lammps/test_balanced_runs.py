@@ -46,7 +46,7 @@ neighbor 0.05 bin
 
 @pytest.mark.parametrize("far", [False, True])
 def test_imbalance(far):
-    """What is left of the overlap, over the compliance of both sides, over the largest force of all.
+    """What is left of the overlap, over the compliance of both sides and the largest force of all.
 
     The overlap is known only as the sum of the indentations that each force needs.
     """
