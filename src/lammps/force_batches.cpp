@@ -57,8 +57,13 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
     longest = std::max(longest, most);
   }
   contacts = places;
-  green.resize(two);
-  d_green.resize(two);
+  for (std::vector<double> *v : {&green, &d_green}) {
+    if (static_cast<std::size_t>(two) > v->capacity()) {    // no more than needed, and no copy
+      *v = {};
+      v->reserve(two + two / 16);
+    }
+    v->resize(two);
+  }
   scratch.resize(5 * longest * LANES + LANES);
   seat.assign(contacts, 2 * pairs.size);
   const int remote = pairs.wall - pairs.remote;

@@ -15,10 +15,10 @@ namespace LAMMPS_NS {
 
 class ForceHistory {
  public:
-  void clear()
+  void reserve(std::size_t sides, std::size_t particles)
   {
-    entries.clear();
-    bulges.clear();
+    entries.reserve(sides);
+    bulges.reserve(particles);
   }
 
   // Particle `tag` has borne these forces at a partner: another particle at the relative position (x, y), or a wall

@@ -35,8 +35,8 @@ void NearList::build(const DeformableParticles &p, bool new_list)
   }
   remote_sides.to_ghosts(bulge);
 
-  std::swap(old, pairs);
-  pairs.clear();
+  std::swap(old, static_cast<PairList &>(pairs));
+  pairs.clear(old.size);
   candidates.clear();
   int next_old = 0, next_old_remote = old.remote;
   const double *const *const x = atom->x;
@@ -83,6 +83,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
   if (!p.walls->empty()) add_walls(p, new_list);
   pairs.make_room();
   set_constants(p);
+  history = ForceHistory();    // gives its memory back
 
   x_then.resize(2 * nlocal);
   for (int i = 0; i < nlocal; ++i) {
@@ -98,7 +99,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
 // The neighbor list is new: particles have other indices now, pairs still have the former ones.
 void NearList::store_history()
 {
-  history.clear();
+  history.reserve(2 * static_cast<std::size_t>(pairs.size), tags.size());
   for (int i = 0; i < static_cast<int>(tags.size()); ++i) history.add_bulge(tags[i], bulge[i]);
   for (int k = 0; k < pairs.wall; ++k) {
     const double d = 1.0 / pairs.per_distance[k], x = pairs.nx[k] * d, y = pairs.ny[k] * d;
@@ -283,7 +284,7 @@ bool NearList::is_sufficient(const DeformableParticles &p) const
 
 double NearList::memory_usage() const
 {
-  return pairs.bytes() + old.bytes() + remote_sides.bytes() + history.bytes() +
-         bytes_of(bulge, x_then, bulge_then, radius_then, first_wall, tags, remote_tags, owned,
-                  candidates);
+  return pairs.bytes() + remote_sides.bytes() + history.bytes() +
+         bytes_of(old.i, old.j, old.past[0], old.past[1], old.past[2], bulge, x_then, bulge_then,
+                  radius_then, first_wall, tags, remote_tags, owned, candidates);
 }

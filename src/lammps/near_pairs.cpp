@@ -7,11 +7,19 @@
 
 using namespace LAMMPS_NS;
 
-void NearPairs::clear()
+// A vector that grows by itself may take twice the memory that it needs.
+void NearPairs::clear(int expected)
 {
+  const std::size_t most = expected + expected / 16 + 16;
   remote = wall = size = 0;
-  for (std::vector<int> *v : {&i, &j, &second}) v->clear();
-  for (std::vector<double> &v : past) v.clear();
+  for (std::vector<int> *v : {&i, &j, &second}) {
+    v->clear();
+    v->reserve(most);
+  }
+  for (std::vector<double> &v : past) {
+    v.clear();
+    v.reserve(most);
+  }
 }
 
 void NearPairs::make_room()

@@ -17,20 +17,26 @@ struct PastForces {
   double at[3] = {UNKNOWN, UNKNOWN, UNKNOWN};
 };
 
-// A structure of arrays. Pairs with both particles on this rank come first, then those whose second particle is a
+// Which pairs there are. Pairs with both particles on this rank come first, then those whose second particle is a
 // ghost from another rank, then particles and walls.
-struct NearPairs {
+struct PairList {
   int remote = 0, wall = 0, size = 0;    // first remote pair, first pair with a wall, end
 
   std::vector<int> i,
       j;    // local indices, as in the neighbor list; of a wall: its code in Partner::atom
+  std::vector<double> past[3];
+
+  PastForces past_of(int k) const { return {{past[0][k], past[1][k], past[2][k]}}; }
+};
+
+// And where they are: a structure of arrays.
+struct NearPairs : PairList {
   std::vector<int>
       second;    // row of j if it, or the particle whose image it is, is on this rank; or -1
   std::vector<double> touching;    // R_i + R_j
   std::vector<double>
       least_square;    // of the distance: the contact line must lie between the centers
   std::vector<double> stiffening;    // k: two circles that overlap by o repel with at least k o^3
-  std::vector<double> past[3];
 
   // one more than pairs: the last one stands for places of contacts that are empty
   std::vector<double> force;
@@ -46,9 +52,8 @@ struct NearPairs {
     for (int n = 0; n < 3; ++n) past[n].push_back(past_.at[n]);
     return size++;
   }
-  PastForces past_of(int k) const { return {{past[0][k], past[1][k], past[2][k]}}; }
-  void clear();
-  void make_room();    // for the arrays that add() does not fill
+  void clear(int expected);    // removes all pairs; memory for about as many
+  void make_room();            // for the arrays that add() does not fill
 
   double bytes() const
   {
