@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 
 import pytest
+from deformable.report.bars import CONVERGED
 from deformable.report.numbers import percent
 from deformable.report.summary import fastest_as_good, summary, whole_percents
 
@@ -43,7 +44,8 @@ def accuracy_table():
         ]
         for row in methods
     ]
-    return table_of(["", *strains, f"areas, {at}", f"time to {at}"], rows)
+    heads = ["error of the energy at", *strains, f"of the areas at {at}", f"time to {at}"]
+    return table_of(heads, rows)
 
 
 def mixture_table():
@@ -70,7 +72,7 @@ def mixed(row):
 
 
 def compression_table():
-    """Energy of the law balanced over that of smooth rings of 160 vertices, by strain."""
+    """Energy of the law balanced over that of smooth rings of 160 vertices that have converged."""
     own = [
         row
         for row in REPORT["smooth"]
@@ -79,8 +81,12 @@ def compression_table():
     strains = list(dict.fromkeys(row["strain"] for row in own))
     rows = []
     for seed in dict.fromkeys(row["seed"] for row in own):
-        ratios = {row["strain"]: row["energy_ratio"] for row in own if row["seed"] == seed}
-        rows.append([f"seed {seed}", *(f"{ratios[strain]:.3f}" for strain in strains)])
+        ratios = {
+            row["strain"]: f"{row['energy_ratio']:.3f}" if row["residual"] <= CONVERGED else "–"
+            for row in own
+            if row["seed"] == seed
+        }
+        rows.append([f"seed {seed}", *(ratios[strain] for strain in strains)])
     return table_of(["strain", *map(percent, strains)], rows)
 
 

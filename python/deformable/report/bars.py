@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -33,22 +34,24 @@ def whole(rows: Sequence[Row]) -> list[Row]:
 def exceptions(rows: Sequence[Row]) -> list[Row]:
     """Rows of `smooth_rows` of the balanced law, relaxed on its own, that miss their bar.
 
-    Each has a `reason`, in this order: the reference has not converged; the law has not; law and
-    reference are apart by more than the mean overlap, 2 strain R, so that one of them has
-    rearranged; the reference has too few vertices, if the bar is met against finer rings of the
-    same packing. It is empty if there is none of these.
+    Each has a `reason`, the first of these that holds: the reference has not converged; the law has
+    not; law and reference are apart by more than the mean overlap, 2 strain R, so that one of them
+    has rearranged; the reference has too few vertices, if the bar is met against finer rings of the
+    same packing; the law itself, if it is missed in the limit of many vertices, extrapolated in
+    1/N_v^2 from the two finest rings. It is empty if there is none of these.
     """
     own = [row for row in rows if row["law"] == "balanced" and row["own"]]
     found = []
     for row in own:
         if _meets(row) and row["residual"] <= CONVERGED:
             continue
-        finer = [
+        same = [
             other
             for other in own
-            if other["n_v"] > row["n_v"]
-            and (other["seed"], other["strain"]) == (row["seed"], row["strain"])
+            if (other["seed"], other["strain"]) == (row["seed"], row["strain"])
+            and other["residual"] <= CONVERGED
         ]
+        limit = _of_many_vertices(same)
         reasons = {
             "the reference has not converged": row["residual"] > CONVERGED,
             "the law has not converged": row["law_residual"] > TOLERANCE,
@@ -56,12 +59,25 @@ def exceptions(rows: Sequence[Row]) -> list[Row]:
                 row["distance"] is None or row["distance"] > 2.0 * row["strain"]
             ),
             "the reference has too few vertices": any(
-                _meets(other) and other["residual"] <= CONVERGED for other in finer
+                _meets(other) for other in (*same, *limit) if other["n_v"] > row["n_v"]
             ),
+            "the law itself is off": bool(limit),
         }
         reason = next((text for text, holds in reasons.items() if holds), "")
         found.append(row | {"bar": bar(row["strain"]), "reason": reason})
     return found
+
+
+def _of_many_vertices(same: Sequence[Row]) -> list[Row]:
+    """A row of rings of very many vertices, from those of two numbers; none if there is one."""
+    by_number = {row["n_v"]: row for row in same}
+    if len(by_number) < 2:
+        return []
+    coarse, fine = (by_number[count] for count in sorted(by_number)[-2:])
+    step = (fine["energy_ratio"] - coarse["energy_ratio"]) / (
+        (fine["n_v"] / coarse["n_v"]) ** 2 - 1
+    )
+    return [fine | {"n_v": math.inf, "energy_ratio": fine["energy_ratio"] + step}]
 
 
 def _meets(row: Row) -> bool:

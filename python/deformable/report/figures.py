@@ -38,7 +38,7 @@ def accuracy(rows: Sequence[Row], pareto: Sequence[Row]) -> Figure:
         error.plot([], [], style.marker, color=style.color, linestyle=style.line, label=name)
     error.set(
         xlabel="strain beyond jamming [%]",
-        ylabel="error of the energy, |E / E(smooth rings) − 1|",
+        ylabel="error of the energy",
         yscale="log",
     )
     for part in sorted(set(BARS.values())):

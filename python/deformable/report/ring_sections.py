@@ -94,7 +94,7 @@ def pareto(rows: Sequence[Row]) -> Section:
             "are means. Rings of different numbers of vertices stand for the same particles: radii "
             "and kP agree.",
             "Rough rings catch on each other: more vertices do not make them as right as smooth "
-            "rings. Few vertices are wrong for both: contacts then have no more than one.",
+            "rings. With few vertices both are wrong: a contact then has hardly more than one.",
         ),
         pictures=[
             Picture(
@@ -208,9 +208,7 @@ def _reasons(missed: Sequence[Row]) -> str:
     counts = {row["reason"]: 0 for row in missed}
     for row in missed:
         counts[row["reason"]] += 1
-    texts = [
-        f"{count} because {why or 'of no reason that was found'}" for why, count in counts.items()
-    ]
+    texts = [f"{count} ({why or 'no reason found'})" for why, count in counts.items()]
     return f"The others are listed: {listed(texts)}."
 
 

@@ -43,7 +43,7 @@ def energy_errors(rows: Sequence[Row], law: str) -> dict[float, list[float]]:
         chosen = (row["law"], row["n_v"]) == (law, finest) and (row["own"] or law == "sector")
         if chosen and row["residual"] <= CONVERGED and row["energy_ratio"] is not None:
             found.setdefault(row["strain"], []).append(abs(row["energy_ratio"] - 1.0))
-    return found
+    return dict(sorted(found.items()))
 
 
 def summary(rows: Sequence[Row], pareto: Sequence[Row]) -> list[Row]:

@@ -83,15 +83,16 @@ class Exports:
             freud.order.Hexatic().compute(state.to_freud())
 
         The box is two-dimensional and has its center at the origin, so that the points are moved.
-        It is not periodic along directions that walls close; walls themselves are left out.
+        It is twice as long along directions that walls close, because freud finds no neighbors in
+        boxes that are not periodic; walls themselves are left out.
 
         Raises:
             ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
         """
         freud = optional("freud", "freud")
         (lx, _), (xy, ly) = self.packing.box.tolist()
-        box = freud.box.Box(lx, ly, xy=xy / ly, is2D=True)
-        box.periodic = [*np.logical_not(closed(self.packing.walls)), False]
+        empty = np.where(closed(self.packing.walls), 2.0, 1.0)
+        box = freud.box.Box(lx * empty[0], ly * empty[1], xy=xy / ly, is2D=True)
         center = self.packing.origin + self.packing.box.sum(axis=0) / 2.0
         return box, box.wrap(in_space(self.packing.positions - center))
 

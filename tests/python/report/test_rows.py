@@ -145,17 +145,20 @@ def test_a_reference_that_has_not_converged_is_always_listed():
     assert len(bars.exceptions([own(0.02, 1.0, residual=2e-6)])) == 1
 
 
-def test_too_few_vertices():
-    coarse = own(0.02, 1.02)
-    for finer, expected in (
-        (own(0.02, 1.005, n_v=160), "too few vertices"),
-        (own(0.02, 1.005, n_v=160, seed=2), ""),
-        (own(0.02, 1.005, n_v=160, residual=1e-5), ""),
-        (own(0.02, 1.011, n_v=160), ""),
-    ):
-        row = bars.exceptions([coarse, finer])[0]
-        assert expected in row["reason"]
-        assert bool(expected) == bool(row["reason"])
+@pytest.mark.parametrize(
+    ("finer", "reason"),
+    [
+        ({"energy_ratio": 1.005}, "too few vertices"),
+        ({"energy_ratio": 1.005, "seed": 2}, ""),
+        ({"energy_ratio": 1.005, "residual": 1e-5}, ""),
+        ({"energy_ratio": 1.0121}, "too few vertices"),  # the limit, 1.0095, meets the bar
+        ({"energy_ratio": 1.0127}, "the law itself"),  # 1.0103
+    ],
+)
+def test_reasons_that_finer_rings_show(finer, reason):
+    row = bars.exceptions([own(0.02, 1.02), own(0.02, 1.0, n_v=160) | finer])[0]
+    assert reason in row["reason"]
+    assert bool(reason) == bool(row["reason"])
 
 
 def test_only_the_balanced_law_alone_has_bars():

@@ -77,6 +77,21 @@ def test_freud(moving: deformable.State) -> None:
     assert order.shape == (24,)
 
 
+def test_between_walls_no_neighbors_are_across() -> None:
+    freud = pytest.importorskip("freud")
+    room = deformable.rectangle(6.0, 6.0, corner=(-2.0, 1.0))
+    packing = deformable.push_off(deformable.bidisperse(12, seed=1).between(room))
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        state = sim.state()
+    query = freud.locality.AABBQuery(*state.to_freud())
+    near = query.query(query.points, {"r_max": 2.9, "exclude_ii": True}).toNeighborList()
+    apart = np.linalg.norm(packing.positions[:, None] - packing.positions, axis=2)
+    np.fill_diagonal(apart, np.inf)
+    assert len(near) == (apart < 2.9).sum()
+    expected = np.pad(packing.positions - packing.origin, ((0, 0), (0, 1)))
+    assert state.to_mdanalysis().atoms.positions == pytest.approx(expected, abs=1e-5)
+
+
 def test_pandas(moving: deformable.State) -> None:
     pytest.importorskip("pandas")
     particles, contacts = moving.to_pandas(), moving.to_pandas("contacts")
