@@ -16,7 +16,8 @@ DEFORMABLE_CLONES Largest LAMMPS_NS::find_residuals(const ForceLoop &p, int begi
   double worst = 0.0, largest = 0.0;
 #pragma omp simd reduction(max : worst, largest)
   for (int k = begin; k < end; ++k) {
-    const double r = overlap[k] - indentation[first[k]] - indentation[second[k]], f = force[k];
+    // the sum of both sides first: the same to the last bit on the other rank
+    const double r = overlap[k] - (indentation[first[k]] + indentation[second[k]]), f = force[k];
     const double w = 1.0 / (compliance[first[k]] + compliance[second[k]]);
     const double linear = r * w, cubic = stiffening[k] * r * r * r;
     const bool counts = f > 0.0 || r > 0.0, takes_part = f + linear > 0.0;

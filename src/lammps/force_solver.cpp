@@ -46,6 +46,7 @@ bool ForceSolver::solve(NearPairs &p, ForceBatches &b, RemoteSides &r)
   for (std::vector<double> *v :
        {&residual, &error, &weight, &begin, &step, &left, &direction, &product})
     if (v->size() != one_more) v->assign(one_more, 0.0);
+  if (comm->nprocs > 1) agree();
   for (int k = 0; k < p.size; ++k) p.force[k] = std::max(p.past[0][k], 0.0);
 
   if (!first_solution) --evaluations;    // of the same forces as the last one
@@ -54,11 +55,13 @@ bool ForceSolver::solve(NearPairs &p, ForceBatches &b, RemoteSides &r)
     std::fill(p.force.begin(), p.force.end(), 0.0);
     now = evaluate(false);
   }
-  // A minimizer needs only a tenth of the imbalance that its last step caused: the rest vanishes as its steps do.
+  // A minimizer needs only a tenth of the imbalance that its last step caused: the rest vanishes as its steps do, if each
+  // call corrects it, also below the tolerance.
   constexpr double TENTH = 0.1;
   const bool minimizing = update->whichflag == 2;
   if (first_solution)
     target = minimizing ? std::max(tolerance, TENTH * std::min(now.relative(), 1.0)) : tolerance;
+  must_correct |= first_solution && minimizing;
   pairs_of_all = 1.0 + sum_over_pairs([](int a, int z) { return z - a; });
   first_solution = false;
   while ((now.worst > target * now.largest || (must_correct && now.worst > 0.0)) &&
@@ -84,6 +87,32 @@ ForceLoop ForceSolver::loop()
           b.indentation.data(), b.compliance.data(), b.product.data(), p.force.data(),
           residual.data(),      error.data(),        weight.data(),    step.data(),
           left.data(),          direction.data(),    product.data()};
+}
+
+/* ----------------------------------------------------------------------
+   Both ranks of a pair take the mean of their overlaps, which differ by the
+   rounding of ghosts' positions, and of their first forces. Otherwise the
+   residuals of both would never vanish together, and the difference of their
+   forces would grow from call to call: no residual depends on it.
+------------------------------------------------------------------------- */
+
+void ForceSolver::agree()
+{
+  NearPairs &p = *pairs;
+  const int own = batches->contacts, *const side = p.side[0].data() + p.remote;
+  double *const overlap = p.overlap.data() + p.remote, *const force = p.past[0].data() + p.remote;
+  // evaluate replaces them
+  double *const overlaps = batches->indentation.data(), *const forces = batches->compliance.data();
+  const int count = p.wall - p.remote;
+  for (int c = 0; c < count; ++c) {
+    overlaps[side[c]] = overlap[c];
+    forces[side[c]] = force[c];
+  }
+  remote->exchange(side, own, overlaps, forces);
+  for (int c = 0; c < count; ++c) {
+    overlap[c] = 0.5 * (overlap[c] + overlaps[own + c]);
+    force[c] = 0.5 * (force[c] + forces[own + c]);
+  }
 }
 
 // Pairs that two ranks share count half on each.
@@ -179,7 +208,8 @@ ForceSolver::Evaluation ForceSolver::line_search(const Evaluation &from, double 
   double low = 0.0, low_slope = slope, high = 1.0, at = 1.0;
   for (;;) {
     const Evaluation now = evaluate(false);
-    if (now.exists && now.worst <= BETTER * from.worst) return now;
+    const double good = std::max(BETTER * from.worst, target * now.largest);
+    if (now.exists && now.worst <= good) return now;
     double here = -std::numeric_limits<double>::infinity();
     if (now.exists)
       here =

@@ -5,8 +5,9 @@
 // over one force for each pair, with W of ring_forces.h; of a wall, o = a. Its gradient is what is left of the overlap,
 //   r = o - a_ij - a_ji,   0 where f > 0, not positive where f = 0.
 // Newton's method finds the maximum; conjugate gradients solve its linear systems, with the compliances C of both
-// rings. A pair whose own force would become negative takes no part in a step: its force vanishes. All ranks do the same arithmetic in the same order of steps, so that both ranks of a pair agree to the last
-// bit on its force.
+// rings. A pair whose own force would become negative takes no part in a step: its force vanishes. All ranks do the
+// same arithmetic in the same order of steps, from the same overlap and force of a pair, so that both ranks of a pair
+// agree to the last bits on its force.
 //
 // The imbalance of a pair is the change of its force that would remove r if all other forces stayed: r/(C_i + C_j), at
 // least k r^3 as between circles (a ring without force has infinite compliance), and not below -f. Pairs without force
@@ -78,6 +79,7 @@ class ForceSolver : protected Pointers {
   double target = 0.0;
   double pairs_of_all = 1.0;    // ranks
 
+  void agree();
   ForceLoop loop();
   Evaluation evaluate(bool new_directions);
   void newton_step(const Evaluation &);

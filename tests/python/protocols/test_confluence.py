@@ -5,6 +5,9 @@ import numpy as np
 import pytest
 from crystal import RADIUS, crystal
 
+# Arcs that vanish are differences: they need forces beyond the default tolerance.
+pytestmark = pytest.mark.usefixtures("exact_balance")
+
 # A hexagon of inradius h has the perimeter 2 A6 h and the area A6 h^2.
 A6 = 6.0 * np.tan(np.pi / 6.0)
 CONFLUENCE = 1.0 - np.pi / A6  # a/R where the perimeter 2 pi R is that of the hexagon
@@ -12,8 +15,6 @@ CONFLUENCE = 1.0 - np.pi / A6  # a/R where the perimeter 2 pi R is that of the h
 
 def lattice_state(indentation: float) -> deformable.State:
     with deformable.Simulation(crystal(indentation), deformable.Ring()) as sim:
-        # arcs that vanish are differences: they need forces beyond the default tolerance
-        sim.lmp.command("pair_style deformable/ring balance 1e-13 100")
         return sim.state()
 
 
