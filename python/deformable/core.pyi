@@ -78,6 +78,7 @@ def batch(
     kP: ArrayLike,
     skin: ArrayLike,
 ) -> Batch: ...
+
 class ForcedRing:
     @property
     def energy(self) -> float: ...

@@ -1,8 +1,10 @@
 """One small jammed packing and one compressed state, shared by the tests."""
 
+from collections.abc import Iterator
+
 import deformable
 import pytest
-from deformable.engine import simulation
+from exact_balance import exactly_balanced
 
 
 @pytest.fixture(scope="session")
@@ -18,15 +20,6 @@ def state(jammed: deformable.Packing) -> deformable.State:
 
 
 @pytest.fixture
-def exact_balance(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Simulations whose balanced contacts have forces to 1e-13 of the largest one.
-
-    By default they are right to 1e-8; tests that compare closer than that need more.
-    """
-    commands, law = simulation.law_commands, "contact balanced"
-
-    def exact(*arguments: object) -> str:
-        text: str = commands(*arguments)  # type: ignore[arg-type]
-        return text.replace(law, f"{law} balance 1e-13 100")
-
-    monkeypatch.setattr(simulation, "law_commands", exact)
+def exact_balance() -> Iterator[None]:
+    with exactly_balanced():
+        yield
