@@ -52,7 +52,7 @@ def step(
         began = time.process_time()
         for n in range(count // piece):
             sim.lmp.command(f"run {piece} {'pre no ' if n else ''}post no")
-            iterations.append(sim.lmp.numpy.extract_compute("beyond", 0, 1)[2])
+            iterations.append(sim.lmp.numpy.extract_compute("deformable_beyond", 0, 1)[2])
         return (time.process_time() - began) / count, statistics.fmean(iterations)
 
 
