@@ -60,10 +60,11 @@ struct ContactBlock {
   }
 };
 
-// The kernel of a particle, an index of BatchKernels::ring and sector; 0 if there is none.
+// The kernel of a particle, an index of BatchKernels::ring and sector; 0 if there is none. A second look may find that
+// no contact is active.
 inline int ring_group(const BlockParticle &p)
 {
-  if (p.active > MOST_IN_BATCH) return 0;
+  if (p.active == 0 || p.active > MOST_IN_BATCH) return 0;
   return Stiffness{p.kA, p.kP}.conserves_perimeter() ? p.active : MOST_IN_BATCH + p.active;
 }
 
