@@ -1,8 +1,10 @@
 """The levels of SIMD instructions: DEFORMABLE_SIMD."""
 
+import deformable
 import numpy as np
 import pytest
 from deformable import core
+from deformable.engine.lammps import gather
 from scene import PACKINGS, Scene, box_walls
 from test_soft_rings import mixture, pushed
 
@@ -64,3 +66,27 @@ def test_unknown_level(monkeypatch):
     monkeypatch.setenv("DEFORMABLE_SIMD", "sse9")
     with pytest.raises(Exception, match="sse9"):
         Scene.packing(CASE, "deformable/sector")
+
+
+@pytest.mark.parametrize("kP", [np.inf, 0.1])
+def test_forces_in_motion(kP):
+    """Particles lose and find contacts between two neighbor lists: their first guess is that of
+    the step before, also if no contact is left. Forces are those of a fresh start."""
+    packing = deformable.jam(deformable.bidisperse(256, seed=1)).at(0.9)
+    law = deformable.Ring(contact="radical", kP=kP)
+    with (
+        deformable.Simulation(packing, law) as moving,
+        deformable.Simulation(packing, law) as still,
+    ):
+        moving.relax(1e-3)
+        moving.lmp.commands_string(
+            "neighbor 0.3 bin\nvelocity all create 1e-5 4711 loop all\nfix nve all nve\n"
+            "timestep 0.4\nrun 0 post no"
+        )
+        for _ in range(30):
+            moving.lmp.command("run 1 pre no post no")
+            x = gather(moving.lmp, "x", 3)
+            still.lmp.scatter("x", 1, 3, np.ctypeslib.as_ctypes(x.ravel()))
+            still.lmp.command("run 0 post no")
+            found, expected = gather(moving.lmp, "f", 3), gather(still.lmp, "f", 3)
+            assert found == pytest.approx(expected, rel=0, abs=1e-11 * np.abs(expected).max())
