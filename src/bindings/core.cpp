@@ -11,6 +11,7 @@ NB_MODULE(core, m)
 
   deformable::bind_laws(m);
   deformable::bind_soft_rings(m);
+  deformable::bind_ring_forces(m);
   deformable::bind_outlines(m);
   deformable::bind_rules(m);
   deformable::bind_obstacles(m);

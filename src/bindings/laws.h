@@ -29,6 +29,7 @@ void refuse_coincident(double change);
 
 void bind_laws(nb::module_ &m);
 void bind_soft_rings(nb::module_ &m);
+void bind_ring_forces(nb::module_ &m);
 void bind_outlines(nb::module_ &m);
 void bind_rules(nb::module_ &m);
 void bind_obstacles(nb::module_ &m);

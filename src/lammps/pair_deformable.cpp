@@ -189,64 +189,6 @@ void PairDeformable::end_call()
 
 /* ---------------------------------------------------------------------- */
 
-void PairDeformable::insert_pairs_of(int begin, int end)
-{
-  const double *const *const x = atom->x;
-  const int *const type = atom->type;
-  const double *const by_type = radius.data(), *const by_atom = atom_radius;
-  const auto radius_at = [=](int i) { return by_atom ? by_atom[i] : by_type[type[i]]; };
-  std::size_t most = 0;
-  for (int ii = begin; ii < end; ++ii) most += list->numneigh[list->ilist[ii]];
-  pairs.reserve(most);
-  pairs.size = 0;
-
-  for (int ii = begin; ii < end; ++ii) {
-    const int i = list->ilist[ii];
-    const double xi = x[i][0], yi = x[i][1], ri = radius_at(i);
-    const int *const neighbors = list->firstneigh[i];
-    const int count = list->numneigh[i];
-    for (int jj = 0; jj < count; ++jj) {
-      const int j = neighbors[jj] & NEIGHMASK;
-      pairs.add(i, j, x[j][0] - xi, x[j][1] - yi, ri, radius_at(j));
-    }
-  }
-  compute_contact_lines(pairs);
-  const int bad_pair = insert_pairs(pairs, atom->nlocal, table);
-  if (bad_pair < 0) return;
-  const bool is_i = !(pairs.indentation_i[bad_pair] < pairs.radius_i[bad_pair]);
-  const int i = pairs.i[bad_pair], j = pairs.j[bad_pair];
-  refuse_behind_center(is_i ? i : j, is_i ? j : i, pairs.dx[bad_pair], pairs.dy[bad_pair]);
-}
-
-/* ---------------------------------------------------------------------- */
-
-void PairDeformable::insert_walls(int i)
-{
-  const double ri = radius_of(i);
-  const int count = static_cast<int>(walls.size());
-  for (int w = 0; w < count; ++w)
-    walls[w]->visit(i, (1.0 + reach) * ri, [&](const deformable::NearestPoint &point) {
-      table.add(i,
-                {deformable::angle_of(point.nx, point.ny), point.nx, point.ny, ri - point.height},
-                {-1 - (w + count * point.feature), -1.0, point.per_lever});
-    });
-}
-
-/* ----------------------------------------------------------------------
-   A particle in a box smaller than itself: its own images leave it no area.
-------------------------------------------------------------------------- */
-
-void PairDeformable::check_own_images(int i, int contacts)
-{
-  const double r = ring_radius_of(i), area = deformable::PI * r * r - shape.area_deficit;
-  if (area > 0.0) return;
-  const Partner *const partners = &table.partner[table.first(i)];
-  for (int c = 0; c < contacts; ++c) {
-    if (partners[c].atom >= 0 && shape.contact[c].length > 0.0)
-      check_own_image(i, partners[c].atom);
-  }
-}
-
 void PairDeformable::check_own_image(int i, int j)
 {
   if (atom->tag[j] != atom->tag[i] || atom->tag[i] == 0) return;
@@ -336,6 +278,5 @@ double PairDeformable::smallest_radius() const
 
 double PairDeformable::memory_usage()
 {
-  return Pair::memory_usage() + table.bytes() + block.bytes() + bytes_of(recorded, active_slots) +
-         results.bytes();
+  return Pair::memory_usage() + block.bytes() + bytes_of(recorded, active_slots) + results.bytes();
 }

@@ -7,13 +7,12 @@
 #include "pair.h"
 
 #include "block_walk.h"
-#include "contact_pairs.h"
-#include "contact_table.h"
 #include "fix_deformable_wall.h"
 #include "particle_results.h"
 #include "shape.h"
 #include "species.h"
 #include "stiffness.h"
+#include "vector_bytes.h"
 
 #include "atom.h"
 #include "neigh_list.h"
@@ -81,10 +80,9 @@ class PairDeformable : public Pair {
   double ring_radius_of(int i) const { return radius_of(i) - species[atom->type[i]].skin; }
   double smallest_radius() const;    // of all particles of all ranks
 
-  ContactTable table;
   deformable::Shape shape;    // of the particle that is evaluated
 
-  // A force call is begin_call, then blocks of particles or all contacts at once, then end_call.
+  // A force call is begin_call, then the forces, e.g. of blocks of particles, then end_call.
   void begin_call(int eflag, int vflag);
   // Shapes and forces of all particles in blocks. prepare(particle) may take out its contacts, group_of(particle)
   // chooses a kernel or 0 for law(particle, contacts), and finish(particle) follows its forces.
@@ -100,17 +98,15 @@ class PairDeformable : public Pair {
   // Empty for a law whose contacts are always active.
   std::vector<unsigned> active_slots;
   struct WallContact {
-    int wall;    // as in Partner
+    int wall;    // -1 - (w + n feature) for wall fix w of n
     double nx, ny, height, per_lever;
   };
   std::vector<WallContact> wall_contacts;    // of the block; a place has -1 minus the index
 
-  // Alternatively all contacts at once (with `whole_list` false), which stay in the table until the next call: the
-  // pairs of the neighbor list in their order, then the walls.
-  template <bool WALLS> void gather_contacts();
-  template <bool WALLS>
-  void apply(int i, const deformable::Contacts &, const deformable::Energy &energy);
   void end_call();
+
+  // Whether anyone asks for shapes and contacts of single particles in this call.
+  bool needs_shapes() const { return recording || results.requested; }
 
   // For compute deformable/contact, if there is one.
   void record(int i, int partner, const deformable::Contact &, double length, double force,
@@ -126,6 +122,11 @@ class PairDeformable : public Pair {
   {
     if (results.requested) results.store_circle(i, ring_radius_of(i));
   }
+
+  // Of particle i, whose contact line does not lie in front of its center.
+  [[noreturn]] void refuse_behind_center(int i, int j, double dx, double dy);
+  // Stops if j is an image of particle i, which has no area left.
+  void check_own_image(int i, int j);
 
   int beyond_model;           // particles of this rank with a negative radius of curvature
   double bulge_over_reach;    // the largest of this rank, at the last new neighbor list
@@ -145,10 +146,6 @@ class PairDeformable : public Pair {
   void observe(const deformable::BlockParticle &);
   void check_own_images(const deformable::BlockParticle &);
 
-  ContactPairs pairs;    // of the block of particles that is evaluated
-  void insert_pairs_of(int begin, int end);
-  void insert_walls(int i);
-
   struct {
     double definition, walls, exclusions;
   } asked{};    // for extract
@@ -158,9 +155,6 @@ class PairDeformable : public Pair {
   bool warned_beyond_model = false, warned_out_of_plane = false, warned_unused_radii = false;
 
   void allocate();
-  [[noreturn]] void refuse_behind_center(int i, int j, double dx, double dy);
-  void check_own_images(int i, int contacts);
-  void check_own_image(int i, int j);
 };
 
 template <bool WALLS, class Prepare, class GroupOf, class Law, class Finish>
@@ -184,69 +178,6 @@ void PairDeformable::for_each_block(const deformable::BatchKernel *chosen, Prepa
       if (observing) observe(p);
       finish(p);
     }
-  }
-}
-
-template <bool WALLS> void PairDeformable::gather_contacts()
-{
-  table.clear(atom->nlocal);
-  for (int begin = 0; begin < list->inum; begin += BLOCK)
-    insert_pairs_of(begin, std::min(begin + BLOCK, list->inum));
-  if constexpr (WALLS)
-    for (int ii = 0; ii < list->inum; ++ii) insert_walls(list->ilist[ii]);
-}
-
-// Energy and forces of one particle's shape. Of each contact, the force along the line of centers is
-// dU/da da/dd and the force across it is dU/dtheta over the lever.
-template <bool WALLS>
-void PairDeformable::apply(int i, const deformable::Contacts &contacts,
-                           const deformable::Energy &energy)
-{
-  double *const *const f = atom->f;
-  const Partner *const partners = &table.partner[table.first(i)];
-  const deformable::Response *const responses = shape.contact.data();
-  const double slope = energy.derivative;
-  double fx = 0.0, fy = 0.0;
-  for (int c = 0; c < contacts.size; ++c) {
-    const deformable::Response response = responses[c];
-    if (response.d_indentation == 0.0 && response.d_angle == 0.0) continue;
-    const Partner partner = partners[c];
-    const double nx = contacts[c].nx, ny = contacts[c].ny;
-    const double along = slope * response.d_indentation * partner.d_indentation;
-    const double across = slope * response.d_angle * partner.per_lever;
-    const double px = along * nx - across * ny, py = along * ny + across * nx;    // on particle i
-    if (WALLS && partner.atom < 0) {
-      // The wall exerts the torque dU/dtheta about the center: beyond that of (along, across) at the nearest
-      // point, its force acts beside this point.
-      const double rest = 1.0 - (radius_of(i) - contacts[c].indentation) * partner.per_lever;
-      const double shift =
-          response.d_indentation > 0.0 ? rest * response.d_angle / response.d_indentation : 0.0;
-      push_wall(i, partner.atom, px, py, contacts[c], shift);
-      continue;
-    }
-    fx += px;
-    fy += py;
-    double *const fj = f[partner.atom];
-    fj[0] -= px;
-    fj[1] -= py;
-    if (vflag_either)
-      ev_tally_xyz(i, partner.atom, atom->nlocal, 1, 0.0, 0.0, px, py, 0.0, -nx / partner.per_lever,
-                   -ny / partner.per_lever, 0.0);
-  }
-  f[i][0] += fx;
-  f[i][1] += fy;
-  if (recording)
-    for (int c = 0; c < contacts.size; ++c) {
-      const double height = radius_of(i) - contacts[c].indentation;
-      record(i, partners[c].atom, contacts[c], responses[c].length,
-             slope * responses[c].d_indentation,
-             partners[c].atom < 0 ? height : 1.0 / partners[c].per_lever);
-    }
-  if (eflag_global) eng_vdwl += energy.value;
-  if (eflag_atom) eatom[i] += energy.value;
-  if (shape.arc_radius < 0.0) {
-    ++beyond_model;
-    check_own_images(i, contacts.size);
   }
 }
 

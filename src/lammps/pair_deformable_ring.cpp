@@ -76,7 +76,7 @@ void PairDeformableRing::settings(int narg, char **arg)
   if (radical && balance_keyword >= 0)
     error->all(FLERR, balance_keyword,
                "pair_style deformable/ring balance is for 'contact balanced' only");
-  balanced.reset(radical ? nullptr : new BalancedRings(lmp, tolerance, max_evaluations));
+  balanced.reset(radical ? nullptr : new BalancedForces(lmp, tolerance, max_evaluations));
   whole_list = radical;
 }
 
@@ -97,19 +97,14 @@ void PairDeformableRing::init_style()
 
 void PairDeformableRing::compute(int eflag, int vflag)
 {
-  if (walls.empty())
-    soft ? evaluate<false, true>(eflag, vflag) : evaluate<false, false>(eflag, vflag);
-  else
-    soft ? evaluate<true, true>(eflag, vflag) : evaluate<true, false>(eflag, vflag);
-}
-
-/* ---------------------------------------------------------------------- */
-
-template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate(int eflag, int vflag)
-{
   begin_call(eflag, vflag);
   if (neighbor->ago == 0) smallest = smallest_radius();
-  balanced ? evaluate_balanced<WALLS, SOFT>() : evaluate_radical<WALLS, SOFT>();
+  if (balanced)
+    evaluate_balanced();
+  else if (walls.empty())
+    soft ? evaluate_radical<false, true>() : evaluate_radical<false, false>();
+  else
+    soft ? evaluate_radical<true, true>() : evaluate_radical<true, false>();
   end_call();
 }
 
@@ -121,8 +116,7 @@ template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate_radical()
   for_each_block<WALLS>(
       kernels->ring, [](BlockParticle &) {}, ring_group,
       [this](BlockParticle &p, const Contacts &contacts) {
-        is_active.assign(contacts.size, 0);
-        const Energy energy = shape_ring<SOFT>(p.name, contacts, is_active.data());
+        const Energy energy = shape_ring<SOFT>(p.name, contacts);
         if (!std::isfinite(energy.derivative)) no_shape(p.name, contacts.size);
         p.pressure = energy.derivative;
         return energy;
@@ -130,25 +124,19 @@ template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate_radical()
       [this](const BlockParticle &p) {
         if (neighbor->ago != 0 || p.pressure == 0.0) return;
         load_shape(p);
-        check_reach(p.name, load_contacts(block, p), [&](int deepest) {
-          const int partner = block.places[p.first + deepest].partner;
-          return partner < 0 ? wall_contacts[-1 - partner].wall : partner;
-        });
+        const Contacts contacts = load_contacts(block, p);
+        if (is_within_reach(p.name, contacts)) return;
+        const int partner = block.places[p.first + deepest(contacts)].partner;
+        refuse_bulge(p.name, contacts, partner < 0 ? wall_contacts[-1 - partner].wall : partner);
       });
 }
 
 /* ---------------------------------------------------------------------- */
 
-template <bool SOFT> Energy PairDeformableRing::deform(int i, const Contacts &contacts)
+template <bool SOFT> Energy PairDeformableRing::shape_ring(int i, const Contacts &contacts)
 {
-  char *const active = active_contacts.of(
-      i, contacts.size, [](char *first, char *last) { std::fill(first, last, 0); });
-  return shape_ring<SOFT>(i, contacts, active);
-}
-
-template <bool SOFT>
-Energy PairDeformableRing::shape_ring(int i, const Contacts &contacts, char *active)
-{
+  is_active.assign(contacts.size, 0);
+  char *const active = is_active.data();
   const int type = atom->type[i];
   if (SOFT && !species[type].stiffness.conserves_perimeter()) {
     Energy energy;
@@ -158,38 +146,6 @@ Energy PairDeformableRing::shape_ring(int i, const Contacts &contacts, char *act
   }
   ring_shape(ring_radius_of(i), contacts, active, lcp, shape);
   return harmonic(species[type].stiffness.kA, shape.area_deficit);
-}
-
-/* ---------------------------------------------------------------------- */
-
-template <bool WALLS>
-void PairDeformableRing::finish(int i, const Contacts &contacts, const Energy &energy)
-{
-  if (energy.derivative == 0.0) return store_circle(i);
-  if (!std::isfinite(energy.derivative)) no_shape(i, contacts.size);
-  apply<WALLS>(i, contacts, energy);
-  store_shape(i, contacts, energy.derivative);
-  if (neighbor->ago == 0)
-    check_reach(i, contacts, [&](int c) { return table.partner[table.first(i) + c].atom; });
-}
-
-template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate_balanced()
-{
-  gather_contacts<WALLS>();
-  balanced->solve(
-      list, neighbor->ago == 0, table, shape,
-      [this](int i, const Contacts &contacts) { return deform<SOFT>(i, contacts); },
-      [this](int i) -> BalancedRings::Ring {
-        return {ring_radius_of(i), species[atom->type[i]].stiffness};
-      });
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii];
-    const Energy energy = balanced->result(i, table, shape);
-    finish<WALLS>(i, table.of(i), energy);
-  }
-  if (comm->me != 0) return;    // compute pair sums over ranks
-  pvector[2] = balanced->evaluations();
-  pvector[3] = balanced->imbalance();
 }
 
 /* ---------------------------------------------------------------------- */
@@ -209,34 +165,43 @@ void PairDeformableRing::no_shape(int i, int contacts)
    to the smallest particles.
 ------------------------------------------------------------------------- */
 
-template <class PartnerOf>
-void PairDeformableRing::check_reach(int i, const Contacts &contacts, PartnerOf &&partner_of)
+double PairDeformableRing::depth_of_reach(int i) const
 {
   const double r = radius_of(i), cutoff = (1.0 + reach) * (r + smallest);
-  const double depth =
-      std::min(reach * r, -contact_line(cutoff, 1.0 / cutoff, r, smallest).indentation_i);
-  const double expansion = shape.perimeter_excess / (2.0 * PI);
-  if (expansion + ring_bulge_at_most(contacts, shape) <= bulge_over_reach * depth) return;
-  const double ratio = (expansion + ring_bulge(ring_radius_of(i), contacts, shape)) / depth;
-  if (ratio > 1.0) {
-    int deepest = 0;
-    for (int c = 1; c < contacts.size; ++c)
-      if (contacts[c].indentation > contacts[deepest].indentation) deepest = c;
-    refuse_bulge(i, partner_of(deepest), contacts[deepest].indentation, ratio, depth);
-  }
-  if (ratio > bulge_over_reach) bulge_over_reach = ratio;
+  return std::min(reach * r, -contact_line(cutoff, 1.0 / cutoff, r, smallest).indentation_i);
 }
 
-void PairDeformableRing::refuse_bulge(int i, int partner, double indentation, double ratio,
-                                      double depth)
+bool PairDeformableRing::is_within_reach(int i, const Contacts &contacts)
 {
+  const double depth = depth_of_reach(i), expansion = shape.perimeter_excess / (2.0 * PI);
+  if (expansion + ring_bulge_at_most(contacts, shape) <= bulge_over_reach * depth) return true;
+  const double ratio = (expansion + ring_bulge(ring_radius_of(i), contacts, shape)) / depth;
+  if (ratio > 1.0) return false;
+  if (ratio > bulge_over_reach) bulge_over_reach = ratio;
+  return true;
+}
+
+int PairDeformableRing::deepest(const Contacts &contacts)
+{
+  int deepest = 0;
+  for (int c = 1; c < contacts.size; ++c)
+    if (contacts[c].indentation > contacts[deepest].indentation) deepest = c;
+  return deepest;
+}
+
+// partner: of the deepest contact
+void PairDeformableRing::refuse_bulge(int i, const Contacts &contacts, int partner)
+{
+  const double depth = depth_of_reach(i), expansion = shape.perimeter_excess / (2.0 * PI);
+  const double ratio = (expansion + ring_bulge(ring_radius_of(i), contacts, shape)) / depth;
   const std::string cause =
       partner >= 0
           ? "separate particles that overlap first"
           : fmt::format(
                 "a wall of fix {} cuts it {:.4g} from its center, whose radius is {:.4g}: move "
                 "one of them",
-                wall_id(partner), radius_of(i) - indentation, radius_of(i));
+                wall_id(partner), radius_of(i) - contacts[deepest(contacts)].indentation,
+                radius_of(i));
   const double enough = 1.2 * ratio * reach;
   const std::string larger =
       enough <= LARGEST_REACH ? fmt::format(" or use a reach of {:.2g} or more", enough) : "";
@@ -250,6 +215,5 @@ void PairDeformableRing::refuse_bulge(int i, int partner, double indentation, do
 
 double PairDeformableRing::memory_usage()
 {
-  return PairDeformable::memory_usage() + active_contacts.bytes() +
-         (balanced ? balanced->memory_usage() : 0.0);
+  return PairDeformable::memory_usage() + (balanced ? balanced->memory_usage() : 0.0);
 }

@@ -6,7 +6,7 @@
 
 #include "pair_deformable.h"
 
-#include "balanced_rings.h"
+#include "balanced_forces.h"
 #include "soft_ring.h"
 
 #include <memory>
@@ -22,26 +22,28 @@ class PairDeformableRing : public PairDeformable {
   double memory_usage() override;
 
  private:
-  std::unique_ptr<BalancedRings> balanced;    // null: contacts stay on their radical axes
-  bool soft = false;                          // some species does not conserve its perimeter
+  std::unique_ptr<BalancedForces> balanced;    // null: contacts stay on their radical axes
+  bool soft = false;                           // some species does not conserve its perimeter
   double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
 
   deformable::RingLCP lcp;
-  WarmStart<char> active_contacts;    // of balanced contacts
-  std::vector<char> is_active;        // of one ring
+  std::vector<char> is_active;    // of one ring
 
-  template <bool WALLS, bool SOFT> void evaluate(int eflag, int vflag);
-  template <bool WALLS, bool SOFT> void evaluate_balanced();
   template <bool WALLS, bool SOFT> void evaluate_radical();
-  template <bool SOFT> deformable::Energy deform(int i, const deformable::Contacts &);
-  template <bool SOFT>
-  deformable::Energy shape_ring(int i, const deformable::Contacts &, char *active);
-  template <bool WALLS>
-  void finish(int i, const deformable::Contacts &, const deformable::Energy &);
-  template <class PartnerOf>
-  void check_reach(int i, const deformable::Contacts &, PartnerOf &&partner_of);
-  [[noreturn]] void refuse_bulge(int i, int partner, double indentation, double ratio,
-                                 double depth);
+  template <bool SOFT> deformable::Energy shape_ring(int i, const deformable::Contacts &);
+
+  std::vector<double> radii;                    // of all particles, ghosts included
+  std::vector<deformable::Contact> contacts;    // of one particle
+  std::vector<int> seats;
+  void evaluate_balanced();
+  void push_pairs();
+  void finish_balanced(int i);
+
+  // Whether all lines that the outline in `shape` may touch are known.
+  bool is_within_reach(int i, const deformable::Contacts &);
+  double depth_of_reach(int i) const;
+  static int deepest(const deformable::Contacts &);
+  [[noreturn]] void refuse_bulge(int i, const deformable::Contacts &, int partner);
   [[noreturn]] void no_shape(int i, int contacts);
 };
 

@@ -1,6 +1,6 @@
 #include "wall_scene.h"
 
-#include "contact_table.h"
+#include "vector_bytes.h"
 
 #include <algorithm>
 #include <limits>

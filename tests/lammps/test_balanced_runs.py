@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from balanced import DEFAULT, EXACT, of_compute_pair
+from deformable import core
 from scene import PACKINGS, SPECIES, Scene
 from test_contacts import CONTACTS, contacts
 from test_parallel import run as run_ranks
@@ -13,10 +14,9 @@ BOX_OF_FOUR = (-5, 5, -2, 8)
 
 @pytest.mark.parametrize("copies", [1, 4])
 def test_ranks(copies, tmp_path):
-    """Shifts are the same on both ranks that share a pair, also when particles change ranks.
+    """Forces are the same on both ranks that share a pair, also when particles change ranks.
 
-    In the large packing later evaluations select few particles. If ranks selected different ones,
-    forces would differ by the tolerance, and not by rounding.
+    If ranks did not take the same steps, forces would differ by the tolerance, and not by rounding.
     """
     fields = {
         "style": f"{DEFAULT} balance 1e-8 100",
@@ -44,26 +44,35 @@ neighbor 0.05 bin
             assert (np.abs(found[steps][1] - atoms) <= scale).all()
 
 
-def test_largest_force_of_all_particles():
-    """A pair that is balanced from the start, and another one far away that is not.
+@pytest.mark.parametrize("far", [False, True])
+def test_imbalance(far):
+    """What is left of the overlap, over the compliance of both sides and the largest force of all.
 
-    The imbalance of the latter is relative to the largest force, that of the former.
+    The overlap is known only as the sum of the indentations that each force needs.
     """
     tolerance = 1e-4
     style = f"{DEFAULT} balance {tolerance} 100"
-    x = [[0, 0], [0.9, 0], [0, 5], [0.97, 5]]
-    scene = Scene(x, ["small", "small", "small", "weak"], BOX_OF_FOUR, style, commands=CONTACTS)
-    force = contacts(scene)["force"].reshape(2, 2)  # both sides of each pair
+    x, species = [[0, 0], [0.97, 0]], ["small", "weak"]
+    if far:  # a pair with much larger forces
+        x, species = [*x, [0, 5], [0.9, 5]], [*species, "small", "small"]
+    scene = Scene(x, species, BOX_OF_FOUR, style, commands=CONTACTS)
+    seen = contacts(scene)
+    force = seen["force"]
+    assert force[0] == force[1]
     evaluations, imbalance = of_compute_pair(scene)
     assert evaluations > 1
-    assert force[1].max() < 0.1 * force[0].max()
-    left = np.ptp(force, axis=1).max() / force.max()
-    assert 0 < left <= tolerance
-    assert imbalance == pytest.approx(left, rel=1e-9)  # of a difference of forces of 1e-4
+    assert 0 < imbalance <= tolerance
+    rings = [core.forced_ring(0.5, [0.0], [force[0]], kA, np.inf) for kA in (1.0, 0.3)]
+    left = 0.03 - sum(ring.indentation[0] for ring in rings)
+    off = abs(left) / sum(ring.compliance[0, 0] for ring in rings)
+    if far:
+        assert off <= tolerance * force.max()
+    else:
+        assert imbalance == pytest.approx(off / force.max(), rel=1e-6)
 
 
 @pytest.mark.parametrize("lists", ["every 10 check yes", "every 1 delay 0 check no"])
-def test_shifts_continue(lists):
+def test_forces_continue(lists):
     """Few evaluations along a trajectory, also with a new neighbor list in every step."""
     scene = mixture(PACKINGS[0], DEFAULT, commands=f"neigh_modify {lists}")[0]
     scene.run("velocity all create 1e-8 4711 loop all\nfix nve all nve\ntimestep 0.001\nrun 4")

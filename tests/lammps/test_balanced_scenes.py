@@ -41,10 +41,11 @@ def test_equal_particles():
     places = [0.49, 1.47]
     state, radical = (
         squeezed(["small", "small"], places, 1.96, style).evaluate()
-        for style in (DEFAULT, "deformable/ring contact radical")
+        for style in (EXACT, "deformable/ring contact radical")
     )
-    assert state.energy == radical.energy
-    assert state.force.tolist() == radical.force.tolist()
+    assert state.energy == pytest.approx(radical.energy, rel=1e-13)
+    largest = np.abs(radical.shape["pressure"]).max()
+    np.testing.assert_allclose(state.force, radical.force, rtol=0, atol=1e-12 * largest)
 
 
 def test_one_contact():
@@ -133,7 +134,7 @@ def test_hybrid():
 
 def test_only_walls():
     scene = Scene(
-        np.zeros((1, 2)), ["both"], BOX, DEFAULT, boundary="f f p", commands=polygon_walls(6, 0.48)
+        np.zeros((1, 2)), ["both"], BOX, EXACT, boundary="f f p", commands=polygon_walls(6, 0.48)
     )
     radical = Scene(
         np.zeros((1, 2)),
@@ -144,8 +145,9 @@ def test_only_walls():
         commands=polygon_walls(6, 0.48),
     )
     assert scene.energy() == pytest.approx(radical.energy(), rel=1e-13)
-    assert radical.energy() > 0
-    assert of_compute_pair(scene).tolist() == [1, 0]
+    evaluations, imbalance = of_compute_pair(scene)
+    assert evaluations <= 10
+    assert imbalance <= 1e-12
 
 
 EXTREMES = {

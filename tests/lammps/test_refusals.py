@@ -116,12 +116,13 @@ def test_sectors_conserve_one_and_have_no_skin(species, message):
         lmp.command(f"pair_coeff * * {SPECIES} small {species}")
 
 
-def test_ring_that_cannot_keep_its_area():
+@pytest.mark.parametrize("contact", ["radical", "balanced"])
+def test_ring_that_cannot_keep_its_area(contact):
     """A hexagon of inradius 0.95 R has 3.126 R^2, less than pi R^2."""
     for a, fits in ((0.047, True), (0.048, False)):
         walls = polygon_walls(6, 0.5 * (1 - a))
         scene = Scene(
-            np.zeros((1, 2)), ["fixed"], BOX, "deformable/ring contact radical", commands=walls
+            np.zeros((1, 2)), ["fixed"], BOX, f"deformable/ring contact {contact}", commands=walls
         )
         if fits:
             assert scene.energy() > 0

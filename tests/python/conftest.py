@@ -1,7 +1,10 @@
 """One small jammed packing and one compressed state, shared by the tests."""
 
+from collections.abc import Iterator
+
 import deformable
 import pytest
+from exact_balance import exactly_balanced
 
 
 @pytest.fixture(scope="session")
@@ -14,3 +17,9 @@ def state(jammed: deformable.Packing) -> deformable.State:
     with deformable.Simulation(jammed, deformable.Ring(kA=2.0)) as sim:
         *_, last = deformable.compress(sim, strain=0.02, steps=2)
     return last
+
+
+@pytest.fixture
+def exact_balance() -> Iterator[None]:
+    with exactly_balanced():
+        yield

@@ -58,7 +58,7 @@ class Ring:
         contact: place of the contact lines: `balanced`, where the forces of both sides are equal,
             or `radical`, the radical axis of the undeformed circles. Compared with rings of beads,
             `balanced` is right to 1 % where `radical` is wrong by factors (docs/paper.md); it takes
-            about three times as long to relax.
+            about 1.6 times as long to relax.
 
     Raises:
         ParameterError: a stiffness is not positive, both are infinite, the reach is not in

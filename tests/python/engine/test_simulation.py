@@ -176,6 +176,7 @@ def test_errors_for_deep_overlaps_name_push_off(law: deformable.Ring | deformabl
 @pytest.mark.parametrize("law", [None, deformable.Ring(), deformable.Sector()])
 @pytest.mark.parametrize("tilt", [0.0, 0.3, 1.3])
 @pytest.mark.parametrize("phi", [0.5, 0.88, 1.0])
+@pytest.mark.usefixtures("exact_balance")  # stresses are right to the tolerance of the forces
 def test_a_particle_in_a_box_smaller_than_itself(
     law: deformable.Ring | deformable.Sector | None, tilt: float, phi: float
 ) -> None:

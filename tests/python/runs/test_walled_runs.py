@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import deformable
 import numpy as np
 import pytest
 from deformable import Circle, Disk, ParameterError, Plane, Polygon, Ring, Segment
+from exact_balance import exactly_balanced
 
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("agg")
@@ -22,6 +24,13 @@ SCENE = (
     Segment((0, 1), (1.5, 1)),
 )
 LAW = Ring(kP=3.0)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def exact_states() -> Iterator[None]:
+    """States that are read back agree with the former ones to rounding."""
+    with exactly_balanced():
+        yield
 
 
 @pytest.fixture(scope="module")

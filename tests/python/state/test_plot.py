@@ -7,6 +7,7 @@ from pathlib import Path
 import deformable
 import numpy as np
 import pytest
+from exact_balance import exactly_balanced
 
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("agg")
@@ -17,7 +18,10 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[deformable
     """A recorded run: two steps of compression, then motion in a tilted box."""
     folder = tmp_path_factory.mktemp("run")
     jammed = deformable.jam(deformable.bidisperse(12, tilt=0.3, seed=2))
-    with deformable.Simulation(jammed, deformable.Ring(kP=2.0, skin=0.02)) as sim:
+    with (
+        exactly_balanced(),
+        deformable.Simulation(jammed, deformable.Ring(kP=2.0, skin=0.02)) as sim,
+    ):
         pressed = deformable.compress(sim, strain=0.03, steps=2)
         states = list(deformable.record(pressed, folder))
         motion = deformable.move(sim, 60, temperature=1e-5, every=20)
@@ -25,6 +29,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[deformable
     return folder, states
 
 
+@pytest.mark.usefixtures("exact_balance")
 def test_replay_gives_the_states_again(run: tuple[Path, list[deformable.State]]) -> None:
     folder, states = run
     again = list(deformable.replay(folder))

@@ -84,6 +84,7 @@ def test_plot_draws_every_particle(state: deformable.State) -> None:
     ],
     ids=["ring", "balanced", "sector"],
 )
+@pytest.mark.usefixtures("exact_balance")
 def test_plot_draws_every_contact(
     jammed: deformable.Packing, law: deformable.Ring | deformable.Sector
 ) -> None:

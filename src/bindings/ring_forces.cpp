@@ -1,0 +1,128 @@
+#include "laws.h"
+
+#include "parameter_rules.h"
+#include "ring_forces.h"
+
+#include <cmath>
+
+using namespace deformable;
+
+namespace {
+
+struct ForcedRing {
+  Stiffness stiffness;
+  RingLoad load;
+  LoadedRing ring;
+  double radius;
+  std::vector<double> indentation, length, d_angle, compliance;
+};
+
+ForcedRing forced_ring(double radius, nb::handle angles, nb::handle forces, double kA, double kP,
+                       double skin)
+{
+  require_positive("radius", radius);
+  const std::vector<double> angle = vector_of("angle", angles), force = vector_of("force", forces);
+  if (angle.size() != force.size())
+    refuse("angle and force must have the same length, not " + std::to_string(angle.size()) +
+           " and " + std::to_string(force.size()));
+  for (const std::string &problem : {invalid_stiffness(kA, kP), invalid_skin(skin, radius)})
+    if (!problem.empty()) refuse(problem);
+  const std::size_t z = force.size();
+  std::vector<double> green_force(z, 0.0), d_green_force(z, 0.0), g(z * z);
+  ForcedRing result = {{kA, kP}, {0.0, 0.0}, {}, radius - skin, {}, {}, {}, {}};
+  for (std::size_t c = 0; c < z; ++c) {
+    if (force[c] < 0.0) refuse("force: forces must not be negative, not " + shown_number(force[c]));
+    result.load.total += force[c];
+  }
+  for (std::size_t c = 0; c < z; ++c)
+    for (std::size_t k = 0; k < z; ++k) {
+      const double t = std::remainder(angle[c] - angle[k], 2.0 * PI);
+      const double sine = std::sin(std::fabs(t)), cosine = std::cos(t);
+      g[c * z + k] = green(std::fabs(t), sine, cosine);
+      green_force[c] += g[c * z + k] * force[k];
+      const double slope = d_green(std::fabs(t), sine, cosine);
+      if (c != k) d_green_force[c] += (t < 0.0 ? -slope : slope) * force[k];
+    }
+  for (std::size_t c = 0; c < z; ++c) result.load.work += 0.5 * force[c] * green_force[c];
+  if (!find_pressure(result.radius, result.stiffness, result.load, result.ring))
+    refuse("force: no ring of this stiffness bears these forces");
+
+  const double p = result.ring.pressure;
+  const RingCompliance C =
+      compliance_of(result.radius, result.stiffness, result.load.work, result.ring);
+  result.compliance.resize(z * z);
+  for (std::size_t c = 0; c < z; ++c) {
+    const double b = green_force[c] * C.per_pressure;
+    result.indentation.push_back(b - result.ring.expansion);
+    result.length.push_back(p > 0.0 ? force[c] / p : 0.0);
+    result.d_angle.push_back(-force[c] * d_green_force[c] * C.per_pressure);
+    for (std::size_t k = 0; k < z; ++k) {
+      const double other = green_force[k] * C.per_pressure;
+      result.compliance[c * z + k] =
+          g[c * z + k] * C.per_pressure - C.mixed * (b + other) - C.square * b * other + C.rate;
+    }
+  }
+  return result;
+}
+
+}    // namespace
+
+void deformable::bind_ring_forces(nb::module_ &m)
+{
+  const auto vector = [](std::vector<double> ForcedRing::*values) {
+    return [values](const ForcedRing &r) {
+      return to_numpy<Vector>((r.*values).data(), {(r.*values).size()});
+    };
+  };
+  nb::class_<ForcedRing>(m, "ForcedRing", "A ring that bears given forces.")
+      .def_prop_ro(
+          "energy", [](const ForcedRing &r) { return r.ring.energy(r.stiffness); },
+          "U = kA/2 (A - A0)^2 + kP/2 (P - P0)^2 [energy]")
+      .def_prop_ro(
+          "conjugate", [](const ForcedRing &r) { return r.ring.conjugate(r.stiffness, r.load); },
+          "W(f) = max over a of f.a - U(a) [energy]")
+      .def_prop_ro(
+          "pressure", [](const ForcedRing &r) { return r.ring.pressure; },
+          "p = kA (A0 - A) [energy/length^2]")
+      .def_prop_ro(
+          "delta", [](const ForcedRing &r) { return r.ring.expansion; },
+          "radial expansion of the ring, (P - P0)/2 pi [length]")
+      .def_prop_ro("indentation", vector(&ForcedRing::indentation), nb::rv_policy::move,
+                   "a = dW/df of each contact [length], (z,)")
+      .def_prop_ro("contact_length", vector(&ForcedRing::length), nb::rv_policy::move,
+                   "L = f/p of each contact [length], (z,)")
+      .def_prop_ro("d_angle", vector(&ForcedRing::d_angle), nb::rv_policy::move,
+                   "dU/dtheta = -dW/dtheta of each contact [energy], (z,)")
+      .def_prop_ro(
+          "compliance",
+          [](const ForcedRing &r) {
+            const std::size_t z = r.length.size();
+            return to_numpy<Matrix>(r.compliance.data(), {z, z});
+          },
+          nb::rv_policy::move, "C = da/df [length^2/energy], (z, z)");
+
+  m.def("forced_ring", &forced_ring, "radius"_a, "angle"_a, "force"_a, "kA"_a, "kP"_a,
+        "skin"_a = 0.0,
+        R"(The ring of `soft_ring` with given forces in place of given indentations.
+
+W(f) = max over a of f.a - U(a) is the convex conjugate of the energy U(a). Its derivatives are the
+indentations a and, with the other sign, dU/dtheta.
+
+Parameters
+----------
+radius, angle, kA, kP, skin
+    As for `soft_ring`.
+force : array_like, shape (z,)
+    The force of each contact, not negative [energy/length].
+
+Returns
+-------
+ForcedRing
+
+Raises
+------
+ValueError
+    As for `soft_ring`; a negative force; forces that no ring with this stiffness bears.
+
+Source: docs/theory.md, "Balanced contacts".)");
+}

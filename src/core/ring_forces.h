@@ -1,0 +1,133 @@
+// The ring law with given contact forces: the dual of soft_ring.h. The forces f >= 0 at the angles theta determine
+// pressure, expansion and indentations of the ring without any inverse or active set.
+//
+// W(f) = max over a of f.a - U(a) is the convex conjugate of the energy. With the matrix G_cc' = G(theta_c -
+// theta_c'), Q = f.Gf/2 and F = sum f,
+//   L = f/p,   a = dW/df = Gf/p - delta,   S = Q/p^2,   W = 2Q/p - delta F - U,
+//   U = kA/2 (A - A0)^2 + kP/2 (P - P0)^2 = p^2/2kA + kP/2 (2 pi delta)^2,
+// where p and delta solve, with the radius r = R - c of the ring (c: its skin) and E = r + delta,
+//   p E - F/2 pi = 2 pi kP delta            (Laplace's law)
+//   p/kA = Q/p^2 - pi delta (2 r + delta)    (A0 - A)
+// For kP = inf: delta = 0 and p^3 = kA Q. docs/theory.md has the derivation.
+
+#ifndef DEFORMABLE_RING_FORCES_H
+#define DEFORMABLE_RING_FORCES_H
+
+#include "green.h"
+#include "stiffness.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace deformable {
+
+// Q and F of the forces on a ring.
+struct RingLoad {
+  double work, total;
+};
+
+// A ring under load. No pressure: a circle.
+struct LoadedRing {
+  double pressure = 0.0, expansion = 0.0;
+
+  // U
+  double energy(const Stiffness &k) const
+  {
+    if (!(pressure > 0.0)) return 0.0;
+    const double by_perimeter =
+        k.conserves_perimeter() ? 0.0 : 2.0 * PI * PI * k.kP * expansion * expansion;
+    return 0.5 * pressure * (pressure / k.kA) + by_perimeter;
+  }
+
+  // W
+  double conjugate(const Stiffness &k, const RingLoad &load) const
+  {
+    if (!(pressure > 0.0)) return 0.0;
+    return 2.0 * load.work / pressure - expansion * load.total - energy(k);
+  }
+};
+
+// The stiffness of a small load: p (1/kA + r^2/kP) is about Q/p^2.
+inline double area_stiffness(double radius, const Stiffness &k)
+{
+  return 1.0 / (1.0 / k.kA + radius * radius / k.kP);
+}
+
+// The root delta of h(delta) = p/kA + pi delta (2 r + delta) - Q/p^2, with p = (2 pi kP delta + F/2 pi)/E and
+//   E h' = D = 2 pi E^2 + (2 pi kP - p) e,   e = 1/kA + 2 Q/p^3.
+// Stable rings have D > 0; h < 0, or D < 0, to the left of that root. Newton's method starts from the expansion of
+// `ring` if its pressure is positive. Returns false if there is no such ring: a negative area would be needed.
+inline bool find_expansion(double radius, const Stiffness &k, const RingLoad &load,
+                           LoadedRing &ring)
+{
+  constexpr double CLOSE = 1e-8;    // each step doubles the digits, so this one is the last
+  const double per_kA = 1.0 / k.kA, spring = 2.0 * PI * k.kP, tension = load.total / (2.0 * PI);
+  double low = std::max(-radius, -tension / spring);    // E > 0 and p > 0
+  double high = std::numeric_limits<double>::infinity();
+  double delta = ring.expansion;
+  if (!(ring.pressure > 0.0) || !(delta > low)) {
+    // without the terms of second order in delta:  p^3 <= K (Q + p^2 r F/(2 pi kP))
+    const double K = area_stiffness(radius, k);
+    const double p = std::cbrt(K * load.work) + K * radius / k.kP * tension;
+    delta = std::max((p * radius - tension) / spring, 0.5 * low);
+  }
+  for (int iteration = 0; iteration < 200; ++iteration) {
+    const double E = radius + delta, p = (spring * delta + tension) / E;
+    const double deficit = load.work / (p * p);
+    const double h = p * per_kA + PI * delta * (2.0 * radius + delta) - deficit;
+    const double slope = 2.0 * PI * E + (per_kA + 2.0 * deficit / p) * (spring - p) / E;
+    ring = {p, delta};
+    (slope > 0.0 && h > 0.0 ? high : low) = delta;
+    double next = delta - h / slope;
+    const bool inside = slope > 0.0 && low <= next && next <= high;
+    if (!inside) next = std::isinf(high) ? 2.0 * E - radius : 0.5 * (low + high);
+    const bool close = std::fabs(next - delta) <= CLOSE * (std::fabs(next) + E * p / spring);
+    delta = next;
+    if (inside && close) {
+      ring = {(spring * delta + tension) / (radius + delta), delta};
+      return true;
+    }
+  }
+  return false;
+}
+
+// Pressure and expansion under a load; `ring` is also the first guess.
+inline bool find_pressure(double radius, const Stiffness &k, const RingLoad &load, LoadedRing &ring)
+{
+  constexpr double NOTHING = 1e-280;    // its square root is the least force that counts
+  if (!(load.work > NOTHING)) {
+    ring = {0.0, 0.0};
+    return true;
+  }
+  if (!k.conserves_perimeter()) return find_expansion(radius, k, load, ring);
+  ring = {std::cbrt(k.kA * load.work), 0.0};
+  return true;
+}
+
+// C = da/df = G/p - mixed (b 1^T + 1 b^T) - square b b^T + rate 1 1^T, b = Gf/p, with
+//   mixed = E/pD,   square = (2 pi kP - p)/p^2 D,   rate = e/2 pi D;   for kP = inf: 0, kA/3p^2, 0.
+// C is positive semidefinite, the inverse of the stiffness of the active contacts.
+struct RingCompliance {
+  double per_pressure = 0.0, mixed = 0.0, square = 0.0, rate = 0.0;
+
+  double diagonal(double b) const
+  {
+    return GREEN_AT_ZERO * per_pressure - (2.0 * mixed + square * b) * b + rate;
+  }
+};
+
+inline RingCompliance compliance_of(double radius, const Stiffness &k, double work,
+                                    const LoadedRing &ring)
+{
+  const double p = ring.pressure;
+  if (!(p > 0.0)) return {};
+  if (k.conserves_perimeter()) return {1.0 / p, 0.0, k.kA / (3.0 * p * p), 0.0};
+  const double E = radius + ring.expansion, e = 1.0 / k.kA + 2.0 * work / (p * p * p);
+  const double excess = 2.0 * PI * k.kP - p, per_D = 1.0 / (2.0 * PI * E * E + excess * e);
+  return {1.0 / p, E / p * per_D, excess / p * per_D / p, e * per_D / (2.0 * PI)};
+}
+
+}    // namespace deformable
+
+#endif

@@ -1,0 +1,169 @@
+#include "balanced_forces.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "error.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using namespace deformable;
+
+// Outlines may bulge so far that the list of near pairs is not sufficient: then they are found again.
+int BalancedForces::solve(const DeformableParticles &p, bool new_list)
+{
+  constexpr int MOST_LISTS = 10;
+  if (new_list) {
+    near.build(p, true);
+    arrange(p);
+  } else if (p.radii_vary) {
+    set_material(p);
+  }
+  int wrong = near.locate(p);
+  if (wrong >= 0) return wrong;
+  if (!new_list && !near.is_sufficient(p)) {
+    near.build(p, false);
+    arrange(p);
+    wrong = near.locate(p);
+    if (wrong >= 0) return wrong;
+  }
+  solver.begin_call(near.pairs);
+  for (int lists = 0;; ++lists) {
+    is_balanced = solver.solve(near.pairs, batches, near.remote_sides);
+    find_bulges();
+    if (lists < MOST_LISTS && !near.is_sufficient(p)) {
+      near.build(p, false);
+      arrange(p);
+      near.locate(p);
+      continue;
+    }
+    if (!is_balanced && without_room() < 0) warn_unbalanced();
+    break;
+  }
+  force_kernels().slopes(batches, near.pairs.force.data());
+  return -1;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void BalancedForces::arrange(const DeformableParticles &p)
+{
+  batches.arrange(p.list->ilist, p.list->inum, atom->nlocal, near.pairs);
+  set_material(p);
+}
+
+void BalancedForces::set_material(const DeformableParticles &p)
+{
+  batches.soft = false;
+  for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
+    const int i = batches.particle[ring];
+    if (i < 0) continue;
+    const Species &s = (*p.species)[atom->type[i]];
+    batches.radius[ring] = p.radius[i] - s.skin;
+    batches.kA[ring] = s.stiffness.kA;
+    batches.kP[ring] = s.stiffness.kP;
+    batches.soft |= !s.stiffness.conserves_perimeter();
+  }
+}
+
+void BalancedForces::find_bulges()
+{
+  constexpr double MOST = 0.10199;    // -G at its minimum
+  for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
+    const int i = batches.particle[ring];
+    if (i < 0) continue;
+    const double lengths = batches.total[ring] * batches.per_pressure[ring];
+    near.bulge[i] = std::max(MOST * lengths + batches.expansion[ring], 0.0);
+  }
+}
+
+// Where no split of the overlaps leaves room for its area, the free arcs of a ring vanish as its forces grow.
+int BalancedForces::without_room() const
+{
+  constexpr double NONE = 0.01;
+  if (is_balanced) return -1;
+  for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
+    if (batches.particle[ring] < 0 || !std::isinf(batches.kA[ring])) continue;
+    const double q = batches.radius[ring] + batches.expansion[ring] -
+                     batches.total[ring] * batches.per_pressure[ring] * (0.5 / PI);
+    if (q < NONE * batches.radius[ring]) return batches.particle[ring];
+  }
+  return -1;
+}
+
+/* ---------------------------------------------------------------------- */
+
+BalancedForces::Ring BalancedForces::ring(int i) const
+{
+  const int ring = batches.place[i], n = batches.count[i];
+  const double p = batches.pressure[ring], delta = batches.expansion[ring];
+  const LoadedRing loaded = {p, delta};
+  const Stiffness k = {batches.kA[ring], batches.kP[ring]};
+  const double lengths = batches.total[ring] * batches.per_pressure[ring];
+  const double q = batches.radius[ring] + delta - lengths * (0.5 / PI);
+  double arc_radius = q - lengths / PI;
+  if (arc_radius < 0.0) {
+    double mx = 0.0, my = 0.0;
+    for (int m = 0; m < n; ++m) {
+      const int seat = batches.seat[batches.contact(ring, m)];
+      const double f = seat & 1 ? -near.pairs.force[seat >> 1] : near.pairs.force[seat >> 1];
+      mx += f * near.pairs.nx[seat >> 1];
+      my += f * near.pairs.ny[seat >> 1];
+    }
+    arc_radius = q - std::hypot(mx, my) * batches.per_pressure[ring] / PI;
+  }
+  return {{loaded.energy(k), p}, delta, arc_radius, n};
+}
+
+int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<int> &seats,
+                             Shape &shape) const
+{
+  const int ring = batches.place[i], n = batches.count[i];
+  const double per_p = batches.per_pressure[ring], delta = batches.expansion[ring];
+  const Stiffness k = {batches.kA[ring], batches.kP[ring]};
+  contacts.resize(n);
+  seats.resize(n);
+  shape.reset(n, batches.radius[ring]);
+  double mx = 0.0, my = 0.0;
+  for (int m = 0; m < n; ++m) {
+    const int c = batches.contact(ring, m), seat = seats[m] = batches.seat[c], pair = seat >> 1;
+    const NearPairs &p = near.pairs;
+    const double sign = seat & 1 ? -1.0 : 1.0, theta = p.angle[pair];
+    const double angle = sign > 0.0 ? theta : theta > 0.0 ? theta - PI : theta + PI;
+    // contacts without force may be in one row with rings that have none, whose compliance is not finite
+    const double own = batches.compliance[c], other = batches.compliance[p.side[sign > 0.0][pair]];
+    const double share = p.force[pair] > 0.0 ? own / (own + other) : 0.5;
+    contacts[m] = {angle, sign * p.nx[pair], sign * p.ny[pair],
+                   batches.indentation[c] + share * residual(pair)};
+    const double length = p.force[pair] * per_p;
+    shape.contact[m] = {length, length, -length * batches.product[c]};
+    mx += length * contacts[m].nx;
+    my += length * contacts[m].ny;
+  }
+  const double lengths = batches.total[ring] * per_p;
+  shape.area_deficit = batches.pressure[ring] / k.kA;
+  shape.perimeter_excess = 2.0 * PI * delta;
+  shape.arc_radius = batches.radius[ring] + delta - lengths * (0.5 / PI) - std::hypot(mx, my) / PI;
+  return n;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void BalancedForces::warn_unbalanced()
+{
+  if (warned) return;
+  warned = true;
+  if (comm->me == 0)
+    error->warning(
+        FLERR,
+        "Contacts are not balanced: after {} evaluations forces are off by up to {:.2g} of the "
+        "largest. Allow more evaluations, or a larger tolerance than {:.2g} (pair_style "
+        "deformable/ring balance)",
+        solver.evaluations, solver.imbalance, solver.tolerance);
+}
+
+double BalancedForces::memory_usage() const
+{
+  return near.memory_usage() + batches.bytes() + solver.memory_usage();
+}

@@ -1,0 +1,114 @@
+#include "force_batches.h"
+
+#include <algorithm>
+#include <cstdint>
+
+using namespace LAMMPS_NS;
+using deformable::LANES;
+
+// Rings with equal numbers of contacts share a batch. They are sorted within blocks only, so that neighbors stay
+// close in memory.
+void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs &pairs)
+{
+  constexpr int BLOCK = 256;
+  count.assign(particles, 0);
+  for (int k = 0; k < pairs.size; ++k) {
+    ++count[pairs.i[k]];
+    if (pairs.second[k] >= 0) ++count[pairs.second[k]];
+  }
+  batches = (rings + LANES - 1) / LANES;
+  const int lanes_in_all = batches * LANES;
+
+  // pressures are the first guesses of the next call
+  std::vector<double> last_pressure(particles, 0.0), last_expansion(particles, 0.0);
+  for (std::size_t ring = 0; ring < particle.size(); ++ring)
+    if (particle[ring] >= 0 && particle[ring] < particles) {
+      last_pressure[particle[ring]] = pressure[ring];
+      last_expansion[particle[ring]] = expansion[ring];
+    }
+  particle.assign(lanes_in_all, -1);
+  std::copy_n(order, rings, particle.begin());
+  for (int begin = 0; begin < rings; begin += BLOCK)
+    std::stable_sort(particle.begin() + begin, particle.begin() + std::min(begin + BLOCK, rings),
+                     [this](int a, int b) { return count[a] < count[b]; });
+
+  for (std::vector<double> *v :
+       {&pressure, &expansion, &work, &total, &per_pressure, &mixed, &square, &rate})
+    v->assign(lanes_in_all, 0.0);
+  for (std::vector<double> *v : {&radius, &kA, &kP}) v->assign(lanes_in_all, 1.0);
+  place.assign(particles, -1);
+  for (std::vector<int> *v : {&size, &first, &first_green}) v->resize(batches);
+  int places = 0, two = 0, longest = 0;
+  for (int b = 0; b < batches; ++b) {
+    int most = 0;
+    for (int w = 0; w < LANES; ++w) {
+      const int i = particle[b * LANES + w];
+      if (i < 0) continue;
+      place[i] = b * LANES + w;
+      pressure[place[i]] = last_pressure[i];
+      expansion[place[i]] = last_expansion[i];
+      most = std::max(most, count[i]);
+    }
+    size[b] = most;
+    first[b] = places;
+    first_green[b] = two;
+    places += most * LANES;
+    two += most * (most - 1) / 2 * LANES;
+    longest = std::max(longest, most);
+  }
+  contacts = places;
+  for (std::vector<double> *v : {&green, &d_green}) {
+    if (static_cast<std::size_t>(two) > v->capacity()) {    // no more than needed, and no copy
+      *v = {};
+      v->reserve(two + two / 16);
+    }
+    v->resize(two);
+  }
+  scratch.resize(5 * longest * LANES + LANES);
+  seat.assign(contacts, 2 * pairs.size);
+  const int remote = pairs.wall - pairs.remote;
+  for (std::vector<double> *v : {&indentation, &compliance, &product})
+    v->assign(contacts + remote + 1, 0.0);
+
+  std::fill(count.begin(), count.end(), 0);
+  const auto sit = [this](int i, int of) {
+    const int c = contact(place[i], count[i]++);
+    seat[c] = of;
+    return c;
+  };
+  for (int k = 0; k < pairs.size; ++k) {
+    pairs.side[0][k] = sit(pairs.i[k], 2 * k);
+    pairs.side[1][k] = pairs.second[k] >= 0 ? sit(pairs.second[k], 2 * k + 1)
+                       : k < pairs.wall     ? contacts + k - pairs.remote
+                                            : contacts + remote;
+  }
+}
+
+deformable::RingLanes ForceBatches::lanes(int batch)
+{
+  const int r = batch * LANES;
+  return {&radius[r], &kA[r],           &kP[r],    &pressure[r], &expansion[r], &work[r],
+          &total[r],  &per_pressure[r], &mixed[r], &square[r],   &rate[r]};
+}
+
+deformable::ContactLanes ForceBatches::of(int batch)
+{
+  // the scratch memory of vectors begins at a multiple of their size
+  const auto address = reinterpret_cast<std::uintptr_t>(scratch.data());
+  constexpr std::uintptr_t SIZE = LANES * sizeof(double);
+  double *const aligned = scratch.data() + (SIZE - address % SIZE) % SIZE / sizeof(double);
+  return {size[batch],
+          seat.data() + first[batch],
+          indentation.data() + first[batch],
+          compliance.data() + first[batch],
+          green.data() + first_green[batch],
+          d_green.data() + first_green[batch],
+          aligned};
+}
+
+double ForceBatches::bytes() const
+{
+  return bytes_of(size, first, first_green, particle, radius, kA, kP, pressure, expansion, work,
+                  total, per_pressure, mixed, square, rate, seat, indentation, compliance, product,
+                  green, d_green, scratch, place, count);
+}

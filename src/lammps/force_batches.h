@@ -1,0 +1,66 @@
+// The rings of this rank in batches (force_lanes.h): which particle is where, and the contacts of each.
+
+#ifndef DEFORMABLE_FORCE_BATCHES_H
+#define DEFORMABLE_FORCE_BATCHES_H
+
+#include "force_lanes.h"
+#include "near_pairs.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+struct ForceBatches {
+  int batches = 0;
+  int contacts =
+      0;    // places for contacts; remote ones follow, then one for walls, which yield nothing
+  bool soft = false;    // some ring does not conserve its perimeter
+
+  // of batches
+  std::vector<int> size, first,
+      first_green;    // contacts of a ring; in arrays of contacts and of two contacts
+
+  // of rings: batch x LANES + lane
+  std::vector<int> particle;    // or -1
+  std::vector<double> radius, kA, kP, pressure, expansion, work, total, per_pressure, mixed, square,
+      rate;
+
+  // of contacts
+  std::vector<int> seat;
+  std::vector<double> indentation, compliance;
+  std::vector<double> product;    // C x; at the end the slopes of the outlines
+
+  std::vector<double> green, d_green, scratch;
+
+  std::vector<int> place;    // of each particle, in arrays of rings
+  std::vector<int> count;    // contacts of each particle
+
+  // Seats all contacts, and tells pairs their places. order: the particles, near ones close to each other.
+  void arrange(const int *order, int rings, int particles, NearPairs &);
+
+  // of contact m of a ring
+  int contact(int ring, int m) const
+  {
+    return first[ring / deformable::LANES] + m * deformable::LANES + ring % deformable::LANES;
+  }
+
+  deformable::RingLanes lanes(int batch);
+  deformable::ContactLanes of(int batch);
+
+  double bytes() const;
+};
+
+// For all batches. The code is that for the processor of this machine.
+struct ForceKernels {
+  // Shapes rings by the forces of pairs; new_directions: G and G' too. False: a ring does not exist.
+  bool (*shape)(ForceBatches &, const NearPairs &, bool new_directions);
+  void (*multiply)(ForceBatches &, const double *x);      // C x, x by pair
+  void (*slopes)(ForceBatches &, const double *force);    // of the outlines at the contacts
+  const char *name;
+};
+
+const ForceKernels &force_kernels();
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,24 @@
+#include "force_history.h"
+
+using namespace LAMMPS_NS;
+
+const PastForces *ForceHistory::find(tagint tag, tagint partner, double x, double y) const
+{
+  const auto [first, last] =
+      std::equal_range(entries.begin(), entries.end(), Entry{tag, partner, 0.0, 0.0, {}});
+  const PastForces *found = nullptr;
+  double nearest = x * x + y * y;
+  for (auto entry = first; entry != last; ++entry) {
+    const double dx = entry->x - x, dy = entry->y - y, square = dx * dx + dy * dy;
+    if (square > nearest) continue;
+    nearest = square;
+    found = &entry->past;
+  }
+  return found;
+}
+
+double ForceHistory::bulge(tagint tag) const
+{
+  const auto found = std::lower_bound(bulges.begin(), bulges.end(), std::pair(tag, -1.0));
+  return found != bulges.end() && found->first == tag ? found->second : -1.0;
+}

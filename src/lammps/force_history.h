@@ -1,0 +1,62 @@
+// Forces of pairs that outlive a neighbor list, after which particles have other indices and other ranks.
+
+#ifndef LMP_FORCE_HISTORY_H
+#define LMP_FORCE_HISTORY_H
+
+#include "near_pairs.h"
+
+#include "lmptype.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class ForceHistory {
+ public:
+  void reserve(std::size_t sides, std::size_t particles)
+  {
+    entries.reserve(sides);
+    bulges.reserve(particles);
+  }
+
+  // Particle `tag` has borne these forces at a partner: another particle at the relative position (x, y), or a wall
+  // of this code < 0.
+  void add(tagint tag, tagint partner, double x, double y, const PastForces &past)
+  {
+    entries.push_back({tag, partner, x, y, past});
+  }
+  void add_bulge(tagint tag, double bulge) { bulges.push_back({tag, bulge}); }
+  void sort()
+  {
+    std::sort(entries.begin(), entries.end());
+    std::sort(bulges.begin(), bulges.end());
+  }
+
+  // A particle in a small box may have several images of its partner: the one nearest to (x, y) counts. Null if
+  // there is none within the distance that (x, y) itself has.
+  const PastForces *find(tagint tag, tagint partner, double x, double y) const;
+
+  // Negative if it is not known.
+  double bulge(tagint tag) const;
+
+  double bytes() const { return bytes_of(entries, bulges); }
+
+ private:
+  struct Entry {
+    tagint tag, partner;
+    double x, y;
+    PastForces past;
+    bool operator<(const Entry &other) const
+    {
+      return tag != other.tag ? tag < other.tag : partner < other.partner;
+    }
+  };
+  std::vector<Entry> entries;
+  std::vector<std::pair<tagint, double>> bulges;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

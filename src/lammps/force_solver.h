@@ -1,0 +1,94 @@
+// Balanced contacts: the forces of all pairs, from positions.
+//
+// The energy of balanced contacts is smallest over all splits of the overlaps o = a_ij + a_ji. Its dual is: largest
+//   sum over pairs of f o - sum over particles of W(f),   f >= 0,
+// over one force for each pair, with W of ring_forces.h; of a wall, o = a. Its gradient is what is left of the overlap,
+//   r = o - a_ij - a_ji,   0 where f > 0, not positive where f = 0.
+// Newton's method finds the maximum; conjugate gradients solve its linear systems, with the compliances C of both
+// rings. A pair whose own force would become negative takes no part in a step: its force vanishes. All ranks do the
+// same arithmetic in the same order of steps, from the same overlap and force of a pair, so that both ranks of a pair
+// agree to the last bits on its force.
+//
+// The imbalance of a pair is the change of its force that would remove r if all other forces stayed: r/(C_i + C_j), at
+// least k r^3 as between circles (a ring without force has infinite compliance), and not below -f. Pairs without force
+// keep it, then negative, as a force that continues the positive ones: it tells when a contact will form.
+
+#ifndef LMP_FORCE_SOLVER_H
+#define LMP_FORCE_SOLVER_H
+
+#include "pointers.h"
+
+#include "force_batches.h"
+#include "force_loops.h"
+#include "near_pairs.h"
+#include "remote_sides.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class ForceSolver : protected Pointers {
+ public:
+  ForceSolver(class LAMMPS *lmp, double tolerance, int max_evaluations)
+      : Pointers(lmp),
+        tolerance(tolerance),
+        max_evaluations(max_evaluations)
+  {
+  }
+
+  const double tolerance;       // of the imbalance over the largest force
+  const int max_evaluations;    // of a call
+
+  // of the last call
+  int evaluations = 0;
+  double imbalance = 0.0;    // the largest of a pair, over the largest force
+
+  // A new force call: forces continue those of the last calls.
+  void begin_call(NearPairs &);
+
+  // The pairs are located, the rings know their material. Starts from the last forces, and keeps the new ones.
+  // Returns whether the forces are balanced. May be called again in the same call, with other pairs.
+  bool solve(NearPairs &, ForceBatches &, RemoteSides &);
+
+  const std::vector<double> &residuals() const { return residual; }
+  double memory_usage() const;
+
+ private:
+  struct Evaluation {
+    double worst, largest;    // imbalance, force
+    bool exists;              // every ring has a shape
+    double relative() const { return worst > 0.0 ? worst / largest : 0.0; }
+  };
+
+  NearPairs *pairs = nullptr;
+  ForceBatches *batches = nullptr;
+  RemoteSides *remote = nullptr;
+
+  // by pair
+  std::vector<double> residual, error,
+      weight;                         // r, imbalance, 1/(C_i + C_j) of pairs that take part
+  std::vector<double> begin, step;    // of a line search
+  std::vector<double> left, direction, product;
+
+  bigint last_step = -2;
+  int consecutive_calls = 0;     // at successive steps before this one, up to 3
+  bool first_solution = true;    // of this call
+  static constexpr double LOOSE =
+      1e-7;    // larger tolerances leave errors that matter for predictions
+  bool must_correct = false;
+  double target = 0.0;
+  double pairs_of_all = 1.0;    // ranks
+
+  void agree();
+  ForceLoop loop();
+  Evaluation evaluate(bool new_directions);
+  void newton_step(const Evaluation &);
+  double take_step(bool newton);
+  Evaluation line_search(const Evaluation &from, double slope);
+  void remember();
+  template <class Sum> double sum_over_pairs(Sum &&sum) const;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

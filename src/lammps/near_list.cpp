@@ -1,0 +1,290 @@
+#include "near_list.h"
+
+#include "ring_forces.h"
+#include "trigonometry.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "domain.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+
+/* ----------------------------------------------------------------------
+   The margin follows the speed of the particles: a larger one means more
+   pairs, a smaller one means more builds.
+------------------------------------------------------------------------- */
+
+void NearList::build(const DeformableParticles &p, bool new_list)
+{
+  constexpr double LEAST = 0.03, MOST = 0.2, CHANGE = 1.5;
+  constexpr int OFTEN = 15, SELDOM = 60;
+  if (calls > 0 && calls < OFTEN) margin *= CHANGE;
+  if (calls > SELDOM) margin /= CHANGE;
+  margin = std::clamp(margin, LEAST * p.smallest, MOST * p.smallest);
+  calls = 0;
+
+  const int nlocal = atom->nlocal;
+  if (new_list) {
+    store_history();
+    tags.assign(atom->tag, atom->tag + nlocal);
+    find_owners();
+    guess_bulges(p);
+  }
+  remote_sides.to_ghosts(bulge);
+
+  std::swap(old, static_cast<PairList &>(pairs));
+  pairs.clear(old.size);
+  candidates.clear();
+  int next_old = 0, next_old_remote = old.remote;
+  const double *const *const x = atom->x;
+  const NeighList *const list = p.list;
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii],
+              count = list->numneigh[i], *const neighbors = list->firstneigh[i];
+    const double xi = x[i][0], yi = x[i][1], of_i = p.radius[i] + bulge[i] + margin;
+    for (int jj = 0; jj < count; ++jj) {
+      const int j = neighbors[jj] & NEIGHMASK;
+      const double dx = x[j][0] - xi, dy = x[j][1] - yi, near = of_i + p.radius[j] + bulge[j];
+      if (dx * dx + dy * dy > near * near) continue;
+      const int owner = owned[j];
+      if (j >= nlocal && owner >= 0) {    // an image of this rank's particle: the list has it twice
+        const bool before = dx < 0.0 || (dx == 0.0 && dy < 0.0);
+        if (owner < i || (owner == i && before)) continue;
+      }
+      PastForces past;
+      if (new_list) {
+        const PastForces *const found = history.find(atom->tag[i], atom->tag[j], dx, dy);
+        if (found) past = *found;
+      } else {
+        int &next = owner >= 0 ? next_old : next_old_remote;
+        const int end = owner >= 0 ? old.remote : old.wall;
+        // both lists have the order of the neighbor list
+        while (next < end && old.i[next] < i) ++next;
+        for (int k = next; k < end && old.i[k] == i; ++k)
+          if (old.j[k] == j) past = old.past_of(k);
+      }
+      if (owner >= 0)
+        pairs.add(i, j, owner, past);
+      else
+        candidates.push_back({i, j, dx, dy, past});
+    }
+  }
+  pairs.remote = pairs.size;
+  if (comm->nprocs > 1) remote_sides.match(candidates);
+  remote_tags.clear();
+  for (const RemoteSides::Candidate &c : candidates) {
+    pairs.add(c.i, c.j, -1, c.past);
+    remote_tags.push_back(atom->tag[c.j]);
+  }
+  pairs.wall = pairs.size;
+  if (!p.walls->empty()) add_walls(p, new_list);
+  pairs.make_room();
+  set_constants(p);
+  history = ForceHistory();    // gives its memory back
+
+  x_then.resize(2 * nlocal);
+  for (int i = 0; i < nlocal; ++i) {
+    x_then[2 * i] = x[i][0];
+    x_then[2 * i + 1] = x[i][1];
+  }
+  bulge_then.assign(bulge.begin(), bulge.begin() + nlocal);
+  if (p.radii_vary) radius_then.assign(p.radius, p.radius + nlocal);
+  box_then = {domain->xprd, domain->yprd, domain->xy};
+  missed_wall = false;
+}
+
+// The neighbor list is new: particles have other indices now, pairs still have the former ones.
+void NearList::store_history()
+{
+  history.reserve(2 * static_cast<std::size_t>(pairs.size), tags.size());
+  for (int i = 0; i < static_cast<int>(tags.size()); ++i) history.add_bulge(tags[i], bulge[i]);
+  for (int k = 0; k < pairs.wall; ++k) {
+    const double d = 1.0 / pairs.per_distance[k], x = pairs.nx[k] * d, y = pairs.ny[k] * d;
+    const tagint tag = tags[pairs.i[k]];
+    const tagint partner = k < pairs.remote ? tags[pairs.second[k]] : remote_tags[k - pairs.remote];
+    history.add(tag, partner, x, y, pairs.past_of(k));
+    history.add(partner, tag, -x, -y, pairs.past_of(k));
+  }
+  for (int k = pairs.wall; k < pairs.size; ++k)
+    history.add(tags[pairs.i[k]], pairs.j[k], 0.0, 0.0, pairs.past_of(k));
+  history.sort();
+}
+
+void NearList::find_owners()
+{
+  const int nlocal = atom->nlocal;
+  std::vector<double> index(nlocal), rank(nlocal, comm->me);
+  for (int i = 0; i < nlocal; ++i) index[i] = i;
+  remote_sides.to_ghosts(index);
+  remote_sides.to_ghosts(rank);
+  owned.resize(index.size());
+  for (std::size_t i = 0; i < index.size(); ++i)
+    owned[i] = rank[i] == comm->me ? static_cast<int>(index[i]) : -1;
+}
+
+// Bulges of the last solution. For a particle that this rank has not seen before: contacts have a length of about
+// 8 times the indentation, which is half of the overlap.
+void NearList::guess_bulges(const DeformableParticles &p)
+{
+  constexpr double PER_OVERLAP = 0.4;
+  const int nlocal = atom->nlocal;
+  bulge.resize(nlocal);
+  std::vector<char> unknown(nlocal);
+  bool any = false;
+  for (int i = 0; i < nlocal; ++i) {
+    bulge[i] = history.bulge(atom->tag[i]);
+    unknown[i] = bulge[i] < 0.0;
+    bulge[i] = std::max(bulge[i], 0.0);
+    any |= unknown[i] != 0;
+  }
+  if (!any) return;
+  const double *const *const x = atom->x;
+  for (int ii = 0; ii < p.list->inum; ++ii) {
+    const int i = p.list->ilist[ii];
+    for (int jj = 0; jj < p.list->numneigh[i]; ++jj) {
+      const int j = p.list->firstneigh[i][jj] & NEIGHMASK;
+      const double overlap =
+          p.radius[i] + p.radius[j] - std::hypot(x[j][0] - x[i][0], x[j][1] - x[i][1]);
+      if (!(overlap > 0.0)) continue;
+      if (unknown[i]) bulge[i] += PER_OVERLAP * overlap;
+      if (j < nlocal && unknown[j]) bulge[j] += PER_OVERLAP * overlap;
+    }
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+template <class Visitor>
+void NearList::visit_walls(const DeformableParticles &p, int i, Visitor &&visitor) const
+{
+  const int count = static_cast<int>(p.walls->size());
+  for (int w = 0; w < count; ++w)
+    (*p.walls)[w]->visit(i, (1.0 + p.reach) * p.radius[i],
+                         [&](const deformable::NearestPoint &point) {
+                           visitor(-1 - (w + count * point.feature), point);
+                         });
+}
+
+void NearList::add_walls(const DeformableParticles &p, bool new_list)
+{
+  first_wall.assign(atom->nlocal + 1, 0);
+  int next_old = old.wall;
+  for (int ii = 0, i = 0; ii < p.list->inum; ++ii) {
+    for (; i <= p.list->ilist[ii]; ++i) first_wall[i] = pairs.size;
+    const int own = i - 1;
+    while (next_old < old.size && old.i[next_old] < own) ++next_old;
+    visit_walls(p, own, [&](int code, const deformable::NearestPoint &point) {
+      if (point.height > p.radius[own] + bulge[own] + margin) return;
+      PastForces past;
+      if (new_list) {
+        const PastForces *const found = history.find(atom->tag[own], code, 0.0, 0.0);
+        if (found) past = *found;
+      } else {
+        for (int k = next_old; k < old.size && old.i[k] == own; ++k)
+          if (old.j[k] == code) past = old.past_of(k);
+      }
+      pairs.add(own, code, -1, past);
+    });
+  }
+  for (std::size_t i = p.list->inum > 0 ? p.list->ilist[p.list->inum - 1] + 1 : 0;
+       i < first_wall.size(); ++i)
+    first_wall[i] = pairs.size;
+}
+
+// A pair alone bears o^3/2 G(0)^2 (k_i^(-1/3) + k_j^(-1/3))^3 with the stiffnesses k of small loads.
+void NearList::set_constants(const DeformableParticles &p)
+{
+  using deformable::GREEN_AT_ZERO;
+  std::vector<double> softness;    // by atom type
+  for (const Species &s : *p.species)
+    softness.push_back(
+        s.radius > 0.0 ? 1.0 / std::cbrt(deformable::area_stiffness(s.radius - s.skin, s.stiffness))
+                       : 0.0);
+  for (int k = 0; k < pairs.size; ++k) {
+    const int i = pairs.i[k], j = pairs.j[k];
+    const double ri = p.radius[i], rj = k < pairs.wall ? p.radius[j] : 0.0;
+    double soft = softness[atom->type[i]];
+    if (k < pairs.wall) soft += softness[atom->type[j]];
+    pairs.touching[k] = ri + rj;
+    pairs.least_square[k] = std::fabs(ri - rj) * (ri + rj);
+    pairs.stiffening[k] = 1.0 / (2.0 * GREEN_AT_ZERO * GREEN_AT_ZERO * soft * soft * soft);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   A wall that is out of reach counts as far away.
+------------------------------------------------------------------------- */
+
+int NearList::locate(const DeformableParticles &p)
+{
+  ++calls;
+  if (p.radii_vary) set_constants(p);
+  const int wrong = pairs.wall > 0 ? locate_pairs(atom->x[0], pairs) : -1;
+  if (wrong >= 0 || p.walls->empty()) return wrong;
+  for (int k = pairs.wall; k < pairs.size; ++k) {
+    pairs.overlap[k] = -(1.0 + p.reach) * pairs.touching[k];
+    pairs.nx[k] = 1.0;
+    pairs.ny[k] = pairs.angle[k] = pairs.per_distance[k] = 0.0;
+  }
+  for (int ii = 0; ii < p.list->inum; ++ii) {
+    const int i = p.list->ilist[ii];
+    visit_walls(p, i, [&](int code, const deformable::NearestPoint &point) {
+      const int end = first_wall[i + 1];
+      int k = first_wall[i];
+      while (k < end && pairs.j[k] != code) ++k;
+      if (k == end) {
+        missed_wall |= point.height <= p.radius[i] + bulge_then[i] + 0.5 * margin;
+        return;
+      }
+      pairs.overlap[k] = p.radius[i] - point.height;
+      pairs.nx[k] = point.nx;
+      pairs.ny[k] = point.ny;
+      pairs.angle[k] = deformable::angle_of(point.nx, point.ny);
+      pairs.per_distance[k] = point.per_lever;
+    });
+  }
+  return -1;
+}
+
+// Images of a particle move with the edges of the box, by as many edges as they are away.
+double NearList::box_change() const
+{
+  double change = 0.0, edges = 1.0;
+  const double cutoff = comm->get_comm_cutoff();
+  if (domain->xperiodic) {
+    change += std::fabs(domain->xprd - box_then[0]);
+    edges = std::max(edges, 1.0 + cutoff / domain->xprd);
+  }
+  if (domain->yperiodic) {
+    change += std::fabs(domain->yprd - box_then[1]) + std::fabs(domain->xy - box_then[2]);
+    edges = std::max(edges, 1.0 + cutoff / domain->yprd);
+  }
+  return edges * change;
+}
+
+bool NearList::is_sufficient(const DeformableParticles &p) const
+{
+  const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
+  double most = 0.0;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    const double dx = x[3 * i] - x_then[2 * i], dy = x[3 * i + 1] - x_then[2 * i + 1];
+    const double more = bulge[i] - bulge_then[i];
+    const double grown = p.radii_vary ? std::fabs(p.radius[i] - radius_then[i]) : 0.0;
+    most = std::max(most, std::sqrt(dx * dx + dy * dy) + std::max(more, 0.0) + grown);
+  }
+  int missing = missed_wall || most + 0.5 * box_change() > 0.5 * margin, any = missing;
+  if (comm->nprocs > 1) MPI_Allreduce(&missing, &any, 1, MPI_INT, MPI_MAX, world);
+  return any == 0;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double NearList::memory_usage() const
+{
+  return pairs.bytes() + remote_sides.bytes() + history.bytes() +
+         bytes_of(old.i, old.j, old.past[0], old.past[1], old.past[2], bulge, x_then, bulge_then,
+                  radius_then, first_wall, tags, remote_tags, owned, candidates);
+}

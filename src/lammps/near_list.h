@@ -1,0 +1,82 @@
+// The list of near pairs: which ones belong to it, and for how long.
+//
+// No outline bulges out of its circle by more than b = 0.102 sum L + delta. A pair whose circles have a gap above
+// b_i + b_j cannot touch. The list has all pairs with a smaller gap plus a margin. It is sufficient as long as no
+// particle has moved and bulged by more than half of the margin together.
+
+#ifndef LMP_NEAR_LIST_H
+#define LMP_NEAR_LIST_H
+
+#include "pointers.h"
+
+#include "fix_deformable_wall.h"
+#include "force_history.h"
+#include "near_pairs.h"
+#include "remote_sides.h"
+#include "species.h"
+
+#include "neigh_list.h"
+
+#include <array>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+// What a force call is about.
+struct DeformableParticles {
+  const NeighList *list;
+  const std::vector<Species> *species;    // by atom type
+  const double *radius;                   // by local index, ghosts included
+  bool radii_vary;                        // from call to call
+  const std::vector<FixDeformableWall *> *walls;
+  double reach, smallest;    // smallest radius of all
+};
+
+class NearList : protected Pointers {
+ public:
+  explicit NearList(class LAMMPS *lmp) : Pointers(lmp), remote_sides(lmp) {}
+
+  NearPairs pairs;
+  RemoteSides remote_sides;
+  std::vector<double> bulge;    // b of each particle as of the last solution
+
+  // Collects the pairs anew.
+  void build(const DeformableParticles &, bool new_list);
+
+  // Overlaps and directions of all pairs. Returns -1, or a pair whose contact line cannot lie between the centers.
+  int locate(const DeformableParticles &);
+
+  // Whether the list is sufficient, on all ranks, for the present positions and bulges.
+  bool is_sufficient(const DeformableParticles &) const;
+
+  double memory_usage() const;
+
+ private:
+  double margin = 0.0;
+  int calls = 0;    // since the last build
+  bool missed_wall = false;
+
+  // as of the last build
+  std::vector<double> x_then, bulge_then, radius_then;
+  std::array<double, 3> box_then{};    // lengths of the periodic edges, tilt
+  std::vector<int> first_wall;         // pair of each particle
+
+  std::vector<tagint> tags;           // as of the last neighbor list
+  std::vector<tagint> remote_tags;    // of the second particles of remote pairs
+  std::vector<int> owned;    // by local index: the particle of this rank whose image it is, or -1
+  ForceHistory history;
+  PairList old;
+  std::vector<RemoteSides::Candidate> candidates;
+
+  void store_history();
+  void find_owners();
+  void guess_bulges(const DeformableParticles &);
+  void add_walls(const DeformableParticles &, bool new_list);
+  void set_constants(const DeformableParticles &);
+  double box_change() const;
+  template <class Visitor> void visit_walls(const DeformableParticles &, int i, Visitor &&) const;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

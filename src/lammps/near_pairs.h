@@ -1,0 +1,72 @@
+// Pairs that bear a force or may do so soon: of two particles, or of a particle and a wall. Balanced contacts have
+// one unknown for each of them.
+
+#ifndef DEFORMABLE_NEAR_PAIRS_H
+#define DEFORMABLE_NEAR_PAIRS_H
+
+#include "vector_bytes.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+// Forces of a pair at the last calls, the latest first; negative: see ForceSolver.
+struct PastForces {
+  static constexpr double UNKNOWN = -1e300;
+  double at[3] = {UNKNOWN, UNKNOWN, UNKNOWN};
+};
+
+// Which pairs there are. Pairs with both particles on this rank come first, then those whose second particle is a
+// ghost from another rank, then particles and walls.
+struct PairList {
+  int remote = 0, wall = 0, size = 0;    // first remote pair, first pair with a wall, end
+
+  std::vector<int> i,
+      j;    // local indices, as in the neighbor list; of a wall: its code, -1 - (w + n feature)
+  std::vector<double> past[3];
+
+  PastForces past_of(int k) const { return {{past[0][k], past[1][k], past[2][k]}}; }
+};
+
+// And where they are: a structure of arrays.
+struct NearPairs : PairList {
+  std::vector<int>
+      second;    // row of j if it, or the particle whose image it is, is on this rank; or -1
+  std::vector<double> touching;    // R_i + R_j
+  std::vector<double>
+      least_square;    // of the distance: the contact line must lie between the centers
+  std::vector<double> stiffening;    // k: two circles that overlap by o repel with at least k o^3
+
+  // one more than pairs: the last one stands for places of contacts that are empty
+  std::vector<double> force;
+  std::vector<double> overlap,
+      per_distance;                     // of walls: the rotation of the direction per sideways step
+  std::vector<double> angle, nx, ny;    // direction from i to j
+  std::vector<int> side[2];             // index of the contact of i and of that of j
+
+  int add(int i_, int j_, int second_, const PastForces &past_)
+  {
+    i.push_back(i_);
+    j.push_back(j_);
+    second.push_back(second_);
+    for (int n = 0; n < 3; ++n) past[n].push_back(past_.at[n]);
+    return size++;
+  }
+  void clear(int expected);    // removes all pairs; memory for about as many
+  void make_room();            // for the arrays that add() does not fill
+
+  double bytes() const
+  {
+    return bytes_of(i, j, second, touching, least_square, stiffening, past[0], past[1], past[2],
+                    force, overlap, per_distance, angle, nx, ny, side[0], side[1]);
+  }
+};
+
+// Distances, directions and overlaps of pairs of particles. Returns -1, or the first pair whose contact line cannot
+// lie between the centers.
+int locate_pairs(const double *x, NearPairs &);
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,112 @@
+// Forces and results of balanced contacts.
+
+#include "pair_deformable_ring.h"
+
+#include "comm.h"
+#include "neighbor.h"
+
+using namespace LAMMPS_NS;
+using namespace deformable;
+
+void PairDeformableRing::evaluate_balanced()
+{
+  const int all = atom->nlocal + atom->nghost;
+  if (neighbor->ago == 0 || radius_by_atom) {
+    radii.resize(all);
+    for (int i = 0; i < all; ++i) radii[i] = radius_of(i);
+  }
+  const DeformableParticles particles = {list,   &species, radii.data(), radius_by_atom,
+                                         &walls, reach,    smallest};
+  const int wrong = balanced->solve(particles, neighbor->ago == 0);
+  if (wrong >= 0) {
+    int i = balanced->pairs().i[wrong], j = balanced->pairs().j[wrong];
+    if (radius_of(i) > radius_of(j)) std::swap(i, j);    // the line lies behind the smaller one
+    const double *const *const x = atom->x;
+    refuse_behind_center(i, j, x[j][0] - x[i][0], x[j][1] - x[i][1]);
+  }
+  const int crushed = balanced->without_room();
+  if (crushed >= 0) no_shape(crushed, balanced->ring(crushed).contacts);
+  push_pairs();
+  for (int ii = 0; ii < list->inum; ++ii) finish_balanced(list->ilist[ii]);
+  if (comm->me != 0) return;    // compute pair sums over ranks
+  pvector[2] = balanced->evaluations();
+  pvector[3] = balanced->imbalance();
+}
+
+/* ----------------------------------------------------------------------
+   The force f along the line of centers, and dU/dtheta over the lever across
+   it, of both rings. Of a pair that two ranks share each adds the part of its
+   own ring. f r completes the energy to that of the dual, whose error is of
+   second order.
+------------------------------------------------------------------------- */
+
+void PairDeformableRing::push_pairs()
+{
+  const NearPairs &p = balanced->pairs();
+  double *const *const f = atom->f;
+  for (int k = 0; k < p.size; ++k) {
+    const double force = p.force[k];
+    if (force == 0.0) continue;
+    const int i = p.i[k], j = p.j[k];
+    const double nx = p.nx[k], ny = p.ny[k], rest = force * balanced->residual(k);
+    const bool is_wall = k >= p.wall, is_remote = !is_wall && k >= p.remote;
+    double slope = balanced->outline_slope(k, 0);
+    if (!is_wall && !is_remote) slope += balanced->outline_slope(k, 1);
+    const double along = is_remote ? -0.5 * force : -force;
+    const double across = -force * slope * p.per_distance[k];
+    const double px = along * nx - across * ny, py = along * ny + across * nx;    // on i
+    const double energy = is_remote ? 0.5 * rest : rest;
+    if (eflag_global) eng_vdwl += energy;
+    if (eflag_atom) {
+      eatom[i] += is_wall ? rest : 0.5 * rest;
+      if (!is_wall && !is_remote) eatom[p.second[k]] += 0.5 * rest;
+    }
+    if (is_wall) {
+      // The wall exerts the torque dU/dtheta about the center: its force acts beside the nearest point.
+      const double height = radii[i] - p.overlap[k];
+      const double shift = -(1.0 - height * p.per_distance[k]) * slope;
+      push_wall(i, j, px, py, {p.angle[k], nx, ny, p.overlap[k]}, shift);
+      continue;
+    }
+    f[i][0] += px;
+    f[i][1] += py;
+    f[j][0] -= px;
+    f[j][1] -= py;
+    if (vflag_either) {
+      const double d = 1.0 / p.per_distance[k];
+      ev_tally_xyz(i, j, atom->nlocal, 1, 0.0, 0.0, px, py, 0.0, -nx * d, -ny * d, 0.0);
+    }
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableRing::finish_balanced(int i)
+{
+  const BalancedForces::Ring ring = balanced->ring(i);
+  if (eflag_global) eng_vdwl += ring.energy.value;
+  if (eflag_atom) eatom[i] += ring.energy.value;
+  const bool is_circle = ring.energy.derivative == 0.0, is_beyond = ring.arc_radius < 0.0;
+  beyond_model += is_beyond;
+  if (is_circle) return store_circle(i);
+  if (!needs_shapes() && !is_beyond && neighbor->ago != 0) return;
+
+  const NearPairs &p = balanced->pairs();
+  const Contacts row = {balanced->shape_of(i, contacts, seats, shape), contacts.data()};
+  // the particle or wall of a contact
+  const auto partner = [&](int c) {
+    const int k = seats[c] >> 1;
+    return seats[c] & 1 ? p.i[k] : p.j[k];
+  };
+  for (int c = 0; c < row.size; ++c) {
+    const int k = seats[c] >> 1, other = partner(c);
+    const double distance = other < 0 ? radii[i] - row[c].indentation : 1.0 / p.per_distance[k];
+    record(i, other, row[c], shape.contact[c].length, p.force[k], distance);
+  }
+  store_shape(i, row, ring.energy.derivative);
+  const double r = ring_radius_of(i);
+  if (is_beyond && PI * r * r <= shape.area_deficit)
+    for (int c = 0; c < row.size; ++c)
+      if (partner(c) >= 0 && shape.contact[c].length > 0.0) check_own_image(i, partner(c));
+  if (neighbor->ago == 0 && !is_within_reach(i, row)) refuse_bulge(i, row, partner(deepest(row)));
+}

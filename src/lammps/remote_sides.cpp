@@ -1,0 +1,98 @@
+#include "remote_sides.h"
+
+#include "atom.h"
+#include "comm.h"
+
+#include <algorithm>
+
+using namespace LAMMPS_NS;
+
+void RemoteSides::to_ghosts(std::vector<double> &by_particle)
+{
+  const int all = atom->nlocal + atom->nghost;
+  by_particle.resize(all);
+  rows.resize(all);
+  for (int i = 0; i < all; ++i) rows[i] = &by_particle[i];
+  comm->forward_comm_array(1, rows.data());
+}
+
+// Particles of this rank without a pair on another rank need no row of their own: they share the first one.
+void RemoteSides::set_rows(int values)
+{
+  const int all = atom->nlocal + atom->nghost, length = slots * values;
+  int used = 1;
+  for (int i = 0; i < atom->nlocal; ++i) used += sides[i] > 0;
+  buffer.assign(static_cast<std::size_t>(used + atom->nghost) * length, 0.0);
+  rows.resize(all);
+  double *next = buffer.data() + length;
+  for (int i = 0; i < all; ++i) {
+    const bool own_row = i >= atom->nlocal || sides[i] > 0;
+    rows[i] = own_row ? next : buffer.data();
+    if (own_row) next += length;
+  }
+}
+
+void RemoteSides::match(std::vector<Candidate> &candidates)
+{
+  enum { PARTNER, X, Y, PAST, VALUES = PAST + 3 };
+  constexpr double ROUNDING = 1e-12;
+  const auto square = [](double x) { return x * x; };
+  const int count = static_cast<int>(candidates.size());
+
+  sides.assign(atom->nlocal, 0);
+  int longest = 1;
+  for (const Candidate &c : candidates) longest = std::max(longest, ++sides[c.i]);
+  MPI_Allreduce(&longest, &slots, 1, MPI_INT, MPI_MAX, world);
+  set_rows(VALUES);
+
+  sent.resize(count);
+  std::fill(sides.begin(), sides.end(), 0);
+  for (int c = 0; c < count; ++c) {
+    const Candidate &pair = candidates[c];
+    const int place = sent[c] = pair.i * slots + sides[pair.i]++;
+    at(place, PARTNER) = static_cast<double>(atom->tag[pair.j]);
+    at(place, X) = pair.x;
+    at(place, Y) = pair.y;
+    for (int n = 0; n < 3; ++n) at(place, PAST + n) = pair.past.at[n];
+  }
+  comm->forward_comm_array(slots * VALUES, rows.data());
+
+  received.clear();
+  int kept = 0;
+  for (int c = 0; c < count; ++c) {
+    Candidate pair = candidates[c];
+    double nearest = ROUNDING * (square(pair.x) + square(pair.y));
+    int found = -1;
+    for (int m = pair.j * slots; m < (pair.j + 1) * slots; ++m) {
+      if (at(m, PARTNER) != static_cast<double>(atom->tag[pair.i])) continue;
+      const double distance2 = square(at(m, X) + pair.x) + square(at(m, Y) + pair.y);
+      if (distance2 >= nearest) continue;
+      nearest = distance2;
+      found = m;
+    }
+    if (found < 0) continue;    // by rounding at the end of the list: too far to bear a force
+    if (pair.past.at[0] == PastForces::UNKNOWN)
+      for (int n = 0; n < 3; ++n) pair.past.at[n] = at(found, PAST + n);
+    candidates[kept] = pair;
+    sent[kept++] = sent[c];
+    received.push_back(found);
+  }
+  candidates.resize(kept);
+  sent.resize(kept);
+  set_rows(2);
+}
+
+void RemoteSides::exchange(const int *side, int own, double *values, double *more)
+{
+  if (comm->nprocs == 1) return;
+  const int count = static_cast<int>(sent.size());
+  for (int c = 0; c < count; ++c) {
+    at(sent[c], 0) = values[side[c]];
+    if (more) at(sent[c], 1) = more[side[c]];
+  }
+  comm->forward_comm_array(more ? 2 * slots : slots, rows.data());
+  for (int c = 0; c < count; ++c) {
+    values[own + c] = at(received[c], 0);
+    if (more) more[own + c] = at(received[c], 1);
+  }
+}

@@ -1,0 +1,51 @@
+// Pairs that two ranks share: each rank has the contact of its own particle, and the values of the other one from
+// the other rank.
+
+#ifndef LMP_REMOTE_SIDES_H
+#define LMP_REMOTE_SIDES_H
+
+#include "pointers.h"
+
+#include "near_pairs.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class RemoteSides : protected Pointers {
+ public:
+  explicit RemoteSides(class LAMMPS *lmp) : Pointers(lmp) {}
+
+  // A pair of particle i and ghost j at the relative position (x, y).
+  struct Candidate {
+    int i, j;
+    double x, y;
+    PastForces past;
+  };
+
+  // Leaves the candidates that the other rank has too, and gives both ranks the same past. Two images of a particle
+  // in one direction are told apart by their positions.
+  void match(std::vector<Candidate> &candidates);
+
+  // Appends the values of the other ranks' contacts to those of this rank's, from `own` on, in the order of match.
+  // side: this rank's contacts of the pairs.
+  void exchange(const int *side, int own, double *values, double *more = nullptr);
+
+  // From each particle to its ghosts.
+  void to_ghosts(std::vector<double> &by_particle);
+
+  double bytes() const { return bytes_of(buffer, rows, sent, received); }
+
+ private:
+  int slots = 0;    // of a row, the same on all ranks
+  std::vector<double> buffer;
+  std::vector<double *> rows;         // of each particle: value by value, the slots
+  std::vector<int> sent, received;    // row and slot of each pair: row x slots + slot
+  std::vector<int> sides;             // of each particle: its pairs with other ranks
+  void set_rows(int values);
+  double &at(int place, int value) { return rows[place / slots][value * slots + place % slots]; }
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,131 @@
+"""Rings with given forces: the same rings as with given indentations."""
+
+import numpy as np
+import pytest
+from contacts import contacts, regular_polygon
+from deformable import core
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+INF = float("inf")
+STIFFNESS = [(1.0, INF), (2.0, 0.3), (1.0, 1e-6), (1.0, 1e12), (1e-3, 1e3), (INF, 1.0)]
+stiffnesses = pytest.mark.parametrize(("kA", "kP"), STIFFNESS)
+
+
+def pressed(particle, *stiffness):
+    """A ring with given indentations, and the same one with the forces that this needs."""
+    shape = core.soft_ring(particle.radius, particle.angle, particle.indentation, *stiffness)
+    force = shape.d_indentation
+    return shape, force, core.forced_ring(particle.radius, particle.angle, force, *stiffness)
+
+
+@stiffnesses
+@pytest.mark.parametrize("skin", [0.0, 0.1])
+@given(particle=contacts(size=(1, 9), gap=0.4, indentation=(-5e-3, 0.02)))
+def test_inverse(particle, kA, kP, skin):
+    """Forces from indentations and back; lines that bear nothing are outside of the outline."""
+    shape, force, ring = pressed(particle, kA, kP, skin * particle.radius)
+    assume(force.max() > 0)
+    size = particle.indentation.max()
+    np.testing.assert_allclose(
+        ring.indentation[force > 0], particle.indentation[force > 0], rtol=0, atol=1e-10 * size
+    )
+    assert (ring.indentation >= particle.indentation - 1e-10 * size).all()
+    assert ring.pressure == pytest.approx(shape.pressure, rel=1e-9)
+    assert ring.energy == pytest.approx(shape.energy, rel=1e-9)
+    assert ring.conjugate == pytest.approx(force @ particle.indentation - shape.energy, rel=1e-9)
+    np.testing.assert_allclose(ring.contact_length, shape.contact_length, rtol=1e-9)
+    np.testing.assert_allclose(ring.d_angle, shape.d_angle, rtol=0, atol=1e-9 * shape.energy)
+
+
+@stiffnesses
+@given(particle=contacts(size=(1, 9), gap=0.4))
+def test_derivatives(particle, kA, kP):
+    """dW/df = a, da/df = C by central differences of the relative step 1e-5: errors of 1e-10."""
+    _, force, ring = pressed(particle, kA, kP)
+    of = lambda f: core.forced_ring(particle.radius, particle.angle, f, kA, kP)  # noqa: E731
+    step = 1e-5 * force.max()
+    scale = np.abs(ring.compliance).max()
+    for c in np.flatnonzero(force > 3 * step):
+        change = step * (np.arange(len(force)) == c)
+        above, below = of(force + change), of(force - change)
+        slope = (above.conjugate - below.conjugate) / (2 * step)
+        assert slope == pytest.approx(ring.indentation[c], abs=1e-8 * particle.indentation.max())
+        numerical = (above.indentation - below.indentation) / (2 * step)
+        np.testing.assert_allclose(ring.compliance[c], numerical, rtol=0, atol=1e-6 * scale)
+
+
+@stiffnesses
+@given(particle=contacts(size=(1, 6), gap=0.6))
+def test_compliance_is_the_inverse_of_the_stiffness(particle, kA, kP):
+    _, force, ring = pressed(particle, kA, kP)
+    active = force > 1e-3 * force.max()
+    assume(active.all())
+    k = core.contact_stiffness(particle.radius, particle.angle, particle.indentation, kA, kP)
+    unit = ring.compliance @ k
+    condition = np.linalg.cond(k)
+    np.testing.assert_allclose(unit, np.eye(len(force)), rtol=0, atol=1e-12 * condition)
+
+
+@stiffnesses
+@given(particle=contacts(size=(1, 9), gap=0.02))
+def test_compliance_is_positive(particle, kA, kP):
+    C = pressed(particle, kA, kP)[2].compliance
+    np.testing.assert_allclose(C, C.T, rtol=0, atol=1e-13 * np.abs(C).max())
+    assert np.linalg.eigvalsh(C).min() >= -1e-12 * np.abs(C).max()
+
+
+@given(
+    particle=contacts(size=(1, 7)),
+    ratio=st.integers(-6, 12),
+    unit=st.integers(-8, 8),
+    small=st.integers(-12, 0),
+)
+def test_extremes(particle, ratio, unit, small):
+    """Stiffnesses over decades and tiny indentations: forces and indentations belong together."""
+    kA = 10.0**unit
+    squeezed = type(particle)(particle.radius, particle.angle, particle.indentation * 10.0**small)
+    _, force, ring = pressed(squeezed, kA, kA * 10.0**ratio)
+    active = force > 0
+    np.testing.assert_allclose(
+        ring.indentation[active],
+        squeezed.indentation[active],
+        rtol=0,
+        atol=1e-9 * squeezed.indentation.max(),
+    )
+
+
+@stiffnesses
+@pytest.mark.parametrize("force", [0.0, 1e-60, 1e-30])
+def test_tiny_forces(force, kA, kP):
+    """A single force f: a = G(0) f/p, p^3 = k G(0) f^2/2 where the ring hardly expands."""
+    ring = core.forced_ring(1.0, [0.3], [force], kA, kP)
+    assert np.isfinite(ring.indentation).all()
+    assert (ring.pressure > 0) == (force > 0)
+    assert ring.energy >= 0
+    if force and np.isinf(kP):
+        assert ring.pressure == pytest.approx((kA * 0.375 / np.pi * force**2) ** (1 / 3))
+
+
+def test_contacts_in_one_direction():
+    """Their forces add up: no matrix is inverted."""
+    one = core.forced_ring(1.0, [0.3, 2.0], [3e-4, 1e-4], 1.0, 1.0)
+    two = core.forced_ring(1.0, [0.3, 2.0, 0.3], [1e-4, 1e-4, 2e-4], 1.0, 1.0)
+    assert two.pressure == pytest.approx(one.pressure, rel=1e-14)
+    assert two.indentation[0] == two.indentation[2] == pytest.approx(one.indentation[0], rel=1e-13)
+
+
+@pytest.mark.parametrize("stiffness", [(1.0, INF), (1.0, 0.1), (INF, 1.0)])
+def test_regular_polygon(stiffness):
+    particle = regular_polygon(6, 0.03)
+    shape, force, ring = pressed(particle, *stiffness)
+    np.testing.assert_allclose(ring.indentation, 0.03, rtol=1e-12)
+    np.testing.assert_allclose(ring.contact_length, shape.contact_length, rtol=1e-12)
+    assert force[0] == pytest.approx(force[5], rel=1e-12)
+
+
+def test_refusals():
+    with pytest.raises(ValueError, match=r"force.*-1"):
+        core.forced_ring(1.0, [0.0, 3.0], [1.0, -1.0], 1.0, INF)
+    with pytest.raises(ValueError, match="kA"):
+        core.forced_ring(1.0, [0.0], [1.0], -1.0, INF)
