@@ -10,7 +10,7 @@ from mpi4py import MPI
 def pressure(seed):
     jammed = deformable.jam(deformable.bidisperse(32, seed=seed))
     with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        *_, state = deformable.compress(sim, strain=0.02, steps=2)
+        *_, state = deformable.compress(sim, strain=0.01, steps=1)
     return state.pressure
 
 

@@ -70,7 +70,8 @@ def parallel_map(
     """
     if workers is not None and workers < 1:
         raise ParameterError(f"workers must be at least 1, not {workers}")
-    call = partial(independently, function if keep is None else partial(call_once, Path(keep), function))
+    kept = function if keep is None else partial(call_once, Path(keep), function)
+    call = partial(independently, kept)
     with progress(description, unit="run", total=len(arguments)) as bar:
 
         def done(result: T) -> None:
