@@ -186,3 +186,13 @@ def test_shear_begins_at_the_modulus_and_yields(tmp_path: Path) -> None:
     assert 0.0 < float(stress) < float(pressure)
     assert int(events) > 0
     assert (tmp_path / "shear.png").stat().st_size > 10_000
+
+
+def test_ensemble_has_the_same_digits_on_ranks(tmp_path: Path) -> None:
+    shutil.copy(EXAMPLES / "mpi" / "ensemble.py", tmp_path)
+    python = (str(BIN / "python"), "-m", "mpi4py", "ensemble.py")
+    printed = {text("python", "ensemble.py", cwd=tmp_path)}
+    printed |= {text("mpiexec", "-n", ranks, *python, cwd=tmp_path) for ranks in ("1", "2")}
+    (line,) = printed
+    pressure = float(line.split()[1])
+    assert 1e-6 < pressure < 1e-2

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .common.errors import StalledWarning as StalledWarning
     from .common.errors import UnjammedWarning as UnjammedWarning
     from .common.errors import UnsavedWarning as UnsavedWarning
+    from .common.parallel import parallel_map as parallel_map
     from .engine.bead_reference import BeadReference as BeadReference
     from .engine.disks import Disks as Disks
     from .engine.simulation import Simulation as Simulation
@@ -107,6 +108,7 @@ _HOMES = {
     "load": "runs.record",
     "move": "protocols.motion",
     "movie": "runs.movie",
+    "parallel_map": "common.parallel",
     "polydisperse": "model.packing",
     "predict": "studies.comparison",
     "push_off": "protocols.jamming",

@@ -1,5 +1,7 @@
 #include "balanced_forces.h"
 
+#include "ring_forces.h"
+
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
@@ -41,7 +43,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
     if (!is_balanced && without_room() < 0) warn_unbalanced();
     break;
   }
-  force_kernels().slopes(batches, near.pairs.force.data());
+  kernels.slopes(batches.arrays(), near.pairs.force.data());
   return -1;
 }
 

@@ -17,10 +17,12 @@ namespace LAMMPS_NS {
 
 class BalancedForces : protected Pointers {
  public:
-  BalancedForces(class LAMMPS *lmp, double tolerance, int max_evaluations)
+  BalancedForces(class LAMMPS *lmp, const deformable::ForceKernels &kernels, double tolerance,
+                 int max_evaluations)
       : Pointers(lmp),
-        near(lmp),
-        solver(lmp, tolerance, max_evaluations)
+        kernels(kernels),
+        near(lmp, kernels),
+        solver(lmp, kernels, tolerance, max_evaluations)
   {
   }
 
@@ -55,6 +57,7 @@ class BalancedForces : protected Pointers {
   double memory_usage() const;
 
  private:
+  const deformable::ForceKernels &kernels;
   NearList near;
   ForceBatches batches;
   ForceSolver solver;

@@ -19,7 +19,6 @@
 #include "pointers.h"
 
 #include "force_batches.h"
-#include "force_loops.h"
 #include "near_pairs.h"
 #include "remote_sides.h"
 
@@ -29,10 +28,12 @@ namespace LAMMPS_NS {
 
 class ForceSolver : protected Pointers {
  public:
-  ForceSolver(class LAMMPS *lmp, double tolerance, int max_evaluations)
+  ForceSolver(class LAMMPS *lmp, const deformable::ForceKernels &kernels, double tolerance,
+              int max_evaluations)
       : Pointers(lmp),
         tolerance(tolerance),
-        max_evaluations(max_evaluations)
+        max_evaluations(max_evaluations),
+        kernels(kernels)
   {
   }
 
@@ -60,6 +61,7 @@ class ForceSolver : protected Pointers {
     double relative() const { return worst > 0.0 ? worst / largest : 0.0; }
   };
 
+  const deformable::ForceKernels &kernels;
   NearPairs *pairs = nullptr;
   ForceBatches *batches = nullptr;
   RemoteSides *remote = nullptr;
@@ -80,7 +82,7 @@ class ForceSolver : protected Pointers {
   double pairs_of_all = 1.0;    // ranks
 
   void agree();
-  ForceLoop loop();
+  deformable::PairArrays arrays();
   Evaluation evaluate(bool new_directions);
   void newton_step(const Evaluation &);
   double take_step(bool newton);

@@ -34,7 +34,12 @@ struct DeformableParticles {
 
 class NearList : protected Pointers {
  public:
-  explicit NearList(class LAMMPS *lmp) : Pointers(lmp), remote_sides(lmp) {}
+  NearList(class LAMMPS *lmp, const deformable::ForceKernels &kernels)
+      : Pointers(lmp),
+        remote_sides(lmp),
+        kernels(kernels)
+  {
+  }
 
   NearPairs pairs;
   RemoteSides remote_sides;
@@ -52,6 +57,7 @@ class NearList : protected Pointers {
   double memory_usage() const;
 
  private:
+  const deformable::ForceKernels &kernels;
   double margin = 0.0;
   int calls = 0;    // since the last build
   bool missed_wall = false;

@@ -1,10 +1,5 @@
 #include "near_pairs.h"
 
-#include "trigonometry.h"
-#include "vector_loops.h"
-
-#include <cmath>
-
 using namespace LAMMPS_NS;
 
 // A vector that grows by itself may take twice the memory that it needs.
@@ -32,29 +27,22 @@ void NearPairs::make_room()
   for (std::vector<int> &v : side) v.assign(pairs, 0);
 }
 
-DEFORMABLE_CLONES int LAMMPS_NS::locate_pairs(const double *x, NearPairs &p)
+int NearPairs::locate(const double *x, const deformable::ForceKernels &kernels)
 {
-  const int n = p.wall;
-  const int *const i = p.i.data(), *const j = p.j.data();
-  const double *const touching = p.touching.data(), *const least = p.least_square.data();
-  double *const per_distance = p.per_distance.data(), *const overlap = p.overlap.data();
-  double *const angle = p.angle.data(), *const nx = p.nx.data(), *const ny = p.ny.data();
-  int wrong = 0;
-  DEFORMABLE_INDEPENDENT
-  for (int k = 0; k < n; ++k) {
-    const double dx = x[3 * j[k]] - x[3 * i[k]], dy = x[3 * j[k] + 1] - x[3 * i[k] + 1];
-    const double square = dx * dx + dy * dy, d = std::sqrt(square), per_d = 1.0 / d;
-    wrong += !(square > least[k]);
-    per_distance[k] = per_d;
-    overlap[k] = touching[k] - d;
-    nx[k] = dx * per_d;
-    ny[k] = dy * per_d;
-    angle[k] = deformable::angle_of(dx, dy);
-  }
-  if (wrong == 0) return -1;
-  for (int k = 0; k < n; ++k) {
+  const deformable::PairPlaces places = {i.data(),
+                                         j.data(),
+                                         touching.data(),
+                                         least_square.data(),
+                                         per_distance.data(),
+                                         overlap.data(),
+                                         angle.data(),
+                                         nx.data(),
+                                         ny.data()};
+  if (kernels.locate(x, places, 0, wall)) return -1;
+  int k = 0;
+  for (; k < wall; ++k) {
     const double d = touching[k] - overlap[k];
-    if (!(d * d > least[k])) return k;
+    if (!(d * d > least_square[k])) break;
   }
-  return -1;
+  return k < wall ? k : -1;
 }

@@ -4,6 +4,7 @@
 #ifndef DEFORMABLE_NEAR_PAIRS_H
 #define DEFORMABLE_NEAR_PAIRS_H
 
+#include "force_kernels.h"
 #include "vector_bytes.h"
 
 #include <cstddef>
@@ -56,16 +57,16 @@ struct NearPairs : PairList {
   void clear(int expected);    // removes all pairs; memory for about as many
   void make_room();            // for the arrays that add() does not fill
 
+  // Distances, directions and overlaps of pairs of particles. Returns -1, or the first pair whose contact line cannot
+  // lie between the centers.
+  int locate(const double *x, const deformable::ForceKernels &);
+
   double bytes() const
   {
     return bytes_of(i, j, second, touching, least_square, stiffening, past[0], past[1], past[2],
                     force, overlap, per_distance, angle, nx, ny, side[0], side[1]);
   }
 };
-
-// Distances, directions and overlaps of pairs of particles. Returns -1, or the first pair whose contact line cannot
-// lie between the centers.
-int locate_pairs(const double *x, NearPairs &);
 
 }    // namespace LAMMPS_NS
 

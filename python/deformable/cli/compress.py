@@ -21,10 +21,10 @@ from ..io.run_folder import refuse
 from ..model.laws import LAWS
 from ..protocols.jamming import jam
 from ..runs.record import load
-from ..runs.resume import LARGEST_TOLERANCE, check_compression, compress_in
+from ..runs.resume import check_compression, compress_in
 from ..runs.resume import resume as resume_in
 from ..state.state import State
-from .options import law_option
+from .options import Overwrite, Resume, Tolerance, is_given, law_option
 from .output import draw, print_states
 from .settings import PROTOCOL, Settings, check_same, check_together
 
@@ -84,28 +84,14 @@ def compress_command(
         float, typer.Option(help="Linear strain of all steps together; negative expands.")
     ] = 0.01,
     steps: Annotated[int, typer.Option(help="Number of steps.")] = 10,
-    tolerance: Annotated[
-        float,
-        typer.Option(
-            help="A step is relaxed when the largest force on a particle is this times the mean "
-            f"contact force; at most {LARGEST_TOLERANCE:g}."
-        ),
-    ] = TOLERANCE,
+    tolerance: Tolerance = TOLERANCE,
     out: Annotated[str, typer.Option(metavar="PATH", help="Output folder.")] = "compress",
-    resume: Annotated[
-        bool,
-        typer.Option(
-            "--resume",
-            help="Finish the interrupted run in the output folder. Its options can be left out.",
-        ),
-    ] = False,
+    resume: Resume = False,
     further: Annotated[
         bool,
         typer.Option("--further", help="Compress the finished run in the output folder further."),
     ] = False,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace the run in the output folder.")
-    ] = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Jam a random packing and compress it quasistatically.
 
@@ -138,12 +124,7 @@ def compress_command(
 def _settings(context: typer.Context) -> tuple[Settings, dict[str, Any]]:
     """The settings of the run, and those of them that are given on the command line."""
     values = {field.name: context.params[field.name] for field in fields(Settings)}
-
-    def is_given(name: str) -> bool:
-        source = context.get_parameter_source(name)
-        return source is not None and source.name == "COMMANDLINE"
-
-    return Settings(**values), {name: values[name] for name in values if is_given(name)}
+    return Settings(**values), {name: values[name] for name in values if is_given(context, name)}
 
 
 def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[State]:

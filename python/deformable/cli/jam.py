@@ -12,11 +12,13 @@ import typer
 from ..common.errors import ParameterError
 from ..common.files import make_folder
 from ..common.parallel import parallel_map
+from ..common.progress import print_once
+from ..common.ranks import led
 from ..common.validate import positive
 from ..io.run_folder import TABLE, refuse
 from ..studies.ensemble import LAWS, QUANTITIES, Row, exponents, measure, summarize
 from ..studies.ensemble_tables import SCALING, key, read_table, write_summary, write_tables
-from .options import law_option, refuse_ranks
+from .options import law_option
 
 # Values of phi - phi_J at which a packing is measured, each half of the next one.
 _POINTS = 7
@@ -26,6 +28,7 @@ _POINTS = 7
 _BELOW_FIRST = 300.0
 
 
+@led
 def jam_command(
     numbers: Annotated[list[int], typer.Argument(help="Numbers of particles, e.g. 16 32 64.")],
     seeds: Annotated[int, typer.Option(help="Packings of each size: seeds 1, 2, ...")] = 10,
@@ -45,7 +48,8 @@ def jam_command(
         ),
     ] = 0.0,
     workers: Annotated[
-        int | None, typer.Option(help="Number of processes; by default one a core.")
+        int | None,
+        typer.Option(help="Packings at a time; by default one a core, or one a rank of mpiexec."),
     ] = None,
     out: Annotated[str, typer.Option(metavar="PATH", help="Output folder.")] = "jam",
 ) -> None:
@@ -55,9 +59,9 @@ def jam_command(
     other laws. Writes table.csv (onsets), scaling.csv (compressed packings), summary.json (means
     and exponents with standard errors) and, if matplotlib is installed, onset.png and scaling.png.
     Packings that are in the tables are not computed again: an interrupted command goes on when it
-    is repeated, and several laws can share a folder.
+    is repeated, and several laws can share a folder. Packings are shared by the cores of this
+    machine, or by the ranks of mpiexec.
     """
-    refuse_ranks("jam uses the cores by itself")
     began = time.perf_counter()
     values = [excess_phi / 2.0**n for n in reversed(range(_POINTS))] if excess_phi else []
     for name, count in (*(("number", number) for number in numbers), ("seeds", seeds)):
@@ -71,32 +75,44 @@ def jam_command(
     folder = refuse(out, but="jamming")
     make_folder(folder)
     onsets, scaling = read_table(folder / TABLE), read_table(folder / SCALING)
-    for number in numbers:
+    wanted = {
+        number: {(law, pressure, number, seed) for seed in range(1, seeds + 1)}
+        for number in numbers
+    }
+
+    def missing(number: int) -> list[tuple[str, float, int, int]]:
         # means above the onset need all packings at the same phi - phi_J
         there = {key(row) for row in onsets if excess_phi in (0.0, row["excess_phi"])}
-        packings = [(law, pressure, number, seed) for seed in range(1, seeds + 1)]
-        runs = [(*packing, values) for packing in packings if packing not in there]
+        return sorted(wanted[number] - there)
 
-        def keep(found: tuple[Row, list[Row]]) -> None:
-            onset, compressed = found
-            onsets[:] = [*(row for row in onsets if key(row) != key(onset)), onset]
-            scaling[:] = [*(row for row in scaling if key(row) != key(onset)), *compressed]
-            write_tables(folder, onsets, scaling)
+    def present(number: int) -> None:
+        """Print the means of a size, once they are over all packings."""
+        if not missing(number):
+            write_summary(folder, onsets, scaling)
+            for row in summarize(onsets):
+                if (row["law"], row["onset_pressure"], row["number"]) == (law, pressure, number):
+                    print_once(_means(row))
 
-        parallel_map(measure, runs, workers, f"N = {number}", keep)
-        write_summary(folder, onsets, scaling)
-        for row in summarize(onsets):
-            if (row["law"], row["onset_pressure"], row["number"]) == packings[0][:3]:
-                typer.echo(_means(row))
+    def keep(found: tuple[Row, list[Row]]) -> None:
+        onset, compressed = found
+        onsets[:] = [*(row for row in onsets if key(row) != key(onset)), onset]
+        scaling[:] = [*(row for row in scaling if key(row) != key(onset)), *compressed]
+        write_tables(folder, onsets, scaling)
+        present(onset["number"])
+
+    for number in wanted:
+        present(number)
+    runs = [(*packing, values) for number in wanted for packing in missing(number)]
+    parallel_map(measure, runs, workers, "packings", keep)
     for row in exponents(scaling):
-        typer.echo(_exponents(row))
+        print_once(_exponents(row))
     if importlib.util.find_spec("matplotlib"):
         from ..studies import ensemble_figures as figures
 
         figures.onset(onsets).savefig(folder / "onset.png", dpi=110)
         if scaling:
             figures.scaling(scaling).savefig(folder / "scaling.png", dpi=110)
-    typer.echo(f"wrote {out} ({time.perf_counter() - began:.0f} s)")
+    print_once(f"wrote {out} ({time.perf_counter() - began:.0f} s)")
 
 
 def _check_excess(law: str, pressure: float, excess_phi: Sequence[float]) -> None:

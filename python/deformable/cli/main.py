@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+import traceback
 import warnings
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
@@ -74,6 +75,11 @@ def main() -> None:
             time.sleep(0.5)  # mpiexec may lose a line that it has not yet passed on
             world.Abort(2)  # other ranks may be waiting for this one
         sys.exit(2)
+    except Exception:
+        if MPI.COMM_WORLD.size == 1:
+            raise
+        traceback.print_exc()
+        MPI.COMM_WORLD.Abort(1)
 
 
 @app.command(cls=Command)
@@ -145,9 +151,9 @@ def report(
     """Measure errors and run times of the contact laws, and reproduce the paper.
 
     Writes index.html, its pictures and report.json into the output folder. Takes about half an
-    hour on two cores, with --quick three minutes.
+    hour on two cores, with --quick three minutes. Uses all cores of this machine, or the ranks of
+    mpiexec.
     """
-    refuse_ranks("report uses the cores by itself")
     from ..report import write_report
 
     began = time.perf_counter()

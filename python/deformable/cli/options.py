@@ -5,13 +5,33 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable
 from itertools import islice
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from mpi4py import MPI
 from typer.core import TyperCommand, TyperOption
 
 from ..common.errors import ParameterError
+from ..runs.resume import LARGEST_TOLERANCE
+
+# Options of commands that write a run.
+Tolerance = Annotated[
+    float,
+    typer.Option(
+        help="A step is relaxed when the largest force on a particle is this times the mean "
+        f"contact force; at most {LARGEST_TOLERANCE:g}."
+    ),
+]
+Resume = Annotated[
+    bool,
+    typer.Option(
+        "--resume",
+        help="Finish the interrupted run in the output folder. Its options can be left out.",
+    ),
+]
+Overwrite = Annotated[
+    bool, typer.Option("--overwrite", help="Replace the run in the output folder.")
+]
 
 
 def law_option(names: Iterable[str], help: str) -> Any:
@@ -52,6 +72,12 @@ class Command(TyperCommand):
 def _needs(option: str, count: int, value: str) -> str:
     wanted = "a value" if count == 1 else f"{count} values"
     return f"{option} needs {wanted}, not {value}"
+
+
+def is_given(context: typer.Context, name: str) -> bool:
+    """Whether an option is given on the command line."""
+    source = context.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"
 
 
 def refuse_ranks(reason: str) -> None:

@@ -14,8 +14,9 @@ from ..engine.relaxation import TOLERANCE
 from ..io.run_folder import refuse
 from ..io.store import summary_in
 from ..runs.record import load
-from ..runs.resume import LARGEST_TOLERANCE, shear_in
 from ..runs.resume import resume as resume_in
+from ..runs.resume import shear_in
+from .options import Overwrite, Resume, Tolerance, is_given
 from .output import draw, print_states
 from .settings import check_same
 
@@ -38,24 +39,10 @@ def shear_command(
         typer.Option(help="Shear strain of all steps together; negative shears the other way."),
     ] = 0.1,
     steps: Annotated[int, typer.Option(help="Number of steps.")] = 20,
-    tolerance: Annotated[
-        float,
-        typer.Option(
-            help="A step is relaxed when the largest force on a particle is this times the mean "
-            f"contact force; at most {LARGEST_TOLERANCE:g}."
-        ),
-    ] = TOLERANCE,
+    tolerance: Tolerance = TOLERANCE,
     out: Annotated[str, typer.Option(metavar="PATH", help="Output folder.")] = "shear",
-    resume: Annotated[
-        bool,
-        typer.Option(
-            "--resume",
-            help="Finish the interrupted run in the output folder. Its options can be left out.",
-        ),
-    ] = False,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace the run in the output folder.")
-    ] = False,
+    resume: Resume = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Shear the last packing of a run quasistatically along x.
 
@@ -68,7 +55,7 @@ def shear_command(
     folder = refuse(out, "compression" if resume or overwrite else None, _WAYS_OUT)
     if resume:
         settings = {"strain": strain, "steps": steps, "tolerance": tolerance}
-        check_same(folder, {name: settings[name] for name in settings if _given(context, name)})
+        check_same(folder, {name: settings[name] for name in settings if is_given(context, name)})
         states = resume_in(folder)
     elif run is None:
         raise ParameterError("give the folder of a run, whose packing is sheared: shear RUN")
@@ -83,9 +70,3 @@ def shear_command(
     else:
         draw(last, folder / "packing.png")
         print_once(f"wrote {folder} ({time.perf_counter() - began:.1f} s)")
-
-
-def _given(context: typer.Context, name: str) -> bool:
-    """Whether an option is given on the command line."""
-    source = context.get_parameter_source(name)
-    return source is not None and source.name == "COMMANDLINE"

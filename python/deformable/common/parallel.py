@@ -1,4 +1,4 @@
-"""Independent calls over the cores of one machine, with results that survive interruptions."""
+"""Independent calls over the cores of one machine, or over MPI ranks on any number of machines."""
 
 from __future__ import annotations
 
@@ -6,7 +6,14 @@ import hashlib
 import os
 import pickle
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import partial
@@ -20,69 +27,121 @@ from .. import core
 from .errors import ParameterError
 from .files import make_folder, write_whole
 from .progress import progress
+from .ranks import helpers, independent, independently, launched, led
 
 T = TypeVar("T")
 
 
+@led
 def parallel_map(
     function: Callable[..., T],
     arguments: Sequence[tuple[Any, ...]],
     workers: int | None = None,
     description: str = "running",
     each: Callable[[T], object] = lambda result: None,
-    keep: Path | None = None,
+    keep: str | Path | None = None,
 ) -> list[T]:
-    """Call a function with each tuple of arguments, several at a time in processes of their own.
+    """Call a function with each tuple of arguments, several at a time, independent of each other.
 
-    A script that calls this needs the guard `if __name__ == "__main__":`, because each process
-    imports it again. Under `mpiexec`, where the cores are taken, and with one worker, the calls are
-    made here one after another.
+    Under `mpiexec` the ranks share the calls, and all of them must call this. Else processes on
+    the cores of this machine do; the script then needs the guard `if __name__ == "__main__":`,
+    because each process imports it again. In a call each simulation belongs to one rank, and a
+    further `parallel_map` makes its calls one after another.
 
     Args:
         function: at the top level of a module; it and its results must pickle.
         arguments: of each call.
-        workers: number of processes; by default one per core.
+        workers: number of calls at a time; by default one per core or rank. One worker makes them
+            one after another in this process.
         description: of the progress bar.
-        each: called here with each result as soon as it is there, in any order.
+        each: called with each result as soon as it is there, in any order; on rank 0 alone.
         keep: folder for the results, see `call_once`: the same calls after an interruption only
             compute what it lacks.
 
     Returns:
-        The results in the order of the arguments.
+        The results in the order of the arguments, on every rank. They do not depend on the number
+        of workers.
 
     Raises:
         ParameterError: fewer than one worker.
         BrokenProcessPool: a process died.
-        Exception: the first one that a call raises; calls that have not begun are given up.
+        Exception: the first one that a call raises, once the calls that have begun are done; others
+            are given up.
     """
-    workers = min(len(os.sched_getaffinity(0)) if workers is None else workers, len(arguments) or 1)
-    if workers < 1:
+    if workers is not None and workers < 1:
         raise ParameterError(f"workers must be at least 1, not {workers}")
-    call = function if keep is None else partial(call_once, keep, function)
+    kept = function if keep is None else partial(call_once, Path(keep), function)
+    call = partial(independently, kept)
     with progress(description, unit="run", total=len(arguments)) as bar:
-        if workers == 1 or launched():
-            results = []
-            for these in arguments:
-                results.append(call(*these))
-                each(results[-1])
-                bar.update()
-            return results
-        # a process that has initialized MPI must not fork
-        with _one_thread(), ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-            futures = [pool.submit(call, *these) for these in arguments]
+
+        def done(result: T) -> None:
+            each(result)
+            bar.update()
+
+        with _places(workers, len(arguments)) as places:
+            if places:
+                try:
+                    return _spread(call, arguments, places, done)
+                except BrokenProcessPool:
+                    raise BrokenProcessPool(
+                        f"a process of {function.__name__} died: it was killed, or memory ran out, "
+                        'or the script lacks the guard `if __name__ == "__main__":`; workers=1 '
+                        "runs without processes"
+                    ) from None
+        results = []
+        for these in arguments:
+            results.append(call(*these))
+            done(results[-1])
+        return results
+
+
+@contextmanager
+def _places(workers: int | None, calls: int) -> Iterator[list[Executor]]:
+    """Where calls can be made, each place one at a time; none if only here, one after another."""
+    others = helpers()
+    if others is not None:
+        count = min(workers or MPI.COMM_WORLD.size, calls)
+        # the thread that serves the other ranks needs MPI while a call here has it
+        shared = MPI.Query_thread() == MPI.THREAD_MULTIPLE
+        with ThreadPoolExecutor(1) as here:
+            yield [here, *[others] * (count - 1)] if shared else [others] * count
+        return
+    count = min(workers or len(os.sched_getaffinity(0)), calls)
+    if count < 2 or independent() or launched():
+        yield []
+        return
+    # a process that has initialized MPI must not fork
+    with _one_thread(), ProcessPoolExecutor(count, get_context("spawn")) as pool:
+        yield [pool] * count
+
+
+def _spread(
+    call: Callable[..., T],
+    arguments: Sequence[tuple[Any, ...]],
+    places: list[Executor],
+    done: Callable[[T], object],
+) -> list[T]:
+    """The results of calls, in order. After an error no call begins, those that have are kept."""
+    todo = list(enumerate(arguments))[::-1]
+    running: dict[Future[T], tuple[int, Executor]] = {}
+    results: dict[int, T] = {}
+    errors: list[Exception] = []
+    while running or (todo and not errors):
+        while places and todo and not errors:
+            place, (n, these) = places.pop(0), todo.pop()
+            running[place.submit(call, *these)] = n, place
+        for future in wait(running, return_when=FIRST_COMPLETED).done:
+            n, place = running.pop(future)
+            places.append(place)
             try:
-                for future in as_completed(futures):
-                    each(future.result())
-                    bar.update()
-            except BrokenProcessPool:
-                raise BrokenProcessPool(
-                    f"a process of {function.__name__} died: it was killed, or memory ran out, or "
-                    'the script lacks the guard `if __name__ == "__main__":`; workers=1 runs '
-                    "without processes"
-                ) from None
-            finally:
-                pool.shutdown(cancel_futures=True)
-            return [future.result() for future in futures]
+                results[n] = future.result()
+            except Exception as error:
+                errors.append(error)
+            else:
+                done(results[n])
+    if errors:
+        raise errors[0]
+    return [results[n] for n in range(len(arguments))]
 
 
 def call_once(folder: Path, function: Callable[..., T], /, *arguments: Any, **keywords: Any) -> T:
@@ -106,11 +165,6 @@ def call_once(folder: Path, function: Callable[..., T], /, *arguments: Any, **ke
     make_folder(folder)
     write_whole(path, pickle.dumps(result))
     return result
-
-
-def launched() -> bool:
-    """Whether mpiexec started this process: processes that it starts would inherit its rank."""
-    return MPI.COMM_WORLD.size > 1 or any(name.startswith("PMI") for name in os.environ)
 
 
 @contextmanager

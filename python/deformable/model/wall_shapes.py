@@ -6,8 +6,8 @@ They have the names and the numbers of `fix deformable/wall`.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import ClassVar, Union
+from dataclasses import dataclass, replace
+from typing import ClassVar, TypeVar, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +16,7 @@ from ..common.errors import ParameterError
 from ..common.validate import numbers, positive, shown
 
 Point = tuple[float, float]
+R = TypeVar("R", bound="_Round")
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,10 @@ class _Round:
         """Its radius [length]."""
         return self.radius
 
+    def stretched(self: R, x: float, y: float) -> R:
+        """The wall after the coordinates are multiplied by x = y."""
+        return replace(self, center=_scaled(self.center, x, x), radius=self.radius * x)
+
 
 @dataclass(frozen=True)
 class Circle(_Round):
@@ -91,10 +96,6 @@ class Circle(_Round):
 
     kind = "circle"
 
-    def stretched(self, x: float, y: float) -> Circle:
-        """The circle after the coordinates are multiplied by x = y."""
-        return Circle(_scaled(self.center, x, x), self.radius * x)
-
 
 @dataclass(frozen=True)
 class Disk(_Round):
@@ -109,10 +110,6 @@ class Disk(_Round):
     """
 
     kind = "disk"
-
-    def stretched(self, x: float, y: float) -> Disk:
-        """The disk after the coordinates are multiplied by x = y."""
-        return Disk(_scaled(self.center, x, x), self.radius * x)
 
 
 class _Cornered:

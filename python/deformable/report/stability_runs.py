@@ -17,7 +17,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..common.errors import LammpsError
-from ..common.parallel import launched
+from ..common.ranks import launched
 from ..engine.lammps import run
 from ..engine.simulation import Simulation
 from ..model.laws import LAWS, Law

@@ -10,6 +10,7 @@ from typing import Any
 
 from ..common.errors import ParameterError
 from ..common.files import make_folder
+from ..common.ranks import led
 from ..common.versions import machine, versions
 from ..io.run_folder import refuse
 from .page import page
@@ -17,6 +18,7 @@ from .plan import FULL, QUICK
 from .results import measure
 
 
+@led
 def write_report(
     folder: str | Path,
     quick: bool = False,
@@ -25,7 +27,8 @@ def write_report(
 ) -> dict[str, Any]:
     """Measure everything, and write index.html, its pictures and report.json.
 
-    Results of single calls are kept in `parts` of the folder until the report is complete.
+    Results of single calls are kept in `parts` of the folder until the report is complete. Under
+    `mpiexec` rank 0 writes, and all ranks measure.
 
     Args:
         folder: made if missing; a report in it is replaced at the end.

@@ -81,14 +81,8 @@ def shear_in(
     """Shear as `shear`, and write as `record`, so that `resume` can go on after any step.
 
     Args:
-        folder: made if missing.
-        sim: without further commands to its `lmp`, because each step starts a new LAMMPS.
         strain: shear strain of all steps together.
-        steps: number of steps.
-        tolerance: of each relaxation, at most 0.01, see `Simulation.relax`.
-        parameters: anything that JSON can hold, for the summary.
-        append: go on with the series and trajectory of the run in the folder.
-        overwrite: replace the run in the folder.
+        others: as for `compress_in`.
 
     Yields:
         The relaxed state after each step, once it is written.

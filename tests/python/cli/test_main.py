@@ -183,12 +183,11 @@ def test_compare_compresses(strain: str, tmp_path: Path) -> None:
     assert result.stderr.endswith(f"{float(strain)}\n")
 
 
-@pytest.mark.parametrize("command", ["compare", "report"])
-def test_ranks_are_refused(command: str, tmp_path: Path) -> None:
-    result = launch(command, cwd=tmp_path)
+def test_ranks_are_refused(tmp_path: Path) -> None:
+    result = launch("compare", cwd=tmp_path)
     assert result.returncode != 0
     (line,) = [line for line in result.stderr.splitlines() if line.startswith("error")]
-    assert line.startswith(f"error: {command} ")
+    assert line.startswith("error: compare ")
     assert line.endswith(": start it without mpiexec")
     assert "Traceback" not in result.stderr
     assert not list(tmp_path.iterdir())

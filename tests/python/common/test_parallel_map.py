@@ -15,12 +15,6 @@ from deformable.common.versions import machine
 from deformable.studies.paper import ring_in_walls
 from deformable.studies.single import regular
 
-LAUNCHED = """
-import os
-from deformable.common.parallel import parallel_map
-assert parallel_map(os.getpid, [()] * 3, workers=2) == [os.getpid()] * 3
-"""
-
 UNGUARDED = """
 import math
 from deformable.common.parallel import parallel_map
@@ -114,14 +108,6 @@ def test_calls_are_known_by_function_and_arguments(tmp_path: Path) -> None:
         assert call_once(tmp_path, inverse, value, folder=str(tmp_path)) == 1.0 / value
         assert call_once(tmp_path, math.sqrt, value) == math.sqrt(value)
     assert calls(tmp_path) == {"calls-2": 2, "calls-4": 2}
-
-
-@pytest.mark.parametrize("ranks", [1, 2])
-def test_ranks_start_no_processes(tmp_path: Path, ranks: int) -> None:
-    (tmp_path / "script.py").write_text(LAUNCHED)
-    mpiexec = Path(sys.executable).with_name("mpiexec")
-    command = [str(mpiexec), "-n", str(ranks), sys.executable, "-m", "mpi4py", "script.py"]
-    subprocess.run(command, cwd=tmp_path, check=True, timeout=60)
 
 
 def test_the_error_names_a_missing_guard(tmp_path: Path) -> None:

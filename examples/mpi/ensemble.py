@@ -1,0 +1,20 @@
+"""Many packings side by side, on cores or ranks: python ensemble.py, or with ranks
+mpiexec -n 2 python -m mpi4py ensemble.py
+"""
+
+import deformable
+import numpy as np
+from mpi4py import MPI
+
+
+def pressure(seed):
+    jammed = deformable.jam(deformable.bidisperse(32, seed=seed))
+    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+        *_, state = deformable.compress(sim, strain=0.01, steps=1)
+    return state.pressure
+
+
+if __name__ == "__main__":
+    found = deformable.parallel_map(pressure, [(seed,) for seed in range(1, 9)])
+    if MPI.COMM_WORLD.rank == 0:
+        print(f"pressure {np.mean(found):.15e} +- {np.std(found) / np.sqrt(7):.1e}")

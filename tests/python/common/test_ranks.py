@@ -1,0 +1,187 @@
+"""Independent calls on MPI ranks: results of one process, errors, deaths, interruptions."""
+
+import csv
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import deformable
+import pytest
+from deformable.common.ranks import independently, world
+from mpi4py import MPI
+from ranks import MPIEXEC, launch
+
+COMMAND = str(Path(sys.executable).with_name("deformable"))
+
+# Simulations without `comm`, and a further map in each call.
+ENSEMBLE = """
+import json, os
+import deformable
+from mpi4py import MPI
+
+def strained(seed):
+    jammed = deformable.jam(deformable.bidisperse(8, seed=seed))
+    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+        *_, state = deformable.compress(sim, 0.02, 2)
+    here = deformable.parallel_map(os.getpid, [(), ()]) == [os.getpid()] * 2
+    return MPI.COMM_WORLD.rank, here, state.energy, state.packing.positions.tolist()
+
+def write(results, name):
+    with open(f"{name}-{MPI.COMM_WORLD.rank}", "w") as file:
+        json.dump(results, file)
+
+if __name__ == "__main__":
+    kept = []
+    write(deformable.parallel_map(strained, [(n,) for n in range(1, 6)], each=kept.append), "all")
+    write(kept, "kept")
+    write(deformable.parallel_map(strained, [(3,)]), "one")
+    write(deformable.parallel_map(strained, []), "none")
+"""
+
+
+def strained(seed: int) -> list[object]:
+    """As in the script, in this process."""
+    jammed = deformable.jam(deformable.bidisperse(8, seed=seed))
+    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+        *_, state = deformable.compress(sim, 0.02, 2)
+    return [state.energy, state.packing.positions.tolist()]
+
+
+@pytest.mark.parametrize(
+    ("ranks", "module"),
+    [(1, "mpi4py"), (2, "mpi4py"), (3, "mpi4py"), (2, "mpi4py.futures"), (3, "mpi4py.futures")],
+)
+def test_ranks_share_calls(tmp_path: Path, ranks: int, module: str) -> None:
+    """All ranks that run the script get the numbers of one process, to the last digit."""
+    result = launch(ENSEMBLE, tmp_path, ranks, module)
+    assert result.returncode == 0, result.stderr
+    expected = [strained(seed) for seed in range(1, 6)]
+    scripts = ranks if module == "mpi4py" else 1
+    assert len(list(tmp_path.glob("all-*"))) == scripts
+    for rank in range(scripts):
+        found, kept, one, none = (
+            json.loads((tmp_path / f"{name}-{rank}").read_text())
+            for name in ("all", "kept", "one", "none")
+        )
+        assert [row[2:] for row in found] == expected
+        assert {row[0] for row in found} == set(range(ranks))
+        assert all(row[1] for row in found)
+        assert one[0][2:] == expected[2]
+        assert none == []
+        assert sorted(kept) == (sorted(found) if rank == 0 else [])
+
+
+FAILS = """
+import os, time
+import deformable
+from deformable.common.ranks import world
+
+def inverse(value):
+    open(f"called-{value}", "w").close()
+    if value == "exit":
+        os._exit(1)
+    time.sleep(0.05)
+    return 1 / value
+
+if __name__ == "__main__":
+    (what,) = [what for what in (0, "exit", "unfit") if os.path.exists(f"try-{what}")]
+    if what == "unfit":
+        deformable.parallel_map(eval, [("lambda: 0",)])
+    try:
+        deformable.parallel_map(inverse, [(1,), (2,), (what,), *[(n,) for n in range(3, 99)]])
+    except ZeroDivisionError as error:
+        print(f"{world().rank}: {error}", flush=True)
+    print(deformable.parallel_map(inverse, [(4,), (5,)]), flush=True)
+"""
+
+
+@pytest.mark.parametrize("module", ["mpi4py", "mpi4py.futures"])
+def test_all_ranks_get_the_error_of_a_call(tmp_path: Path, module: str) -> None:
+    """Calls that have not begun are given up, and the ranks go on with other calls."""
+    (tmp_path / "try-0").touch()
+    result = launch(FAILS, tmp_path, 3, module)
+    assert result.returncode == 0, result.stderr
+    scripts = 3 if module == "mpi4py" else 1  # the lines of several may run into each other
+    assert [result.stdout.count(f"{rank}: division by zero") for rank in range(3)] == [
+        int(rank < scripts) for rank in range(3)
+    ]
+    assert result.stdout.count("[0.25, 0.2]") == scripts
+    assert len(list(tmp_path.glob("called-*"))) < 50
+
+
+@pytest.mark.parametrize(("what", "words"), [("exit", ""), ("unfit", "pickle")])
+def test_nobody_waits_for_a_rank_that_fails(tmp_path: Path, what: str, words: str) -> None:
+    (tmp_path / f"try-{what}").touch()
+    result = launch(FAILS, tmp_path, 2)
+    assert result.returncode != 0
+    assert words in result.stderr
+
+
+def table(folder: Path) -> list[dict[str, str]]:
+    with (folder / "table.csv").open() as file:
+        return list(csv.DictReader(file))
+
+
+def without_seconds(folder: Path) -> list[tuple[str, ...]]:
+    return sorted(
+        tuple(value for name, value in row.items() if name != "seconds") for row in table(folder)
+    )
+
+
+def test_jam_on_ranks_is_killed_and_goes_on(tmp_path: Path) -> None:
+    """What is in the table stays, and the rest is what one process computes."""
+    ask = [COMMAND, "jam", "8", "10", "--law", "disk", "--seeds", "4", "--out"]
+    subprocess.run([*ask, "whole", "--workers", "1"], cwd=tmp_path, check=True, timeout=120)
+    ranks = [MPIEXEC, "-n", "3", *ask, "run"]
+    with subprocess.Popen(ranks, cwd=tmp_path, stdout=subprocess.PIPE, text=True) as run:
+        while not (tmp_path / "run" / "table.csv").exists():
+            assert run.poll() is None
+            time.sleep(0.02)
+        run.kill()
+    before = table(tmp_path / "run")
+    assert 0 < len(before) < 8
+    result = subprocess.run(
+        [MPIEXEC, "-n", "2", *ask, "run"],
+        cwd=tmp_path,
+        check=True,
+        timeout=120,
+        capture_output=True,
+        text=True,
+    )
+    assert [line.split(":")[0] for line in result.stdout.splitlines()[:-1]] == [
+        "disk, N = 8",
+        "disk, N = 10",
+    ]
+    after = table(tmp_path / "run")
+    assert [row for row in before if row not in after] == []  # with their seconds
+    assert without_seconds(tmp_path / "run") == without_seconds(tmp_path / "whole")
+
+
+UNLUCKY = """
+import deformable
+from deformable.cli import jam, main
+
+def unlucky(law, pressure, number, seed, values):
+    raise deformable.LammpsError("out of luck")
+
+jam.measure = unlucky
+main.sys.argv = ["deformable", "jam", "8", "--out", "run"]
+main.main()
+"""
+
+
+def test_an_error_of_a_command_is_one_line(tmp_path: Path) -> None:
+    result = launch(UNLUCKY, tmp_path, 3)
+    assert result.returncode != 0
+    assert [line for line in result.stderr.splitlines() if line.startswith("error")] == [
+        "error: out of luck"
+    ]
+    assert "Traceback" not in result.stderr
+
+
+def test_a_call_is_alone() -> None:
+    assert world() == MPI.COMM_WORLD
+    assert independently(world) == MPI.COMM_SELF
+    assert world() == MPI.COMM_WORLD
