@@ -135,12 +135,16 @@ def test_the_api_has_every_public_name_once():
 
 def test_examples_of_the_api_run(tmp_path):
     """Each page and `start.md` by itself; in one process, which imports only once."""
-    examples = {
-        page.name: "\n".join(re.findall(r"```python\n(.*?)```", page.read_text(), re.DOTALL))
-        for page in [*API, ROOT / "docs" / "start.md"]
+    pages = [*API, ROOT / "docs" / "start.md"]
+    codes = {
+        page.stem: re.findall(r"```python\n(.*?)```", page.read_text(), re.S) for page in pages
     }
-    assert [name for name, code in examples.items() if not code] == ["README.md"]
-    run = f"for name, code in {examples}.items(): exec(compile(code, name, 'exec'), {{}})"
+    assert codes.pop("README") == []
+    assert [name for name, code in codes.items() if not code] == []
+    for name, code in codes.items():
+        (tmp_path / f"{name}.py").write_text("\n".join(code))
+    one_by_one = f"[run_path(f'{{name}}.py', run_name='__main__') for name in {[*codes]}]"
+    run = f"from runpy import run_path; {one_by_one}"
     result = subprocess.run(
         [sys.executable, "-c", run],
         cwd=tmp_path,
