@@ -1,9 +1,22 @@
-"""The compiled kernels on the site: docstrings from the module, signatures from core.pyi."""
+"""The compiled kernels on the site: docstrings from the module, arguments from core.pyi."""
 
 import re
 from typing import Any
 
 import griffe
+
+
+def parse(function: griffe.Function) -> list[griffe.DocstringSection]:
+    """Sections of a docstring of nanobind, which begins with the signatures."""
+    assert function.docstring is not None
+    text = re.sub(rf"^{function.name}\(.*\n+", "", function.docstring.value, flags=re.MULTILINE)
+    text, *source = re.split(r"^(?=Source: )", text, flags=re.MULTILINE)  # not of the last section
+    sections = griffe.parse_numpy(griffe.Docstring(text, parent=function))
+    for section in sections:
+        if section.kind is griffe.DocstringSectionKind.parameters:
+            for parameter in section.value:
+                parameter.annotation = function.parameters[parameter.name].annotation
+    return [*sections, *map(griffe.DocstringSectionText, source)]
 
 
 class Kernels(griffe.Extension):
@@ -21,7 +34,5 @@ class Kernels(griffe.Extension):
                 function.overloads = None
                 function.parameters = declared[-1].parameters
                 function.returns = declared[-1].returns
-            if function.docstring:  # nanobind's begins with the signatures
-                text = re.sub(rf"^{name}\(.*\n+", "", function.docstring.value, flags=re.M)
-                function.docstring.value = text
-                function.docstring.parser = griffe.Parser.numpy
+            if function.docstring:
+                function.docstring.parsed = parse(function)
