@@ -118,6 +118,7 @@ def test_pages_show_what_they_should(site):
     assert theory.count('<div class="arithmatex">') == blocks > 20
     assert 'id="error-against-run-time"' in (site / "report" / "index.html").read_text()
     assert "in.hopper" in (site / "examples" / "hopper" / "index.html").read_text()
+    assert "--polydispersity" in (site / "shell" / "index.html").read_text()
     assert "bidisperse" in (site / "tutorial" / "index.html").read_text()
 
 
