@@ -161,21 +161,23 @@ def test_examples_of_the_api_run(tmp_path):
 
 
 @pytest.fixture
-def browser():
+def page():
     playwright = pytest.importorskip("playwright.sync_api")
     path = shutil.which("chromium")
     if path is None:
         pytest.skip("Chromium is not installed: apt install chromium")
     with playwright.sync_playwright() as engine:
         opened = engine.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        yield opened
+        page = opened.new_page()
+        page.set_default_timeout(120_000)  # of a busy machine
+        yield page
         opened.close()
 
 
-@pytest.fixture
-def address(tmp_path):
+@pytest.fixture(scope="module")
+def address(tmp_path_factory):
     """The whole site, with the outputs of the tutorial, as a server shows it."""
-    site = build(tmp_path, execute=True)
+    site = build(tmp_path_factory.mktemp("whole"), execute=True)
 
     class Quiet(SimpleHTTPRequestHandler):
         def log_message(self, *_: object) -> None:
@@ -196,9 +198,8 @@ def paths(address: str, page) -> list[str]:
 
 @needs_mkdocs
 @pytest.mark.slow
-def test_in_a_browser(browser, address):
+def test_in_a_browser(page, address):
     """On all pages mathematics is drawn, pictures are there, and nothing comes from elsewhere."""
-    page = browser.new_page()
     wrong: list[str] = []
     page.on("console", lambda told: wrong.append(told.text) if told.type == "error" else None)
     page.on("pageerror", lambda error: wrong.append(str(error)))
@@ -235,9 +236,8 @@ def test_in_a_browser(browser, address):
 
 @needs_mkdocs
 @pytest.mark.slow
-def test_search_in_a_browser(browser, address):
+def test_search_in_a_browser(page, address):
     """A word of the theory, an option of a style, and a name of Python lead to their pages."""
-    page = browser.new_page()
     page.goto(address)
     for word, place in (
         ("Steiner point", "/theory/"),
@@ -248,4 +248,4 @@ def test_search_in_a_browser(browser, address):
         page.fill(".md-search__input", "")
         page.click(".md-search__input")
         page.type(".md-search__input", word)
-        page.wait_for_selector(f'.md-search-result__link[href*="{place}"]', timeout=20_000)
+        page.wait_for_selector(f'.md-search-result__link[href*="{place}"]')
