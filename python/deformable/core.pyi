@@ -106,7 +106,6 @@ class ForcedRing:
 def curvature_energy(
     force: float, pressure_i: float, pressure_j: float, tension_i: float, tension_j: float
 ) -> float: ...
-
 def ring(radius: float, angle: ArrayLike, indentation: ArrayLike) -> Shape: ...
 def soft_ring(
     radius: float,

@@ -1,4 +1,4 @@
-"""Slopes of outlines at their contacts, tilted lines of whole packings, and what curved lines save."""
+"""Slopes of outlines at their contacts, tilted lines of packings, and what curved lines save."""
 
 import json
 from pathlib import Path
@@ -61,7 +61,7 @@ def test_tension(particle, kA, kP):
 
 @pytest.mark.parametrize("case", CASES, ids=[case["case"] for case in CASES])
 def test_packing(case):
-    """Packings of an independent code: forces and torques balance, on the lines that it has found."""
+    """Packings of an independent code: forces and torques balance on the lines it has found."""
     radius, kinds = np.array(case["radii"]), case["species"]
     centers, rows = np.array(case["centres"]), case["contacts"]
     seen = [[] for _ in centers]
