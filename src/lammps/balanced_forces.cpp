@@ -41,7 +41,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
     if (!is_balanced && without_room() < 0) warn_unbalanced();
     break;
   }
-  force_kernels().slopes(batches, near.pairs.force.data());
+  if (!near.pairs.tilts) force_kernels().slopes(batches, near.pairs.force.data());
   return -1;
 }
 

@@ -17,9 +17,10 @@ namespace LAMMPS_NS {
 
 class BalancedForces : protected Pointers {
  public:
-  BalancedForces(class LAMMPS *lmp, double tolerance, int max_evaluations)
+  // tilts: contact lines may also turn
+  BalancedForces(class LAMMPS *lmp, bool tilts, double tolerance, int max_evaluations)
       : Pointers(lmp),
-        near(lmp),
+        near(lmp, tilts),
         solver(lmp, tolerance, max_evaluations)
   {
   }

@@ -31,6 +31,7 @@ void ForceSolver::begin_call(NearPairs &p)
     p.past[1][k] = now;
     p.past[0][k] = now == PastForces::UNKNOWN ? now : c[0] * now + c[1] * last + c[2] * before;
   }
+  if (p.tilts) LineTilts::predict(p, c);
   evaluations = 0;
   first_solution = true;
 }
@@ -48,6 +49,7 @@ bool ForceSolver::solve(NearPairs &p, ForceBatches &b, RemoteSides &r)
     if (v->size() != one_more) v->assign(one_more, 0.0);
   if (comm->nprocs > 1) agree();
   for (int k = 0; k < p.size; ++k) p.force[k] = std::max(p.past[0][k], 0.0);
+  if (p.tilts) tilts.start(p);
 
   if (!first_solution) --evaluations;    // of the same forces as the last one
   Evaluation now = evaluate(true);
@@ -57,24 +59,29 @@ bool ForceSolver::solve(NearPairs &p, ForceBatches &b, RemoteSides &r)
   }
   // A minimizer needs only a tenth of the imbalance that its last step caused: the rest vanishes as its steps do, if each
   // call corrects it, also below the tolerance.
-  constexpr double TENTH = 0.1;
+  constexpr double TENTH = 0.1, CLOSE = 0.05;
   const bool minimizing = update->whichflag == 2;
   if (first_solution)
     target = minimizing ? std::max(tolerance, TENTH * std::min(now.relative(), 1.0)) : tolerance;
   must_correct |= first_solution && minimizing;
   pairs_of_all = 1.0 + sum_over_pairs([](int a, int z) { return z - a; });
   first_solution = false;
-  while ((now.worst > target * now.largest || (must_correct && now.worst > 0.0)) &&
+  while ((now.worst() > target * now.largest || (must_correct && now.worst() > 0.0)) &&
          evaluations < max_evaluations) {
     newton_step(now);
     must_correct = false;
     double slope = take_step(true);
     if (!(slope > 0.0)) slope = take_step(false);
-    now = line_search(now, slope);
+    const bool turns = p.tilts && now.forces <= CLOSE * now.largest;
+    if (turns) {
+      find_torques();
+      tilts.turn(p);
+    }
+    now = line_search(now, slope, turns);
   }
   remember();
   imbalance = now.relative();
-  return now.worst <= target * now.largest;
+  return now.worst() <= target * now.largest;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -113,6 +120,11 @@ void ForceSolver::agree()
     overlap[c] = 0.5 * (overlap[c] + overlaps[own + c]);
     force[c] = 0.5 * (force[c] + forces[own + c]);
   }
+  if (!p.tilts) return;
+  double *const per_distance = p.per_distance.data() + p.remote;
+  for (int c = 0; c < count; ++c) overlaps[side[c]] = per_distance[c];
+  remote->exchange(side, own, overlaps);
+  for (int c = 0; c < count; ++c) per_distance[c] = 0.5 * (per_distance[c] + overlaps[own + c]);
 }
 
 // Pairs that two ranks share count half on each.
@@ -133,9 +145,20 @@ ForceSolver::Evaluation ForceSolver::evaluate(bool new_directions)
   remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                    batches->indentation.data(), batches->compliance.data());
   const Largest here = find_residuals(loop(), 0, pairs->size);
-  double largest[3] = {here.error, here.force, exist ? 0.0 : 1.0};
-  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, largest, 3, MPI_DOUBLE, MPI_MAX, world);
-  return {largest[0], largest[1], largest[2] == 0.0};
+  double largest[4] = {here.error, here.force, exist ? 0.0 : 1.0, 0.0};
+  if (pairs->tilts) largest[3] = find_torques();
+  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, largest, 4, MPI_DOUBLE, MPI_MAX, world);
+  return {largest[0], largest[3], largest[1], largest[2] == 0.0};
+}
+
+// Of this rank, for the present forces. Also finds the next tilts.
+double ForceSolver::find_torques()
+{
+  force_kernels().slopes(*batches, pairs->force.data());
+  tilts.find_rates(*batches, *pairs);
+  remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
+                   batches->product.data(), tilts.rate.data());
+  return tilts.find_torques(*pairs, batches->product);
 }
 
 /* ----------------------------------------------------------------------
@@ -156,7 +179,7 @@ void ForceSolver::newton_step(const Evaluation &from)
   // of r, times the mean weight
   const double typical = std::sqrt(norm2 * weights) / pairs_of_all;
   const double sufficient =
-      std::max(MARGIN * target * from.largest / from.worst, SQUARE * typical / from.largest);
+      std::max(MARGIN * target * from.largest / from.forces, SQUARE * typical / from.largest);
   const double accuracy = evaluations == 1 ? LEAST_ACCURACY : std::min(LEAST_ACCURACY, sufficient);
   const double enough = accuracy * accuracy * norm2;
   for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
@@ -202,14 +225,15 @@ double ForceSolver::take_step(bool newton)
    the slope vanishes.
 ------------------------------------------------------------------------- */
 
-ForceSolver::Evaluation ForceSolver::line_search(const Evaluation &from, double slope)
+ForceSolver::Evaluation ForceSolver::line_search(const Evaluation &from, double slope, bool turned)
 {
-  constexpr double BETTER = 0.5, SMALL_SLOPE = 0.5;
+  constexpr double BETTER = 0.5, NO_WORSE = 2.0, SMALL_SLOPE = 0.5;
   double low = 0.0, low_slope = slope, high = 1.0, at = 1.0;
   for (;;) {
-    const Evaluation now = evaluate(false);
-    const double good = std::max(BETTER * from.worst, target * now.largest);
-    if (now.exists && now.worst <= good) return now;
+    const Evaluation now = evaluate(turned && at == 1.0);
+    const double good =
+        std::max(turned ? NO_WORSE * from.worst() : BETTER * from.forces, target * now.largest);
+    if (now.exists && (turned ? now.worst() : now.forces) <= good) return now;
     double here = -std::numeric_limits<double>::infinity();
     if (now.exists)
       here =
@@ -237,6 +261,7 @@ ForceSolver::Evaluation ForceSolver::line_search(const Evaluation &from, double 
 
 void ForceSolver::remember()
 {
+  if (pairs->tilts) tilts.remember(*pairs);
   for (int k = 0; k < pairs->size; ++k) {
     const double f = pairs->force[k] > 0.0 ? pairs->force[k] : std::min(error[k], 0.0);
     const bool is_new = pairs->past[0][k] == PastForces::UNKNOWN;
@@ -248,5 +273,5 @@ void ForceSolver::remember()
 
 double ForceSolver::memory_usage() const
 {
-  return bytes_of(residual, error, weight, begin, step, left, direction, product);
+  return bytes_of(residual, error, weight, begin, step, left, direction, product) + tilts.bytes();
 }

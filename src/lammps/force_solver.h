@@ -12,6 +12,9 @@
 // The imbalance of a pair is the change of its force that would remove r if all other forces stayed: r/(C_i + C_j), at
 // least k r^3 as between circles (a ring without force has infinite compliance), and not below -f. Pairs without force
 // keep it, then negative, as a force that continues the positive ones: it tells when a contact will form.
+//
+// Where contact lines tilt, the energy is smallest over their tilts too. They take a step (LineTilts) with each of
+// Newton's method, as soon as forces are close to balance.
 
 #ifndef LMP_FORCE_SOLVER_H
 #define LMP_FORCE_SOLVER_H
@@ -20,9 +23,11 @@
 
 #include "force_batches.h"
 #include "force_loops.h"
+#include "line_tilts.h"
 #include "near_pairs.h"
 #include "remote_sides.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -51,13 +56,15 @@ class ForceSolver : protected Pointers {
   bool solve(NearPairs &, ForceBatches &, RemoteSides &);
 
   const std::vector<double> &residuals() const { return residual; }
+  LineTilts tilts;
   double memory_usage() const;
 
  private:
   struct Evaluation {
-    double worst, largest;    // imbalance, force
-    bool exists;              // every ring has a shape
-    double relative() const { return worst > 0.0 ? worst / largest : 0.0; }
+    double forces, torques, largest;    // imbalances of forces and of tilts, largest force
+    bool exists;                        // every ring has a shape
+    double worst() const { return std::max(forces, torques); }
+    double relative() const { return worst() > 0.0 ? worst() / largest : 0.0; }
   };
 
   NearPairs *pairs = nullptr;
@@ -82,9 +89,10 @@ class ForceSolver : protected Pointers {
   void agree();
   ForceLoop loop();
   Evaluation evaluate(bool new_directions);
+  double find_torques();
   void newton_step(const Evaluation &);
   double take_step(bool newton);
-  Evaluation line_search(const Evaluation &from, double slope);
+  Evaluation line_search(const Evaluation &from, double slope, bool turned);
   void remember();
   template <class Sum> double sum_over_pairs(Sum &&sum) const;
 };

@@ -73,7 +73,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
     }
   }
   pairs.remote = pairs.size;
-  if (comm->nprocs > 1) remote_sides.match(candidates);
+  if (comm->nprocs > 1) remote_sides.match(candidates, pairs.tilts);
   remote_tags.clear();
   for (const RemoteSides::Candidate &c : candidates) {
     pairs.add(c.i, c.j, -1, c.past);
@@ -102,7 +102,8 @@ void NearList::store_history()
   history.reserve(2 * static_cast<std::size_t>(pairs.size), tags.size());
   for (int i = 0; i < static_cast<int>(tags.size()); ++i) history.add_bulge(tags[i], bulge[i]);
   for (int k = 0; k < pairs.wall; ++k) {
-    const double d = 1.0 / pairs.per_distance[k], x = pairs.nx[k] * d, y = pairs.ny[k] * d;
+    const NearPairs::Centers centers = pairs.centers(k);
+    const double d = 1.0 / pairs.per_distance[k], x = centers.nx * d, y = centers.ny * d;
     const tagint tag = tags[pairs.i[k]];
     const tagint partner = k < pairs.remote ? tags[pairs.second[k]] : remote_tags[k - pairs.remote];
     history.add(tag, partner, x, y, pairs.past_of(k));
@@ -222,6 +223,7 @@ int NearList::locate(const DeformableParticles &p)
 {
   ++calls;
   if (p.radii_vary) set_constants(p);
+  std::fill(pairs.tilt.begin(), pairs.tilt.end(), 0.0);
   const int wrong = pairs.wall > 0 ? locate_pairs(atom->x[0], pairs) : -1;
   if (wrong >= 0 || p.walls->empty()) return wrong;
   for (int k = pairs.wall; k < pairs.size; ++k) {
@@ -285,6 +287,7 @@ bool NearList::is_sufficient(const DeformableParticles &p) const
 double NearList::memory_usage() const
 {
   return pairs.bytes() + remote_sides.bytes() + history.bytes() +
-         bytes_of(old.i, old.j, old.past[0], old.past[1], old.past[2], bulge, x_then, bulge_then,
-                  radius_then, first_wall, tags, remote_tags, owned, candidates);
+         bytes_of(old.i, old.j, old.past[0], old.past[1], old.past[2], old.past_tilt[0],
+                  old.past_tilt[1], old.past_tilt[2], bulge, x_then, bulge_then, radius_then,
+                  first_wall, tags, remote_tags, owned, candidates);
 }

@@ -34,7 +34,10 @@ struct DeformableParticles {
 
 class NearList : protected Pointers {
  public:
-  explicit NearList(class LAMMPS *lmp) : Pointers(lmp), remote_sides(lmp) {}
+  NearList(class LAMMPS *lmp, bool tilts) : Pointers(lmp), remote_sides(lmp)
+  {
+    pairs.tilts = old.tilts = tilts;
+  }
 
   NearPairs pairs;
   RemoteSides remote_sides;

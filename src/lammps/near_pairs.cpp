@@ -20,6 +20,10 @@ void NearPairs::clear(int expected)
     v.clear();
     v.reserve(most);
   }
+  for (std::vector<double> &v : past_tilt) {
+    v.clear();
+    if (tilts) v.reserve(most);
+  }
 }
 
 void NearPairs::make_room()
@@ -29,6 +33,7 @@ void NearPairs::make_room()
   for (std::vector<double> *v : {&force, &overlap, &per_distance, &angle, &ny})
     v->assign(one_more, 0.0);
   nx.assign(one_more, 1.0);
+  tilt.assign(tilts ? one_more : 0, 0.0);
   for (std::vector<int> &v : side) v.assign(pairs, 0);
 }
 
@@ -57,4 +62,24 @@ DEFORMABLE_CLONES int LAMMPS_NS::locate_pairs(const double *x, NearPairs &p)
     if (!(d * d > least[k])) return k;
   }
   return -1;
+}
+
+DEFORMABLE_CLONES void LAMMPS_NS::tilt_lines(NearPairs &p, const double *to)
+{
+  const int n = p.wall;
+  const double *const touching = p.touching.data(), *const per_distance = p.per_distance.data();
+  double *const overlap = p.overlap.data(), *const tilt = p.tilt.data();
+  double *const angle = p.angle.data(), *const nx = p.nx.data(), *const ny = p.ny.data();
+  DEFORMABLE_INDEPENDENT
+  for (int k = 0; k < n; ++k) {
+    const double s = tilt[k], c = std::sqrt(1.0 - s * s);
+    const double sine = to[k], cosine = std::sqrt(1.0 - sine * sine);
+    const double ex = c * nx[k] + s * ny[k], ey = c * ny[k] - s * nx[k];
+    const double x = cosine * ex - sine * ey, y = cosine * ey + sine * ex;
+    tilt[k] = sine;
+    nx[k] = x;
+    ny[k] = y;
+    angle[k] = deformable::angle_of(x, y);
+    overlap[k] = touching[k] - cosine / per_distance[k];
+  }
 }

@@ -34,8 +34,9 @@ void PairDeformableRing::evaluate_balanced()
 }
 
 /* ----------------------------------------------------------------------
-   The force f along the line of centers, and dU/dtheta over the lever across
-   it, of both rings. Of a pair that two ranks share each adds the part of its
+   The force f cos(tilt) along the line of centers, and dU/dtheta over the lever
+   across it, of both rings. Together that is f along the normal of a line whose
+   torques balance; the form is exact for all others too. Of a pair that two ranks share each adds the part of its
    own ring. f r completes the energy to that of the dual, whose error is of
    second order.
 ------------------------------------------------------------------------- */
@@ -48,11 +49,12 @@ void PairDeformableRing::push_pairs()
     const double force = p.force[k];
     if (force == 0.0) continue;
     const int i = p.i[k], j = p.j[k];
-    const double nx = p.nx[k], ny = p.ny[k], rest = force * balanced->residual(k);
+    const NearPairs::Centers centers = p.centers(k);
+    const double nx = centers.nx, ny = centers.ny, rest = force * balanced->residual(k);
     const bool is_wall = k >= p.wall, is_remote = !is_wall && k >= p.remote;
     double slope = balanced->outline_slope(k, 0);
     if (!is_wall && !is_remote) slope += balanced->outline_slope(k, 1);
-    const double along = is_remote ? -0.5 * force : -force;
+    const double along = (is_remote ? -0.5 * force : -force) * centers.cosine;
     const double across = -force * slope * p.per_distance[k];
     const double px = along * nx - across * ny, py = along * ny + across * nx;    // on i
     const double energy = is_remote ? 0.5 * rest : rest;

@@ -32,9 +32,10 @@ void RemoteSides::set_rows(int values)
   }
 }
 
-void RemoteSides::match(std::vector<Candidate> &candidates)
+void RemoteSides::match(std::vector<Candidate> &candidates, bool tilts)
 {
-  enum { PARTNER, X, Y, PAST, VALUES = PAST + 3 };
+  enum { PARTNER, X, Y, PAST };
+  const int values = PAST + (tilts ? 6 : 3);
   constexpr double ROUNDING = 1e-12;
   const auto square = [](double x) { return x * x; };
   const int count = static_cast<int>(candidates.size());
@@ -43,7 +44,7 @@ void RemoteSides::match(std::vector<Candidate> &candidates)
   int longest = 1;
   for (const Candidate &c : candidates) longest = std::max(longest, ++sides[c.i]);
   MPI_Allreduce(&longest, &slots, 1, MPI_INT, MPI_MAX, world);
-  set_rows(VALUES);
+  set_rows(values);
 
   sent.resize(count);
   std::fill(sides.begin(), sides.end(), 0);
@@ -53,9 +54,10 @@ void RemoteSides::match(std::vector<Candidate> &candidates)
     at(place, PARTNER) = static_cast<double>(atom->tag[pair.j]);
     at(place, X) = pair.x;
     at(place, Y) = pair.y;
-    for (int n = 0; n < 3; ++n) at(place, PAST + n) = pair.past.at[n];
+    for (int n = PAST; n < values; ++n)
+      at(place, n) = n < PAST + 3 ? pair.past.at[n - PAST] : pair.past.tilt[n - PAST - 3];
   }
-  comm->forward_comm_array(slots * VALUES, rows.data());
+  comm->forward_comm_array(slots * values, rows.data());
 
   received.clear();
   int kept = 0;
@@ -72,7 +74,8 @@ void RemoteSides::match(std::vector<Candidate> &candidates)
     }
     if (found < 0) continue;    // by rounding at the end of the list: too far to bear a force
     if (pair.past.at[0] == PastForces::UNKNOWN)
-      for (int n = 0; n < 3; ++n) pair.past.at[n] = at(found, PAST + n);
+      for (int n = PAST; n < values; ++n)
+        (n < PAST + 3 ? pair.past.at[n - PAST] : pair.past.tilt[n - PAST - 3]) = at(found, n);
     candidates[kept] = pair;
     sent[kept++] = sent[c];
     received.push_back(found);
