@@ -1,5 +1,7 @@
 #include "balanced_forces.h"
 
+#include "tilt.h"
+
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
@@ -35,6 +37,10 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
     if (lists < MOST_LISTS && !near.is_sufficient(p)) {
       near.build(p, false);
       arrange(p);
+      near.locate(p);
+      continue;
+    }
+    if (near.pairs.tilts && leave_gaps(p) && lists < MOST_LISTS) {
       near.locate(p);
       continue;
     }
@@ -148,6 +154,72 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
   return n;
 }
 
+/* ----------------------------------------------------------------------
+   A tilted line must lie between both centers: otherwise it is upright in the
+   next solution. Returns whether there is such a line on any rank.
+------------------------------------------------------------------------- */
+
+bool BalancedForces::leave_gaps(const DeformableParticles &p)
+{
+  NearPairs &pairs = near.pairs;
+  int found[2] = {0, 0};    // lines that leave their gap, upright ones
+  upright_lines = 0.0;
+  for (int k = 0; k < pairs.wall; ++k) {
+    if (!(pairs.force[k] > 0.0)) continue;
+    if (solver.tilts.is_upright(k)) {
+      upright_lines += k < pairs.remote ? 1.0 : 0.5;
+      found[1] = 1;
+      continue;
+    }
+    const double a = batches.indentation[pairs.side[0][k]];
+    const double b = batches.indentation[pairs.side[1][k]];
+    if (a < p.radius[pairs.i[k]] && b < p.radius[pairs.j[k]]) continue;
+    LineTilts::keep_upright(pairs, k);
+    found[0] = 1;
+  }
+  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, found, 2, MPI_INT, MPI_MAX, world);
+  if (found[1] != 0 && !warned_upright) {
+    warned_upright = true;
+    if (comm->me == 0)
+      error->warning(
+          FLERR, "Contact lines would tilt by more than 0.3 rad, or leave the gap between their "
+                 "particles: they stay perpendicular to the line of centers. 'compute ID all "
+                 "pair' counts them");
+  }
+  return found[0] != 0;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void BalancedForces::find_model_errors(std::vector<double> &of_particle)
+{
+  const NearPairs &pairs = near.pairs;
+  of_particle.assign(atom->nlocal, 0.0);
+  pressure_at.assign(batches.indentation.size(), 0.0);
+  tension_at = pressure_at;
+  for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
+    if (batches.particle[ring] < 0) continue;
+    const LoadedRing loaded = {batches.pressure[ring], batches.expansion[ring]};
+    const double T = tension(batches.radius[ring], loaded, batches.total[ring]);
+    for (int m = 0; m < batches.count[batches.particle[ring]]; ++m) {
+      const int c = batches.contact(static_cast<int>(ring), m);
+      pressure_at[c] = loaded.pressure;
+      tension_at[c] = T;
+    }
+  }
+  near.remote_sides.exchange(pairs.side[0].data() + pairs.remote, batches.contacts,
+                             pressure_at.data(), tension_at.data());
+  for (int k = 0; k < pairs.wall; ++k) {
+    const int a = pairs.side[0][k], b = pairs.side[1][k];
+    const double saved = curvature_energy(pairs.force[k], pressure_at[a], pressure_at[b],
+                                          tension_at[a], tension_at[b]);
+    of_particle[pairs.i[k]] += 0.5 * saved;
+    if (pairs.second[k] >= 0) of_particle[pairs.second[k]] += 0.5 * saved;
+  }
+  for (int i = 0; i < atom->nlocal; ++i)
+    if (batches.place[i] >= 0) of_particle[i] = std::min(of_particle[i], ring(i).energy.value);
+}
+
 /* ---------------------------------------------------------------------- */
 
 void BalancedForces::warn_unbalanced()
@@ -165,5 +237,6 @@ void BalancedForces::warn_unbalanced()
 
 double BalancedForces::memory_usage() const
 {
-  return near.memory_usage() + batches.bytes() + solver.memory_usage();
+  return near.memory_usage() + batches.bytes() + solver.memory_usage() +
+         bytes_of(pressure_at, tension_at);
 }

@@ -11,6 +11,7 @@
 
 #include "shape.h"
 
+#include <cmath>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -41,6 +42,15 @@ class BalancedForces : protected Pointers {
   // After solve: L G' summed over the other contacts of that side's ring, the slope of its outline at the contact.
   double outline_slope(int k, int side) const { return batches.product[near.pairs.side[side][k]]; }
 
+  // After solve: what curved contact lines would still save (tilt.h), half of it for either particle, and not more than
+  // its energy; by particle of this rank.
+  void find_model_errors(std::vector<double> &of_particle);
+
+  // The tilt of the line of a pair, the same from both sides [rad], and the number of lines that bear a force but do
+  // not tilt, because they would tilt too far. A line that two ranks share counts half on each.
+  double tilt(int k) const { return near.pairs.tilts ? std::asin(near.pairs.tilt[k]) : 0.0; }
+  double upright() const { return upright_lines; }
+
   // Of ring i. The radius of curvature is the smallest one if that is negative, otherwise a lower bound.
   struct Ring {
     deformable::Energy energy;
@@ -59,12 +69,15 @@ class BalancedForces : protected Pointers {
   NearList near;
   ForceBatches batches;
   ForceSolver solver;
-  bool is_balanced = false, warned = false;
+  bool is_balanced = false, warned = false, warned_upright = false;
+  double upright_lines = 0.0;
+  std::vector<double> pressure_at, tension_at;    // of the ring of each contact
 
   void arrange(const DeformableParticles &);
   void set_material(const DeformableParticles &);
   void find_bulges();
   void warn_unbalanced();
+  bool leave_gaps(const DeformableParticles &);
 };
 
 }    // namespace LAMMPS_NS

@@ -72,6 +72,11 @@ double LineTilts::find_torques(NearPairs &p, const std::vector<double> &slope)
   return worst;
 }
 
+void LineTilts::keep_upright(NearPairs &p, int k)
+{
+  for (std::vector<double> &past : p.past_tilt) past[k] = UPRIGHT;
+}
+
 void LineTilts::remember(NearPairs &p) const
 {
   for (int k = 0; k < p.wall; ++k) {

@@ -37,12 +37,8 @@ class LineTilts {
   void turn(NearPairs &p) { tilt_lines(p, next.data()); }
   void remember(NearPairs &) const;
 
-  // A line that must not tilt.
-  void set_upright(int k)
-  {
-    upright[k] = 1;
-    next[k] = 0.0;
-  }
+  // For the next solution: a line that must not tilt. Of the last one: whether it bears a force without a tilt.
+  static void keep_upright(NearPairs &, int k);
   bool is_upright(int k) const { return upright[k] != 0; }
 
   double bytes() const { return bytes_of(next, upright, rate); }

@@ -80,6 +80,7 @@ void PairDeformableRing::settings(int narg, char **arg)
   balanced.reset(radical ? nullptr
                          : new BalancedForces(lmp, law == "tilted", tolerance, max_evaluations));
   whole_list = radical;
+  tells_error = !radical;
 }
 
 /* ---------------------------------------------------------------------- */

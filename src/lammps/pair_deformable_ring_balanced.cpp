@@ -27,6 +27,16 @@ void PairDeformableRing::evaluate_balanced()
   const int crushed = balanced->without_room();
   if (crushed >= 0) no_shape(crushed, balanced->ring(crushed).contacts);
   push_pairs();
+  pvector[4] = 0.0;
+  if (needs_errors()) {
+    balanced->find_model_errors(errors);
+    for (int ii = 0; ii < list->inum; ++ii) {
+      const int i = list->ilist[ii];
+      store_model_error(i, errors[i]);
+      pvector[4] += errors[i];
+    }
+  }
+  pvector[5] = balanced->upright();
   for (int ii = 0; ii < list->inum; ++ii) finish_balanced(list->ilist[ii]);
   if (comm->me != 0) return;    // compute pair sums over ranks
   pvector[2] = balanced->evaluations();
@@ -103,7 +113,7 @@ void PairDeformableRing::finish_balanced(int i)
   for (int c = 0; c < row.size; ++c) {
     const int k = seats[c] >> 1, other = partner(c);
     const double distance = other < 0 ? radii[i] - row[c].indentation : 1.0 / p.per_distance[k];
-    record(i, other, row[c], shape.contact[c].length, p.force[k], distance);
+    record(i, other, row[c], shape.contact[c].length, p.force[k], distance, balanced->tilt(k));
   }
   store_shape(i, row, ring.energy.derivative);
   const double r = ring_radius_of(i);
