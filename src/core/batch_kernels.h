@@ -4,6 +4,7 @@
 #define DEFORMABLE_BATCH_KERNELS_H
 
 #include "contact_block.h"
+#include "force_kernels.h"
 
 namespace deformable {
 
@@ -20,6 +21,7 @@ struct BatchKernels {
   BatchKernel sector[MOST_IN_BATCH + 1];
   BatchKernel
       ring[2 * MOST_IN_BATCH + 1];    // beyond MOST_IN_BATCH: rings that change their perimeter
+  ForceKernels forces;
 };
 
 // The kernels of this level, or the fastest ones of this processor for an empty name. Null if the level is unknown,

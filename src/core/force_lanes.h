@@ -1,112 +1,89 @@
 // Rings with given forces, several side by side: the formulas of ring_forces.h in vectors.
 //
-// A batch has LANES rings with the same number of places for contacts. An array of contacts has the first contact
-// of all rings of the batch, then the second one, and so on. Forces and directions are those of pairs of rings,
-// which the kernels gather. Kernels are templates of the number of lanes that a register holds and of the number of
-// contacts, so that all loops unroll; 0 contacts stands for a number known at run time only.
+// Kernels are templates of the number of contacts, so that all loops unroll; 0 contacts stands for a number known at
+// run time only.
 
 #ifndef DEFORMABLE_FORCE_LANES_H
 #define DEFORMABLE_FORCE_LANES_H
 
+#include "force_kernels.h"
+#include "lane_geometry.h"
 #include "ring_forces.h"
+#include "tilt.h"
 
-#include <cstring>
-#include <utility>
+namespace deformable::DEFORMABLE_LEVEL {
 
-namespace deformable {
-
-#define DEFORMABLE_KERNEL inline __attribute__((always_inline))
-
-constexpr int LANES = 8;
-
-template <int N> struct LaneVector {
-  typedef double Type __attribute__((vector_size(8 * N)));
-};
-
-template <class V> DEFORMABLE_KERNEL V load(const double *from)
+// The arrays of W rings of one batch: those of all batches from their place on.
+DEFORMABLE_LANE_FUNCTION RingArrays rings_of(RingArrays r, int ring)
 {
-  V v;
-  std::memcpy(&v, from, sizeof v);
-  return v;
+  for (const double **p : {&r.radius, &r.kA, &r.kP}) *p += ring;
+  for (double **p : {&r.pressure, &r.expansion, &r.work, &r.total, &r.per_pressure, &r.mixed,
+                     &r.square, &r.rate})
+    *p += ring;
+  return r;
 }
 
-template <class V> DEFORMABLE_KERNEL void store(double *to, const V &v)
+DEFORMABLE_LANE_FUNCTION ContactArrays contacts_of(ContactArrays c, int contact, int green)
 {
-  std::memcpy(to, &v, sizeof v);
+  c.seat += contact;
+  for (double **p : {&c.indentation, &c.compliance, &c.product}) *p += contact;
+  for (double **p : {&c.green, &c.d_green}) *p += green;
+  return c;
 }
 
-// Pairs as rings see them. The direction is that from the first ring of a pair; `seat` is 2 x the index of the pair,
-// + 1 for the second ring.
-struct PairArrays {
-  const double *force, *angle, *nx, *ny;
+// COUNT numbers for each of n contacts.
+template <int SIZE, int COUNT> struct OfContacts {
+  Lanes memory[COUNT][SIZE];
+  OfContacts(int, double *) {}
+  Lanes *operator[](int k) { return memory[k]; }
 };
 
-// The rings of a batch: arrays of LANES numbers.
-struct RingLanes {
-  const double *radius, *kA, *kP;    // of the ring without skin
-  double *pressure, *expansion, *work, *total;
-  double *per_pressure, *mixed, *square, *rate;    // compliance, see RingCompliance
+template <int COUNT> struct OfContacts<0, COUNT> {
+  int n;
+  Lanes *memory;
+  OfContacts(int n, double *scratch) : n(n), memory(reinterpret_cast<Lanes *>(scratch)) {}
+  Lanes *operator[](int k) { return memory + k * n; }
 };
 
-// The contacts of a batch, and G and G' of each two of them: the lower triangles by rows.
-struct ContactLanes {
-  int contacts;
-  const int *seat;
-  double *indentation, *compliance;    // a and da_c/df_c
-  double *green, *d_green;
-  double *scratch;    // for 3 numbers a contact, where their number is not known to the compiler
-};
-
-// Written out, because compilers turn a loop into instructions that gather, which are slow.
-template <class V, int... LANE>
-DEFORMABLE_KERNEL V gather(const double *x, const int *seat, std::integer_sequence<int, LANE...>)
+// The row m of a lower triangle.
+DEFORMABLE_LANE_FUNCTION double *row_of(double *triangle, int m)
 {
-  return V{x[seat[LANE] >> 1]...};
+  return triangle + m * (m - 1) / 2 * LANES;
 }
 
-template <class V> DEFORMABLE_KERNEL V gather(const double *x, const int *seat)
+DEFORMABLE_LANE_FUNCTION Lanes of_pairs(const double *x, const int *seat)
 {
-  return gather<V>(x, seat, std::make_integer_sequence<int, sizeof(V) / 8>());
+  return each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return x[seat[w] >> 1]; });
 }
 
 // p^3 = kA Q, from the last pressure where that is close: two steps of Halley's method, each of which triples the
 // digits.
-template <class V> DEFORMABLE_KERNEL V cube_root(V cube, V guess)
+DEFORMABLE_LANE_FUNCTION Lanes cube_root(Lanes cube, Lanes guess)
 {
-  constexpr int N = sizeof(V) / 8;
   constexpr double CLOSE = 0.05, NOTHING = 1e-280;
-  const V zero = {};
-  const V guessed = guess * guess * guess;
-  V off = cube - guessed;
-  off = off < zero ? -off : off;
-  const V allowed = CLOSE * guessed;
-  bool close = true;
-#pragma GCC unroll 8
-  for (int w = 0; w < N; ++w) close &= off[w] <= allowed[w];
-  if (!close)
-    for (int w = 0; w < N; ++w)
-      if (!(off[w] <= allowed[w])) guess[w] = std::cbrt(cube[w]);
+  const Lanes guessed = guess * guess * guess;
+  const Mask far = ~(magnitude(cube - guessed) <= CLOSE * guessed);
+  if (any(far))
+    for_each_lane([&](int w) DEFORMABLE_LANE_LAMBDA {
+      if (far[w]) guess[w] = std::cbrt(cube[w]);
+    });
   for (int step = 0; step < 2; ++step) {
-    const V third = guess * guess * guess;
+    const Lanes third = guess * guess * guess;
     guess *= (third + 2.0 * cube) / (2.0 * third + cube + NOTHING);
   }
-  return cube > zero + NOTHING ? guess : zero;
+  return select(cube > NOTHING, guess, Lanes{});
 }
 
-// Pressure and compliance of the rings of lanes w0 on; returns false where a ring does not exist.
-template <class V, bool SOFT> DEFORMABLE_KERNEL bool press(const RingLanes &r, V work, V total)
+// Pressure, expansion and compliance of W rings; returns false where a ring does not exist.
+template <bool SOFT> DEFORMABLE_LANE_FUNCTION bool press(const RingArrays &r)
 {
-  constexpr int N = sizeof(V) / 8;
-  const V zero = {};
-  bool exist = true;
-  store(r.work, work);
-  store(r.total, total);
-  if (SOFT) {
-    for (int w = 0; w < N; ++w) {
+  if constexpr (SOFT) {
+    bool exist = true;
+    for (int w = 0; w < W; ++w) {
       const Stiffness k = {r.kA[w], r.kP[w]};
       LoadedRing ring = {r.pressure[w], r.expansion[w]};
-      exist &= find_pressure(r.radius[w], k, {work[w], total[w]}, ring);
-      const RingCompliance c = compliance_of(r.radius[w], k, work[w], ring);
+      exist &= find_pressure(r.radius[w], k, {r.work[w], r.total[w]}, ring);
+      const RingCompliance c = compliance_of(r.radius[w], k, r.work[w], ring);
       r.pressure[w] = ring.pressure;
       r.expansion[w] = ring.expansion;
       r.per_pressure[w] = c.per_pressure;
@@ -115,164 +92,209 @@ template <class V, bool SOFT> DEFORMABLE_KERNEL bool press(const RingLanes &r, V
       r.rate[w] = c.rate;
     }
     return exist;
+  } else {
+    const Lanes kA = load<Lanes>(r.kA);
+    const Lanes p = cube_root(kA * load<Lanes>(r.work), load<Lanes>(r.pressure));
+    const Lanes per_p = select(p > 0.0, 1.0 / select(p > 0.0, p, all(1.0)), Lanes{});
+    store(r.pressure, p);
+    store(r.per_pressure, per_p);
+    store(r.square, kA * per_p * per_p * (1.0 / 3.0));
+    return true;
   }
-  const V kA = load<V>(r.kA), p = cube_root(kA * work, load<V>(r.pressure));
-  const V per_p = p > zero ? 1.0 / (p > zero ? p : zero + 1.0) : zero;
-  store(r.pressure, p);
-  store(r.per_pressure, per_p);
-  store(r.square, kA * per_p * per_p * (1.0 / 3.0));
-  return exist;
 }
 
 // Shapes the rings for the forces of their pairs. NEW computes G and G' from the directions, which otherwise are
 // those of the last call.
-template <class V, int SIZE, bool SOFT, bool NEW>
-DEFORMABLE_KERNEL bool shape_lanes(const PairArrays &pairs, const ContactLanes &c,
-                                   const RingLanes &rings)
+template <int SIZE, bool SOFT, bool NEW>
+DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int contacts,
+                                          const ContactArrays &c, const RingArrays &rings)
 {
-  constexpr int N = sizeof(V) / 8, FIXED = SIZE > 0 ? SIZE : 1;
-  const int n = SIZE > 0 ? SIZE : c.contacts;
-  const V zero = {}, infinity = zero + std::numeric_limits<double>::infinity();
-  V forces[FIXED], products[FIXED], angles[FIXED], nxs[FIXED], nys[FIXED];
-  V *force = forces, *product = products, *angle = angles, *nx = nxs, *ny = nys;
-  if (SIZE == 0) {
-    force = reinterpret_cast<V *>(c.scratch);
-    product = force + n;
-    angle = product + n;
-    nx = angle + n;
-    ny = nx + n;
-  }
+  const int n = SIZE > 0 ? SIZE : contacts;
+  OfContacts<SIZE, 5> of(n, c.scratch);
+  Lanes *const force = of[0], *const product = of[1], *const angle = of[2];
+  Lanes *const nx = of[3], *const ny = of[4];
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
     const int *const seat = c.seat + m * LANES;
-    force[m] = gather<V>(pairs.force, seat);
+    force[m] = of_pairs(pairs.force, seat);
     product[m] = GREEN_AT_ZERO * force[m];
-    double *const g = c.green + m * (m - 1) / 2 * LANES, *const dg =
-                                                             c.d_green + m * (m - 1) / 2 * LANES;
-    if (NEW) {
-      V sign;
-#pragma GCC unroll 8
-      for (int w = 0; w < N; ++w) sign[w] = 1.0 - 2.0 * (seat[w] & 1);
-      const V seen = gather<V>(pairs.angle, seat);
-      const V opposite = seen > zero ? seen - PI : seen + PI;
-      angle[m] = sign > zero ? seen : opposite;
-      nx[m] = sign * gather<V>(pairs.nx, seat);
-      ny[m] = sign * gather<V>(pairs.ny, seat);
+    if constexpr (NEW) {
+      const Lanes sign =
+          each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return 1.0 - 2.0 * (seat[w] & 1); });
+      const Lanes seen = of_pairs(pairs.angle, seat);
+      angle[m] = select(sign > 0.0, seen, select(seen > 0.0, seen - PI, seen + PI));
+      nx[m] = sign * of_pairs(pairs.nx, seat);
+      ny[m] = sign * of_pairs(pairs.ny, seat);
     }
 #pragma GCC unroll 8
     for (int k = 0; k < m; ++k) {
-      V green;
-      if (NEW) {
-        const V t = angle[m] - angle[k], cosine = nx[m] * nx[k] + ny[m] * ny[k];
-        const V cross = nx[k] * ny[m] - ny[k] * nx[m];
-        const V size = t < zero ? -t : t, sine = t < zero ? -cross : cross;
-        const V rest = 0.5 * (PI - size);
-        green = (0.5 + 0.25 * cosine - rest * sine) * (1.0 / PI);
-        const V slope = (0.25 * sine - rest * cosine) * (1.0 / PI);
-        store(g + k * LANES, green);
-        store(dg + k * LANES, t < zero ? -slope : slope);
-      } else {
-        green = load<V>(g + k * LANES);
+      double *const g = row_of(c.green, m) + k * LANES;
+      if constexpr (NEW) {
+        const AngleLanes t = angles_between(angle[k], {nx[k], ny[k]}, angle[m], {nx[m], ny[m]});
+        const Lanes slope = d_green(t.magnitude, t.sine, t.cosine);
+        store(g, green(t.magnitude, t.sine, t.cosine));
+        store(row_of(c.d_green, m) + k * LANES, select(t.negative, -slope, slope));
       }
-      product[m] += green * force[k];
-      product[k] += green * force[m];
+      const Lanes between = load<Lanes>(g);
+      product[m] += between * force[k];
+      product[k] += between * force[m];
     }
   }
-  V work = zero, total = zero;
+  Lanes work = Lanes{}, total = Lanes{};
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
     work += force[m] * product[m];
     total += force[m];
   }
-  const bool exist = press<V, SOFT>(rings, 0.5 * work, total);
-  const V per_p = load<V>(rings.per_pressure), square = load<V>(rings.square);
+  store(rings.work, 0.5 * work);
+  store(rings.total, total);
+  const bool exist = press<SOFT>(rings);
+  const Lanes per_p = load<Lanes>(rings.per_pressure), square = load<Lanes>(rings.square);
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    const V b = product[m] * per_p;
-    V a = b, diagonal = GREEN_AT_ZERO * per_p;
-    if (SOFT) {
-      a -= load<V>(rings.expansion);
-      diagonal += load<V>(rings.rate) - 2.0 * load<V>(rings.mixed) * b;
+    const Lanes b = product[m] * per_p;
+    Lanes a = b, diagonal = GREEN_AT_ZERO * per_p;
+    if constexpr (SOFT) {
+      a -= load<Lanes>(rings.expansion);
+      diagonal += load<Lanes>(rings.rate) - 2.0 * load<Lanes>(rings.mixed) * b;
     }
     diagonal -= square * b * b;
     store(c.indentation + m * LANES, a);
-    store(c.compliance + m * LANES, per_p > zero ? diagonal : infinity);
+    store(c.compliance + m * LANES, select(per_p > 0.0, diagonal, all(__builtin_inf())));
   }
   return exist;
 }
 
 // C x of each ring, x by pair, the product by contact.
-template <class V, int SIZE, bool SOFT>
-DEFORMABLE_KERNEL void multiply_lanes(const double *x, const ContactLanes &c,
-                                      const RingLanes &rings, double *to)
+template <int SIZE, bool SOFT>
+DEFORMABLE_LANE_FUNCTION void multiply_lanes(const double *x, int contacts, const ContactArrays &c,
+                                             const RingArrays &rings)
 {
-  constexpr int FIXED = SIZE > 0 ? SIZE : 1;
-  const int n = SIZE > 0 ? SIZE : c.contacts;
-  V xs[FIXED], products[FIXED], *own = xs, *product = products;
-  if (SIZE == 0) {
-    own = reinterpret_cast<V *>(c.scratch);
-    product = own + n;
-  }
-  V along = {}, sum = {};
-  const V delta = SOFT ? load<V>(rings.expansion) : V{};
+  const int n = SIZE > 0 ? SIZE : contacts;
+  OfContacts<SIZE, 2> of(n, c.scratch);
+  Lanes *const own = of[0], *const product = of[1];
+  Lanes along = Lanes{}, sum = Lanes{}, delta = Lanes{};
+  if constexpr (SOFT) delta = load<Lanes>(rings.expansion);
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    own[m] = gather<V>(x, c.seat + m * LANES);
+    own[m] = of_pairs(x, c.seat + m * LANES);
     product[m] = GREEN_AT_ZERO * own[m];
-    const V a = load<V>(c.indentation + m * LANES);
+    const Lanes a = load<Lanes>(c.indentation + m * LANES);
     along += (SOFT ? a + delta : a) * own[m];
-    if (SOFT) sum += own[m];
+    if constexpr (SOFT) sum += own[m];
 #pragma GCC unroll 8
     for (int k = 0; k < m; ++k) {
-      const V green = load<V>(c.green + (m * (m - 1) / 2 + k) * LANES);
-      product[m] += green * own[k];
-      product[k] += green * own[m];
+      const Lanes between = load<Lanes>(row_of(c.green, m) + k * LANES);
+      product[m] += between * own[k];
+      product[k] += between * own[m];
     }
   }
-  const V per_p = load<V>(rings.per_pressure);
-  V of_b = load<V>(rings.square) * along, constant = {};
-  if (SOFT) {
-    const V mixed = load<V>(rings.mixed);
+  const Lanes per_p = load<Lanes>(rings.per_pressure);
+  Lanes of_b = load<Lanes>(rings.square) * along, constant = Lanes{};
+  if constexpr (SOFT) {
+    const Lanes mixed = load<Lanes>(rings.mixed);
     of_b += mixed * sum;
-    constant = load<V>(rings.rate) * sum - mixed * along;
+    constant = load<Lanes>(rings.rate) * sum - mixed * along;
   }
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    const V a = load<V>(c.indentation + m * LANES);
-    V y = per_p * product[m] - of_b * (SOFT ? a + delta : a);
-    if (SOFT) y += constant;
-    store(to + m * LANES, y);
+    const Lanes a = load<Lanes>(c.indentation + m * LANES);
+    Lanes y = per_p * product[m] - of_b * (SOFT ? a + delta : a);
+    if constexpr (SOFT) y += constant;
+    store(c.product + m * LANES, y);
   }
 }
 
 // The slope of the outline at each contact, sum_k L_k G'(theta_c - theta_k); -f_c times that is dU/dtheta_c.
-template <class V, int SIZE>
-DEFORMABLE_KERNEL void slope_lanes(const double *force, const ContactLanes &c,
-                                   const RingLanes &rings, double *to)
+// And its rate at contacts that turn, unless `rate` is null, for rings at rest.
+template <int SIZE>
+DEFORMABLE_LANE_FUNCTION void slope_lanes(const double *force, int contacts, const ContactArrays &c,
+                                          const RingArrays &rings, double *rate)
 {
-  constexpr int FIXED = SIZE > 0 ? SIZE : 1;
-  const int n = SIZE > 0 ? SIZE : c.contacts;
-  V forces[FIXED], slopes[FIXED], *own = forces, *slope = slopes;
-  if (SIZE == 0) {
-    own = reinterpret_cast<V *>(c.scratch);
-    slope = own + n;
-  }
+  const int n = SIZE > 0 ? SIZE : contacts;
+  OfContacts<SIZE, 2> of(n, c.scratch);
+  Lanes *const own = of[0], *const slope = of[1];
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    own[m] = gather<V>(force, c.seat + m * LANES);
-    slope[m] = V{};
+    own[m] = of_pairs(force, c.seat + m * LANES);
+    slope[m] = Lanes{};
 #pragma GCC unroll 8
     for (int k = 0; k < m; ++k) {
-      const V d_green = load<V>(c.d_green + (m * (m - 1) / 2 + k) * LANES);
-      slope[m] += d_green * own[k];
-      slope[k] -= d_green * own[m];
+      const Lanes between = load<Lanes>(row_of(c.d_green, m) + k * LANES);
+      slope[m] += between * own[k];
+      slope[k] -= between * own[m];
     }
   }
-  const V per_p = load<V>(rings.per_pressure);
+  const Lanes per_p = load<Lanes>(rings.per_pressure);
 #pragma GCC unroll 8
-  for (int m = 0; m < n; ++m) store(to + m * LANES, per_p * slope[m]);
+  for (int m = 0; m < n; ++m) store(c.product + m * LANES, per_p * slope[m]);
+  if (!rate) return;
+  const Lanes lengths = load<Lanes>(rings.total) * per_p, delta = load<Lanes>(rings.expansion);
+#pragma GCC unroll 8
+  for (int m = 0; m < n; ++m)
+    store(rate + m * LANES,
+          slope_rate(lengths, Lanes{}, load<Lanes>(c.indentation + m * LANES) + delta,
+                     own[m] * per_p));
 }
 
-}    // namespace deformable
+// kernel(n, number of contacts, contacts, rings) for each vector of rings, n a constant for the usual numbers.
+template <class Kernel> DEFORMABLE_LANE_FUNCTION void for_all(const RingBatches &b, Kernel &&kernel)
+{
+  for (int batch = 0; batch < b.batches; ++batch)
+    for (int w = 0; w < LANES; w += W) {
+      const int n = b.size[batch];
+      const RingArrays r = rings_of(b.rings, batch * LANES + w);
+      const ContactArrays c = contacts_of(b.contacts, b.first[batch] + w, b.first_green[batch] + w);
+      switch (n) {
+        case 3: kernel(std::integral_constant<int, 3>(), n, c, r); break;
+        case 4: kernel(std::integral_constant<int, 4>(), n, c, r); break;
+        case 5: kernel(std::integral_constant<int, 5>(), n, c, r); break;
+        case 6: kernel(std::integral_constant<int, 6>(), n, c, r); break;
+        case 7: kernel(std::integral_constant<int, 7>(), n, c, r); break;
+        case 8: kernel(std::integral_constant<int, 8>(), n, c, r); break;
+        default: kernel(std::integral_constant<int, 0>(), n, c, r);
+      }
+    }
+}
+
+template <bool SOFT, bool NEW>
+static bool shape_all(const RingBatches &b, const PairDirections &pairs)
+{
+  bool exist = true;
+  for_all(b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
+                 DEFORMABLE_LANE_LAMBDA {
+                   exist &= shape_lanes<decltype(size)::value, SOFT, NEW>(pairs, n, c, r);
+                 });
+  return exist;
+}
+
+static bool shape_rings(const RingBatches &b, const PairDirections &p, bool new_directions)
+{
+  if (b.soft) return new_directions ? shape_all<true, true>(b, p) : shape_all<true, false>(b, p);
+  return new_directions ? shape_all<false, true>(b, p) : shape_all<false, false>(b, p);
+}
+
+template <bool SOFT> static void multiply_all(const RingBatches &b, const double *x)
+{
+  for_all(b,
+          [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
+              DEFORMABLE_LANE_LAMBDA { multiply_lanes<decltype(size)::value, SOFT>(x, n, c, r); });
+}
+
+static void multiply_rings(const RingBatches &b, const double *x)
+{
+  b.soft ? multiply_all<true>(b, x) : multiply_all<false>(b, x);
+}
+
+static void slopes_of_rings(const RingBatches &b, const double *force, double *rate)
+{
+  for_all(b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
+                 DEFORMABLE_LANE_LAMBDA {
+                   double *const of_batch = rate ? rate + (c.seat - b.contacts.seat) : nullptr;
+                   slope_lanes<decltype(size)::value>(force, n, c, r, of_batch);
+                 });
+}
+
+}    // namespace deformable::DEFORMABLE_LEVEL
 
 #endif

@@ -48,9 +48,33 @@ DEFORMABLE_LANE_FUNCTION Lanes angle_of_lanes(Lanes x, Lanes y)
   return with_sign_of(select(x < 0.0, PI - quarter, quarter), y);
 }
 
+struct DirectionLanes {
+  Lanes nx, ny;
+};
+
+DEFORMABLE_LANE_FUNCTION double angle_of_lanes(double x, double y)
+{
+  return angle_of(x, y);
+}
+
+// Angles between two contacts of each particle: |t|, sin |t|, cos |t| and where t < 0.
+struct AngleLanes {
+  Mask negative;
+  Lanes magnitude, sine, cosine;
+};
+
+DEFORMABLE_LANE_FUNCTION AngleLanes angles_between(Lanes from, const DirectionLanes &a, Lanes to,
+                                                   const DirectionLanes &b)
+{
+  const Lanes difference = to - from, cross = a.nx * b.ny - a.ny * b.nx;
+  const Mask negative = difference < 0.0;
+  return {negative, magnitude(difference), select(negative, -cross, cross),
+          a.nx * b.nx + a.ny * b.ny};
+}
+
 // A contact of each particle: its direction, and the indentation by the line on the radical axis.
-struct LineLanes {
-  Lanes nx, ny, per_distance, indentation, d_indentation;
+struct LineLanes : DirectionLanes {
+  Lanes per_distance, indentation, d_indentation;
 };
 
 DEFORMABLE_LANE_FUNCTION LineLanes contact_lines(Lanes dx, Lanes dy, Lanes radius,
@@ -58,7 +82,9 @@ DEFORMABLE_LANE_FUNCTION LineLanes contact_lines(Lanes dx, Lanes dy, Lanes radiu
 {
   const Lanes distance = root(dx * dx + dy * dy), per_distance = 1.0 / distance;
   const ContactLine<Lanes> line = contact_line(distance, per_distance, radius, partner_radius);
-  return {dx * per_distance, dy * per_distance, per_distance, line.indentation_i,
+  return {{dx * per_distance, dy * per_distance},
+          per_distance,
+          line.indentation_i,
           line.d_indentation_i};
 }
 

@@ -86,6 +86,68 @@ DEFORMABLE_LANE_FUNCTION Lanes smaller(Lanes a, Lanes b)
   return b < a ? b : a;
 }
 
+// One or several numbers, T is double or Lanes.
+
+template <class T> DEFORMABLE_LANE_FUNCTION T load(const double *from)
+{
+  T x;
+  __builtin_memcpy(&x, from, sizeof x);
+  return x;
+}
+
+template <class T> DEFORMABLE_LANE_FUNCTION void store(double *to, T x)
+{
+  __builtin_memcpy(to, &x, sizeof x);
+}
+
+template <class T, class Value> DEFORMABLE_LANE_FUNCTION T of_each(Value &&value)
+{
+  if constexpr (sizeof(T) == sizeof(double))
+    return value(0);
+  else
+    return each_lane(value);
+}
+
+template <class T> DEFORMABLE_LANE_FUNCTION T gather(const double *x, const int *index)
+{
+  return of_each<T>([&](int w) DEFORMABLE_LANE_LAMBDA { return x[index[w]]; });
+}
+
+DEFORMABLE_LANE_FUNCTION bool all_true(bool m)
+{
+  return m;
+}
+
+DEFORMABLE_LANE_FUNCTION bool all_true(Mask m)
+{
+  return !any(~m);
+}
+
+DEFORMABLE_LANE_FUNCTION double root(double x)
+{
+  return __builtin_sqrt(x);
+}
+
+DEFORMABLE_LANE_FUNCTION double select(bool m, double yes, double no)
+{
+  return m ? yes : no;
+}
+
+DEFORMABLE_LANE_FUNCTION double magnitude(double x)
+{
+  return __builtin_fabs(x);
+}
+
+DEFORMABLE_LANE_FUNCTION double larger(double a, double b)
+{
+  return a < b ? b : a;
+}
+
+DEFORMABLE_LANE_FUNCTION double smaller(double a, double b)
+{
+  return b < a ? b : a;
+}
+
 }    // namespace deformable::DEFORMABLE_LEVEL
 
 #endif

@@ -9,21 +9,6 @@
 
 namespace deformable::DEFORMABLE_LEVEL {
 
-// Angles between two contacts of each particle: |t|, sin |t|, cos |t| and where t < 0.
-struct AngleLanes {
-  Mask negative;
-  Lanes magnitude, sine, cosine;
-};
-
-DEFORMABLE_LANE_FUNCTION AngleLanes angles_between(Lanes from, const LineLanes &a, Lanes to,
-                                                   const LineLanes &b)
-{
-  const Lanes difference = to - from, cross = a.nx * b.ny - a.ny * b.nx;
-  const Mask negative = difference < 0.0;
-  return {negative, magnitude(difference), select(negative, -cross, cross),
-          a.nx * b.nx + a.ny * b.ny};
-}
-
 template <int N> struct Factors {
   Lanes green[N][N], per_pivot[N];    // lower triangle: L D L^T = G
 };

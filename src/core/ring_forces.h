@@ -49,7 +49,7 @@ struct LoadedRing {
 };
 
 // The stiffness of a small load: p (1/kA + r^2/kP) is about Q/p^2.
-inline double area_stiffness(double radius, const Stiffness &k)
+DEFORMABLE_INLINE double area_stiffness(double radius, const Stiffness &k)
 {
   return 1.0 / (1.0 / k.kA + radius * radius / k.kP);
 }
@@ -58,8 +58,8 @@ inline double area_stiffness(double radius, const Stiffness &k)
 //   E h' = D = 2 pi E^2 + (2 pi kP - p) e,   e = 1/kA + 2 Q/p^3.
 // Stable rings have D > 0; h < 0, or D < 0, to the left of that root. Newton's method starts from the expansion of
 // `ring` if its pressure is positive. Returns false if there is no such ring: a negative area would be needed.
-inline bool find_expansion(double radius, const Stiffness &k, const RingLoad &load,
-                           LoadedRing &ring)
+DEFORMABLE_INLINE bool find_expansion(double radius, const Stiffness &k, const RingLoad &load,
+                                      LoadedRing &ring)
 {
   constexpr double CLOSE = 1e-8;    // each step doubles the digits, so this one is the last
   const double per_kA = 1.0 / k.kA, spring = 2.0 * PI * k.kP, tension = load.total / (2.0 * PI);
@@ -93,7 +93,8 @@ inline bool find_expansion(double radius, const Stiffness &k, const RingLoad &lo
 }
 
 // Pressure and expansion under a load; `ring` is also the first guess.
-inline bool find_pressure(double radius, const Stiffness &k, const RingLoad &load, LoadedRing &ring)
+DEFORMABLE_INLINE bool find_pressure(double radius, const Stiffness &k, const RingLoad &load,
+                                     LoadedRing &ring)
 {
   constexpr double NOTHING = 1e-280;    // its square root is the least force that counts
   if (!(load.work > NOTHING)) {
@@ -117,8 +118,8 @@ struct RingCompliance {
   }
 };
 
-inline RingCompliance compliance_of(double radius, const Stiffness &k, double work,
-                                    const LoadedRing &ring)
+DEFORMABLE_INLINE RingCompliance compliance_of(double radius, const Stiffness &k, double work,
+                                               const LoadedRing &ring)
 {
   const double p = ring.pressure;
   if (!(p > 0.0)) return {};

@@ -9,6 +9,9 @@
 
 namespace deformable {
 
+// No line tilts by more than 0.3 rad.
+constexpr double LARGEST_SINE = 0.29552020666133957;
+
 // The line of a pair at distance d is at rest at the tilt tau with d sin tau = t_i + t_j, where
 //   t_c = sum over k of L_k G'(theta_c - theta_k)
 // is the slope -dH/dtheta of an outline at the contact, and -p L_c t_c = dU/dtheta_c. While the lengths L stay,

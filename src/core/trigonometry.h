@@ -78,7 +78,7 @@ inline double sine_minus_x_cosine(double x, double sine, double cosine)
 
 // atan2(y, x) to 4e-16, for (x, y) other than the origin. It has no branch: the force loop needs it for each
 // contact, and directions are at random, so that branches would be mispredicted.
-inline double angle_of(double x, double y)
+DEFORMABLE_INLINE double angle_of(double x, double y)
 {
   const double ax = std::fabs(x), ay = std::fabs(y);
   const double large = std::max(ax, ay), small = std::min(ax, ay);

@@ -47,7 +47,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
     if (!is_balanced && without_room() < 0) warn_unbalanced();
     break;
   }
-  if (!near.pairs.tilts) force_kernels().slopes(batches, near.pairs.force.data());
+  if (!near.pairs.tilts) kernels.slopes(batches.arrays(), near.pairs.force.data(), nullptr);
   return -1;
 }
 

@@ -19,10 +19,12 @@ namespace LAMMPS_NS {
 class BalancedForces : protected Pointers {
  public:
   // tilts: contact lines may also turn
-  BalancedForces(class LAMMPS *lmp, bool tilts, double tolerance, int max_evaluations)
+  BalancedForces(class LAMMPS *lmp, const deformable::ForceKernels &kernels, bool tilts,
+                 double tolerance, int max_evaluations)
       : Pointers(lmp),
-        near(lmp, tilts),
-        solver(lmp, tolerance, max_evaluations)
+        kernels(kernels),
+        near(lmp, kernels, tilts),
+        solver(lmp, kernels, tolerance, max_evaluations)
   {
   }
 
@@ -66,6 +68,7 @@ class BalancedForces : protected Pointers {
   double memory_usage() const;
 
  private:
+  const deformable::ForceKernels &kernels;
   NearList near;
   ForceBatches batches;
   ForceSolver solver;

@@ -84,26 +84,21 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   }
 }
 
-deformable::RingLanes ForceBatches::lanes(int batch)
-{
-  const int r = batch * LANES;
-  return {&radius[r], &kA[r],           &kP[r],    &pressure[r], &expansion[r], &work[r],
-          &total[r],  &per_pressure[r], &mixed[r], &square[r],   &rate[r]};
-}
-
-deformable::ContactLanes ForceBatches::of(int batch)
+deformable::RingBatches ForceBatches::arrays()
 {
   // the scratch memory of vectors begins at a multiple of their size
   const auto address = reinterpret_cast<std::uintptr_t>(scratch.data());
   constexpr std::uintptr_t SIZE = LANES * sizeof(double);
   double *const aligned = scratch.data() + (SIZE - address % SIZE) % SIZE / sizeof(double);
-  return {size[batch],
-          seat.data() + first[batch],
-          indentation.data() + first[batch],
-          compliance.data() + first[batch],
-          green.data() + first_green[batch],
-          d_green.data() + first_green[batch],
-          aligned};
+  return {batches,
+          size.data(),
+          first.data(),
+          first_green.data(),
+          soft,
+          {radius.data(), kA.data(), kP.data(), pressure.data(), expansion.data(), work.data(),
+           total.data(), per_pressure.data(), mixed.data(), square.data(), rate.data()},
+          {seat.data(), indentation.data(), compliance.data(), product.data(), green.data(),
+           d_green.data(), aligned}};
 }
 
 double ForceBatches::bytes() const

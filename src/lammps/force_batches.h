@@ -1,9 +1,9 @@
-// The rings of this rank in batches (force_lanes.h): which particle is where, and the contacts of each.
+// The rings of this rank in batches (force_kernels.h): which particle is where, and the contacts of each.
 
 #ifndef DEFORMABLE_FORCE_BATCHES_H
 #define DEFORMABLE_FORCE_BATCHES_H
 
-#include "force_lanes.h"
+#include "force_kernels.h"
 #include "near_pairs.h"
 
 #include <vector>
@@ -44,22 +44,10 @@ struct ForceBatches {
     return first[ring / deformable::LANES] + m * deformable::LANES + ring % deformable::LANES;
   }
 
-  deformable::RingLanes lanes(int batch);
-  deformable::ContactLanes of(int batch);
+  deformable::RingBatches arrays();
 
   double bytes() const;
 };
-
-// For all batches. The code is that for the processor of this machine.
-struct ForceKernels {
-  // Shapes rings by the forces of pairs; new_directions: G and G' too. False: a ring does not exist.
-  bool (*shape)(ForceBatches &, const NearPairs &, bool new_directions);
-  void (*multiply)(ForceBatches &, const double *x);      // C x, x by pair
-  void (*slopes)(ForceBatches &, const double *force);    // of the outlines at the contacts
-  const char *name;
-};
-
-const ForceKernels &force_kernels();
 
 }    // namespace LAMMPS_NS
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
+using deformable::PairArrays;
 
 /* ----------------------------------------------------------------------
    At successive steps forces start from an extrapolation in time: a quadratic
@@ -49,7 +50,7 @@ bool ForceSolver::solve(NearPairs &p, ForceBatches &b, RemoteSides &r)
     if (v->size() != one_more) v->assign(one_more, 0.0);
   if (comm->nprocs > 1) agree();
   for (int k = 0; k < p.size; ++k) p.force[k] = std::max(p.past[0][k], 0.0);
-  if (p.tilts) tilts.start(p);
+  if (p.tilts) tilts.start(p, b, kernels);
 
   if (!first_solution) --evaluations;    // of the same forces as the last one
   Evaluation now = evaluate(true);
@@ -75,7 +76,7 @@ bool ForceSolver::solve(NearPairs &p, ForceBatches &b, RemoteSides &r)
     const bool turns = p.tilts && now.forces <= CLOSE * now.largest;
     if (turns) {
       find_torques();
-      tilts.turn(p);
+      tilts.turn(p, b, kernels);
     }
     now = line_search(now, slope, turns);
   }
@@ -86,7 +87,7 @@ bool ForceSolver::solve(NearPairs &p, ForceBatches &b, RemoteSides &r)
 
 /* ---------------------------------------------------------------------- */
 
-ForceLoop ForceSolver::loop()
+PairArrays ForceSolver::arrays()
 {
   NearPairs &p = *pairs;
   const ForceBatches &b = *batches;
@@ -141,10 +142,13 @@ template <class Sum> double ForceSolver::sum_over_pairs(Sum &&sum) const
 ForceSolver::Evaluation ForceSolver::evaluate(bool new_directions)
 {
   ++evaluations;
-  const bool exist = force_kernels().shape(*batches, *pairs, new_directions);
+  const NearPairs &p = *pairs;
+  const bool exist =
+      kernels.shape(batches->arrays(), {p.force.data(), p.angle.data(), p.nx.data(), p.ny.data()},
+                    new_directions);
   remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                    batches->indentation.data(), batches->compliance.data());
-  const Largest here = find_residuals(loop(), 0, pairs->size);
+  const deformable::Largest here = kernels.find_residuals(arrays(), 0, pairs->size);
   double largest[4] = {here.error, here.force, exist ? 0.0 : 1.0, 0.0};
   if (pairs->tilts) largest[3] = find_torques();
   if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, largest, 4, MPI_DOUBLE, MPI_MAX, world);
@@ -154,11 +158,10 @@ ForceSolver::Evaluation ForceSolver::evaluate(bool new_directions)
 // Of this rank, for the present forces. Also finds the next tilts.
 double ForceSolver::find_torques()
 {
-  force_kernels().slopes(*batches, pairs->force.data());
-  tilts.find_rates(*batches, *pairs);
+  kernels.slopes(batches->arrays(), pairs->force.data(), tilts.rates());
   remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
-                   batches->product.data(), tilts.rate.data());
-  return tilts.find_torques(*pairs, batches->product);
+                   batches->product.data(), tilts.rates());
+  return tilts.find(*pairs, *batches, kernels);
 }
 
 /* ----------------------------------------------------------------------
@@ -172,9 +175,10 @@ void ForceSolver::newton_step(const Evaluation &from)
 {
   constexpr int MAX_ITERATIONS = 500;
   constexpr double LEAST_ACCURACY = 0.03, MARGIN = 0.3, SQUARE = 10.0;
-  const ForceLoop loop = this->loop();
-  double norm2 = sum_over_pairs([&](int a, int z) { return begin_gradients(loop, a, z); });
-  const double weights = sum_over_pairs([&](int a, int z) { return sum(loop.weight, a, z); });
+  const PairArrays loop = arrays();
+  double norm2 = sum_over_pairs([&](int a, int z) { return kernels.begin_gradients(loop, a, z); });
+  const double weights =
+      sum_over_pairs([&](int a, int z) { return kernels.sum(loop.weight, a, z); });
   if (!(norm2 > 0.0)) return;
   // of r, times the mean weight
   const double typical = std::sqrt(norm2 * weights) / pairs_of_all;
@@ -183,14 +187,16 @@ void ForceSolver::newton_step(const Evaluation &from)
   const double accuracy = evaluations == 1 ? LEAST_ACCURACY : std::min(LEAST_ACCURACY, sufficient);
   const double enough = accuracy * accuracy * norm2;
   for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
-    force_kernels().multiply(*batches, direction.data());
+    kernels.multiply(batches->arrays(), direction.data());
     remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                      batches->product.data());
-    const double curvature = sum_over_pairs([&](int a, int z) { return add_products(loop, a, z); });
+    const double curvature =
+        sum_over_pairs([&](int a, int z) { return kernels.add_products(loop, a, z); });
     if (!(curvature > 0.0)) break;
     const double length = norm2 / curvature;
-    const double next = sum_over_pairs([&](int a, int z) { return advance(loop, length, a, z); });
-    turn(loop, next / norm2, 0, pairs->size);
+    const double next =
+        sum_over_pairs([&](int a, int z) { return kernels.advance(loop, length, a, z); });
+    kernels.turn(loop, next / norm2, 0, pairs->size);
     norm2 = next;
   }
 }
@@ -216,7 +222,8 @@ double ForceSolver::take_step(bool newton)
     step[k] = next - f;
     force[k] = next;
   }
-  return sum_over_pairs([this](int a, int z) { return dot(residual.data(), step.data(), a, z); });
+  return sum_over_pairs(
+      [this](int a, int z) { return kernels.dot(residual.data(), step.data(), a, z); });
 }
 
 /* ----------------------------------------------------------------------
@@ -236,8 +243,8 @@ ForceSolver::Evaluation ForceSolver::line_search(const Evaluation &from, double 
     if (now.exists && (turned ? now.worst() : now.forces) <= good) return now;
     double here = -std::numeric_limits<double>::infinity();
     if (now.exists)
-      here =
-          sum_over_pairs([this](int a, int z) { return dot(residual.data(), step.data(), a, z); });
+      here = sum_over_pairs(
+          [this](int a, int z) { return kernels.dot(residual.data(), step.data(), a, z); });
     if (here >= -SMALL_SLOPE * slope && (at == 1.0 || here <= SMALL_SLOPE * slope)) return now;
     if (evaluations >= max_evaluations) return now;
 

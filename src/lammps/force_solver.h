@@ -22,7 +22,6 @@
 #include "pointers.h"
 
 #include "force_batches.h"
-#include "force_loops.h"
 #include "line_tilts.h"
 #include "near_pairs.h"
 #include "remote_sides.h"
@@ -34,10 +33,12 @@ namespace LAMMPS_NS {
 
 class ForceSolver : protected Pointers {
  public:
-  ForceSolver(class LAMMPS *lmp, double tolerance, int max_evaluations)
+  ForceSolver(class LAMMPS *lmp, const deformable::ForceKernels &kernels, double tolerance,
+              int max_evaluations)
       : Pointers(lmp),
         tolerance(tolerance),
-        max_evaluations(max_evaluations)
+        max_evaluations(max_evaluations),
+        kernels(kernels)
   {
   }
 
@@ -67,6 +68,7 @@ class ForceSolver : protected Pointers {
     double relative() const { return worst() > 0.0 ? worst() / largest : 0.0; }
   };
 
+  const deformable::ForceKernels &kernels;
   NearPairs *pairs = nullptr;
   ForceBatches *batches = nullptr;
   RemoteSides *remote = nullptr;
@@ -87,7 +89,7 @@ class ForceSolver : protected Pointers {
   double pairs_of_all = 1.0;    // ranks
 
   void agree();
-  ForceLoop loop();
+  deformable::PairArrays arrays();
   Evaluation evaluate(bool new_directions);
   double find_torques();
   void newton_step(const Evaluation &);

@@ -223,8 +223,7 @@ int NearList::locate(const DeformableParticles &p)
 {
   ++calls;
   if (p.radii_vary) set_constants(p);
-  std::fill(pairs.tilt.begin(), pairs.tilt.end(), 0.0);
-  const int wrong = pairs.wall > 0 ? locate_pairs(atom->x[0], pairs) : -1;
+  const int wrong = pairs.wall > 0 ? pairs.locate(atom->x[0], kernels) : -1;
   if (wrong >= 0 || p.walls->empty()) return wrong;
   for (int k = pairs.wall; k < pairs.size; ++k) {
     pairs.overlap[k] = -(1.0 + p.reach) * pairs.touching[k];

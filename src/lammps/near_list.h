@@ -34,7 +34,10 @@ struct DeformableParticles {
 
 class NearList : protected Pointers {
  public:
-  NearList(class LAMMPS *lmp, bool tilts) : Pointers(lmp), remote_sides(lmp)
+  NearList(class LAMMPS *lmp, const deformable::ForceKernels &kernels, bool tilts)
+      : Pointers(lmp),
+        remote_sides(lmp),
+        kernels(kernels)
   {
     pairs.tilts = old.tilts = tilts;
   }
@@ -55,6 +58,7 @@ class NearList : protected Pointers {
   double memory_usage() const;
 
  private:
+  const deformable::ForceKernels &kernels;
   double margin = 0.0;
   int calls = 0;    // since the last build
   bool missed_wall = false;

@@ -4,6 +4,7 @@
 #ifndef DEFORMABLE_NEAR_PAIRS_H
 #define DEFORMABLE_NEAR_PAIRS_H
 
+#include "force_kernels.h"
 #include "vector_bytes.h"
 
 #include <cmath>
@@ -81,6 +82,10 @@ struct NearPairs : PairList {
   void clear(int expected);    // removes all pairs; memory for about as many
   void make_room();            // for the arrays that add() does not fill
 
+  // Distances, directions and overlaps of pairs of particles. Returns -1, or the first pair whose contact line cannot
+  // lie between the centers.
+  int locate(const double *x, const deformable::ForceKernels &);
+
   double bytes() const
   {
     return bytes_of(i, j, second, touching, least_square, stiffening, past[0], past[1], past[2],
@@ -88,14 +93,6 @@ struct NearPairs : PairList {
                     nx, ny, tilt, side[0], side[1]);
   }
 };
-
-// Distances, directions and overlaps of pairs of particles, whose lines do not tilt. Returns -1, or the first pair whose contact line cannot
-// lie between the centers.
-int locate_pairs(const double *x, NearPairs &);
-
-// Tilts the lines between particles so that the sine becomes that of `to`. The overlap is
-//   o = R_i + R_j - d cos(tilt)
-void tilt_lines(NearPairs &, const double *to);
 
 }    // namespace LAMMPS_NS
 

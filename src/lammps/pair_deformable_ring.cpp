@@ -78,7 +78,8 @@ void PairDeformableRing::settings(int narg, char **arg)
     error->all(FLERR, balance_keyword,
                "pair_style deformable/ring balance is for 'contact balanced' and 'tilted' only");
   balanced.reset(radical ? nullptr
-                         : new BalancedForces(lmp, law == "tilted", tolerance, max_evaluations));
+                         : new BalancedForces(lmp, kernels->forces, law == "tilted", tolerance,
+                                              max_evaluations));
   whole_list = radical;
   tells_error = !radical;
 }

@@ -1,0 +1,202 @@
+// Loops over the pairs that bear forces, for ForceSolver and NearList (src/lammps).
+//
+// A loop takes vectors, then the rest one by one: T is Lanes or double. Sums have LANES parts on every level, so that
+// all levels add in the same order.
+
+#ifndef DEFORMABLE_PAIR_LANES_H
+#define DEFORMABLE_PAIR_LANES_H
+
+#include "force_kernels.h"
+#include "lane_geometry.h"
+#include "tilt.h"
+
+namespace deformable::DEFORMABLE_LEVEL {
+
+template <class Body> DEFORMABLE_LANE_FUNCTION void for_pairs(int begin, int end, Body &&body)
+{
+  int k = begin;
+  for (; k + W <= end; k += W) body(Lanes{}, k);
+  for (; k < end; ++k) body(0.0, k);
+}
+
+template <class Term> DEFORMABLE_LANE_FUNCTION double sum_of(int begin, int end, Term &&term)
+{
+  Lanes part[LANES / W] = {};
+  int k = begin;
+  for (; k + LANES <= end; k += LANES)
+#pragma GCC unroll 8
+    for (int n = 0; n < LANES / W; ++n) part[n] += term(Lanes{}, k + n * W);
+  double sum = 0.0;
+  for (const Lanes &p : part)
+    for (int w = 0; w < W; ++w) sum += p[w];
+  for (; k < end; ++k) sum += term(0.0, k);
+  return sum;
+}
+
+static bool locate_pairs(const double *x, const PairPlaces &p, int begin, int end)
+{
+  bool apart = true;
+  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const auto between = [&](int axis) DEFORMABLE_LANE_LAMBDA {
+      return of_each<T>([&](int w) DEFORMABLE_LANE_LAMBDA {
+        return x[3 * p.j[k + w] + axis] - x[3 * p.i[k + w] + axis];
+      });
+    };
+    const T dx = between(0), dy = between(1);
+    const T square = dx * dx + dy * dy, d = root(square), per_d = 1.0 / d;
+    apart &= all_true(square > load<T>(p.least_square + k));
+    store(p.per_distance + k, per_d);
+    store(p.overlap + k, load<T>(p.touching + k) - d);
+    store(p.nx + k, dx * per_d);
+    store(p.ny + k, dy * per_d);
+    store(p.angle + k, angle_of_lanes(dx, dy));
+  });
+  return apart;
+}
+
+static Largest find_residuals(const PairArrays &p, int begin, int end)
+{
+  Lanes worst = Lanes{}, largest = Lanes{};
+  double last_worst = 0.0, last_largest = 0.0;
+  const auto look = [&](auto kind, int k, auto &worst, auto &largest) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const T overlap = load<T>(p.overlap + k), stiffening = load<T>(p.stiffening + k);
+    const T f = load<T>(p.force + k);
+    const int *const first = p.first + k, *const second = p.second + k;
+    // the sum of both sides first: the same to the last bit on the other rank
+    const T r = overlap - (gather<T>(p.indentation, first) + gather<T>(p.indentation, second));
+    const T w = 1.0 / (gather<T>(p.compliance, first) + gather<T>(p.compliance, second));
+    const T linear = r * w, cubic = stiffening * r * r * r, zero = T{};
+    const T loss = larger(linear, -f), less = smaller(linear, cubic);    // f > 0, f = 0
+    const T error = select(r > 0.0, larger(linear, cubic), select(f > 0.0, loss, less));
+    store(p.residual + k, r);
+    store(p.weight + k, select(f + linear > 0.0, w, zero));
+    store(p.error + k, error);
+    worst = larger(worst, select((f > 0.0) | (r > 0.0), magnitude(error), zero));
+    largest = larger(largest, f);
+  };
+  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    if constexpr (sizeof(kind) == sizeof(Lanes))
+      look(kind, k, worst, largest);
+    else
+      look(kind, k, last_worst, last_largest);
+  });
+  for (int w = 0; w < W; ++w) {
+    last_worst = larger(last_worst, worst[w]);
+    last_largest = larger(last_largest, largest[w]);
+  }
+  return {last_worst, last_largest};
+}
+
+static double begin_gradients(const PairArrays &p, int begin, int end)
+{
+  return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const T r = load<T>(p.residual + k), x = load<T>(p.weight + k) * r;
+    store(p.left + k, r);
+    store(p.direction + k, x);
+    store(p.step + k, T{});
+    return x * r;
+  });
+}
+
+static double add_products(const PairArrays &p, int begin, int end)
+{
+  return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const T y =
+        gather<T>(p.contact_product, p.first + k) + gather<T>(p.contact_product, p.second + k);
+    store(p.product + k, y);
+    return y * load<T>(p.direction + k);
+  });
+}
+
+static double advance(const PairArrays &p, double length, int begin, int end)
+{
+  return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const T r = load<T>(p.left + k) - length * load<T>(p.product + k);
+    store(p.step + k, load<T>(p.step + k) + length * load<T>(p.direction + k));
+    store(p.left + k, r);
+    return r * r * load<T>(p.weight + k);
+  });
+}
+
+static void turn(const PairArrays &p, double conjugation, int begin, int end)
+{
+  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    store(p.direction + k,
+          load<T>(p.weight + k) * load<T>(p.left + k) + conjugation * load<T>(p.direction + k));
+  });
+}
+
+// The torque d sin(tilt) - t_i - t_j, over d, should vanish. The part of the stiffness against tilts that the outlines
+// leave is not below STABLE. A line at the end of the range that would tilt further stops turning while it bears a force.
+static double find_tilts(const LineArrays &p, int begin, int end)
+{
+  constexpr double STABLE = 0.3;
+  Lanes worst = Lanes{};
+  double last_worst = 0.0;
+  const auto look = [&](auto kind, int k, auto &worst) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const T force = load<T>(p.force + k), sine = load<T>(p.sine + k), zero = T{}, one = zero + 1.0;
+    const T most = zero + LARGEST_SINE, per_d = load<T>(p.per_distance + k);
+    const int *const first = p.first + k, *const second = p.second + k;
+    const T slope = gather<T>(p.slope, first) + gather<T>(p.slope, second);
+    const T rate = gather<T>(p.slope_rate, first) + gather<T>(p.slope_rate, second);
+    const T off = slope * per_d - sine, stiffness = 1.0 - rate * per_d / root(1.0 - sine * sine);
+    const T better = sine + off / larger(stiffness, zero + STABLE);
+    const T before = load<T>(p.turns + k);
+    const T at_end = select(magnitude(sine) >= most, zero, before);
+    const T turns = select(force > 0.0, select(magnitude(better) > most, at_end, before), one);
+    store(p.turns + k, turns);
+    store(p.next + k, turns * smaller(larger(better, -most), most));
+    worst = larger(worst, force * magnitude(select(turns > 0.0, off, sine)));
+  };
+  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    if constexpr (sizeof(kind) == sizeof(Lanes))
+      look(kind, k, worst);
+    else
+      look(kind, k, last_worst);
+  });
+  for (int w = 0; w < W; ++w) last_worst = larger(last_worst, worst[w]);
+  return last_worst;
+}
+
+static void turn_lines(const LineArrays &p, int begin, int end)
+{
+  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const T nx = load<T>(p.nx + k), ny = load<T>(p.ny + k);
+    const T s = load<T>(p.sine + k), c = root(1.0 - s * s);
+    const T sine = load<T>(p.next + k), cosine = root(1.0 - sine * sine);
+    const T ex = c * nx + s * ny, ey = c * ny - s * nx;    // from center to center
+    const T x = cosine * ex - sine * ey, y = cosine * ey + sine * ex;
+    store(p.sine + k, sine);
+    store(p.nx + k, x);
+    store(p.ny + k, y);
+    store(p.angle + k, angle_of_lanes(x, y));
+    store(p.overlap + k, load<T>(p.touching + k) - cosine / load<T>(p.per_distance + k));
+  });
+}
+
+static double sum(const double *x, int begin, int end)
+{
+  return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    return load<decltype(kind)>(x + k);
+  });
+}
+
+static double dot(const double *x, const double *y, int begin, int end)
+{
+  return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    return load<T>(x + k) * load<T>(y + k);
+  });
+}
+
+}    // namespace deformable::DEFORMABLE_LEVEL
+
+#endif
