@@ -60,29 +60,46 @@ bool ForceSolver::solve(NearPairs &p, ForceBatches &b, RemoteSides &r)
   }
   // A minimizer needs only a tenth of the imbalance that its last step caused: the rest vanishes as its steps do, if each
   // call corrects it, also below the tolerance.
-  constexpr double TENTH = 0.1, CLOSE = 0.05;
+  constexpr double TENTH = 0.1;
   const bool minimizing = update->whichflag == 2;
   if (first_solution)
     target = minimizing ? std::max(tolerance, TENTH * std::min(now.relative(), 1.0)) : tolerance;
   must_correct |= first_solution && minimizing;
   pairs_of_all = 1.0 + sum_over_pairs([](int a, int z) { return z - a; });
   first_solution = false;
-  while ((now.worst() > target * now.largest || (must_correct && now.worst() > 0.0)) &&
-         evaluations < max_evaluations) {
-    newton_step(now);
-    must_correct = false;
-    double slope = take_step(true);
-    if (!(slope > 0.0)) slope = take_step(false);
-    const bool turns = p.tilts && now.forces <= CLOSE * now.largest;
-    if (turns) {
-      find_torques();
-      tilts.turn(p, b, kernels);
-    }
-    now = line_search(now, slope, turns);
-  }
+  while (!is_balanced(now) && evaluations < max_evaluations) now = correct(now);
+  if (p.tilts && !now.knows_torques) now.torques = find_torques();
   remember();
   imbalance = now.relative();
   return now.worst() <= target * now.largest;
+}
+
+// Torques count only where forces balance: before, they are not worth their evaluation.
+bool ForceSolver::is_balanced(Evaluation &now)
+{
+  if (now.forces > target * now.largest || (must_correct && now.forces > 0.0)) return false;
+  if (!pairs->tilts) return true;
+  now.torques = find_torques();
+  now.knows_torques = true;
+  return now.torques <= target * now.largest;
+}
+
+ForceSolver::Evaluation ForceSolver::correct(const Evaluation &from)
+{
+  constexpr double CLOSE = 0.05;
+  if (from.knows_torques) {    // only tilts are missing
+    tilts.turn(*pairs, *batches, kernels);
+    return evaluate(true);
+  }
+  newton_step(from);
+  must_correct = false;
+  double slope = take_step(true);
+  if (!(slope > 0.0)) slope = take_step(false);
+  const bool turns = pairs->tilts && from.forces <= CLOSE * from.largest;
+  if (!turns) return line_search(slope, from.forces, false);
+  const double torques = find_torques();
+  tilts.turn(*pairs, *batches, kernels);
+  return line_search(slope, std::max(from.forces, torques), true);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -149,19 +166,20 @@ ForceSolver::Evaluation ForceSolver::evaluate(bool new_directions)
   remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                    batches->indentation.data(), batches->compliance.data());
   const deformable::Largest here = kernels.find_residuals(arrays(), 0, pairs->size);
-  double largest[4] = {here.error, here.force, exist ? 0.0 : 1.0, 0.0};
-  if (pairs->tilts) largest[3] = find_torques();
-  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, largest, 4, MPI_DOUBLE, MPI_MAX, world);
-  return {largest[0], largest[3], largest[1], largest[2] == 0.0};
+  double largest[3] = {here.error, here.force, exist ? 0.0 : 1.0};
+  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, largest, 3, MPI_DOUBLE, MPI_MAX, world);
+  return {largest[0], largest[1], largest[2] == 0.0};
 }
 
-// Of this rank, for the present forces. Also finds the next tilts.
+// The largest imbalance of a tilt for the present forces. Also finds the next tilts.
 double ForceSolver::find_torques()
 {
   kernels.slopes(batches->arrays(), pairs->force.data(), tilts.rates());
   remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                    batches->product.data(), tilts.rates());
-  return tilts.find(*pairs, *batches, kernels);
+  double worst = tilts.find(*pairs, *batches, kernels);
+  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE, MPI_MAX, world);
+  return worst;
 }
 
 /* ----------------------------------------------------------------------
@@ -232,15 +250,14 @@ double ForceSolver::take_step(bool newton)
    the slope vanishes.
 ------------------------------------------------------------------------- */
 
-ForceSolver::Evaluation ForceSolver::line_search(const Evaluation &from, double slope, bool turned)
+ForceSolver::Evaluation ForceSolver::line_search(double slope, double imbalance, bool turned)
 {
   constexpr double BETTER = 0.5, NO_WORSE = 2.0, SMALL_SLOPE = 0.5;
   double low = 0.0, low_slope = slope, high = 1.0, at = 1.0;
   for (;;) {
     const Evaluation now = evaluate(turned && at == 1.0);
-    const double good =
-        std::max(turned ? NO_WORSE * from.worst() : BETTER * from.forces, target * now.largest);
-    if (now.exists && (turned ? now.worst() : now.forces) <= good) return now;
+    const double good = std::max((turned ? NO_WORSE : BETTER) * imbalance, target * now.largest);
+    if (now.exists && now.forces <= good) return now;
     double here = -std::numeric_limits<double>::infinity();
     if (now.exists)
       here = sum_over_pairs(

@@ -62,8 +62,10 @@ class ForceSolver : protected Pointers {
 
  private:
   struct Evaluation {
-    double forces, torques, largest;    // imbalances of forces and of tilts, largest force
-    bool exists;                        // every ring has a shape
+    double forces, largest;    // imbalance, force
+    bool exists;               // every ring has a shape
+    bool knows_torques = false;
+    double torques = 0.0;    // imbalance of tilts
     double worst() const { return std::max(forces, torques); }
     double relative() const { return worst() > 0.0 ? worst() / largest : 0.0; }
   };
@@ -94,7 +96,9 @@ class ForceSolver : protected Pointers {
   double find_torques();
   void newton_step(const Evaluation &);
   double take_step(bool newton);
-  Evaluation line_search(const Evaluation &from, double slope, bool turned);
+  bool is_balanced(Evaluation &);
+  Evaluation correct(const Evaluation &);
+  Evaluation line_search(double slope, double imbalance, bool turned);
   void remember();
   template <class Sum> double sum_over_pairs(Sum &&sum) const;
 };
