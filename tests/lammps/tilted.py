@@ -13,7 +13,7 @@ NAMES = np.array(["one", "two"])
 
 
 def packing(case, folder, style=EXACT, scale=1.0, **options):
-    """The scene of a case, in a box that is larger by `scale`; its species are files in `folder`."""
+    """The scene of a case, all lengths between centers times `scale`; `folder` has its species."""
     rows = zip(NAMES, *(case[name] for name in ("radii", "kA", "kP", "skin")), strict=True)
     lines = [" ".join(map(str, row)) for row in rows]
     (folder / "species").write_text("\n".join(["# UNITS: lj", *lines, ""]))
