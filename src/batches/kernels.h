@@ -37,6 +37,6 @@ const BatchKernels kernels = {
      soft_rings<1>, soft_rings<2>, soft_rings<3>, soft_rings<4>, soft_rings<5>, soft_rings<6>,
      soft_rings<7>, soft_rings<8>},
     {shape_rings, multiply_rings, slopes_of_rings, locate_pairs, find_residuals, begin_gradients,
-     add_products, advance, turn, sum, dot}};
+     add_products, advance, turn, extrapolate, take_step, remember, sum, dot}};
 
 }    // namespace deformable::DEFORMABLE_LEVEL

@@ -10,6 +10,7 @@
 #include "near_list.h"
 
 #include "shape.h"
+#include "trigonometry.h"
 
 #include <vector>
 
@@ -42,6 +43,9 @@ class BalancedForces : protected Pointers {
   // After solve: L G' summed over the other contacts of that side's ring, the slope of its outline at the contact.
   double outline_slope(int k, int side) const { return batches.product[near.pairs.side[side][k]]; }
 
+  // The rings whose smallest radius of curvature may be negative.
+  const std::vector<int> &crowded_rings() const { return crowded; }
+
   // Of ring i. The radius of curvature is the smallest one if that is negative, otherwise a lower bound.
   struct Ring {
     deformable::Energy energy;
@@ -61,10 +65,16 @@ class BalancedForces : protected Pointers {
   NearList near;
   ForceBatches batches;
   ForceSolver solver;
+  std::vector<int> crowded;
   bool is_balanced = false, warned = false;
 
   void arrange(const DeformableParticles &);
   void set_material(const DeformableParticles &);
+  // q - (1/pi) sum L: no direction has a smaller radius of curvature
+  double arc_radius_at_least(std::size_t ring, double lengths) const
+  {
+    return batches.radius[ring] + batches.expansion[ring] - lengths * (1.5 / deformable::PI);
+  }
   void find_bulges();
   void warn_unbalanced();
 };

@@ -45,11 +45,11 @@ class ForceSolver : protected Pointers {
   double imbalance = 0.0;    // the largest of a pair, over the largest force
 
   // A new force call: forces continue those of the last calls.
-  void begin_call(NearPairs &);
+  void begin_call(NearPairs &, ForceBatches &);
 
   // The pairs are located, the rings know their material. Starts from the last forces, and keeps the new ones.
   // Returns whether the forces are balanced. May be called again in the same call, with other pairs.
-  bool solve(NearPairs &, ForceBatches &, RemoteSides &);
+  bool solve(RemoteSides &);
 
   const std::vector<double> &residuals() const { return residual; }
   double memory_usage() const;
@@ -85,9 +85,8 @@ class ForceSolver : protected Pointers {
   deformable::PairArrays arrays();
   Evaluation evaluate(bool new_directions);
   void newton_step(const Evaluation &);
-  double take_step(bool newton);
+  double take_step();
   Evaluation line_search(const Evaluation &from, double slope);
-  void remember();
   template <class Sum> double sum_over_pairs(Sum &&sum) const;
 };
 

@@ -14,8 +14,7 @@ namespace LAMMPS_NS {
 
 // Forces of a pair at the last calls, the latest first; negative: see ForceSolver.
 struct PastForces {
-  static constexpr double UNKNOWN = -1e300;
-  double at[3] = {UNKNOWN, UNKNOWN, UNKNOWN};
+  double at[3] = {deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE};
 };
 
 // Which pairs there are. Pairs with both particles on this rank come first, then those whose second particle is a

@@ -76,7 +76,8 @@ void PairDeformableRing::settings(int narg, char **arg)
   if (radical && balance_keyword >= 0)
     error->all(FLERR, balance_keyword,
                "pair_style deformable/ring balance is for 'contact balanced' only");
-  balanced.reset(radical ? nullptr : new BalancedForces(lmp, kernels->forces, tolerance, max_evaluations));
+  balanced.reset(radical ? nullptr
+                         : new BalancedForces(lmp, kernels->forces, tolerance, max_evaluations));
   whole_list = radical;
 }
 

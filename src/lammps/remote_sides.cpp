@@ -71,7 +71,7 @@ void RemoteSides::match(std::vector<Candidate> &candidates)
       found = m;
     }
     if (found < 0) continue;    // by rounding at the end of the list: too far to bear a force
-    if (pair.past.at[0] == PastForces::UNKNOWN)
+    if (pair.past.at[0] == deformable::UNKNOWN_FORCE)
       for (int n = 0; n < 3; ++n) pair.past.at[n] = at(found, PAST + n);
     candidates[kept] = pair;
     sent[kept++] = sent[c];
