@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import deformable
+import numpy as np
 from deformable.common.versions import machine
 from deformable.model.beads import Beads
 from deformable.studies.smooth_compressions import law_path, smooth_rows
@@ -39,7 +40,7 @@ def accuracy() -> list[dict[str, Any]]:
 
 def mixtures() -> list[dict[str, Any]]:
     kA, kP, count = (1.0, 10.0), (2.0, 40.0), 80
-    number = Beads(number=count, radius=SKIN, smooth=True).rings((0.5, 0.7)).number
+    number = Beads(number=count, radius=SKIN, smooth=True).rings(np.array([0.5, 0.7])).number
     springs = [stiffness * n for stiffness, n in zip(kP, number.tolist(), strict=True)]
     beads = Beads(count, SKIN, springs, kA, kr=10.0 * max(kA), smooth=True)
     return [

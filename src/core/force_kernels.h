@@ -48,7 +48,11 @@ struct PairArrays {
   const double *contact_product;             // C x, by contact
   double *force, *residual, *error, *weight;
   double *step, *left, *direction, *product;
+  double *begin;      // forces before the step
+  double *past[3];    // forces of the last calls, the latest first
 };
+
+constexpr double UNKNOWN_FORCE = -1e300;
 
 struct Largest {
   double error, force;
@@ -94,6 +98,16 @@ struct ForceKernels {
   double (*add_products)(const PairArrays &, int begin, int end);
   double (*advance)(const PairArrays &, double length, int begin, int end);
   void (*turn)(const PairArrays &, double conjugation, int begin, int end);
+
+  // Replaces the oldest of the past forces by the extrapolation c[0] past[0] + c[1] past[1] + c[2] past[2].
+  void (*extrapolate)(const PairArrays &, const double *c, int begin, int end);
+
+  // Turns the change of forces into one that leaves no force negative, and takes it; alone: each pair changes for
+  // itself, instead of Newton's method. Returns the slope of the dual energy along the step.
+  double (*take_step)(const PairArrays &, bool alone, int begin, int end);
+
+  // The forces become past ones, also those that are not known.
+  void (*remember)(const PairArrays &, int begin, int end);
 
   // The next tilts, by Newton's method for each line alone; returns the largest imbalance. Lines take their next tilts.
   double (*find_tilts)(const LineArrays &, int begin, int end);

@@ -132,6 +132,49 @@ static void turn(const PairArrays &p, double conjugation, int begin, int end)
   });
 }
 
+static void extrapolate(const PairArrays &p, const double *c, int begin, int end)
+{
+  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const T now = load<T>(p.past[0] + k), last = load<T>(p.past[1] + k);
+    const T next = c[0] * now + c[1] * last + c[2] * load<T>(p.past[2] + k);
+    store(p.past[2] + k, select(now == UNKNOWN_FORCE, now, next));
+  });
+}
+
+static double take_step(const PairArrays &p, bool alone, int begin, int end)
+{
+  constexpr double ALONE = 0.5;
+  return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const T zero = T{}, f = load<T>(p.force + k), r = load<T>(p.residual + k);
+    const T error = load<T>(p.error + k);
+    T change = ALONE * error;
+    if (!alone) change = select(load<T>(p.weight + k) > 0.0, load<T>(p.step + k), error);
+    const T least = select(r > 0.0, load<T>(p.stiffening + k) * r * r * r, zero);
+    const T next = larger(f + change, least), step = next - f;
+    store(p.begin + k, f);
+    store(p.step + k, step);
+    store(p.force + k, next);
+    return r * step;
+  });
+}
+
+static void remember(const PairArrays &p, int begin, int end)
+{
+  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const T zero = T{}, force = load<T>(p.force + k);
+    const T f = select(force > 0.0, force, smaller(load<T>(p.error + k), zero));
+    const auto is_new = load<T>(p.past[0] + k) == UNKNOWN_FORCE;
+    store(p.past[0] + k, f);
+    for (int n = 1; n < 3; ++n) {
+      const T past = load<T>(p.past[n] + k);
+      store(p.past[n] + k, select(is_new | (past == UNKNOWN_FORCE), f, past));
+    }
+  });
+}
+
 // The torque d sin(tilt) - t_i - t_j, over d, should vanish. The part of the stiffness against tilts that the outlines
 // leave is not below STABLE. A line at the end of the range that would tilt further stops turning while it bears a force.
 static double find_tilts(const LineArrays &p, int begin, int end)

@@ -30,9 +30,9 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
     wrong = near.locate(p);
     if (wrong >= 0) return wrong;
   }
-  solver.begin_call(near.pairs);
+  solver.begin_call(near.pairs, batches);
   for (int lists = 0;; ++lists) {
-    is_balanced = solver.solve(near.pairs, batches, near.remote_sides);
+    is_balanced = solver.solve(near.remote_sides);
     find_bulges();
     if (lists < MOST_LISTS && !near.is_sufficient(p)) {
       near.build(p, false);
@@ -76,11 +76,13 @@ void BalancedForces::set_material(const DeformableParticles &p)
 void BalancedForces::find_bulges()
 {
   constexpr double MOST = 0.10199;    // -G at its minimum
+  crowded.clear();
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
     const int i = batches.particle[ring];
     if (i < 0) continue;
     const double lengths = batches.total[ring] * batches.per_pressure[ring];
     near.bulge[i] = std::max(MOST * lengths + batches.expansion[ring], 0.0);
+    if (arc_radius_at_least(ring, lengths) < 0.0) crowded.push_back(i);
   }
 }
 
@@ -107,8 +109,7 @@ BalancedForces::Ring BalancedForces::ring(int i) const
   const LoadedRing loaded = {p, delta};
   const Stiffness k = {batches.kA[ring], batches.kP[ring]};
   const double lengths = batches.total[ring] * batches.per_pressure[ring];
-  const double q = batches.radius[ring] + delta - lengths * (0.5 / PI);
-  double arc_radius = q - lengths / PI;
+  double arc_radius = arc_radius_at_least(ring, lengths);
   if (arc_radius < 0.0) {
     double mx = 0.0, my = 0.0;
     for (int m = 0; m < n; ++m) {
@@ -117,7 +118,7 @@ BalancedForces::Ring BalancedForces::ring(int i) const
       mx += f * near.pairs.nx[seat >> 1];
       my += f * near.pairs.ny[seat >> 1];
     }
-    arc_radius = q - std::hypot(mx, my) * batches.per_pressure[ring] / PI;
+    arc_radius += (lengths - std::hypot(mx, my) * batches.per_pressure[ring]) / PI;
   }
   return {{loaded.energy(k), p}, delta, arc_radius, n};
 }

@@ -10,6 +10,7 @@
 #include "near_list.h"
 
 #include "shape.h"
+#include "trigonometry.h"
 
 #include <cmath>
 #include <vector>
@@ -53,6 +54,9 @@ class BalancedForces : protected Pointers {
   double tilt(int k) const { return near.pairs.tilts ? std::asin(near.pairs.tilt[k]) : 0.0; }
   double upright() const { return upright_lines; }
 
+  // The rings whose smallest radius of curvature may be negative.
+  const std::vector<int> &crowded_rings() const { return crowded; }
+
   // Of ring i. The radius of curvature is the smallest one if that is negative, otherwise a lower bound.
   struct Ring {
     deformable::Energy energy;
@@ -72,12 +76,18 @@ class BalancedForces : protected Pointers {
   NearList near;
   ForceBatches batches;
   ForceSolver solver;
+  std::vector<int> crowded;
   bool is_balanced = false, warned = false, warned_upright = false;
   double upright_lines = 0.0;
   std::vector<double> pressure_at, tension_at;    // of the ring of each contact
 
   void arrange(const DeformableParticles &);
   void set_material(const DeformableParticles &);
+  // q - (1/pi) sum L: no direction has a smaller radius of curvature
+  double arc_radius_at_least(std::size_t ring, double lengths) const
+  {
+    return batches.radius[ring] + batches.expansion[ring] - lengths * (1.5 / deformable::PI);
+  }
   void find_bulges();
   void warn_unbalanced();
   bool leave_gaps(const DeformableParticles &);

@@ -17,8 +17,10 @@ using deformable::PairArrays;
    ones.
 ------------------------------------------------------------------------- */
 
-void ForceSolver::begin_call(NearPairs &p)
+void ForceSolver::begin_call(NearPairs &p, ForceBatches &b)
 {
+  pairs = &p;
+  batches = &b;
   static constexpr double COEFFICIENTS[][3] = {{1, 0, 0}, {1, 0, 0}, {2, -1, 0}, {3, -3, 1}};
   static constexpr double STABLE[3] = {2.5, -2, 0.5};
   consecutive_calls = update->ntimestep == last_step + 1 ? std::min(consecutive_calls + 1, 3) : 0;
@@ -26,23 +28,19 @@ void ForceSolver::begin_call(NearPairs &p)
   const bool predicts = consecutive_calls == 3;
   must_correct = predicts && tolerance > LOOSE;
   const double *const c = must_correct ? STABLE : COEFFICIENTS[consecutive_calls];
-  for (int k = 0; k < p.size; ++k) {
-    const double now = p.past[0][k], last = p.past[1][k], before = p.past[2][k];
-    p.past[2][k] = last;
-    p.past[1][k] = now;
-    p.past[0][k] = now == PastForces::UNKNOWN ? now : c[0] * now + c[1] * last + c[2] * before;
-  }
-  if (p.tilts) LineTilts::predict(p, c);
+  kernels.extrapolate(arrays(), c, 0, p.size);
+  std::swap(p.past[1], p.past[2]);
+  std::swap(p.past[0], p.past[1]);
+  if (p.tilts) LineTilts::predict(p, kernels, c);
   evaluations = 0;
   first_solution = true;
 }
 
 /* ---------------------------------------------------------------------- */
 
-bool ForceSolver::solve(NearPairs &p, ForceBatches &b, RemoteSides &r)
+bool ForceSolver::solve(RemoteSides &r)
 {
-  pairs = &p;
-  batches = &b;
+  NearPairs &p = *pairs;
   remote = &r;
   const std::size_t one_more = p.size + 1;    // nothing happens in the last one, which stays zero
   for (std::vector<double> *v :
@@ -50,7 +48,7 @@ bool ForceSolver::solve(NearPairs &p, ForceBatches &b, RemoteSides &r)
     if (v->size() != one_more) v->assign(one_more, 0.0);
   if (comm->nprocs > 1) agree();
   for (int k = 0; k < p.size; ++k) p.force[k] = std::max(p.past[0][k], 0.0);
-  if (p.tilts) tilts.start(p, b, kernels);
+  if (p.tilts) tilts.start(p, *batches, kernels);
 
   if (!first_solution) --evaluations;    // of the same forces as the last one
   Evaluation now = evaluate(true);
@@ -69,7 +67,8 @@ bool ForceSolver::solve(NearPairs &p, ForceBatches &b, RemoteSides &r)
   first_solution = false;
   while (!is_balanced(now) && evaluations < max_evaluations) now = correct(now);
   if (p.tilts && !now.knows_torques) now.torques = find_torques();
-  remember();
+  kernels.remember(arrays(), 0, p.size);
+  if (p.tilts) tilts.remember(p);
   imbalance = now.relative();
   return now.worst() <= target * now.largest;
 }
@@ -93,8 +92,7 @@ ForceSolver::Evaluation ForceSolver::correct(const Evaluation &from)
   }
   newton_step(from);
   must_correct = false;
-  double slope = take_step(true);
-  if (!(slope > 0.0)) slope = take_step(false);
+  const double slope = take_step();
   const bool turns = pairs->tilts && from.forces <= CLOSE * from.largest;
   if (!turns) return line_search(slope, from.forces, false);
   const double torques = find_torques();
@@ -108,10 +106,23 @@ PairArrays ForceSolver::arrays()
 {
   NearPairs &p = *pairs;
   const ForceBatches &b = *batches;
-  return {p.overlap.data(),     p.stiffening.data(), p.side[0].data(), p.side[1].data(),
-          b.indentation.data(), b.compliance.data(), b.product.data(), p.force.data(),
-          residual.data(),      error.data(),        weight.data(),    step.data(),
-          left.data(),          direction.data(),    product.data()};
+  return {p.overlap.data(),
+          p.stiffening.data(),
+          p.side[0].data(),
+          p.side[1].data(),
+          b.indentation.data(),
+          b.compliance.data(),
+          b.product.data(),
+          p.force.data(),
+          residual.data(),
+          error.data(),
+          weight.data(),
+          step.data(),
+          left.data(),
+          direction.data(),
+          product.data(),
+          begin.data(),
+          {p.past[0].data(), p.past[1].data(), p.past[2].data()}};
 }
 
 /* ----------------------------------------------------------------------
@@ -219,29 +230,18 @@ void ForceSolver::newton_step(const Evaluation &from)
   }
 }
 
-/* ----------------------------------------------------------------------
-   Turns the change of forces into one that leaves no force negative, and
-   takes it. Without Newton's method each pair changes for itself. Returns the
-   slope of the dual energy along the step.
-------------------------------------------------------------------------- */
+/* ---------------------------------------------------------------------- */
 
-double ForceSolver::take_step(bool newton)
+double ForceSolver::take_step()
 {
-  constexpr double ALONE = 0.5;
-  const double *const stiffening = pairs->stiffening.data();
-  double *const force = pairs->force.data();
-  if (!newton) std::copy(begin.begin(), begin.end(), pairs->force.begin());
-  for (int k = 0; k < pairs->size; ++k) {
-    const double f = force[k], r = residual[k];
-    double next = f + (!newton ? ALONE * error[k] : weight[k] > 0.0 ? step[k] : error[k]);
-    if (r > 0.0) next = std::max(next, stiffening[k] * r * r * r);
-    next = std::max(next, 0.0);
-    begin[k] = f;
-    step[k] = next - f;
-    force[k] = next;
-  }
-  return sum_over_pairs(
-      [this](int a, int z) { return kernels.dot(residual.data(), step.data(), a, z); });
+  const PairArrays loop = arrays();
+  const auto step = [&](bool alone) {
+    return sum_over_pairs([&](int a, int z) { return kernels.take_step(loop, alone, a, z); });
+  };
+  const double slope = step(false);
+  if (slope > 0.0) return slope;
+  std::copy(begin.begin(), begin.end(), pairs->force.begin());
+  return step(true);
 }
 
 /* ----------------------------------------------------------------------
@@ -278,20 +278,6 @@ ForceSolver::Evaluation ForceSolver::line_search(double slope, double imbalance,
     if (!(next > low && next < high) || high - low < 1e-10) return now;
     at = next;
     for (int k = 0; k < pairs->size; ++k) pairs->force[k] = std::max(begin[k] + at * step[k], 0.0);
-  }
-}
-
-/* ---------------------------------------------------------------------- */
-
-void ForceSolver::remember()
-{
-  if (pairs->tilts) tilts.remember(*pairs);
-  for (int k = 0; k < pairs->size; ++k) {
-    const double f = pairs->force[k] > 0.0 ? pairs->force[k] : std::min(error[k], 0.0);
-    const bool is_new = pairs->past[0][k] == PastForces::UNKNOWN;
-    pairs->past[0][k] = f;
-    if (is_new || pairs->past[1][k] == PastForces::UNKNOWN) pairs->past[1][k] = f;
-    if (is_new || pairs->past[2][k] == PastForces::UNKNOWN) pairs->past[2][k] = f;
   }
 }
 

@@ -50,11 +50,11 @@ class ForceSolver : protected Pointers {
   double imbalance = 0.0;    // the largest of a pair, over the largest force
 
   // A new force call: forces continue those of the last calls.
-  void begin_call(NearPairs &);
+  void begin_call(NearPairs &, ForceBatches &);
 
   // The pairs are located, the rings know their material. Starts from the last forces, and keeps the new ones.
   // Returns whether the forces are balanced. May be called again in the same call, with other pairs.
-  bool solve(NearPairs &, ForceBatches &, RemoteSides &);
+  bool solve(RemoteSides &);
 
   const std::vector<double> &residuals() const { return residual; }
   LineTilts tilts;
@@ -95,11 +95,10 @@ class ForceSolver : protected Pointers {
   Evaluation evaluate(bool new_directions);
   double find_torques();
   void newton_step(const Evaluation &);
-  double take_step(bool newton);
+  double take_step();
   bool is_balanced(Evaluation &);
   Evaluation correct(const Evaluation &);
   Evaluation line_search(double slope, double imbalance, bool turned);
-  void remember();
   template <class Sum> double sum_over_pairs(Sum &&sum) const;
 };
 

@@ -3,35 +3,32 @@
 #include "tilt.h"
 
 #include <algorithm>
+#include <cmath>
 
 using namespace LAMMPS_NS;
 using deformable::LARGEST_SINE;
 
 static constexpr double UPRIGHT = 2.0;    // in place of a past sine
 
-void LineTilts::predict(NearPairs &p, const double *c)
+void LineTilts::predict(NearPairs &p, const deformable::ForceKernels &kernels, const double *c)
 {
-  for (int k = 0; k < p.size; ++k) {
-    const double now = p.past_tilt[0][k], last = p.past_tilt[1][k], before = p.past_tilt[2][k];
-    p.past_tilt[2][k] = last;
-    p.past_tilt[1][k] = now;
-    if (now == PastForces::UNKNOWN || now == UPRIGHT) continue;
-    p.past_tilt[0][k] =
-        std::clamp(c[0] * now + c[1] * last + c[2] * before, -LARGEST_SINE, LARGEST_SINE);
-  }
+  deformable::PairArrays pasts = {};
+  for (int n = 0; n < 3; ++n) pasts.past[n] = p.past_tilt[n].data();
+  kernels.extrapolate(pasts, c, 0, p.size);    // leaves UPRIGHT
+  std::swap(p.past_tilt[1], p.past_tilt[2]);
+  std::swap(p.past_tilt[0], p.past_tilt[1]);
 }
 
 void LineTilts::start(NearPairs &p, ForceBatches &b, const deformable::ForceKernels &kernels)
 {
-  next.assign(p.size, 0.0);
-  turns.assign(p.size, 1.0);
-  rate.assign(b.indentation.size(), 0.0);
-  for (int k = 0; k < p.wall; ++k) {
+  next.resize(p.size);
+  turns.resize(p.size);
+  rate.resize(b.indentation.size());
+  for (int k = 0; k < p.size; ++k) {
     const double sine = p.past_tilt[0][k];
-    if (sine == UPRIGHT)
-      turns[k] = 0.0;
-    else if (sine != PastForces::UNKNOWN)
-      next[k] = sine;
+    const bool is_known = sine != UPRIGHT && sine != deformable::UNKNOWN_FORCE;
+    turns[k] = sine == UPRIGHT ? 0.0 : 1.0;
+    next[k] = is_known ? std::clamp(sine, -LARGEST_SINE, LARGEST_SINE) : 0.0;
   }
   turn(p, b, kernels);
 }
@@ -59,16 +56,17 @@ void LineTilts::keep_upright(NearPairs &p, int k)
   for (std::vector<double> &past : p.past_tilt) past[k] = UPRIGHT;
 }
 
+// A line that has begun or ceased to turn has no past.
 void LineTilts::remember(NearPairs &p) const
 {
+  constexpr double OTHER = 1.0;    // sines differ by less, UPRIGHT and UNKNOWN_FORCE by more
+  double *const now = p.past_tilt[0].data(), *const last = p.past_tilt[1].data();
+  double *const before = p.past_tilt[2].data();
   for (int k = 0; k < p.wall; ++k) {
     const double sine = is_upright(k) ? UPRIGHT : next[k];
-    const auto is_other = [sine](double past) {
-      return past == PastForces::UNKNOWN || (past == UPRIGHT) != (sine == UPRIGHT);
-    };
-    const bool is_new = is_other(p.past_tilt[0][k]);
-    for (int n = 1; n < 3; ++n)
-      if (is_new || is_other(p.past_tilt[n][k])) p.past_tilt[n][k] = sine;
-    p.past_tilt[0][k] = sine;
+    const bool is_new = std::fabs(now[k] - sine) > OTHER;
+    now[k] = sine;
+    last[k] = is_new || std::fabs(last[k] - sine) > OTHER ? sine : last[k];
+    before[k] = is_new || std::fabs(before[k] - sine) > OTHER ? sine : before[k];
   }
 }

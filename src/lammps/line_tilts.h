@@ -21,7 +21,7 @@ namespace LAMMPS_NS {
 class LineTilts {
  public:
   // Extrapolates the tilts of the last calls, which the pairs have.
-  static void predict(NearPairs &, const double *coefficients);
+  static void predict(NearPairs &, const deformable::ForceKernels &, const double *coefficients);
 
   // Of pairs that do not tilt yet: their lines take the first of the past tilts.
   void start(NearPairs &, ForceBatches &, const deformable::ForceKernels &);

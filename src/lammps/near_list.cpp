@@ -269,14 +269,15 @@ double NearList::box_change() const
 bool NearList::is_sufficient(const DeformableParticles &p) const
 {
   const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
-  double most = 0.0;
+  const double most = 0.5 * (margin - box_change());
+  int missing = missed_wall, any;
   for (int i = 0; i < atom->nlocal; ++i) {
     const double dx = x[3 * i] - x_then[2 * i], dy = x[3 * i + 1] - x_then[2 * i + 1];
-    const double more = bulge[i] - bulge_then[i];
     const double grown = p.radii_vary ? std::fabs(p.radius[i] - radius_then[i]) : 0.0;
-    most = std::max(most, std::sqrt(dx * dx + dy * dy) + std::max(more, 0.0) + grown);
+    const double left = most - grown - std::max(bulge[i] - bulge_then[i], 0.0);
+    missing |= !(dx * dx + dy * dy <= left * std::fabs(left));
   }
-  int missing = missed_wall || most + 0.5 * box_change() > 0.5 * margin, any = missing;
+  any = missing;
   if (comm->nprocs > 1) MPI_Allreduce(&missing, &any, 1, MPI_INT, MPI_MAX, world);
   return any == 0;
 }

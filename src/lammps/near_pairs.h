@@ -16,9 +16,9 @@ namespace LAMMPS_NS {
 // Forces of a pair at the last calls, the latest first; negative: see ForceSolver. And the sines of the tilts of its
 // contact line, see LineTilts.
 struct PastForces {
-  static constexpr double UNKNOWN = -1e300;
-  double at[3] = {UNKNOWN, UNKNOWN, UNKNOWN};
-  double tilt[3] = {UNKNOWN, UNKNOWN, UNKNOWN};
+  double at[3] = {deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE};
+  double tilt[3] = {deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE,
+                    deformable::UNKNOWN_FORCE};
 };
 
 // Which pairs there are. Pairs with both particles on this rank come first, then those whose second particle is a

@@ -73,7 +73,7 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool tilts)
       found = m;
     }
     if (found < 0) continue;    // by rounding at the end of the list: too far to bear a force
-    if (pair.past.at[0] == PastForces::UNKNOWN)
+    if (pair.past.at[0] == deformable::UNKNOWN_FORCE)
       for (int n = PAST; n < values; ++n)
         (n < PAST + 3 ? pair.past.at[n - PAST] : pair.past.tilt[n - PAST - 3]) = at(found, n);
     candidates[kept] = pair;
