@@ -157,37 +157,41 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
 
 /* ----------------------------------------------------------------------
    A tilted line must lie between both centers: otherwise it is upright in the
-   next solution. Returns whether there is such a line on any rank.
+   next solution. An outline that a line presses behind its center is crowded:
+   a <= G(0) sum L - delta. Returns whether there is such a line on any rank.
 ------------------------------------------------------------------------- */
 
 bool BalancedForces::leave_gaps(const DeformableParticles &p)
 {
   NearPairs &pairs = near.pairs;
-  int found[2] = {0, 0};    // lines that leave their gap, upright ones
+  int is_any[2] = {!crowded.empty(), solver.tilts.any_upright}, leaves = 0;
+  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, is_any, 2, MPI_INT, MPI_MAX, world);
   upright_lines = 0.0;
+  if (is_any[1] != 0)
+    for (int k = 0; k < pairs.wall; ++k)
+      if (solver.tilts.is_upright(k)) upright_lines += k < pairs.remote ? 1.0 : 0.5;
+  if (is_any[1] != 0 && !warned_upright) warn_upright();
+  if (is_any[0] == 0) return false;
   for (int k = 0; k < pairs.wall; ++k) {
-    if (!(pairs.force[k] > 0.0)) continue;
-    if (solver.tilts.is_upright(k)) {
-      upright_lines += k < pairs.remote ? 1.0 : 0.5;
-      found[1] = 1;
-      continue;
-    }
+    if (!(pairs.force[k] > 0.0) || solver.tilts.is_upright(k)) continue;
     const double a = batches.indentation[pairs.side[0][k]];
     const double b = batches.indentation[pairs.side[1][k]];
     if (a < p.radius[pairs.i[k]] && b < p.radius[pairs.j[k]]) continue;
     LineTilts::keep_upright(pairs, k);
-    found[0] = 1;
+    leaves = 1;
   }
-  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, found, 2, MPI_INT, MPI_MAX, world);
-  if (found[1] != 0 && !warned_upright) {
-    warned_upright = true;
-    if (comm->me == 0)
-      error->warning(
-          FLERR, "Contact lines would tilt by more than 0.3 rad, or leave the gap between their "
-                 "particles: they stay perpendicular to the line of centers. 'compute ID all "
-                 "pair' counts them");
-  }
-  return found[0] != 0;
+  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &leaves, 1, MPI_INT, MPI_MAX, world);
+  return leaves != 0;
+}
+
+void BalancedForces::warn_upright()
+{
+  warned_upright = true;
+  if (comm->me == 0)
+    error->warning(FLERR,
+                   "Contact lines would tilt by more than 0.3 rad, or leave the gap between their "
+                   "particles: they stay perpendicular to the line of centers. 'compute ID all "
+                   "pair' counts them");
 }
 
 /* ---------------------------------------------------------------------- */

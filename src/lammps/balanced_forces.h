@@ -91,6 +91,7 @@ class BalancedForces : protected Pointers {
   void find_bulges();
   void warn_unbalanced();
   bool leave_gaps(const DeformableParticles &);
+  void warn_upright();
 };
 
 }    // namespace LAMMPS_NS

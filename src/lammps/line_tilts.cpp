@@ -57,16 +57,19 @@ void LineTilts::keep_upright(NearPairs &p, int k)
 }
 
 // A line that has begun or ceased to turn has no past.
-void LineTilts::remember(NearPairs &p) const
+void LineTilts::remember(NearPairs &p)
 {
   constexpr double OTHER = 1.0;    // sines differ by less, UPRIGHT and UNKNOWN_FORCE by more
   double *const now = p.past_tilt[0].data(), *const last = p.past_tilt[1].data();
   double *const before = p.past_tilt[2].data();
+  double fewest = 1.0;
   for (int k = 0; k < p.wall; ++k) {
     const double sine = is_upright(k) ? UPRIGHT : next[k];
+    fewest = std::min(fewest, turns[k]);
     const bool is_new = std::fabs(now[k] - sine) > OTHER;
     now[k] = sine;
     last[k] = is_new || std::fabs(last[k] - sine) > OTHER ? sine : last[k];
     before[k] = is_new || std::fabs(before[k] - sine) > OTHER ? sine : before[k];
   }
+  any_upright = fewest == 0.0;
 }

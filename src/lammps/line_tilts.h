@@ -34,11 +34,12 @@ class LineTilts {
 
   // All lines take the tilts found last, or keep them for the next call.
   void turn(NearPairs &, ForceBatches &, const deformable::ForceKernels &);
-  void remember(NearPairs &) const;
+  void remember(NearPairs &);
 
-  // For the next solution: a line that must not tilt. Of the last one: whether it bears a force without a tilt.
+  // For the next solution: a line that must not tilt. Of the last one: the lines that bear a force without a tilt.
   static void keep_upright(NearPairs &, int k);
   bool is_upright(int k) const { return turns[k] == 0.0; }
+  bool any_upright = false;    // on this rank
 
   double bytes() const { return bytes_of(next, turns, rate); }
 
