@@ -51,9 +51,6 @@ from .relaxation import (
 # anew, and removes it again: it would slow down minimizations and runs.
 _RESULTS = ("area", "perimeter", "contacts", "pressure", "arc_radius", "contact_length")
 
-# And of laws that tell it.
-_ERROR = "model_error"
-
 # FIRE starts from this part of 1/sqrt(p), p the largest pressure in a particle (mass 1), and may
 # stretch it tenfold. Measured, N = 40 and 128: 0.03 is the fastest, 0.04 three times slower.
 _TIMESTEP = 0.02
@@ -249,7 +246,7 @@ class Simulation(FormerAttributes, Engine):
         refuse_other(self.lmp, self._setup)
         # commands given to `lmp` may have changed the particles
         self._species = species = gather(self.lmp, "type", 1).astype(np.int64) - 1
-        names = (*_RESULTS, _ERROR) if self.law.tells_error else _RESULTS
+        names = (*_RESULTS, "model_error") if self.law.tells_error else _RESULTS
         results = " ".join(f"{name} 0" for name in names)
         run(
             self.lmp,
