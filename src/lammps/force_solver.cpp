@@ -196,14 +196,14 @@ double ForceSolver::find_torques()
 /* ----------------------------------------------------------------------
    Solves C x = r on the pairs that take part. Newton's method squares its
    relative error in each step: the solution need not be better than that,
-   nor than the tolerance. The first step finds which contacts open or close,
-   and may be coarse.
+   nor than the tolerance. The first step finds which contacts open or close:
+   more accuracy is lost on those.
 ------------------------------------------------------------------------- */
 
 void ForceSolver::newton_step(const Evaluation &from)
 {
   constexpr int MAX_ITERATIONS = 500;
-  constexpr double LEAST_ACCURACY = 0.03, MARGIN = 0.3, SQUARE = 10.0;
+  constexpr double COARSE = 0.03, FIRST = 0.003, MARGIN = 0.3, SQUARE = 10.0;
   const PairArrays loop = arrays();
   double norm2 = sum_over_pairs([&](int a, int z) { return kernels.begin_gradients(loop, a, z); });
   const double weights =
@@ -211,9 +211,9 @@ void ForceSolver::newton_step(const Evaluation &from)
   if (!(norm2 > 0.0)) return;
   // of r, times the mean weight
   const double typical = std::sqrt(norm2 * weights) / pairs_of_all;
-  const double sufficient =
-      std::max(MARGIN * target * from.largest / from.forces, SQUARE * typical / from.largest);
-  const double accuracy = evaluations == 1 ? LEAST_ACCURACY : std::min(LEAST_ACCURACY, sufficient);
+  const double most = evaluations == 1 ? FIRST : SQUARE * typical / from.largest;
+  const double accuracy =
+      std::min(COARSE, std::max(MARGIN * target * from.largest / from.forces, most));
   const double enough = accuracy * accuracy * norm2;
   for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
     kernels.multiply(batches->arrays(), direction.data());
