@@ -38,9 +38,8 @@ static bool locate_pairs(const double *x, const PairPlaces &p, int begin, int en
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
     const auto between = [&](int axis) DEFORMABLE_LANE_LAMBDA {
-      return of_each<T>([&](int w) DEFORMABLE_LANE_LAMBDA {
-        return x[3 * p.j[k + w] + axis] - x[3 * p.i[k + w] + axis];
-      });
+      return gather<T>(x + axis, [&](int w) DEFORMABLE_LANE_LAMBDA { return 3 * p.j[k + w]; }) -
+             gather<T>(x + axis, [&](int w) DEFORMABLE_LANE_LAMBDA { return 3 * p.i[k + w]; });
     };
     const T dx = between(0), dy = between(1);
     const T square = dx * dx + dy * dy, d = root(square), per_d = 1.0 / d;
@@ -54,6 +53,14 @@ static bool locate_pairs(const double *x, const PairPlaces &p, int begin, int en
   return apart;
 }
 
+// x of both contacts of a pair. The sum is the same to the last bit on both ranks of the pair.
+template <class T, class Number>
+DEFORMABLE_LANE_FUNCTION T of_both(const Number *x, const PairArrays &p, int k)
+{
+  return gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.first[k + w]; }) +
+         gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.second[k + w]; });
+}
+
 static Largest find_residuals(const PairArrays &p, int begin, int end)
 {
   Lanes worst = Lanes{}, largest = Lanes{};
@@ -62,10 +69,8 @@ static Largest find_residuals(const PairArrays &p, int begin, int end)
     using T = decltype(kind);
     const T overlap = load<T>(p.overlap + k), stiffening = load<T>(p.stiffening + k);
     const T f = load<T>(p.force + k);
-    const int *const first = p.first + k, *const second = p.second + k;
-    // the sum of both sides first: the same to the last bit on the other rank
-    const T r = overlap - (gather<T>(p.indentation, first) + gather<T>(p.indentation, second));
-    const T w = 1.0 / (gather<T>(p.compliance, first) + gather<T>(p.compliance, second));
+    const T r = overlap - of_both<T>(p.indentation, p, k);
+    const T w = 1.0 / of_both<T>(p.compliance, p, k);
     const T linear = r * w, cubic = stiffening * r * r * r, zero = T{};
     const T loss = larger(linear, -f), less = smaller(linear, cubic);    // f > 0, f = 0
     const T error = select(r > 0.0, larger(linear, cubic), select(f > 0.0, loss, less));
@@ -104,8 +109,7 @@ static double add_products(const PairArrays &p, int begin, int end)
 {
   return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
-    const T y =
-        gather<T>(p.contact_product, p.first + k) + gather<T>(p.contact_product, p.second + k);
+    const T y = of_both<T>(p.contact_product, p, k);
     store(p.product + k, y);
     return y * load<T>(p.direction + k);
   });
@@ -174,14 +178,14 @@ static void remember(const PairArrays &p, int begin, int end)
   });
 }
 
-static double sum(const double *x, int begin, int end)
+static double sum(const float *x, int begin, int end)
 {
   return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     return load<decltype(kind)>(x + k);
   });
 }
 
-static double dot(const double *x, const double *y, int begin, int end)
+static double dot(const double *x, const float *y, int begin, int end)
 {
   return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);

@@ -43,7 +43,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
     if (!is_balanced && without_room() < 0) warn_unbalanced();
     break;
   }
-  kernels.slopes(batches.arrays(), near.pairs.force.data());
+  kernels.slopes(batches.arrays(), near.pairs.directions());
   return -1;
 }
 
@@ -140,7 +140,7 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
     contacts[m] = {angle, sign * p.nx[pair], sign * p.ny[pair],
                    batches.indentation[c] + share * residual(pair)};
     const double length = p.force[pair] * per_p;
-    shape.contact[m] = {length, length, -length * batches.product[c]};
+    shape.contact[m] = {length, length, -length * batches.slope[c]};
     mx += length * contacts[m].nx;
     my += length * contacts[m].ny;
   }

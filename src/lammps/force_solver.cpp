@@ -42,17 +42,18 @@ bool ForceSolver::solve(RemoteSides &r)
   NearPairs &p = *pairs;
   remote = &r;
   const std::size_t one_more = p.size + 1;    // nothing happens in the last one, which stays zero
-  for (std::vector<double> *v :
-       {&residual, &error, &weight, &begin, &step, &left, &direction, &product})
-    if (v->size() != one_more) v->assign(one_more, 0.0);
+  const auto make_room = [one_more](auto &...v) {
+    ((v.size() == one_more ? void() : v.assign(one_more, 0)), ...);
+  };
+  make_room(residual, error, begin, weight, step, left, direction, product);
   if (comm->nprocs > 1) agree();
   for (int k = 0; k < p.size; ++k) p.force[k] = std::max(p.past[0][k], 0.0);
 
   if (!first_solution) --evaluations;    // of the same forces as the last one
-  Evaluation now = evaluate(true);
+  Evaluation now = evaluate();
   if (!now.exists) {
     std::fill(p.force.begin(), p.force.end(), 0.0);
-    now = evaluate(false);
+    now = evaluate();
   }
   // A minimizer needs only a tenth of the imbalance that its last step caused: the rest vanishes as its steps do, if each
   // call corrects it, also below the tolerance.
@@ -137,13 +138,10 @@ template <class Sum> double ForceSolver::sum_over_pairs(Sum &&sum) const
   return all;
 }
 
-ForceSolver::Evaluation ForceSolver::evaluate(bool new_directions)
+ForceSolver::Evaluation ForceSolver::evaluate()
 {
   ++evaluations;
-  const NearPairs &p = *pairs;
-  const bool exist =
-      kernels.shape(batches->arrays(), {p.force.data(), p.angle.data(), p.nx.data(), p.ny.data()},
-                    new_directions);
+  const bool exist = kernels.shape(batches->arrays(), pairs->directions());
   remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                    batches->indentation.data(), batches->compliance.data());
   const deformable::Largest here = kernels.find_residuals(arrays(), 0, pairs->size);
@@ -214,7 +212,7 @@ ForceSolver::Evaluation ForceSolver::line_search(const Evaluation &from, double 
   constexpr double BETTER = 0.5, SMALL_SLOPE = 0.5;
   double low = 0.0, low_slope = slope, high = 1.0, at = 1.0;
   for (;;) {
-    const Evaluation now = evaluate(false);
+    const Evaluation now = evaluate();
     const double good = std::max(BETTER * from.worst, target * now.largest);
     if (now.exists && now.worst <= good) return now;
     double here = -std::numeric_limits<double>::infinity();
