@@ -23,12 +23,14 @@ struct RingArrays {
   double *per_pressure, *mixed, *square, *rate;    // compliance, see RingCompliance
 };
 
-// Contacts, and G and G' of each two contacts of a ring: the lower triangles by rows.
+// Contacts, and G of each two contacts of a ring: the lower triangle by rows. What is in single precision is for
+// conjugate gradients, which only correct forces and mostly wait for memory.
 struct ContactArrays {
   const int *seat;                     // 2 x the index of the pair, + 1 for its second ring
   double *indentation, *compliance;    // a and da_c/df_c
-  double *product;                     // C x of `multiply`, or slopes
-  double *green, *d_green;
+  double *slope;                       // of the outline
+  float *product;                      // C x
+  float *green;
   double *scratch;    // for the rings that have more contacts than any kernel knows, aligned
 };
 
@@ -40,14 +42,14 @@ struct RingBatches {
   ContactArrays contacts;
 };
 
-// Pairs as the solver of ForceSolver sees them.
+// Pairs as ForceSolver sees them.
 struct PairArrays {
   const double *overlap, *stiffening;
   const int *first, *second;                 // contacts of the pairs
   const double *indentation, *compliance;    // by contact
-  const double *contact_product;             // C x, by contact
-  double *force, *residual, *error, *weight;
-  double *step, *left, *direction, *product;
+  const float *contact_product;              // C x, by contact
+  double *force, *residual, *error;
+  float *weight, *step, *left, *direction, *product;
   double *begin;      // forces before the step
   double *past[3];    // forces of the last calls, the latest first
 };
@@ -77,11 +79,11 @@ struct LineArrays {
 };
 
 struct ForceKernels {
-  // Shapes rings by the forces of pairs; new_directions: G and G' too. False: a ring does not exist.
-  bool (*shape)(const RingBatches &, const PairDirections &, bool new_directions);
-  // C x, x by pair, and the slopes of the outlines at the contacts; also their rates (tilt.h), by contact, unless null.
-  void (*multiply)(const RingBatches &, const double *x);
-  void (*slopes)(const RingBatches &, const double *force, double *rate);
+  // Shapes rings by the forces of pairs. False: a ring does not exist.
+  bool (*shape)(const RingBatches &, const PairDirections &);
+  void (*multiply)(const RingBatches &, const float *x);    // C x, x by pair
+  // Slopes of outlines; also how they change as contacts turn (tilt.h), by contact, unless null.
+  void (*slopes)(const RingBatches &, const PairDirections &, double *slope_rate);
 
   // Loops over pairs, from `begin` to before `end`.
 
@@ -113,8 +115,8 @@ struct ForceKernels {
   double (*find_tilts)(const LineArrays &, int begin, int end);
   void (*turn_lines)(const LineArrays &, int begin, int end);
 
-  double (*sum)(const double *, int begin, int end);
-  double (*dot)(const double *, const double *, int begin, int end);
+  double (*sum)(const float *, int begin, int end);
+  double (*dot)(const double *, const float *, int begin, int end);
 };
 
 }    // namespace deformable

@@ -39,9 +39,8 @@ static bool locate_pairs(const double *x, const PairPlaces &p, int begin, int en
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
     const auto between = [&](int axis) DEFORMABLE_LANE_LAMBDA {
-      return of_each<T>([&](int w) DEFORMABLE_LANE_LAMBDA {
-        return x[3 * p.j[k + w] + axis] - x[3 * p.i[k + w] + axis];
-      });
+      return gather<T>(x + axis, [&](int w) DEFORMABLE_LANE_LAMBDA { return 3 * p.j[k + w]; }) -
+             gather<T>(x + axis, [&](int w) DEFORMABLE_LANE_LAMBDA { return 3 * p.i[k + w]; });
     };
     const T dx = between(0), dy = between(1);
     const T square = dx * dx + dy * dy, d = root(square), per_d = 1.0 / d;
@@ -55,6 +54,14 @@ static bool locate_pairs(const double *x, const PairPlaces &p, int begin, int en
   return apart;
 }
 
+// x of both contacts of a pair. The sum is the same to the last bit on both ranks of the pair.
+template <class T, class Number, class Arrays>
+DEFORMABLE_LANE_FUNCTION T of_both(const Number *x, const Arrays &p, int k)
+{
+  return gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.first[k + w]; }) +
+         gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.second[k + w]; });
+}
+
 static Largest find_residuals(const PairArrays &p, int begin, int end)
 {
   Lanes worst = Lanes{}, largest = Lanes{};
@@ -63,10 +70,8 @@ static Largest find_residuals(const PairArrays &p, int begin, int end)
     using T = decltype(kind);
     const T overlap = load<T>(p.overlap + k), stiffening = load<T>(p.stiffening + k);
     const T f = load<T>(p.force + k);
-    const int *const first = p.first + k, *const second = p.second + k;
-    // the sum of both sides first: the same to the last bit on the other rank
-    const T r = overlap - (gather<T>(p.indentation, first) + gather<T>(p.indentation, second));
-    const T w = 1.0 / (gather<T>(p.compliance, first) + gather<T>(p.compliance, second));
+    const T r = overlap - of_both<T>(p.indentation, p, k);
+    const T w = 1.0 / of_both<T>(p.compliance, p, k);
     const T linear = r * w, cubic = stiffening * r * r * r, zero = T{};
     const T loss = larger(linear, -f), less = smaller(linear, cubic);    // f > 0, f = 0
     const T error = select(r > 0.0, larger(linear, cubic), select(f > 0.0, loss, less));
@@ -105,8 +110,7 @@ static double add_products(const PairArrays &p, int begin, int end)
 {
   return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
-    const T y =
-        gather<T>(p.contact_product, p.first + k) + gather<T>(p.contact_product, p.second + k);
+    const T y = of_both<T>(p.contact_product, p, k);
     store(p.product + k, y);
     return y * load<T>(p.direction + k);
   });
@@ -186,9 +190,7 @@ static double find_tilts(const LineArrays &p, int begin, int end)
     using T = decltype(kind);
     const T force = load<T>(p.force + k), sine = load<T>(p.sine + k), zero = T{}, one = zero + 1.0;
     const T most = zero + LARGEST_SINE, per_d = load<T>(p.per_distance + k);
-    const int *const first = p.first + k, *const second = p.second + k;
-    const T slope = gather<T>(p.slope, first) + gather<T>(p.slope, second);
-    const T rate = gather<T>(p.slope_rate, first) + gather<T>(p.slope_rate, second);
+    const T slope = of_both<T>(p.slope, p, k), rate = of_both<T>(p.slope_rate, p, k);
     const T off = slope * per_d - sine, stiffness = 1.0 - rate * per_d / root(1.0 - sine * sine);
     const T better = sine + off / larger(stiffness, zero + STABLE);
     const T before = load<T>(p.turns + k);
@@ -225,14 +227,14 @@ static void turn_lines(const LineArrays &p, int begin, int end)
   });
 }
 
-static double sum(const double *x, int begin, int end)
+static double sum(const float *x, int begin, int end)
 {
   return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     return load<decltype(kind)>(x + k);
   });
 }
 
-static double dot(const double *x, const double *y, int begin, int end)
+static double dot(const double *x, const float *y, int begin, int end)
 {
   return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);

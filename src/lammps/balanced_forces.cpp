@@ -47,7 +47,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
     if (!is_balanced && without_room() < 0) warn_unbalanced();
     break;
   }
-  if (!near.pairs.tilts) kernels.slopes(batches.arrays(), near.pairs.force.data(), nullptr);
+  if (!near.pairs.tilts) kernels.slopes(batches.arrays(), near.pairs.directions(), nullptr);
   return -1;
 }
 
@@ -144,7 +144,7 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
     contacts[m] = {angle, sign * p.nx[pair], sign * p.ny[pair],
                    batches.indentation[c] + share * residual(pair)};
     const double length = p.force[pair] * per_p;
-    shape.contact[m] = {length, length, -length * batches.product[c]};
+    shape.contact[m] = {length, length, -length * batches.slope[c]};
     mx += length * contacts[m].nx;
     my += length * contacts[m].ny;
   }

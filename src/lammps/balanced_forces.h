@@ -43,7 +43,7 @@ class BalancedForces : protected Pointers {
   // What is left of the overlap of a pair: both sides share it by their compliances.
   double residual(int k) const { return solver.residuals()[k]; }
   // After solve: L G' summed over the other contacts of that side's ring, the slope of its outline at the contact.
-  double outline_slope(int k, int side) const { return batches.product[near.pairs.side[side][k]]; }
+  double outline_slope(int k, int side) const { return batches.slope[near.pairs.side[side][k]]; }
 
   // After solve: what curved contact lines would still save (tilt.h), half of it for either particle, and not more than
   // its energy; by particle of this rank.

@@ -43,18 +43,19 @@ bool ForceSolver::solve(RemoteSides &r)
   NearPairs &p = *pairs;
   remote = &r;
   const std::size_t one_more = p.size + 1;    // nothing happens in the last one, which stays zero
-  for (std::vector<double> *v :
-       {&residual, &error, &weight, &begin, &step, &left, &direction, &product})
-    if (v->size() != one_more) v->assign(one_more, 0.0);
+  const auto make_room = [one_more](auto &...v) {
+    ((v.size() == one_more ? void() : v.assign(one_more, 0)), ...);
+  };
+  make_room(residual, error, begin, weight, step, left, direction, product);
   if (comm->nprocs > 1) agree();
   for (int k = 0; k < p.size; ++k) p.force[k] = std::max(p.past[0][k], 0.0);
   if (p.tilts) tilts.start(p, *batches, kernels);
 
   if (!first_solution) --evaluations;    // of the same forces as the last one
-  Evaluation now = evaluate(true);
+  Evaluation now = evaluate();
   if (!now.exists) {
     std::fill(p.force.begin(), p.force.end(), 0.0);
-    now = evaluate(false);
+    now = evaluate();
   }
   // A minimizer needs only a tenth of the imbalance that its last step caused: the rest vanishes as its steps do, if each
   // call corrects it, also below the tolerance.
@@ -88,7 +89,7 @@ ForceSolver::Evaluation ForceSolver::correct(const Evaluation &from)
   constexpr double CLOSE = 0.05;
   if (from.knows_torques) {    // only tilts are missing
     tilts.turn(*pairs, *batches, kernels);
-    return evaluate(true);
+    return evaluate();
   }
   newton_step(from);
   must_correct = false;
@@ -167,13 +168,10 @@ template <class Sum> double ForceSolver::sum_over_pairs(Sum &&sum) const
   return all;
 }
 
-ForceSolver::Evaluation ForceSolver::evaluate(bool new_directions)
+ForceSolver::Evaluation ForceSolver::evaluate()
 {
   ++evaluations;
-  const NearPairs &p = *pairs;
-  const bool exist =
-      kernels.shape(batches->arrays(), {p.force.data(), p.angle.data(), p.nx.data(), p.ny.data()},
-                    new_directions);
+  const bool exist = kernels.shape(batches->arrays(), pairs->directions());
   remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                    batches->indentation.data(), batches->compliance.data());
   const deformable::Largest here = kernels.find_residuals(arrays(), 0, pairs->size);
@@ -185,9 +183,9 @@ ForceSolver::Evaluation ForceSolver::evaluate(bool new_directions)
 // The largest imbalance of a tilt for the present forces. Also finds the next tilts.
 double ForceSolver::find_torques()
 {
-  kernels.slopes(batches->arrays(), pairs->force.data(), tilts.rates());
-  remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
-                   batches->product.data(), tilts.rates());
+  kernels.slopes(batches->arrays(), pairs->directions(), tilts.rates());
+  remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts, batches->slope.data(),
+                   tilts.rates());
   double worst = tilts.find(*pairs, *batches, kernels);
   if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE, MPI_MAX, world);
   return worst;
@@ -255,7 +253,7 @@ ForceSolver::Evaluation ForceSolver::line_search(double slope, double imbalance,
   constexpr double BETTER = 0.5, NO_WORSE = 2.0, SMALL_SLOPE = 0.5;
   double low = 0.0, low_slope = slope, high = 1.0, at = 1.0;
   for (;;) {
-    const Evaluation now = evaluate(turned && at == 1.0);
+    const Evaluation now = evaluate();
     const double good = std::max((turned ? NO_WORSE : BETTER) * imbalance, target * now.largest);
     if (now.exists && now.forces <= good) return now;
     double here = -std::numeric_limits<double>::infinity();

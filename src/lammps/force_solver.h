@@ -76,10 +76,10 @@ class ForceSolver : protected Pointers {
   RemoteSides *remote = nullptr;
 
   // by pair
-  std::vector<double> residual, error,
-      weight;                         // r, imbalance, 1/(C_i + C_j) of pairs that take part
-  std::vector<double> begin, step;    // of a line search
-  std::vector<double> left, direction, product;
+  std::vector<double> residual, error;    // r, imbalance
+  std::vector<double> begin;              // of a line search
+  std::vector<float> weight;              // 1/(C_i + C_j) of pairs that take part
+  std::vector<float> step, left, direction, product;
 
   bigint last_step = -2;
   int consecutive_calls = 0;     // at successive steps before this one, up to 3
@@ -92,7 +92,7 @@ class ForceSolver : protected Pointers {
 
   void agree();
   deformable::PairArrays arrays();
-  Evaluation evaluate(bool new_directions);
+  Evaluation evaluate();
   double find_torques();
   void newton_step(const Evaluation &);
   double take_step();

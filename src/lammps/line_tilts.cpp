@@ -37,7 +37,7 @@ deformable::LineArrays LineTilts::arrays(NearPairs &p, ForceBatches &b)
 {
   return {
       p.touching.data(), p.per_distance.data(), p.force.data(), p.side[0].data(), p.side[1].data(),
-      b.product.data(),  rate.data(),           p.tilt.data(),  next.data(),      turns.data(),
+      b.slope.data(),    rate.data(),           p.tilt.data(),  next.data(),      turns.data(),
       p.overlap.data(),  p.angle.data(),        p.nx.data(),    p.ny.data()};
 }
 

@@ -80,7 +80,11 @@ struct NearPairs : PairList {
     return {cosine * nx[k] + sine * ny[k], cosine * ny[k] - sine * nx[k], cosine};
   }
   void clear(int expected);    // removes all pairs; memory for about as many
-  void make_room();            // for the arrays that add() does not fill
+  deformable::PairDirections directions() const
+  {
+    return {force.data(), angle.data(), nx.data(), ny.data()};
+  }
+  void make_room();    // for the arrays that add() does not fill
 
   // Distances, directions and overlaps of pairs of particles. Returns -1, or the first pair whose contact line cannot
   // lie between the centers.

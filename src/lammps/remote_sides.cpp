@@ -85,7 +85,8 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool tilts)
   set_rows(2);
 }
 
-void RemoteSides::exchange(const int *side, int own, double *values, double *more)
+template <class Number>
+void RemoteSides::exchange(const int *side, int own, Number *values, Number *more)
 {
   if (comm->nprocs == 1) return;
   const int count = static_cast<int>(sent.size());
@@ -95,7 +96,10 @@ void RemoteSides::exchange(const int *side, int own, double *values, double *mor
   }
   comm->forward_comm_array(more ? 2 * slots : slots, rows.data());
   for (int c = 0; c < count; ++c) {
-    values[own + c] = at(received[c], 0);
-    if (more) more[own + c] = at(received[c], 1);
+    values[own + c] = static_cast<Number>(at(received[c], 0));
+    if (more) more[own + c] = static_cast<Number>(at(received[c], 1));
   }
 }
+
+template void RemoteSides::exchange(const int *, int, double *, double *);
+template void RemoteSides::exchange(const int *, int, float *, float *);
