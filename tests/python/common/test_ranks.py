@@ -82,7 +82,7 @@ def inverse(value):
     open(f"called-{value}", "w").close()
     if value == "exit":
         os._exit(1)
-    time.sleep(0.05)
+    time.sleep(0.2)
     return 1 / value
 
 if __name__ == "__main__":
