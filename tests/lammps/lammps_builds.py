@@ -56,6 +56,24 @@ def build(source, folder, *options):
     call(tool("cmake"), "--build", folder, "--parallel", "2")
 
 
+def build_lammps(suite, *options):
+    """LAMMPS of a suite of Debian with the packages that the scenes need, installed; the prefix.
+
+    MOLECULE has bonds, PLUGIN loads the styles.
+    """
+    source, folder, prefix = sources(suite), CACHE / suite / "build", CACHE / suite / "prefix"
+    packages = (
+        "-DPKG_MOLECULE=ON",
+        "-DPKG_PLUGIN=ON",
+        "-DBUILD_OMP=OFF",
+        "-DDOWNLOAD_POTENTIALS=OFF",
+    )
+    precompile = f"-DCMAKE_PROJECT_INCLUDE={Path(__file__).with_name('precompile.cmake')}"
+    build(source / "cmake", folder, *packages, precompile, *options)
+    install(folder, prefix)
+    return prefix
+
+
 def install(folder, prefix):
     call(tool("cmake"), "--install", folder, "--prefix", prefix)
 

