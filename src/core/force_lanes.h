@@ -16,6 +16,7 @@ namespace deformable::DEFORMABLE_LEVEL {
 DEFORMABLE_LANE_FUNCTION RingArrays rings_of(RingArrays r, int ring)
 {
   for (const double **p : {&r.radius, &r.kA, &r.kP}) *p += ring;
+  if (r.tension) r.tension += ring;
   for (double **p : {&r.pressure, &r.expansion, &r.work, &r.total, &r.per_pressure, &r.mixed,
                      &r.square, &r.rate})
     *p += ring;
@@ -73,13 +74,43 @@ DEFORMABLE_LANE_FUNCTION Lanes cube_root(Lanes cube, Lanes guess)
   return select(cube > NOTHING, guess, Lanes{});
 }
 
+// Rings of a tension alone that conserve their area: the closed form of find_expansion_under_tension, and
+// compliance_of.
+DEFORMABLE_LANE_FUNCTION bool press_droplets(const RingArrays &r)
+{
+  constexpr double NOTHING = 1e-280;
+  const Lanes radius = load<Lanes>(r.radius), work = load<Lanes>(r.work);
+  const Lanes gamma = load<Lanes>(r.tension), tension = gamma + load<Lanes>(r.total) / (2.0 * PI);
+  const Mask loaded = work > all(NOTHING);
+  const Lanes x = select(loaded, work / (PI * tension * tension), Lanes{});
+  const Mask exist = x < all(1.0);
+  const Lanes part = root(1.0 - select(exist, x, Lanes{}));
+  const Lanes p = select(loaded, tension * part / radius, gamma / radius);
+  const Lanes delta = radius * x / (part * (1.0 + part)), E = radius + delta;
+  const Lanes e = 2.0 * work / (p * p * p), per_D = 1.0 / (2.0 * PI * E * E - p * e);
+  store(r.pressure, p);
+  store(r.expansion, delta);
+  store(r.per_pressure, 1.0 / p);
+  store(r.mixed, E / p * per_D);
+  store(r.square, -p / p * per_D / p);
+  store(r.rate, e * per_D / (2.0 * PI));
+  return !any(~exist);
+}
+
+DEFORMABLE_LANE_FUNCTION bool are_droplets(const RingArrays &r)
+{
+  return r.tension &&
+         !any(~((load<Lanes>(r.kA) == all(__builtin_inf())) & (load<Lanes>(r.kP) == Lanes{})));
+}
+
 // Pressure, expansion and compliance of W rings; returns false where a ring does not exist.
 template <bool SOFT> DEFORMABLE_LANE_FUNCTION bool press(const RingArrays &r)
 {
   if constexpr (SOFT) {
+    if (are_droplets(r)) return press_droplets(r);
     bool exist = true;
     for (int w = 0; w < W; ++w) {
-      const Stiffness k = {r.kA[w], r.kP[w]};
+      const Stiffness k = {r.kA[w], r.kP[w], r.tension ? r.tension[w] : 0.0};
       LoadedRing ring = {r.pressure[w], r.expansion[w]};
       exist &= find_pressure(r.radius[w], k, {r.work[w], r.total[w]}, ring);
       const RingCompliance c = compliance_of(r.radius[w], k, r.work[w], ring);

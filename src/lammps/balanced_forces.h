@@ -66,6 +66,7 @@ class BalancedForces : protected Pointers {
   void arrange(const DeformableParticles &);
   void set_material(const DeformableParticles &);
   void find_bulges();
+  int collapsed() const;
   void warn_unbalanced();
 };
 

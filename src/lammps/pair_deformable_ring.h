@@ -8,6 +8,7 @@
 
 #include "balanced_forces.h"
 #include "soft_ring.h"
+#include "species_ramps.h"
 
 #include <memory>
 
@@ -17,6 +18,8 @@ class PairDeformableRing : public PairDeformable {
  public:
   PairDeformableRing(class LAMMPS *lmp) : PairDeformable(lmp, 4) {}
   void settings(int, char **) override;
+  void coeff(int, char **) override;
+  void *extract(const char *, int &) override;
   void init_style() override;
   void compute(int, int) override;
   double memory_usage() override;
@@ -24,6 +27,9 @@ class PairDeformableRing : public PairDeformable {
  private:
   std::unique_ptr<BalancedForces> balanced;    // null: contacts stay on their radical axes
   bool soft = false;                           // some species does not conserve its perimeter
+  SpeciesRamps ramps;
+  bool take_ramps();    // whether a species has changed
+  void find_soft();
   double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
 
   deformable::RingLCP lcp;
@@ -35,7 +41,7 @@ class PairDeformableRing : public PairDeformable {
   std::vector<double> radii;                    // of all particles, ghosts included
   std::vector<deformable::Contact> contacts;    // of one particle
   std::vector<int> seats;
-  void evaluate_balanced();
+  void evaluate_balanced(bool new_material);
   void push_pairs();
   void finish_balanced(int i);
 

@@ -23,7 +23,7 @@ class ParticleResults {
 
   // Particle i, whose ring has this radius when undeformed.
   void store_shape(int i, double radius, int contacts, const deformable::Shape &, double pressure);
-  void store_circle(int i, double radius);
+  void store_circle(int i, double radius, double pressure);
 
   double bytes() const;
 
