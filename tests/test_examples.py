@@ -247,7 +247,7 @@ def commands(page):
     return [shlex.split(line, comments=True) for line in lines]
 
 
-PAGES = [p for pattern in ("*.md", "docs/*.md", "examples/*/*.md") for p in ROOT.glob(pattern)]
+PAGES = [p for pattern in ("*.md", "docs/**/*.md", "examples/*/*.md") for p in ROOT.glob(pattern)]
 
 
 @pytest.mark.parametrize(

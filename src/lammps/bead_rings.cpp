@@ -1,5 +1,7 @@
 #include "bead_rings.h"
 
+#include "lammps_release.h"
+
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
@@ -30,7 +32,7 @@ std::vector<Bead> gather_beads(LAMMPS *lmp, const BeadSelection &selection)
                     atom->x[i][0], atom->x[i][1]});
   }
   constexpr int PER_BEAD = sizeof(Bead) / sizeof(double);
-  const int length = PER_BEAD * static_cast<int>(mine.size());
+  int length = PER_BEAD * static_cast<int>(mine.size());
   std::vector<int> lengths(lmp->comm->nprocs), offsets(lmp->comm->nprocs);
   MPI_Allgather(&length, 1, MPI_INT, lengths.data(), 1, MPI_INT, lmp->world);
   int total = 0;
@@ -62,9 +64,9 @@ void from_to(const Domain *domain, const Bead &a, const Bead &b, double &dx, dou
 
 bool LAMMPS_NS::is_nearest_image(const Domain *domain, double dx, double dy)
 {
-  double nearest_x = dx, nearest_y = dy, nearest_z = 0.0;
-  domain->minimum_image_big(FLERR, nearest_x, nearest_y, nearest_z);
-  return nearest_x == dx && nearest_y == dy;
+  double nearest[3] = {dx, dy, 0.0};
+  minimum_image_big(domain, nearest);
+  return nearest[0] == dx && nearest[1] == dy;
 }
 
 /* ---------------------------------------------------------------------- */

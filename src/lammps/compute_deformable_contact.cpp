@@ -1,5 +1,6 @@
 #include "compute_deformable_contact.h"
 
+#include "lammps_release.h"
 #include "pair_deformable.h"
 
 #include "error.h"
@@ -14,7 +15,8 @@ ComputeDeformableContact::ComputeDeformableContact(LAMMPS *lmp, int narg, char *
     : Compute(lmp, narg, arg)
 {
   if (narg > 3)
-    error->all(FLERR, 3, "Unknown compute deformable/contact argument '{}': it takes none", arg[3]);
+    error->all(FLERR_WORD(3), "Unknown compute deformable/contact argument '{}': it takes none",
+               arg[3]);
   local_flag = 1;
   size_local_rows = 0;
   size_local_cols = 9;

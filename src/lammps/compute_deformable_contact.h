@@ -1,5 +1,11 @@
 // The contacts of the deformable pair styles, for dump local: compute ID group deformable/contact
 
+#ifdef COMPUTE_CLASS
+// clang-format off
+ComputeStyle(deformable/contact,ComputeDeformableContact);
+// clang-format on
+#else
+
 #ifndef LMP_COMPUTE_DEFORMABLE_CONTACT_H
 #define LMP_COMPUTE_DEFORMABLE_CONTACT_H
 
@@ -26,4 +32,5 @@ class ComputeDeformableContact : public Compute {
 
 }    // namespace LAMMPS_NS
 
+#endif
 #endif

@@ -1,5 +1,7 @@
 #include "fix_deformable_polygon.h"
 
+#include "lammps_release.h"
+
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
@@ -21,18 +23,18 @@ FixDeformablePolygon::FixDeformablePolygon(LAMMPS *lmp, int narg, char **arg) : 
   if (narg < 4) utils::missing_cmd_args(FLERR, "fix deformable/polygon", error);
   kA = utils::numeric(FLERR, arg[3], false, lmp);
   if (!(kA >= 0.0 && std::isfinite(kA)))
-    error->all(FLERR, 3, "Fix deformable/polygon: kA is '{}': it must be finite and not negative",
-               arg[3]);
+    error->all(FLERR_WORD(3),
+               "Fix deformable/polygon: kA is '{}': it must be finite and not negative", arg[3]);
   for (int iarg = 4; iarg < narg; iarg += 2) {
     if (std::strcmp(arg[iarg], "rest") != 0)
-      error->all(FLERR, iarg, "Unknown fix deformable/polygon keyword '{}': it must be 'rest'",
+      error->all(FLERR_WORD(iarg), "Unknown fix deformable/polygon keyword '{}': it must be 'rest'",
                  arg[iarg]);
     if (iarg + 1 >= narg) utils::missing_cmd_args(FLERR, "fix deformable/polygon rest", error);
     given_rest_area = 0.0;
     if (std::strcmp(arg[iarg + 1], "initial") == 0) continue;
     given_rest_area = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
     if (!(given_rest_area > 0.0 && std::isfinite(given_rest_area)))
-      error->all(FLERR, iarg + 1,
+      error->all(FLERR_WORD(iarg + 1),
                  "Fix deformable/polygon: rest is '{}': it must be initial, or positive and finite",
                  arg[iarg + 1]);
   }

@@ -4,6 +4,12 @@
 // and pair_style harmonic/cut between rings this is the deformable-polygon model, the reference for the deformable
 // pair styles.
 
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(deformable/polygon,FixDeformablePolygon);
+// clang-format on
+#else
+
 #ifndef LMP_FIX_DEFORMABLE_POLYGON_H
 #define LMP_FIX_DEFORMABLE_POLYGON_H
 
@@ -65,4 +71,5 @@ class FixDeformablePolygon : public Fix {
 
 }    // namespace LAMMPS_NS
 
+#endif
 #endif

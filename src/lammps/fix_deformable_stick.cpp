@@ -1,5 +1,7 @@
 #include "fix_deformable_stick.h"
 
+#include "lammps_release.h"
+
 #include "atom.h"
 #include "domain.h"
 #include "error.h"
@@ -20,23 +22,24 @@ FixDeformableStick::FixDeformableStick(LAMMPS *lmp, int narg, char **arg) : Fix(
   if (narg < 5) utils::missing_cmd_args(FLERR, "fix deformable/stick", error);
   region_id = arg[3];
   if (!domain->get_region_by_id(region_id))
-    error->all(FLERR, 3, "Region '{}' of fix deformable/stick does not exist", region_id);
+    error->all(FLERR_WORD(3), "Region '{}' of fix deformable/stick does not exist", region_id);
 
   stiffness = utils::numeric(FLERR, arg[4], false, lmp);
   if (!(stiffness > 0.0 && std::isfinite(stiffness)))
-    error->all(FLERR, 4, "Fix deformable/stick: k is '{}': it must be positive and finite", arg[4]);
+    error->all(FLERR_WORD(4), "Fix deformable/stick: k is '{}': it must be positive and finite",
+               arg[4]);
   if (narg > 5) {
     if (std::strcmp(arg[5], "radius") != 0)
-      error->all(FLERR, 5, "Unknown fix deformable/stick keyword '{}': it must be 'radius'",
+      error->all(FLERR_WORD(5), "Unknown fix deformable/stick keyword '{}': it must be 'radius'",
                  arg[5]);
     if (narg < 7) utils::missing_cmd_args(FLERR, "fix deformable/stick radius", error);
     given_radius = utils::numeric(FLERR, arg[6], false, lmp);
     if (!(given_radius > 0.0 && std::isfinite(given_radius)))
-      error->all(FLERR, 6, "Fix deformable/stick: radius is '{}': it must be positive and finite",
-                 arg[6]);
+      error->all(FLERR_WORD(6),
+                 "Fix deformable/stick: radius is '{}': it must be positive and finite", arg[6]);
   }
   if (narg > 7)
-    error->all(FLERR, 7, "Unknown fix deformable/stick argument '{}' after 'radius'", arg[7]);
+    error->all(FLERR_WORD(7), "Unknown fix deformable/stick argument '{}' after 'radius'", arg[7]);
 
   // see fix_deformable_wall.h
   delete[] style;
@@ -177,7 +180,7 @@ void FixDeformableStick::add_springs(int i, double radius, const Region::Contact
 {
   const double nx = face.delx / face.r, ny = face.dely / face.r;    // s = (-ny, nx)
   double d[3] = {atom->x[i][0] - anchor.x, atom->x[i][1] - anchor.y, 0.0};
-  domain->minimum_image(FLERR, d);
+  minimum_image(domain, d);
   const double t = nx * d[1] - ny * d[0];
   const double normal = stiffness * (radius - face.r), tangential = -stiffness * t;
   const double fx = normal * nx - tangential * ny, fy = normal * ny + tangential * nx;

@@ -3,6 +3,12 @@
 // Two springs act on a bead that touches a face of the region: one normal to the face, and one along the face to
 // the anchor, the position of the bead at the first touch. The anchor remains until the bead loses contact.
 
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(deformable/stick,FixDeformableStick);
+// clang-format on
+#else
+
 #ifndef LMP_FIX_DEFORMABLE_STICK_H
 #define LMP_FIX_DEFORMABLE_STICK_H
 
@@ -66,4 +72,5 @@ class FixDeformableStick : public Fix {
 
 }    // namespace LAMMPS_NS
 
+#endif
 #endif

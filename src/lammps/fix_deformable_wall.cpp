@@ -1,5 +1,7 @@
 #include "fix_deformable_wall.h"
 
+#include "lammps_release.h"
+
 #include "domain.h"
 #include "error.h"
 #include "force.h"
@@ -22,13 +24,13 @@ FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg) : Fix(lm
     require(scene.assign(std::move(sources)));
   } else {
     if (narg > 4)
-      error->all(FLERR, 4,
+      error->all(FLERR_WORD(4),
                  "Unknown fix deformable/wall argument '{}': it needs a region ID only, or shapes "
                  "that begin with 'plane', 'circle', 'disk', 'segment' or 'polygon'",
                  arg[4]);
     region_id = arg[3];
     if (!domain->get_region_by_id(region_id))
-      error->all(FLERR, 3, "Region '{}' of fix deformable/wall does not exist", region_id);
+      error->all(FLERR_WORD(3), "Region '{}' of fix deformable/wall does not exist", region_id);
   }
 
   delete[] style;
@@ -156,7 +158,7 @@ void FixDeformableWall::min_post_force(int vflag)
 
 double FixDeformableWall::compute_scalar()
 {
-  const double here = scene.energy_given();
+  double here = scene.energy_given();
   double all;
   MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_SUM, world);
   return all;

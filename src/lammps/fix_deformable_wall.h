@@ -3,6 +3,12 @@
 // The pair style asks this fix for the contacts of a particle with the walls, computes the shape with all
 // contacts of the particle, and returns the forces of the walls. The fix adds them in post_force.
 
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(deformable/wall,FixDeformableWall);
+// clang-format on
+#else
+
 #ifndef LMP_FIX_DEFORMABLE_WALL_H
 #define LMP_FIX_DEFORMABLE_WALL_H
 
@@ -94,4 +100,5 @@ class FixDeformableWall : public Fix {
 
 }    // namespace LAMMPS_NS
 
+#endif
 #endif

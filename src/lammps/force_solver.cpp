@@ -119,7 +119,7 @@ void ForceSolver::agree()
 // Pairs that two ranks share count half on each.
 template <class Sum> double ForceSolver::sum_over_pairs(Sum &&sum) const
 {
-  const double part =
+  double part =
       sum(0, pairs->remote) + 0.5 * sum(pairs->remote, pairs->wall) + sum(pairs->wall, pairs->size);
   if (comm->nprocs == 1) return part;
   double all;

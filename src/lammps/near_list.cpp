@@ -35,7 +35,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
   }
   remote_sides.to_ghosts(bulge);
 
-  std::swap(old, static_cast<PairList &>(pairs));
+  std::swap(old, static_cast<KnownPairs &>(pairs));
   pairs.clear(old.size);
   candidates.clear();
   int next_old = 0, next_old_remote = old.remote;

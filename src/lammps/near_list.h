@@ -72,7 +72,7 @@ class NearList : protected Pointers {
   std::vector<tagint> remote_tags;    // of the second particles of remote pairs
   std::vector<int> owned;    // by local index: the particle of this rank whose image it is, or -1
   ForceHistory history;
-  PairList old;
+  KnownPairs old;
   std::vector<RemoteSides::Candidate> candidates;
 
   void store_history();

@@ -20,7 +20,7 @@ struct PastForces {
 
 // Which pairs there are. Pairs with both particles on this rank come first, then those whose second particle is a
 // ghost from another rank, then particles and walls.
-struct PairList {
+struct KnownPairs {
   int remote = 0, wall = 0, size = 0;    // first remote pair, first pair with a wall, end
 
   std::vector<int> i,
@@ -31,7 +31,7 @@ struct PairList {
 };
 
 // And where they are: a structure of arrays.
-struct NearPairs : PairList {
+struct NearPairs : KnownPairs {
   std::vector<int>
       second;    // row of j if it, or the particle whose image it is, is on this rank; or -1
   std::vector<double> touching;    // R_i + R_j

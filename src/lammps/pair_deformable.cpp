@@ -2,6 +2,7 @@
 
 #include "compute_deformable_contact.h"
 #include "input_checks.h"
+#include "lammps_release.h"
 
 #include "parameter_rules.h"
 #include "trigonometry.h"
@@ -96,7 +97,7 @@ void PairDeformable::coeff(int narg, char **arg)
     if (species[type].name.empty()) {
       std::string names;
       for (const Species &candidate : known) names += " " + shown(candidate.name);
-      error->all(FLERR, 2 + type, "Species '{}' is not in the file '{}', which has:{}", name,
+      error->all(FLERR_WORD(2 + type), "Species '{}' is not in the file '{}', which has:{}", name,
                  arg[2], names);
     }
     check_species(species[type]);
@@ -230,8 +231,8 @@ void PairDeformable::set_radius(int iarg, char **arg)
 {
   const std::string choice = arg[iarg];
   if (choice != "type" && choice != "atom")
-    error->all(FLERR, iarg, "Radius '{}' of a deformable pair style is neither 'type' nor 'atom'",
-               choice);
+    error->all(FLERR_WORD(iarg),
+               "Radius '{}' of a deformable pair style is neither 'type' nor 'atom'", choice);
   radius_by_atom = choice == "atom";
 }
 

@@ -2,6 +2,7 @@
 
 #include "edge_checks.h"
 #include "input_checks.h"
+#include "lammps_release.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -81,7 +82,7 @@ void PairDeformableEdge::settings(int narg, char **arg)
                narg);
   longest = utils::numeric(FLERR, arg[0], false, lmp);
   if (!(longest > 0.0 && std::isfinite(longest)))
-    error->all(FLERR, Error::ARGZERO, "{}: l is '{}': it must be positive and finite", STYLE,
+    error->all(FLERR_WORD(Error::ARGZERO), "{}: l is '{}': it must be positive and finite", STYLE,
                arg[0]);
 }
 
@@ -99,10 +100,10 @@ void PairDeformableEdge::coeff(int narg, char **arg)
   utils::bounds(FLERR, arg[1], 1, atom->ntypes, jlo, jhi, error);
   const double stiffness = utils::numeric(FLERR, arg[2], false, lmp);
   if (!(stiffness >= 0.0 && std::isfinite(stiffness)))
-    error->all(FLERR, 2, "{}: kr is '{}': it must be finite and not negative", STYLE, arg[2]);
+    error->all(FLERR_WORD(2), "{}: kr is '{}': it must be finite and not negative", STYLE, arg[2]);
   const double range = utils::numeric(FLERR, arg[3], false, lmp);
   if (!(range > 0.0 && std::isfinite(range)))
-    error->all(FLERR, 3, "{}: c is '{}': it must be positive and finite", STYLE, arg[3]);
+    error->all(FLERR_WORD(3), "{}: c is '{}': it must be positive and finite", STYLE, arg[3]);
 
   int count = 0;
   for (int i = ilo; i <= ihi; ++i)

@@ -2,6 +2,12 @@
 //   pair_style deformable/edge l
 //   pair_coeff I J kr c
 
+#ifdef PAIR_CLASS
+// clang-format off
+PairStyle(deformable/edge,PairDeformableEdge);
+// clang-format on
+#else
+
 #ifndef LMP_PAIR_DEFORMABLE_EDGE_H
 #define LMP_PAIR_DEFORMABLE_EDGE_H
 
@@ -57,4 +63,5 @@ class PairDeformableEdge : public Pair {
 
 }    // namespace LAMMPS_NS
 
+#endif
 #endif

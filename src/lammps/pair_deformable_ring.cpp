@@ -1,5 +1,7 @@
 #include "pair_deformable_ring.h"
 
+#include "lammps_release.h"
+
 #include "contact.h"
 #include "support.h"
 
@@ -33,7 +35,7 @@ void PairDeformableRing::settings(int narg, char **arg)
     const std::string keyword = arg[iarg];
     const int values = keyword == "balance" ? 2 : 1;
     if (keyword != "contact" && keyword != "balance" && keyword != "reach" && keyword != "radius")
-      error->all(FLERR, iarg,
+      error->all(FLERR_WORD(iarg),
                  "Unknown pair_style deformable/ring keyword '{}': it must be 'contact', "
                  "'balance', 'reach' or 'radius'",
                  keyword);
@@ -42,7 +44,7 @@ void PairDeformableRing::settings(int narg, char **arg)
     if (keyword == "contact") {
       const std::string law = arg[iarg + 1];
       if (law != "radical" && law != "balanced")
-        error->all(FLERR, iarg + 1,
+        error->all(FLERR_WORD(iarg + 1),
                    "pair_style deformable/ring contact '{}' is neither 'radical' nor 'balanced'",
                    law);
       radical = law == "radical";
@@ -51,11 +53,11 @@ void PairDeformableRing::settings(int narg, char **arg)
       tolerance = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
       max_evaluations = utils::inumeric(FLERR, arg[iarg + 2], false, lmp);
       if (!(tolerance > 0.0 && tolerance < 1.0))
-        error->all(FLERR, iarg + 1,
+        error->all(FLERR_WORD(iarg + 1),
                    "pair_style deformable/ring balance: the tolerance {} must lie between 0 and 1",
                    arg[iarg + 1]);
       if (max_evaluations < 1)
-        error->all(FLERR, iarg + 2,
+        error->all(FLERR_WORD(iarg + 2),
                    "pair_style deformable/ring balance: {} evaluations are too few, give 1 or more",
                    arg[iarg + 2]);
     } else if (keyword == "radius") {
@@ -63,10 +65,10 @@ void PairDeformableRing::settings(int narg, char **arg)
     } else {
       reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
       if (!(reach > 0.0))
-        error->all(FLERR, iarg + 1, "pair_style deformable/ring reach {} must be positive",
+        error->all(FLERR_WORD(iarg + 1), "pair_style deformable/ring reach {} must be positive",
                    arg[iarg + 1]);
       if (reach > LARGEST_REACH)
-        error->all(FLERR, iarg + 1,
+        error->all(FLERR_WORD(iarg + 1),
                    "pair_style deformable/ring reach {} must be {} at most: no outline bulges "
                    "farther",
                    arg[iarg + 1], LARGEST_REACH);
@@ -74,7 +76,7 @@ void PairDeformableRing::settings(int narg, char **arg)
     iarg += 1 + values;
   }
   if (radical && balance_keyword >= 0)
-    error->all(FLERR, balance_keyword,
+    error->all(FLERR_WORD(balance_keyword),
                "pair_style deformable/ring balance is for 'contact balanced' only");
   balanced.reset(radical ? nullptr
                          : new BalancedForces(lmp, kernels->forces, tolerance, max_evaluations));

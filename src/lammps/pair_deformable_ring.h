@@ -1,6 +1,12 @@
 // The ring laws, whose contacts slip: pair_style deformable/ring [contact balanced|radical] [balance tol maxeval]
 // [reach f] [radius type|atom]
 
+#ifdef PAIR_CLASS
+// clang-format off
+PairStyle(deformable/ring,PairDeformableRing);
+// clang-format on
+#else
+
 #ifndef LMP_PAIR_DEFORMABLE_RING_H
 #define LMP_PAIR_DEFORMABLE_RING_H
 
@@ -55,4 +61,5 @@ class PairDeformableRing : public PairDeformable {
 
 }    // namespace LAMMPS_NS
 
+#endif
 #endif

@@ -1,5 +1,7 @@
 #include "pair_deformable_sector.h"
 
+#include "lammps_release.h"
+
 #include "parameter_rules.h"
 
 #include "comm.h"
@@ -34,7 +36,7 @@ void PairDeformableSector::settings(int narg, char **arg)
   radius_by_atom = false;
   for (int iarg = 0; iarg < narg; iarg += 2) {
     if (std::string(arg[iarg]) != "radius")
-      error->all(FLERR, iarg,
+      error->all(FLERR_WORD(iarg),
                  "Unknown pair_style deformable/sector keyword '{}': it must be 'radius'",
                  arg[iarg]);
     if (iarg + 1 >= narg)

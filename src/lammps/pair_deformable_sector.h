@@ -1,5 +1,11 @@
 // Contacts that stick: pair_style deformable/sector [radius type|atom]
 
+#ifdef PAIR_CLASS
+// clang-format off
+PairStyle(deformable/sector,PairDeformableSector);
+// clang-format on
+#else
+
 #ifndef LMP_PAIR_DEFORMABLE_SECTOR_H
 #define LMP_PAIR_DEFORMABLE_SECTOR_H
 
@@ -44,4 +50,5 @@ class PairDeformableSector : public PairDeformable {
 
 }    // namespace LAMMPS_NS
 
+#endif
 #endif

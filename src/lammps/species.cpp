@@ -5,6 +5,7 @@
 #include "comm.h"
 #include "error.h"
 #include "lammps.h"
+#include "platform.h"
 #include "pointers.h"
 #include "update.h"
 #include "utils.h"
@@ -30,17 +31,34 @@ double number_of(const std::string &word)
   return std::isfinite(value) ? value : Limits::quiet_NaN();
 }
 
-// The file of this name in the folder `potentials` beside the library that this code is in, where the species files of
-// the package are installed. Empty for a name with a folder, which says where the file is.
+// Folders of the species files of the package: `potentials` beside the library that this code is in, and those that
+// CMake knows where it is compiled for a LAMMPS of one's own, between colons.
+std::vector<std::string> shipped_folders()
+{
+  std::vector<std::string> folders;
+  Dl_info library;
+  if (dladdr(reinterpret_cast<void *>(&read_species), &library) != 0) {
+    const std::string path = library.dli_fname;
+    const std::size_t end = path.rfind('/');
+    if (end != std::string::npos) folders.push_back(path.substr(0, end) + "/potentials");
+  }
+  const std::string known = DEFORMABLE_POTENTIALS;
+  for (std::size_t begin = 0; begin < known.size();) {
+    const std::size_t end = std::min(known.find(':', begin), known.size());
+    folders.push_back(known.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return folders;
+}
+
+// The file of this name that comes with the package; empty if there is none, and for a name with a folder, which says
+// where the file is.
 std::string shipped_file(const std::string &name)
 {
-  Dl_info library;
-  if (name.find('/') != std::string::npos ||
-      dladdr(reinterpret_cast<void *>(&read_species), &library) == 0)
-    return "";
-  const std::string path = library.dli_fname;
-  const std::size_t folder = path.rfind('/');
-  return folder == std::string::npos ? "" : path.substr(0, folder) + "/potentials/" + name;
+  if (name.find('/') == std::string::npos)
+    for (const std::string &folder : shipped_folders())
+      if (platform::file_is_readable(folder + "/" + name)) return folder + "/" + name;
+  return "";
 }
 
 std::string read_text(LAMMPS *lmp, const std::string &file)

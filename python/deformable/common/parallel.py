@@ -28,6 +28,7 @@ from .errors import ParameterError
 from .files import make_folder, write_whole
 from .progress import progress
 from .ranks import helpers, independent, independently, launched, led
+from .validate import expect
 
 T = TypeVar("T")
 
@@ -63,13 +64,16 @@ def parallel_map(
         of workers.
 
     Raises:
-        ParameterError: fewer than one worker.
+        ParameterError: fewer than one worker, arguments that are no tuples, or a function that
+            other processes cannot import.
         BrokenProcessPool: a process died.
         Exception: the first one that a call raises, once the calls that have begun are done; others
             are given up.
     """
     if workers is not None and workers < 1:
         raise ParameterError(f"workers must be at least 1, not {workers}")
+    for these in arguments:
+        expect("arguments of each call", these, tuple)
     kept = function if keep is None else partial(call_once, Path(keep), function)
     call = partial(independently, kept)
     with progress(description, unit="run", total=len(arguments)) as bar:
@@ -80,6 +84,7 @@ def parallel_map(
 
         with _places(workers, len(arguments)) as places:
             if places:
+                _check_importable(function)
                 try:
                     return _spread(call, arguments, places, done)
                 except BrokenProcessPool:
@@ -93,6 +98,17 @@ def parallel_map(
             results.append(call(*these))
             done(results[-1])
         return results
+
+
+def _check_importable(function: Callable[..., Any]) -> None:
+    """Refuse functions that pickle does not find by their names, such as a lambda."""
+    try:
+        pickle.dumps(function)
+    except (pickle.PicklingError, AttributeError, TypeError):
+        raise ParameterError(
+            f"{function!r} cannot be called in other processes: define it at the top level of a "
+            "module or script, or take workers=1"
+        ) from None
 
 
 @contextmanager

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +24,9 @@ Array = NDArray[np.float64]
 # Stiffnesses of contacts over kr, one after the other, and the residual at which a soft one ends.
 _SOFT, _SOFT_TOLERANCE = (0.002, 0.02, 0.2, 1.0), 1e-3
 
-# Steps at each stiffness: twice the most that jammed packings took; loose ones never end.
-_STEPS = 400
+# Steps at each stiffness; loose packings never end. Jammed ones took up to 700: in mixtures stiff
+# rings first regain their size, in steps of the length below.
+_STEPS = 1000
 
 # Largest step of a vertex over the range of contacts, so that rings do not pass through each other.
 _LARGEST_STEP = 0.2
@@ -110,8 +112,28 @@ def relax_smooth(
     for softness in _SOFT:
         if softness >= min(softest, 1.0):
             stop = tolerance if softness == 1.0 else _SOFT_TOLERANCE
-            vertices = _minimize(rings, vertices, softness, stop, each)
+            relaxed = _minimize(rings, vertices, softness, stop, each)
+            # contacts that let rings cross were too soft: the next ones start from the same place
+            if softness == 1.0 or not have_crossed(rings, relaxed):
+                vertices = relaxed
     return vertices
+
+
+def have_crossed(rings: SmoothRings, vertices: Array) -> bool:
+    """Whether the outlines of two rings intersect, which contacts do not undo."""
+    import shapely
+
+    owner = np.repeat(np.arange(len(rings.species)), rings.number)
+    center = np.add.reduceat(vertices, np.cumsum(rings.number) - rings.number, axis=0)
+    box = np.floor(center / rings.number[:, None] @ np.linalg.inv(rings.box)) @ rings.box
+    home = vertices - box[owner]  # rings are smaller than the box: neighbors are next to it
+    tree = shapely.STRtree(shapely.linearrings(home, indices=owner))
+    for x, y in product((0, 1), (-1, 0, 1)):
+        image = shapely.linearrings(home + np.array([x, y]) @ rings.box, indices=owner)
+        a, b = tree.query(image, predicate="intersects")
+        if np.any((a != b) | ((x, y) != (0, 0))):
+            return True
+    return False
 
 
 def _minimize(

@@ -80,9 +80,10 @@ def shear_in(
 ) -> Iterator[State]:
     """Shear as `shear`, and write as `record`, so that `resume` can go on after any step.
 
+    The other arguments are those of `compress_in`.
+
     Args:
         strain: shear strain of all steps together.
-        others: as for `compress_in`.
 
     Yields:
         The relaxed state after each step, once it is written.

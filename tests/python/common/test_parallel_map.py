@@ -71,6 +71,14 @@ def test_no_workers() -> None:
         parallel_map(math.sqrt, [(1.0,)], workers=0)
 
 
+def test_what_cannot_be_called() -> None:
+    with pytest.raises(ParameterError, match=r"<lambda>.*top level"):
+        parallel_map(lambda n: n, [(1,), (2,)], workers=2)
+    assert parallel_map(lambda n: n, [(1,), (2,)], workers=1) == [1, 2]
+    with pytest.raises(ParameterError, match=r"arguments of each call .*tuple, not 2\.5"):
+        parallel_map(math.sqrt, [2.5, 1.0])  # type: ignore[list-item]
+
+
 def inverse(value: float, folder: str) -> float:
     """Leaves a mark in a folder when it is called."""
     with Path(folder, f"calls-{value:g}").open("a") as file:

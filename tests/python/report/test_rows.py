@@ -178,3 +178,10 @@ def test_means_over_packings():
     assert row["seconds"] == 2.0
     assert row["residual"] == 3e-7
     assert row["seeds"] == [1, 3]
+
+
+@pytest.mark.slow
+def test_soft_and_stiff_rings_come_to_rest():
+    """The stiff ones need hundreds of steps to regain their size."""
+    rows = packings.mixed_rows(16, 3, 0.02, 95, (1.0, 10.0), (0.1, math.inf))
+    assert rows[0]["residual_beads"] <= 1e-6

