@@ -92,6 +92,14 @@ struct SoftRing {
   double expansion;      // delta
   double rest = -1.0;    // p0/kA, not negative if there is a tension
 
+  // Whether a ring that has left all of its contacts would shrink further by itself.
+  bool shrinks_freely(int contacts) const
+  {
+    const double size = radius + expansion;
+    return rest >= 0.0 && contacts == 0 && expansion < 0.0 &&
+           2.0 * PI * ratio + PI * (radius + size) * size < rest;
+  }
+
   double expansion_on(const Branch &branch) const
   {
     return rest < 0.0 ? expansion_of(branch, radius, ratio)
@@ -126,7 +134,7 @@ struct SoftRing {
 // The contacts that are active at one delta give the next delta. `below` and `above` bound it.
 inline void ring_shape_by_lcp(SoftRing &ring, const Contacts &contacts, RingLCP &p, Shape &shape)
 {
-  constexpr double ROUNDING = 1e-13;
+  constexpr double ROUNDING = 1e-13, NONE = std::numeric_limits<double>::quiet_NaN();
   double below = -std::numeric_limits<double>::infinity(), above = -below;
   ring.expansion = 0.0;
   for (int iteration = 0; iteration < 100; ++iteration) {
@@ -145,7 +153,7 @@ inline void ring_shape_by_lcp(SoftRing &ring, const Contacts &contacts, RingLCP 
     branch.deficit -= delta * (branch.sum - 0.5 * delta * branch.rate);
     branch.sum -= delta * branch.rate;
 
-    const double next = ring.expansion_on(branch);
+    const double next = ring.shrinks_freely(p.active_count) ? NONE : ring.expansion_on(branch);
     if (std::fabs(next - delta) <= ROUNDING * std::fabs(next)) break;
     if (std::isnan(next)) {
       ring.expansion = next;
