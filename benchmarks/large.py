@@ -38,8 +38,10 @@ CASES = (
     ("radical", 1, (5, 3, 1), {"steps": 2, "calls": 50, "motion": 50}),
     ("disk", 2, (5, 3, 1), {"motion": 50}),
     ("radical", 2, (5, 3, 1), {"steps": 2, "calls": 50, "motion": 50}),
-    ("balanced", 1, (3, 1), {"steps": 2, "calls": 50, "motion": 50}),
+    ("balanced", 1, (3, 2, 1), {"steps": 2, "calls": 30, "motion": 50}),
+    ("balanced", 2, (3, 2, 1), {"steps": 2, "calls": 30, "motion": 50}),
 )
+LAWS = ("disk", "radical", "balanced")
 
 DISKS = """
 units lj
@@ -146,6 +148,7 @@ def measure(
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=ROOT / "benchmarks/results/large.json")
+    parser.add_argument("--laws", nargs="+", choices=LAWS, default=LAWS)
     options = parser.parse_args()
     rows = []
     with tempfile.TemporaryDirectory() as name:
@@ -154,9 +157,10 @@ def main() -> None:
         Path(folder, "in.disks").write_text(DISKS)
         lammps(folder, 1, "-in", "in.cell", "-var", "particles", str(CELL))
         for case in CASES:
-            rows += measure(folder, *case)
+            if case[0] in options.laws:
+                rows += measure(folder, *case)
     result = {
-        "command": "python benchmarks/large.py",
+        "command": f"python benchmarks/large.py --laws {' '.join(options.laws)}",
         "date": date.today().isoformat(),
         "machine": machine()["processor"],
         "rows": rows,

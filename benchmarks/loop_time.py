@@ -3,15 +3,17 @@
     python benchmarks/loop_time.py [--out benchmarks/results/loop_time.json]
 
 One packing (bidisperse, 1:1.4, relaxed as soft disks at phi = 0.90), replicated to N = 1e3, 1e4 and
-1e5, is run by NVE from the same small velocities with each style in turn, on one core. The styles
-take turns in one process, and the results are medians of processor time, so that the ratios are
-right on a busy machine too. The sections are LAMMPS' own breakdown. `radical` has reach 0.1. Each
-law runs at every level of SIMD instructions that this processor has.
+1e5, is run by NVE from the same velocities with each style in turn, on one core: in slow motion
+(temperature 1e-7, time step 0.05) and in a fast one (1e-5). The styles take turns in one process,
+and the results are medians of processor time, so that the ratios are right on a busy machine too.
+The sections are LAMMPS' own breakdown. Ring laws have reach 0.1. Each law runs at the levels of
+SIMD instructions that `--simd` names; the first one is this processor's default.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import os
 import statistics
@@ -29,9 +31,11 @@ RADII = (0.5, 0.7)
 PHI = 0.90
 CELL = 1000
 SIZES = {1000: (1, 1), 10_000: (5, 2), 100_000: (10, 10)}
+TEMPERATURES = {"slow": 1e-7, "fast": 1e-5}
+TIMESTEP = 0.05
 PARTICLE_STEPS = 2_000_000
 SPECIES = "# UNITS: lj\nsmall 0.5 1.0 inf\nlarge 0.7 1.0 inf\n"
-LAWS = ("disk", "sector", "radical")
+LAWS = ("disk", "sector", "radical", "balanced")
 LEVELS = core.simd_levels()[::-1]  # the first one is the default
 BREAKDOWN = ("Pair", "Neigh", "Comm", "Modify", "Other")
 
@@ -49,6 +53,7 @@ def styles(species: Path) -> dict[str, str]:
         "disk": disks(),
         "sector": f"pair_style deformable/sector\n{coefficients}",
         "radical": f"pair_style deformable/ring contact radical reach 0.1\n{coefficients}",
+        "balanced": f"pair_style deformable/ring contact balanced reach 0.1\n{coefficients}",
     }
 
 
@@ -83,6 +88,7 @@ def run(
     replicate: tuple[int, int],
     particle_steps: int = PARTICLE_STEPS,
     simd: str = LEVELS[0],
+    motion: str = "slow",
 ) -> dict[str, float]:
     """Seconds per particle-step of a short NVE run, in all and by LAMMPS' sections."""
     os.environ["DEFORMABLE_SIMD"] = simd
@@ -90,8 +96,8 @@ def run(
     lmp = start()
     lmp.commands_string(
         f"log {log}\nread_data {data}\nreplicate {replicate[0]} {replicate[1]} 1\n{style}\n"
-        "neighbor 0.2 bin\nvelocity all create 1e-7 1 loop geom\nfix nve all nve\ntimestep 0.01\n"
-        "thermo 0\nrun 10"
+        f"neighbor 0.2 bin\nvelocity all create {TEMPERATURES[motion]!r} 1 loop geom\n"
+        f"fix nve all nve\ntimestep {TIMESTEP!r}\nthermo 0\nrun 50"
     )
     n = lmp.get_natoms()
     steps = max(10, particle_steps // n)
@@ -111,34 +117,35 @@ def run(
     return seconds
 
 
-def profile(law: str) -> None:
+def profile(law: str, motion: str) -> None:
     """Run one law long enough for a sampling profiler."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "species").write_text(SPECIES)
         style = styles(folder / "species")[law]
-        run(relaxed_cell(folder), style, SIZES[10_000], 10 * PARTICLE_STEPS)
+        run(relaxed_cell(folder), style, SIZES[10_000], 10 * PARTICLE_STEPS, motion=motion)
 
 
-def measure(repeats: int) -> list[dict]:
+def measure(repeats: int, levels: list[str], particle_steps: int) -> list[dict]:
     rows = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "species").write_text(SPECIES)
         data = relaxed_cell(folder)
-        for n, replicate in SIZES.items():
+        for n, motion in itertools.product(SIZES, TEMPERATURES):
             samples: dict[tuple[str, str], list[dict[str, float]]] = {}
             for _ in range(repeats):
                 for law, style in styles(folder / "species").items():
-                    for level in LEVELS if law != "disk" else LEVELS[:1]:
+                    for level in levels if law != "disk" else levels[:1]:
                         samples.setdefault((law, level), []).append(
-                            run(data, style, replicate, simd=level)
+                            run(data, style, SIZES[n], particle_steps, level, motion)
                         )
-            disks = samples["disk", LEVELS[0]]
+            disks = samples["disk", levels[0]]
             for (law, level), runs in samples.items():
                 ratios = [r["loop"] / d["loop"] for r, d in zip(runs, disks, strict=True)]
                 row = {
                     "n": n,
+                    "motion": motion,
                     "law": law,
                     "simd": level if law != "disk" else None,
                     "ns_per_particle_step": 1e9 * statistics.median(r["loop"] for r in runs),
@@ -151,7 +158,7 @@ def measure(repeats: int) -> list[dict]:
                 }
                 rows.append(row)
                 print(
-                    f"{n:7d} {law:7s} {row['simd'] or '':6s} "
+                    f"{n:7d} {motion} {law:8s} {row['simd'] or '':6s} "
                     f"{row['ns_per_particle_step']:8.1f} ns  "
                     f"{row['ratio_to_disks']:6.2f} x disks",
                     flush=True,
@@ -165,19 +172,25 @@ def main() -> None:
         "--out", type=Path, default=Path(__file__).parent / "results/loop_time.json"
     )
     parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--steps", type=int, default=PARTICLE_STEPS, help="particle-steps of a run")
+    parser.add_argument("--simd", nargs="+", choices=LEVELS, default=LEVELS)
     parser.add_argument("--law", choices=LAWS, help="run only this law, for a profiler")
+    parser.add_argument("--motion", choices=TEMPERATURES, default="slow", help="with --law")
     options = parser.parse_args()
     if options.law:
-        return profile(options.law)
-    rows = measure(options.repeats)
+        return profile(options.law, options.motion)
+    rows = measure(options.repeats, options.simd, options.steps)
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.write_text(
         json.dumps(
             {
-                "command": "python benchmarks/loop_time.py",
+                "command": f"python benchmarks/loop_time.py --repeats {options.repeats} "
+                f"--steps {options.steps} --simd {' '.join(options.simd)}",
                 "date": date.today().isoformat(),
                 "machine": machine()["processor"],
                 "packing": {"phi": PHI, "radii": RADII, "cell": CELL},
+                "temperatures": TEMPERATURES,
+                "timestep": TIMESTEP,
                 "repeats": options.repeats,
                 "rows": rows,
             },

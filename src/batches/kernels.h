@@ -40,6 +40,7 @@ const BatchKernels kernels = {
      soft_rings<7>,  soft_rings<8>,  tense_rings<1>, tense_rings<2>, tense_rings<3>,
      tense_rings<4>, tense_rings<5>, tense_rings<6>, tense_rings<7>, tense_rings<8>},
     {shape_rings, multiply_rings, slopes_of_rings, locate_pairs, find_residuals, begin_gradients,
-     add_products, advance, turn, sum, dot}};
+     add_products, advance, turn, extrapolate, take_step, remember, find_tilts, turn_lines, sum,
+     dot}};
 
 }    // namespace deformable::DEFORMABLE_LEVEL

@@ -2,6 +2,7 @@
 
 #include "parameter_rules.h"
 #include "ring_forces.h"
+#include "tilt.h"
 
 #include <cmath>
 
@@ -14,7 +15,7 @@ struct ForcedRing {
   RingLoad load;
   LoadedRing ring;
   double radius;
-  std::vector<double> indentation, length, d_angle, compliance;
+  std::vector<double> indentation, length, slope, slope_rate, d_angle, compliance;
 };
 
 ForcedRing forced_ring(double radius, nb::handle angles, nb::handle forces, double kA, double kP,
@@ -29,7 +30,7 @@ ForcedRing forced_ring(double radius, nb::handle angles, nb::handle forces, doub
   refuse_invalid(radius, stiffness, skin);
   const std::size_t z = force.size();
   std::vector<double> green_force(z, 0.0), d_green_force(z, 0.0), g(z * z);
-  ForcedRing result = {stiffness, {0.0, 0.0}, {}, radius - skin, {}, {}, {}, {}};
+  ForcedRing result = {stiffness, {0.0, 0.0}, {}, radius - skin, {}, {}, {}, {}, {}, {}};
   for (std::size_t c = 0; c < z; ++c) {
     if (force[c] < 0.0) refuse("force: forces must not be negative, not " + shown_number(force[c]));
     result.load.total += force[c];
@@ -55,6 +56,11 @@ ForcedRing forced_ring(double radius, nb::handle angles, nb::handle forces, doub
     const double b = green_force[c] * C.per_pressure;
     result.indentation.push_back(b - result.ring.expansion);
     result.length.push_back(p > 0.0 ? force[c] / p : 0.0);
+    double along = 0.0;
+    for (std::size_t k = 0; k < z; ++k) along += force[k] * std::cos(angle[c] - angle[k]);
+    result.slope.push_back(d_green_force[c] * C.per_pressure);
+    result.slope_rate.push_back(slope_rate(result.load.total * C.per_pressure,
+                                           along * C.per_pressure, b, result.length[c]));
     result.d_angle.push_back(-force[c] * d_green_force[c] * C.per_pressure);
     for (std::size_t k = 0; k < z; ++k) {
       const double other = green_force[k] * C.per_pressure;
@@ -93,6 +99,13 @@ void deformable::bind_ring_forces(nb::module_ &m)
                    "a = dW/df of each contact [length], (z,)")
       .def_prop_ro("contact_length", vector(&ForcedRing::length), nb::rv_policy::move,
                    "L = f/p of each contact [length], (z,)")
+      .def_prop_ro("slope", vector(&ForcedRing::slope), nb::rv_policy::move,
+                   "t = -dH/dtheta of the outline at each contact, sum L G', (z,) [length]")
+      .def_prop_ro("slope_rate", vector(&ForcedRing::slope_rate), nb::rv_policy::move,
+                   "dt/dtheta of each contact while all lengths L stay, sum L G'', (z,) [length]")
+      .def_prop_ro(
+          "tension", [](const ForcedRing &r) { return tension(r.radius, r.ring, r.load.total); },
+          "T = p q of the outline [energy/length]")
       .def_prop_ro("d_angle", vector(&ForcedRing::d_angle), nb::rv_policy::move,
                    "dU/dtheta = -dW/dtheta of each contact [energy], (z,)")
       .def_prop_ro(
@@ -127,4 +140,21 @@ ValueError
     As for `soft_ring`; a negative force; forces that no ring with this stiffness bears.
 
 Source: docs/theory.md, "Balanced contacts".)");
+
+  m.def("curvature_energy", &curvature_energy, "force"_a, "pressure_i"_a, "pressure_j"_a,
+        "tension_i"_a, "tension_j"_a,
+        R"(What a contact line between two rings would still save if it were curved [energy].
+
+(p_i - p_j)^2 L^3 / (24 (T_i + T_j)) with L = F (1/p_i + 1/p_j)/2; infinite without tension.
+
+Parameters
+----------
+force
+    F of the contact [energy/length].
+pressure_i, pressure_j
+    Of both rings, positive if there is a force [energy/length^2].
+tension_i, tension_j
+    Of their outlines, see `ForcedRing` [energy/length].
+
+Source: docs/theory.md, "Tilted contacts".)");
 }

@@ -24,12 +24,14 @@ struct RingArrays {
   double *per_pressure, *mixed, *square, *rate;    // compliance, see RingCompliance
 };
 
-// Contacts, and G and G' of each two contacts of a ring: the lower triangles by rows.
+// Contacts, and G of each two contacts of a ring: the lower triangle by rows. What is in single precision is for
+// conjugate gradients, which only correct forces and mostly wait for memory.
 struct ContactArrays {
   const int *seat;                     // 2 x the index of the pair, + 1 for its second ring
   double *indentation, *compliance;    // a and da_c/df_c
-  double *product;                     // C x of `multiply`, or slopes
-  double *green, *d_green;
+  double *slope;                       // of the outline
+  float *product;                      // C x
+  float *green;
   double *scratch;    // for the rings that have more contacts than any kernel knows, aligned
 };
 
@@ -41,15 +43,19 @@ struct RingBatches {
   ContactArrays contacts;
 };
 
-// Pairs as the solver of ForceSolver sees them.
+// Pairs as ForceSolver sees them.
 struct PairArrays {
   const double *overlap, *stiffening;
   const int *first, *second;                 // contacts of the pairs
   const double *indentation, *compliance;    // by contact
-  const double *contact_product;             // C x, by contact
-  double *force, *residual, *error, *weight;
-  double *step, *left, *direction, *product;
+  const float *contact_product;              // C x, by contact
+  double *force, *residual, *error;
+  float *weight, *step, *left, *direction, *product;
+  double *begin;      // forces before the step
+  double *past[3];    // forces of the last calls, the latest first
 };
+
+constexpr double UNKNOWN_FORCE = -1e300;
 
 struct Largest {
   double error, force;
@@ -63,12 +69,22 @@ struct PairPlaces {
   double *per_distance, *overlap, *angle, *nx, *ny;
 };
 
+// Contact lines that tilt.
+struct LineArrays {
+  const double *touching, *per_distance, *force;
+  const int *first, *second;           // contacts of the pairs
+  const double *slope, *slope_rate;    // t and dt/dtheta, by contact
+  double *sine, *next;                 // of the tilt, and of the next one
+  double *turns;    // 1, or 0: this line stays perpendicular to the line of centers
+  double *overlap, *angle, *nx, *ny;    // of the tilted line
+};
+
 struct ForceKernels {
-  // Shapes rings by the forces of pairs; new_directions: G and G' too. False: a ring does not exist.
-  bool (*shape)(const RingBatches &, const PairDirections &, bool new_directions);
-  // C x, x by pair, and the slopes of the outlines at the contacts.
-  void (*multiply)(const RingBatches &, const double *x);
-  void (*slopes)(const RingBatches &, const double *force);
+  // Shapes rings by the forces of pairs. False: a ring does not exist.
+  bool (*shape)(const RingBatches &, const PairDirections &);
+  void (*multiply)(const RingBatches &, const float *x);    // C x, x by pair
+  // Slopes of outlines; also how they change as contacts turn (tilt.h), by contact, unless null.
+  void (*slopes)(const RingBatches &, const PairDirections &, double *slope_rate);
 
   // Loops over pairs, from `begin` to before `end`.
 
@@ -86,8 +102,22 @@ struct ForceKernels {
   double (*advance)(const PairArrays &, double length, int begin, int end);
   void (*turn)(const PairArrays &, double conjugation, int begin, int end);
 
-  double (*sum)(const double *, int begin, int end);
-  double (*dot)(const double *, const double *, int begin, int end);
+  // Replaces the oldest of the past forces by the extrapolation c[0] past[0] + c[1] past[1] + c[2] past[2].
+  void (*extrapolate)(const PairArrays &, const double *c, int begin, int end);
+
+  // Turns the change of forces into one that leaves no force negative, and takes it; alone: each pair changes for
+  // itself, instead of Newton's method. Returns the slope of the dual energy along the step.
+  double (*take_step)(const PairArrays &, bool alone, int begin, int end);
+
+  // The forces become past ones, also those that are not known.
+  void (*remember)(const PairArrays &, int begin, int end);
+
+  // The next tilts, by Newton's method for each line alone; returns the largest imbalance. Lines take their next tilts.
+  double (*find_tilts)(const LineArrays &, int begin, int end);
+  void (*turn_lines)(const LineArrays &, int begin, int end);
+
+  double (*sum)(const float *, int begin, int end);
+  double (*dot)(const double *, const float *, int begin, int end);
 };
 
 }    // namespace deformable

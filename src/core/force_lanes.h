@@ -8,7 +8,8 @@
 
 #include "force_kernels.h"
 #include "lane_geometry.h"
-#include "ring_forces.h"
+#include "pressure_lanes.h"
+#include "tilt.h"
 
 namespace deformable::DEFORMABLE_LEVEL {
 
@@ -26,8 +27,9 @@ DEFORMABLE_LANE_FUNCTION RingArrays rings_of(RingArrays r, int ring)
 DEFORMABLE_LANE_FUNCTION ContactArrays contacts_of(ContactArrays c, int contact, int green)
 {
   c.seat += contact;
-  for (double **p : {&c.indentation, &c.compliance, &c.product}) *p += contact;
-  for (double **p : {&c.green, &c.d_green}) *p += green;
+  for (double **p : {&c.indentation, &c.compliance, &c.slope}) *p += contact;
+  c.product += contact;
+  c.green += green;
   return c;
 }
 
@@ -45,97 +47,34 @@ template <int COUNT> struct OfContacts<0, COUNT> {
   Lanes *operator[](int k) { return memory + k * n; }
 };
 
-// The row m of a lower triangle.
-DEFORMABLE_LANE_FUNCTION double *row_of(double *triangle, int m)
+// The entry of the lower triangle for the contacts m and k < m.
+DEFORMABLE_LANE_FUNCTION float *entry(float *triangle, int m, int k)
 {
-  return triangle + m * (m - 1) / 2 * LANES;
+  return triangle + (m * (m - 1) / 2 + k) * LANES;
 }
 
-DEFORMABLE_LANE_FUNCTION Lanes of_pairs(const double *x, const int *seat)
+template <class Number>
+DEFORMABLE_LANE_FUNCTION Lanes of_pairs(const Number *x, const int *seat)
 {
-  return each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return x[seat[w] >> 1]; });
+  return gather<Lanes>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return seat[w] >> 1; });
 }
 
-// p^3 = kA Q, from the last pressure where that is close: two steps of Halley's method, each of which triples the
-// digits.
-DEFORMABLE_LANE_FUNCTION Lanes cube_root(Lanes cube, Lanes guess)
+// Angle and direction of a contact, as its ring sees it.
+struct SeenLanes : DirectionLanes {
+  Lanes angle;
+};
+
+DEFORMABLE_LANE_FUNCTION SeenLanes seen_from_ring(const PairDirections &pairs, const int *seat)
 {
-  constexpr double CLOSE = 0.05, NOTHING = 1e-280;
-  const Lanes guessed = guess * guess * guess;
-  const Mask far = ~(magnitude(cube - guessed) <= CLOSE * guessed);
-  if (any(far))
-    for_each_lane([&](int w) DEFORMABLE_LANE_LAMBDA {
-      if (far[w]) guess[w] = std::cbrt(cube[w]);
-    });
-  for (int step = 0; step < 2; ++step) {
-    const Lanes third = guess * guess * guess;
-    guess *= (third + 2.0 * cube) / (2.0 * third + cube + NOTHING);
-  }
-  return select(cube > NOTHING, guess, Lanes{});
+  const Lanes sign =
+      each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return 1.0 - 2.0 * (seat[w] & 1); });
+  const Lanes angle = of_pairs(pairs.angle, seat);
+  return {{sign * of_pairs(pairs.nx, seat), sign * of_pairs(pairs.ny, seat)},
+          select(sign > 0.0, angle, select(angle > 0.0, angle - PI, angle + PI))};
 }
 
-// Rings of a tension alone that conserve their area: the closed form of find_expansion_under_tension, and
-// compliance_of.
-DEFORMABLE_LANE_FUNCTION bool press_droplets(const RingArrays &r)
-{
-  constexpr double NOTHING = 1e-280;
-  const Lanes radius = load<Lanes>(r.radius), work = load<Lanes>(r.work);
-  const Lanes gamma = load<Lanes>(r.tension), tension = gamma + load<Lanes>(r.total) / (2.0 * PI);
-  const Mask loaded = work > all(NOTHING);
-  const Lanes x = select(loaded, work / (PI * tension * tension), Lanes{});
-  const Mask exist = x < all(1.0);
-  const Lanes part = root(1.0 - select(exist, x, Lanes{}));
-  const Lanes p = select(loaded, tension * part / radius, gamma / radius);
-  const Lanes delta = radius * x / (part * (1.0 + part)), E = radius + delta;
-  const Lanes e = 2.0 * work / (p * p * p), per_D = 1.0 / (2.0 * PI * E * E - p * e);
-  store(r.pressure, p);
-  store(r.expansion, delta);
-  store(r.per_pressure, 1.0 / p);
-  store(r.mixed, E / p * per_D);
-  store(r.square, -p / p * per_D / p);
-  store(r.rate, e * per_D / (2.0 * PI));
-  return !any(~exist);
-}
-
-DEFORMABLE_LANE_FUNCTION bool are_droplets(const RingArrays &r)
-{
-  return r.tension &&
-         !any(~((load<Lanes>(r.kA) == all(__builtin_inf())) & (load<Lanes>(r.kP) == Lanes{})));
-}
-
-// Pressure, expansion and compliance of W rings; returns false where a ring does not exist.
-template <bool SOFT> DEFORMABLE_LANE_FUNCTION bool press(const RingArrays &r)
-{
-  if constexpr (SOFT) {
-    if (are_droplets(r)) return press_droplets(r);
-    bool exist = true;
-    for (int w = 0; w < W; ++w) {
-      const Stiffness k = {r.kA[w], r.kP[w], r.tension ? r.tension[w] : 0.0};
-      LoadedRing ring = {r.pressure[w], r.expansion[w]};
-      exist &= find_pressure(r.radius[w], k, {r.work[w], r.total[w]}, ring);
-      const RingCompliance c = compliance_of(r.radius[w], k, r.work[w], ring);
-      r.pressure[w] = ring.pressure;
-      r.expansion[w] = ring.expansion;
-      r.per_pressure[w] = c.per_pressure;
-      r.mixed[w] = c.mixed;
-      r.square[w] = c.square;
-      r.rate[w] = c.rate;
-    }
-    return exist;
-  } else {
-    const Lanes kA = load<Lanes>(r.kA);
-    const Lanes p = cube_root(kA * load<Lanes>(r.work), load<Lanes>(r.pressure));
-    const Lanes per_p = select(p > 0.0, 1.0 / select(p > 0.0, p, all(1.0)), Lanes{});
-    store(r.pressure, p);
-    store(r.per_pressure, per_p);
-    store(r.square, kA * per_p * per_p * (1.0 / 3.0));
-    return true;
-  }
-}
-
-// Shapes the rings for the forces of their pairs. NEW computes G and G' from the directions, which otherwise are
-// those of the last call.
-template <int SIZE, bool SOFT, bool NEW>
+// Shapes the rings for the forces of their pairs.
+template <int SIZE, bool SOFT>
 DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int contacts,
                                           const ContactArrays &c, const RingArrays &rings)
 {
@@ -146,26 +85,17 @@ DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int conta
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
     const int *const seat = c.seat + m * LANES;
+    const SeenLanes seen = seen_from_ring(pairs, seat);
+    angle[m] = seen.angle;
+    nx[m] = seen.nx;
+    ny[m] = seen.ny;
     force[m] = of_pairs(pairs.force, seat);
     product[m] = GREEN_AT_ZERO * force[m];
-    if constexpr (NEW) {
-      const Lanes sign =
-          each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return 1.0 - 2.0 * (seat[w] & 1); });
-      const Lanes seen = of_pairs(pairs.angle, seat);
-      angle[m] = select(sign > 0.0, seen, select(seen > 0.0, seen - PI, seen + PI));
-      nx[m] = sign * of_pairs(pairs.nx, seat);
-      ny[m] = sign * of_pairs(pairs.ny, seat);
-    }
 #pragma GCC unroll 8
     for (int k = 0; k < m; ++k) {
-      double *const g = row_of(c.green, m) + k * LANES;
-      if constexpr (NEW) {
-        const AngleLanes t = angles_between(angle[k], {nx[k], ny[k]}, angle[m], {nx[m], ny[m]});
-        const Lanes slope = d_green(t.magnitude, t.sine, t.cosine);
-        store(g, green(t.magnitude, t.sine, t.cosine));
-        store(row_of(c.d_green, m) + k * LANES, select(t.negative, -slope, slope));
-      }
-      const Lanes between = load<Lanes>(g);
+      const AngleLanes t = angles_between(angle[k], {nx[k], ny[k]}, angle[m], seen);
+      const Lanes between = green(t.magnitude, t.sine, t.cosine);
+      store(entry(c.green, m, k), between);
       product[m] += between * force[k];
       product[k] += between * force[m];
     }
@@ -197,7 +127,7 @@ DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int conta
 
 // C x of each ring, x by pair, the product by contact.
 template <int SIZE, bool SOFT>
-DEFORMABLE_LANE_FUNCTION void multiply_lanes(const double *x, int contacts, const ContactArrays &c,
+DEFORMABLE_LANE_FUNCTION void multiply_lanes(const float *x, int contacts, const ContactArrays &c,
                                              const RingArrays &rings)
 {
   const int n = SIZE > 0 ? SIZE : contacts;
@@ -214,7 +144,7 @@ DEFORMABLE_LANE_FUNCTION void multiply_lanes(const double *x, int contacts, cons
     if constexpr (SOFT) sum += own[m];
 #pragma GCC unroll 8
     for (int k = 0; k < m; ++k) {
-      const Lanes between = load<Lanes>(row_of(c.green, m) + k * LANES);
+      const Lanes between = load<Lanes>(entry(c.green, m, k));
       product[m] += between * own[k];
       product[k] += between * own[m];
     }
@@ -236,27 +166,44 @@ DEFORMABLE_LANE_FUNCTION void multiply_lanes(const double *x, int contacts, cons
 }
 
 // The slope of the outline at each contact, sum_k L_k G'(theta_c - theta_k); -f_c times that is dU/dtheta_c.
+// And its rate at contacts that turn, unless `rate` is null, for rings at rest.
 template <int SIZE>
-DEFORMABLE_LANE_FUNCTION void slope_lanes(const double *force, int contacts, const ContactArrays &c,
-                                          const RingArrays &rings)
+DEFORMABLE_LANE_FUNCTION void slope_lanes(const PairDirections &pairs, int contacts,
+                                          const ContactArrays &c, const RingArrays &rings,
+                                          double *rate)
 {
   const int n = SIZE > 0 ? SIZE : contacts;
-  OfContacts<SIZE, 2> of(n, c.scratch);
-  Lanes *const own = of[0], *const slope = of[1];
+  OfContacts<SIZE, 5> of(n, c.scratch);
+  Lanes *const force = of[0], *const slope = of[1], *const angle = of[2];
+  Lanes *const nx = of[3], *const ny = of[4];
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    own[m] = of_pairs(force, c.seat + m * LANES);
+    const int *const seat = c.seat + m * LANES;
+    const SeenLanes seen = seen_from_ring(pairs, seat);
+    angle[m] = seen.angle;
+    nx[m] = seen.nx;
+    ny[m] = seen.ny;
+    force[m] = of_pairs(pairs.force, seat);
     slope[m] = Lanes{};
 #pragma GCC unroll 8
     for (int k = 0; k < m; ++k) {
-      const Lanes between = load<Lanes>(row_of(c.d_green, m) + k * LANES);
-      slope[m] += between * own[k];
-      slope[k] -= between * own[m];
+      const AngleLanes t = angles_between(angle[k], {nx[k], ny[k]}, angle[m], seen);
+      const Lanes size = d_green(t.magnitude, t.sine, t.cosine);
+      const Lanes between = select(t.negative, -size, size);
+      slope[m] += between * force[k];
+      slope[k] -= between * force[m];
     }
   }
   const Lanes per_p = load<Lanes>(rings.per_pressure);
 #pragma GCC unroll 8
-  for (int m = 0; m < n; ++m) store(c.product + m * LANES, per_p * slope[m]);
+  for (int m = 0; m < n; ++m) store(c.slope + m * LANES, per_p * slope[m]);
+  if (!rate) return;
+  const Lanes lengths = load<Lanes>(rings.total) * per_p, delta = load<Lanes>(rings.expansion);
+#pragma GCC unroll 8
+  for (int m = 0; m < n; ++m)
+    store(rate + m * LANES,
+          slope_rate(lengths, Lanes{}, load<Lanes>(c.indentation + m * LANES) + delta,
+                     force[m] * per_p));
 }
 
 // kernel(n, number of contacts, contacts, rings) for each vector of rings, n a constant for the usual numbers.
@@ -279,39 +226,40 @@ template <class Kernel> DEFORMABLE_LANE_FUNCTION void for_all(const RingBatches 
     }
 }
 
-template <bool SOFT, bool NEW>
-static bool shape_all(const RingBatches &b, const PairDirections &pairs)
+template <bool SOFT> static bool shape_all(const RingBatches &b, const PairDirections &pairs)
 {
   bool exist = true;
   for_all(b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
                  DEFORMABLE_LANE_LAMBDA {
-                   exist &= shape_lanes<decltype(size)::value, SOFT, NEW>(pairs, n, c, r);
+                   exist &= shape_lanes<decltype(size)::value, SOFT>(pairs, n, c, r);
                  });
   return exist;
 }
 
-static bool shape_rings(const RingBatches &b, const PairDirections &p, bool new_directions)
+static bool shape_rings(const RingBatches &b, const PairDirections &pairs)
 {
-  if (b.soft) return new_directions ? shape_all<true, true>(b, p) : shape_all<true, false>(b, p);
-  return new_directions ? shape_all<false, true>(b, p) : shape_all<false, false>(b, p);
+  return b.soft ? shape_all<true>(b, pairs) : shape_all<false>(b, pairs);
 }
 
-template <bool SOFT> static void multiply_all(const RingBatches &b, const double *x)
+template <bool SOFT> static void multiply_all(const RingBatches &b, const float *x)
 {
   for_all(b,
           [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
               DEFORMABLE_LANE_LAMBDA { multiply_lanes<decltype(size)::value, SOFT>(x, n, c, r); });
 }
 
-static void multiply_rings(const RingBatches &b, const double *x)
+static void multiply_rings(const RingBatches &b, const float *x)
 {
   b.soft ? multiply_all<true>(b, x) : multiply_all<false>(b, x);
 }
 
-static void slopes_of_rings(const RingBatches &b, const double *force)
+static void slopes_of_rings(const RingBatches &b, const PairDirections &pairs, double *rate)
 {
   for_all(b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
-                 DEFORMABLE_LANE_LAMBDA { slope_lanes<decltype(size)::value>(force, n, c, r); });
+                 DEFORMABLE_LANE_LAMBDA {
+                   double *const of_batch = rate ? rate + (c.seat - b.contacts.seat) : nullptr;
+                   slope_lanes<decltype(size)::value>(pairs, n, c, r, of_batch);
+                 });
 }
 
 }    // namespace deformable::DEFORMABLE_LEVEL

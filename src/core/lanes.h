@@ -86,6 +86,15 @@ DEFORMABLE_LANE_FUNCTION Lanes smaller(Lanes a, Lanes b)
   return b < a ? b : a;
 }
 
+// Numbers in single precision in memory, which arithmetic does not see.
+typedef float Singles __attribute__((vector_size(4 * W)));
+
+template <class Value, int... LANE>
+DEFORMABLE_LANE_FUNCTION Singles singles_of(Value &&value, std::integer_sequence<int, LANE...>)
+{
+  return Singles{value(LANE)...};
+}
+
 // One or several numbers, T is double or Lanes.
 
 template <class T> DEFORMABLE_LANE_FUNCTION T load(const double *from)
@@ -95,22 +104,44 @@ template <class T> DEFORMABLE_LANE_FUNCTION T load(const double *from)
   return x;
 }
 
+template <class T> DEFORMABLE_LANE_FUNCTION T load(const float *from)
+{
+  if constexpr (sizeof(T) == sizeof(double)) {
+    return *from;
+  } else {
+    Singles x;
+    __builtin_memcpy(&x, from, sizeof x);
+    return __builtin_convertvector(x, Lanes);
+  }
+}
+
 template <class T> DEFORMABLE_LANE_FUNCTION void store(double *to, T x)
 {
   __builtin_memcpy(to, &x, sizeof x);
 }
 
-template <class T, class Value> DEFORMABLE_LANE_FUNCTION T of_each(Value &&value)
+DEFORMABLE_LANE_FUNCTION void store(float *to, double x)
 {
-  if constexpr (sizeof(T) == sizeof(double))
-    return value(0);
-  else
-    return each_lane(value);
+  *to = static_cast<float>(x);
 }
 
-template <class T> DEFORMABLE_LANE_FUNCTION T gather(const double *x, const int *index)
+DEFORMABLE_LANE_FUNCTION void store(float *to, Lanes x)
 {
-  return of_each<T>([&](int w) DEFORMABLE_LANE_LAMBDA { return x[index[w]]; });
+  const Singles rounded = __builtin_convertvector(x, Singles);
+  __builtin_memcpy(to, &rounded, sizeof rounded);
+}
+
+// x[index(w)]
+template <class T, class Number, class Index>
+DEFORMABLE_LANE_FUNCTION T gather(const Number *x, Index &&index)
+{
+  const auto value = [&](int w) DEFORMABLE_LANE_LAMBDA { return x[index(w)]; };
+  if constexpr (sizeof(T) == sizeof(double))
+    return value(0);
+  else if constexpr (sizeof(Number) == sizeof(double))
+    return each_lane(value);
+  else
+    return __builtin_convertvector(singles_of(value, std::make_integer_sequence<int, W>()), Lanes);
 }
 
 DEFORMABLE_LANE_FUNCTION bool all_true(bool m)

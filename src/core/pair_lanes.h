@@ -8,6 +8,7 @@
 
 #include "force_kernels.h"
 #include "lane_geometry.h"
+#include "tilt.h"
 
 namespace deformable::DEFORMABLE_LEVEL {
 
@@ -38,9 +39,8 @@ static bool locate_pairs(const double *x, const PairPlaces &p, int begin, int en
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
     const auto between = [&](int axis) DEFORMABLE_LANE_LAMBDA {
-      return of_each<T>([&](int w) DEFORMABLE_LANE_LAMBDA {
-        return x[3 * p.j[k + w] + axis] - x[3 * p.i[k + w] + axis];
-      });
+      return gather<T>(x + axis, [&](int w) DEFORMABLE_LANE_LAMBDA { return 3 * p.j[k + w]; }) -
+             gather<T>(x + axis, [&](int w) DEFORMABLE_LANE_LAMBDA { return 3 * p.i[k + w]; });
     };
     const T dx = between(0), dy = between(1);
     const T square = dx * dx + dy * dy, d = root(square), per_d = 1.0 / d;
@@ -54,6 +54,14 @@ static bool locate_pairs(const double *x, const PairPlaces &p, int begin, int en
   return apart;
 }
 
+// x of both contacts of a pair. The sum is the same to the last bit on both ranks of the pair.
+template <class T, class Number, class Arrays>
+DEFORMABLE_LANE_FUNCTION T of_both(const Number *x, const Arrays &p, int k)
+{
+  return gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.first[k + w]; }) +
+         gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.second[k + w]; });
+}
+
 static Largest find_residuals(const PairArrays &p, int begin, int end)
 {
   Lanes worst = Lanes{}, largest = Lanes{};
@@ -62,10 +70,8 @@ static Largest find_residuals(const PairArrays &p, int begin, int end)
     using T = decltype(kind);
     const T overlap = load<T>(p.overlap + k), stiffening = load<T>(p.stiffening + k);
     const T f = load<T>(p.force + k);
-    const int *const first = p.first + k, *const second = p.second + k;
-    // the sum of both sides first: the same to the last bit on the other rank
-    const T r = overlap - (gather<T>(p.indentation, first) + gather<T>(p.indentation, second));
-    const T w = 1.0 / (gather<T>(p.compliance, first) + gather<T>(p.compliance, second));
+    const T r = overlap - of_both<T>(p.indentation, p, k);
+    const T w = 1.0 / of_both<T>(p.compliance, p, k);
     const T linear = r * w, cubic = stiffening * r * r * r, zero = T{};
     const T loss = larger(linear, -f), less = smaller(linear, cubic);    // f > 0, f = 0
     const T error = select(r > 0.0, larger(linear, cubic), select(f > 0.0, loss, less));
@@ -104,8 +110,7 @@ static double add_products(const PairArrays &p, int begin, int end)
 {
   return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
-    const T y =
-        gather<T>(p.contact_product, p.first + k) + gather<T>(p.contact_product, p.second + k);
+    const T y = of_both<T>(p.contact_product, p, k);
     store(p.product + k, y);
     return y * load<T>(p.direction + k);
   });
@@ -131,14 +136,105 @@ static void turn(const PairArrays &p, double conjugation, int begin, int end)
   });
 }
 
-static double sum(const double *x, int begin, int end)
+static void extrapolate(const PairArrays &p, const double *c, int begin, int end)
+{
+  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const T now = load<T>(p.past[0] + k), last = load<T>(p.past[1] + k);
+    const T next = c[0] * now + c[1] * last + c[2] * load<T>(p.past[2] + k);
+    store(p.past[2] + k, select(now == UNKNOWN_FORCE, now, next));
+  });
+}
+
+static double take_step(const PairArrays &p, bool alone, int begin, int end)
+{
+  constexpr double ALONE = 0.5;
+  return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const T zero = T{}, f = load<T>(p.force + k), r = load<T>(p.residual + k);
+    const T error = load<T>(p.error + k);
+    T change = ALONE * error;
+    if (!alone) change = select(load<T>(p.weight + k) > 0.0, load<T>(p.step + k), error);
+    const T least = select(r > 0.0, load<T>(p.stiffening + k) * r * r * r, zero);
+    const T next = larger(f + change, least), step = next - f;
+    store(p.begin + k, f);
+    store(p.step + k, step);
+    store(p.force + k, next);
+    return r * step;
+  });
+}
+
+static void remember(const PairArrays &p, int begin, int end)
+{
+  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const T zero = T{}, force = load<T>(p.force + k);
+    const T f = select(force > 0.0, force, smaller(load<T>(p.error + k), zero));
+    const auto is_new = load<T>(p.past[0] + k) == UNKNOWN_FORCE;
+    store(p.past[0] + k, f);
+    for (int n = 1; n < 3; ++n) {
+      const T past = load<T>(p.past[n] + k);
+      store(p.past[n] + k, select(is_new | (past == UNKNOWN_FORCE), f, past));
+    }
+  });
+}
+
+// The torque d sin(tilt) - t_i - t_j, over d, should vanish. The part of the stiffness against tilts that the outlines
+// leave is not below STABLE. A line at the end of the range that would tilt further stops turning while it bears a force.
+static double find_tilts(const LineArrays &p, int begin, int end)
+{
+  constexpr double STABLE = 0.3;
+  Lanes worst = Lanes{};
+  double last_worst = 0.0;
+  const auto look = [&](auto kind, int k, auto &worst) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const T force = load<T>(p.force + k), sine = load<T>(p.sine + k), zero = T{}, one = zero + 1.0;
+    const T most = zero + LARGEST_SINE, per_d = load<T>(p.per_distance + k);
+    const T slope = of_both<T>(p.slope, p, k), rate = of_both<T>(p.slope_rate, p, k);
+    const T off = slope * per_d - sine, stiffness = 1.0 - rate * per_d / root(1.0 - sine * sine);
+    const T better = sine + off / larger(stiffness, zero + STABLE);
+    const T before = load<T>(p.turns + k);
+    const T at_end = select(magnitude(sine) >= most, zero, before);
+    const T turns = select(force > 0.0, select(magnitude(better) > most, at_end, before), one);
+    store(p.turns + k, turns);
+    store(p.next + k, turns * smaller(larger(better, -most), most));
+    worst = larger(worst, force * magnitude(select(turns > 0.0, off, sine)));
+  };
+  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    if constexpr (sizeof(kind) == sizeof(Lanes))
+      look(kind, k, worst);
+    else
+      look(kind, k, last_worst);
+  });
+  for (int w = 0; w < W; ++w) last_worst = larger(last_worst, worst[w]);
+  return last_worst;
+}
+
+static void turn_lines(const LineArrays &p, int begin, int end)
+{
+  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const T nx = load<T>(p.nx + k), ny = load<T>(p.ny + k);
+    const T s = load<T>(p.sine + k), c = root(1.0 - s * s);
+    const T sine = load<T>(p.next + k), cosine = root(1.0 - sine * sine);
+    const T ex = c * nx + s * ny, ey = c * ny - s * nx;    // from center to center
+    const T x = cosine * ex - sine * ey, y = cosine * ey + sine * ex;
+    store(p.sine + k, sine);
+    store(p.nx + k, x);
+    store(p.ny + k, y);
+    store(p.angle + k, angle_of_lanes(x, y));
+    store(p.overlap + k, load<T>(p.touching + k) - cosine / load<T>(p.per_distance + k));
+  });
+}
+
+static double sum(const float *x, int begin, int end)
 {
   return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     return load<decltype(kind)>(x + k);
   });
 }
 
-static double dot(const double *x, const double *y, int begin, int end)
+static double dot(const double *x, const float *y, int begin, int end)
 {
   return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);

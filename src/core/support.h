@@ -20,15 +20,16 @@ inline Support ring_support(double radius, const Contacts &contacts, const Shape
                             double theta)
 {
   Support support = {radius, 0.0, radius};
+  const double x = std::cos(theta), y = std::sin(theta);
   for (int c = 0; c < contacts.size; ++c) {
     const double length = shape.contact[c].length;
     if (length == 0.0) continue;
-    double t = std::remainder(theta - contacts[c].angle, 2.0 * PI);
-    const double sign = t < 0.0 ? -1.0 : 1.0;
-    t = std::fabs(t);
-    const double sine = std::sin(t), cosine = std::cos(t);
+    const Contact &at = contacts[c];
+    const double turns = std::floor((theta - at.angle) / (2.0 * PI));
+    const double t = theta - at.angle - 2.0 * PI * turns;
+    const double sine = at.nx * y - at.ny * x, cosine = at.nx * x + at.ny * y;
     support.height -= length * green(t, sine, cosine);
-    support.d_height -= length * sign * d_green(t, sine, cosine);
+    support.d_height -= length * d_green(t, sine, cosine);
     support.curvature_radius -= length * (0.5 + cosine) / PI;
   }
   return support;
@@ -39,15 +40,37 @@ inline Support ring_support(double radius, const Contacts &contacts, const Shape
 inline double ring_bulge(double radius, const Contacts &contacts, const Shape &shape)
 {
   constexpr int SAMPLES = 48;
-  double best = 0.0, at = 0.0;
-  for (int k = 0; k < SAMPLES; ++k) {
-    const double theta = 2.0 * PI * k / SAMPLES;
-    const double height = ring_support(radius, contacts, shape, theta).height - radius;
-    if (height > best) {
-      best = height;
-      at = theta;
+  struct Sample {
+    double theta[SAMPLES], x[SAMPLES], y[SAMPLES];
+    Sample()
+    {
+      for (int k = 0; k < SAMPLES; ++k) {
+        theta[k] = 2.0 * PI * k / SAMPLES;
+        x[k] = std::cos(theta[k]);
+        y[k] = std::sin(theta[k]);
+      }
+    }
+  };
+  static const Sample of;
+  double bulge[SAMPLES] = {};
+  for (int c = 0; c < contacts.size; ++c) {
+    const double length = shape.contact[c].length;
+    const Contact at = contacts[c];
+    const double angle = std::remainder(at.angle, 2.0 * PI);
+    for (int k = 0; k < SAMPLES; ++k) {
+      double t = of.theta[k] - angle;
+      t += t < 0.0 ? 2.0 * PI : t >= 2.0 * PI ? -2.0 * PI : 0.0;
+      const double sine = at.nx * of.y[k] - at.ny * of.x[k];
+      const double cosine = at.nx * of.x[k] + at.ny * of.y[k];
+      bulge[k] -= length * green(t, sine, cosine);
     }
   }
+  double best = 0.0, at = 0.0;
+  for (int k = 0; k < SAMPLES; ++k)
+    if (bulge[k] > best) {
+      best = bulge[k];
+      at = of.theta[k];
+    }
   if (best == 0.0) return 0.0;
   for (int step = 0; step < 4; ++step) {
     const Support support = ring_support(radius, contacts, shape, at);

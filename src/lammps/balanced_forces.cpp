@@ -1,6 +1,6 @@
 #include "balanced_forces.h"
 
-#include "ring_forces.h"
+#include "tilt.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -30,9 +30,9 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
     wrong = near.locate(p);
     if (wrong >= 0) return wrong;
   }
-  solver.begin_call(near.pairs);
+  solver.begin_call(near.pairs, batches);
   for (int lists = 0;; ++lists) {
-    is_balanced = solver.solve(near.pairs, batches, near.remote_sides);
+    is_balanced = solver.solve(near.remote_sides);
     find_bulges();
     if (lists < MOST_LISTS && !near.is_sufficient(p)) {
       near.build(p, false);
@@ -40,10 +40,14 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
       near.locate(p);
       continue;
     }
+    if (near.pairs.tilts && leave_gaps(p) && lists < MOST_LISTS) {
+      near.locate(p);
+      continue;
+    }
     if (!is_balanced && without_room() < 0) warn_unbalanced();
     break;
   }
-  kernels.slopes(batches.arrays(), near.pairs.force.data());
+  if (!near.pairs.tilts) kernels.slopes(batches.arrays(), near.pairs.directions(), nullptr);
   return -1;
 }
 
@@ -75,11 +79,13 @@ void BalancedForces::set_material(const DeformableParticles &p)
 void BalancedForces::find_bulges()
 {
   constexpr double MOST = 0.10199;    // -G at its minimum
+  crowded.clear();
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
     const int i = batches.particle[ring];
     if (i < 0) continue;
     const double lengths = batches.total[ring] * batches.per_pressure[ring];
     near.bulge[i] = std::max(MOST * lengths + batches.expansion[ring], 0.0);
+    if (arc_radius_at_least(ring, lengths) < 0.0) crowded.push_back(i);
   }
 }
 
@@ -125,8 +131,7 @@ BalancedForces::Ring BalancedForces::ring(int i) const
   const LoadedRing loaded = {p, delta};
   const Stiffness k = {batches.kA[ring], batches.kP[ring], batches.tension[ring]};
   const double lengths = batches.total[ring] * batches.per_pressure[ring];
-  const double q = batches.radius[ring] + delta - lengths * (0.5 / PI);
-  double arc_radius = q - lengths / PI;
+  double arc_radius = arc_radius_at_least(ring, lengths);
   if (arc_radius < 0.0) {
     double mx = 0.0, my = 0.0;
     for (int m = 0; m < n; ++m) {
@@ -135,7 +140,7 @@ BalancedForces::Ring BalancedForces::ring(int i) const
       mx += f * near.pairs.nx[seat >> 1];
       my += f * near.pairs.ny[seat >> 1];
     }
-    arc_radius = q - std::hypot(mx, my) * batches.per_pressure[ring] / PI;
+    arc_radius += (lengths - std::hypot(mx, my) * batches.per_pressure[ring]) / PI;
   }
   const double energy = loaded.energy(batches.radius[ring], k, batches.work[ring]);
   return {{energy, p}, delta, arc_radius, n};
@@ -163,7 +168,7 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
     contacts[m] = {angle, sign * p.nx[pair], sign * p.ny[pair],
                    batches.indentation[c] + share * residual(pair)};
     const double length = p.force[pair] * per_p;
-    shape.contact[m] = {length, length, -length * batches.product[c]};
+    shape.contact[m] = {length, length, -length * batches.slope[c]};
     mx += length * contacts[m].nx;
     my += length * contacts[m].ny;
   }
@@ -172,6 +177,76 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
   shape.perimeter_excess = 2.0 * PI * delta;
   shape.arc_radius = batches.radius[ring] + delta - lengths * (0.5 / PI) - std::hypot(mx, my) / PI;
   return n;
+}
+
+/* ----------------------------------------------------------------------
+   A tilted line must lie between both centers: otherwise it is upright in the
+   next solution. An outline that a line presses behind its center is crowded:
+   a <= G(0) sum L - delta. Returns whether there is such a line on any rank.
+------------------------------------------------------------------------- */
+
+bool BalancedForces::leave_gaps(const DeformableParticles &p)
+{
+  NearPairs &pairs = near.pairs;
+  int is_any[2] = {!crowded.empty(), solver.tilts.any_upright}, leaves = 0;
+  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, is_any, 2, MPI_INT, MPI_MAX, world);
+  upright_lines = 0.0;
+  if (is_any[1] != 0)
+    for (int k = 0; k < pairs.wall; ++k)
+      if (solver.tilts.is_upright(k)) upright_lines += k < pairs.remote ? 1.0 : 0.5;
+  if (is_any[1] != 0 && !warned_upright) warn_upright();
+  if (is_any[0] == 0) return false;
+  for (int k = 0; k < pairs.wall; ++k) {
+    if (!(pairs.force[k] > 0.0) || solver.tilts.is_upright(k)) continue;
+    const double a = batches.indentation[pairs.side[0][k]];
+    const double b = batches.indentation[pairs.side[1][k]];
+    if (a < p.radius[pairs.i[k]] && b < p.radius[pairs.j[k]]) continue;
+    LineTilts::keep_upright(pairs, k);
+    leaves = 1;
+  }
+  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &leaves, 1, MPI_INT, MPI_MAX, world);
+  return leaves != 0;
+}
+
+void BalancedForces::warn_upright()
+{
+  warned_upright = true;
+  if (comm->me == 0)
+    error->warning(FLERR,
+                   "Contact lines would tilt by more than 0.3 rad, or leave the gap between their "
+                   "particles: they stay perpendicular to the line of centers. 'compute ID all "
+                   "pair' counts them");
+}
+
+/* ---------------------------------------------------------------------- */
+
+void BalancedForces::find_model_errors(std::vector<double> &of_particle)
+{
+  const NearPairs &pairs = near.pairs;
+  of_particle.assign(atom->nlocal, 0.0);
+  pressure_at.assign(batches.indentation.size(), 0.0);
+  tension_at = pressure_at;
+  for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
+    if (batches.particle[ring] < 0) continue;
+    const LoadedRing loaded = {batches.pressure[ring], batches.expansion[ring]};
+    const double T = tension(batches.radius[ring], loaded, batches.total[ring]);
+    for (int m = 0; m < batches.count[batches.particle[ring]]; ++m) {
+      const int c = batches.contact(static_cast<int>(ring), m);
+      pressure_at[c] = loaded.pressure;
+      tension_at[c] = T;
+    }
+  }
+  near.remote_sides.exchange(pairs.side[0].data() + pairs.remote, batches.contacts,
+                             pressure_at.data(), tension_at.data());
+  for (int k = 0; k < pairs.wall; ++k) {
+    const int a = pairs.side[0][k], b = pairs.side[1][k];
+    const double saved = curvature_energy(pairs.force[k], pressure_at[a], pressure_at[b],
+                                          tension_at[a], tension_at[b]);
+    of_particle[pairs.i[k]] += 0.5 * saved;
+    if (pairs.second[k] >= 0) of_particle[pairs.second[k]] += 0.5 * saved;
+  }
+  for (int i = 0; i < atom->nlocal; ++i)
+    if (batches.place[i] >= 0) of_particle[i] = std::min(of_particle[i], ring(i).energy.value);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -191,5 +266,6 @@ void BalancedForces::warn_unbalanced()
 
 double BalancedForces::memory_usage() const
 {
-  return near.memory_usage() + batches.bytes() + solver.memory_usage();
+  return near.memory_usage() + batches.bytes() + solver.memory_usage() +
+         bytes_of(pressure_at, tension_at);
 }

@@ -10,18 +10,21 @@
 #include "near_list.h"
 
 #include "shape.h"
+#include "trigonometry.h"
 
+#include <cmath>
 #include <vector>
 
 namespace LAMMPS_NS {
 
 class BalancedForces : protected Pointers {
  public:
-  BalancedForces(class LAMMPS *lmp, const deformable::ForceKernels &kernels, double tolerance,
-                 int max_evaluations)
+  // tilts: contact lines may also turn
+  BalancedForces(class LAMMPS *lmp, const deformable::ForceKernels &kernels, bool tilts,
+                 double tolerance, int max_evaluations)
       : Pointers(lmp),
         kernels(kernels),
-        near(lmp, kernels),
+        near(lmp, kernels, tilts),
         solver(lmp, kernels, tolerance, max_evaluations)
   {
   }
@@ -40,7 +43,19 @@ class BalancedForces : protected Pointers {
   // What is left of the overlap of a pair: both sides share it by their compliances.
   double residual(int k) const { return solver.residuals()[k]; }
   // After solve: L G' summed over the other contacts of that side's ring, the slope of its outline at the contact.
-  double outline_slope(int k, int side) const { return batches.product[near.pairs.side[side][k]]; }
+  double outline_slope(int k, int side) const { return batches.slope[near.pairs.side[side][k]]; }
+
+  // After solve: what curved contact lines would still save (tilt.h), half of it for either particle, and not more than
+  // its energy; by particle of this rank.
+  void find_model_errors(std::vector<double> &of_particle);
+
+  // The tilt of the line of a pair, the same from both sides [rad], and the number of lines that bear a force but do
+  // not tilt, because they would tilt too far. A line that two ranks share counts half on each.
+  double tilt(int k) const { return near.pairs.tilts ? std::asin(near.pairs.tilt[k]) : 0.0; }
+  double upright() const { return upright_lines; }
+
+  // The rings whose smallest radius of curvature may be negative.
+  const std::vector<int> &crowded_rings() const { return crowded; }
 
   // Of ring i. The radius of curvature is the smallest one if that is negative, otherwise a lower bound.
   struct Ring {
@@ -61,13 +76,23 @@ class BalancedForces : protected Pointers {
   NearList near;
   ForceBatches batches;
   ForceSolver solver;
-  bool is_balanced = false, warned = false;
+  std::vector<int> crowded;
+  bool is_balanced = false, warned = false, warned_upright = false;
+  double upright_lines = 0.0;
+  std::vector<double> pressure_at, tension_at;    // of the ring of each contact
 
   void arrange(const DeformableParticles &);
   void set_material(const DeformableParticles &);
+  // q - (1/pi) sum L: no direction has a smaller radius of curvature
+  double arc_radius_at_least(std::size_t ring, double lengths) const
+  {
+    return batches.radius[ring] + batches.expansion[ring] - lengths * (1.5 / deformable::PI);
+  }
   void find_bulges();
   int collapsed() const;
   void warn_unbalanced();
+  bool leave_gaps(const DeformableParticles &);
+  void warn_upright();
 };
 
 }    // namespace LAMMPS_NS

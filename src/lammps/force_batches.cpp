@@ -57,18 +57,17 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
     longest = std::max(longest, most);
   }
   contacts = places;
-  for (std::vector<double> *v : {&green, &d_green}) {
-    if (static_cast<std::size_t>(two) > v->capacity()) {    // no more than needed, and no copy
-      *v = {};
-      v->reserve(two + two / 16);
-    }
-    v->resize(two);
+  if (static_cast<std::size_t>(two) > green.capacity()) {    // no more than needed, and no copy
+    green = {};
+    green.reserve(two + two / 16);
   }
+  green.resize(two);
   scratch.resize(5 * longest * LANES + LANES);
   seat.assign(contacts, 2 * pairs.size);
   const int remote = pairs.wall - pairs.remote;
-  for (std::vector<double> *v : {&indentation, &compliance, &product})
+  for (std::vector<double> *v : {&indentation, &compliance, &slope})
     v->assign(contacts + remote + 1, 0.0);
+  product.assign(contacts + remote + 1, 0.0F);
 
   std::fill(count.begin(), count.end(), 0);
   const auto sit = [this](int i, int of) {
@@ -98,13 +97,13 @@ deformable::RingBatches ForceBatches::arrays()
           {radius.data(), kA.data(), kP.data(), tense ? tension.data() : nullptr, pressure.data(),
            expansion.data(), work.data(), total.data(), per_pressure.data(), mixed.data(),
            square.data(), rate.data()},
-          {seat.data(), indentation.data(), compliance.data(), product.data(), green.data(),
-           d_green.data(), aligned}};
+          {seat.data(), indentation.data(), compliance.data(), slope.data(), product.data(),
+           green.data(), aligned}};
 }
 
 double ForceBatches::bytes() const
 {
   return bytes_of(size, first, first_green, particle, radius, kA, kP, tension, pressure, expansion,
                   work, total, per_pressure, mixed, square, rate, seat, indentation, compliance,
-                  product, green, d_green, scratch, place, count);
+                  slope, product, green, scratch, place, count);
 }

@@ -29,9 +29,11 @@ struct ForceBatches {
   // of contacts
   std::vector<int> seat;
   std::vector<double> indentation, compliance;
-  std::vector<double> product;    // C x; at the end the slopes of the outlines
+  std::vector<double> slope;     // of the outlines, at the end
+  std::vector<float> product;    // C x
 
-  std::vector<double> green, d_green, scratch;
+  std::vector<float> green;
+  std::vector<double> scratch;
 
   std::vector<int> place;    // of each particle, in arrays of rings
   std::vector<int> count;    // contacts of each particle

@@ -17,8 +17,10 @@ using deformable::PairArrays;
    ones.
 ------------------------------------------------------------------------- */
 
-void ForceSolver::begin_call(NearPairs &p)
+void ForceSolver::begin_call(NearPairs &p, ForceBatches &b)
 {
+  pairs = &p;
+  batches = &b;
   static constexpr double COEFFICIENTS[][3] = {{1, 0, 0}, {1, 0, 0}, {2, -1, 0}, {3, -3, 1}};
   static constexpr double STABLE[3] = {2.5, -2, 0.5};
   consecutive_calls = update->ntimestep == last_step + 1 ? std::min(consecutive_calls + 1, 3) : 0;
@@ -26,35 +28,34 @@ void ForceSolver::begin_call(NearPairs &p)
   const bool predicts = consecutive_calls == 3;
   must_correct = predicts && tolerance > LOOSE;
   const double *const c = must_correct ? STABLE : COEFFICIENTS[consecutive_calls];
-  for (int k = 0; k < p.size; ++k) {
-    const double now = p.past[0][k], last = p.past[1][k], before = p.past[2][k];
-    p.past[2][k] = last;
-    p.past[1][k] = now;
-    p.past[0][k] = now == PastForces::UNKNOWN ? now : c[0] * now + c[1] * last + c[2] * before;
-  }
+  kernels.extrapolate(arrays(), c, 0, p.size);
+  std::swap(p.past[1], p.past[2]);
+  std::swap(p.past[0], p.past[1]);
+  if (p.tilts) LineTilts::predict(p, kernels, c);
   evaluations = 0;
   first_solution = true;
 }
 
 /* ---------------------------------------------------------------------- */
 
-bool ForceSolver::solve(NearPairs &p, ForceBatches &b, RemoteSides &r)
+bool ForceSolver::solve(RemoteSides &r)
 {
-  pairs = &p;
-  batches = &b;
+  NearPairs &p = *pairs;
   remote = &r;
   const std::size_t one_more = p.size + 1;    // nothing happens in the last one, which stays zero
-  for (std::vector<double> *v :
-       {&residual, &error, &weight, &begin, &step, &left, &direction, &product})
-    if (v->size() != one_more) v->assign(one_more, 0.0);
+  const auto make_room = [one_more](auto &...v) {
+    ((v.size() == one_more ? void() : v.assign(one_more, 0)), ...);
+  };
+  make_room(residual, error, begin, weight, step, left, direction, product);
   if (comm->nprocs > 1) agree();
   for (int k = 0; k < p.size; ++k) p.force[k] = std::max(p.past[0][k], 0.0);
+  if (p.tilts) tilts.start(p, *batches, kernels);
 
   if (!first_solution) --evaluations;    // of the same forces as the last one
-  Evaluation now = evaluate(true);
+  Evaluation now = evaluate();
   if (!now.exists) {
     std::fill(p.force.begin(), p.force.end(), 0.0);
-    now = evaluate(false);
+    now = evaluate();
   }
   // A minimizer needs only a tenth of the imbalance that its last step caused: the rest vanishes as its steps do, if each
   // call corrects it, also below the tolerance.
@@ -65,17 +66,39 @@ bool ForceSolver::solve(NearPairs &p, ForceBatches &b, RemoteSides &r)
   must_correct |= first_solution && minimizing;
   pairs_of_all = 1.0 + sum_over_pairs([](int a, int z) { return z - a; });
   first_solution = false;
-  while ((now.worst > target * now.largest || (must_correct && now.worst > 0.0)) &&
-         evaluations < max_evaluations) {
-    newton_step(now);
-    must_correct = false;
-    double slope = take_step(true);
-    if (!(slope > 0.0)) slope = take_step(false);
-    now = line_search(now, slope);
-  }
-  remember();
+  while (!is_balanced(now) && evaluations < max_evaluations) now = correct(now);
+  if (p.tilts && !now.knows_torques) now.torques = find_torques();
+  kernels.remember(arrays(), 0, p.size);
+  if (p.tilts) tilts.remember(p);
   imbalance = now.relative();
-  return now.worst <= target * now.largest;
+  return now.worst() <= target * now.largest;
+}
+
+// Torques count only where forces balance: before, they are not worth their evaluation.
+bool ForceSolver::is_balanced(Evaluation &now)
+{
+  if (now.forces > target * now.largest || (must_correct && now.forces > 0.0)) return false;
+  if (!pairs->tilts) return true;
+  now.torques = find_torques();
+  now.knows_torques = true;
+  return now.torques <= target * now.largest;
+}
+
+ForceSolver::Evaluation ForceSolver::correct(const Evaluation &from)
+{
+  constexpr double CLOSE = 0.05;
+  if (from.knows_torques) {    // only tilts are missing
+    tilts.turn(*pairs, *batches, kernels);
+    return evaluate();
+  }
+  newton_step(from);
+  must_correct = false;
+  const double slope = take_step();
+  const bool turns = pairs->tilts && from.forces <= CLOSE * from.largest;
+  if (!turns) return line_search(slope, from.forces, false);
+  const double torques = find_torques();
+  tilts.turn(*pairs, *batches, kernels);
+  return line_search(slope, std::max(from.forces, torques), true);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -84,10 +107,23 @@ PairArrays ForceSolver::arrays()
 {
   NearPairs &p = *pairs;
   const ForceBatches &b = *batches;
-  return {p.overlap.data(),     p.stiffening.data(), p.side[0].data(), p.side[1].data(),
-          b.indentation.data(), b.compliance.data(), b.product.data(), p.force.data(),
-          residual.data(),      error.data(),        weight.data(),    step.data(),
-          left.data(),          direction.data(),    product.data()};
+  return {p.overlap.data(),
+          p.stiffening.data(),
+          p.side[0].data(),
+          p.side[1].data(),
+          b.indentation.data(),
+          b.compliance.data(),
+          b.product.data(),
+          p.force.data(),
+          residual.data(),
+          error.data(),
+          weight.data(),
+          step.data(),
+          left.data(),
+          direction.data(),
+          product.data(),
+          begin.data(),
+          {p.past[0].data(), p.past[1].data(), p.past[2].data()}};
 }
 
 /* ----------------------------------------------------------------------
@@ -114,6 +150,11 @@ void ForceSolver::agree()
     overlap[c] = 0.5 * (overlap[c] + overlaps[own + c]);
     force[c] = 0.5 * (force[c] + forces[own + c]);
   }
+  if (!p.tilts) return;
+  double *const per_distance = p.per_distance.data() + p.remote;
+  for (int c = 0; c < count; ++c) overlaps[side[c]] = per_distance[c];
+  remote->exchange(side, own, overlaps);
+  for (int c = 0; c < count; ++c) per_distance[c] = 0.5 * (per_distance[c] + overlaps[own + c]);
 }
 
 // Pairs that two ranks share count half on each.
@@ -127,13 +168,10 @@ template <class Sum> double ForceSolver::sum_over_pairs(Sum &&sum) const
   return all;
 }
 
-ForceSolver::Evaluation ForceSolver::evaluate(bool new_directions)
+ForceSolver::Evaluation ForceSolver::evaluate()
 {
   ++evaluations;
-  const NearPairs &p = *pairs;
-  const bool exist =
-      kernels.shape(batches->arrays(), {p.force.data(), p.angle.data(), p.nx.data(), p.ny.data()},
-                    new_directions);
+  const bool exist = kernels.shape(batches->arrays(), pairs->directions());
   remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                    batches->indentation.data(), batches->compliance.data());
   const deformable::Largest here = kernels.find_residuals(arrays(), 0, pairs->size);
@@ -142,17 +180,28 @@ ForceSolver::Evaluation ForceSolver::evaluate(bool new_directions)
   return {largest[0], largest[1], largest[2] == 0.0};
 }
 
+// The largest imbalance of a tilt for the present forces. Also finds the next tilts.
+double ForceSolver::find_torques()
+{
+  kernels.slopes(batches->arrays(), pairs->directions(), tilts.rates());
+  remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts, batches->slope.data(),
+                   tilts.rates());
+  double worst = tilts.find(*pairs, *batches, kernels);
+  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE, MPI_MAX, world);
+  return worst;
+}
+
 /* ----------------------------------------------------------------------
    Solves C x = r on the pairs that take part. Newton's method squares its
    relative error in each step: the solution need not be better than that,
-   nor than the tolerance. The first step finds which contacts open or close,
-   and may be coarse.
+   nor than the tolerance. The first step finds which contacts open or close:
+   more accuracy is lost on those.
 ------------------------------------------------------------------------- */
 
 void ForceSolver::newton_step(const Evaluation &from)
 {
   constexpr int MAX_ITERATIONS = 500;
-  constexpr double LEAST_ACCURACY = 0.03, MARGIN = 0.3, SQUARE = 10.0;
+  constexpr double COARSE = 0.03, FIRST = 0.003, MARGIN = 0.3, SQUARE = 10.0;
   const PairArrays loop = arrays();
   double norm2 = sum_over_pairs([&](int a, int z) { return kernels.begin_gradients(loop, a, z); });
   const double weights =
@@ -160,9 +209,9 @@ void ForceSolver::newton_step(const Evaluation &from)
   if (!(norm2 > 0.0)) return;
   // of r, times the mean weight
   const double typical = std::sqrt(norm2 * weights) / pairs_of_all;
-  const double sufficient =
-      std::max(MARGIN * target * from.largest / from.worst, SQUARE * typical / from.largest);
-  const double accuracy = evaluations == 1 ? LEAST_ACCURACY : std::min(LEAST_ACCURACY, sufficient);
+  const double most = evaluations == 1 ? FIRST : SQUARE * typical / from.largest;
+  const double accuracy =
+      std::min(COARSE, std::max(MARGIN * target * from.largest / from.forces, most));
   const double enough = accuracy * accuracy * norm2;
   for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
     kernels.multiply(batches->arrays(), direction.data());
@@ -179,29 +228,18 @@ void ForceSolver::newton_step(const Evaluation &from)
   }
 }
 
-/* ----------------------------------------------------------------------
-   Turns the change of forces into one that leaves no force negative, and
-   takes it. Without Newton's method each pair changes for itself. Returns the
-   slope of the dual energy along the step.
-------------------------------------------------------------------------- */
+/* ---------------------------------------------------------------------- */
 
-double ForceSolver::take_step(bool newton)
+double ForceSolver::take_step()
 {
-  constexpr double ALONE = 0.5;
-  const double *const stiffening = pairs->stiffening.data();
-  double *const force = pairs->force.data();
-  if (!newton) std::copy(begin.begin(), begin.end(), pairs->force.begin());
-  for (int k = 0; k < pairs->size; ++k) {
-    const double f = force[k], r = residual[k];
-    double next = f + (!newton ? ALONE * error[k] : weight[k] > 0.0 ? step[k] : error[k]);
-    if (r > 0.0) next = std::max(next, stiffening[k] * r * r * r);
-    next = std::max(next, 0.0);
-    begin[k] = f;
-    step[k] = next - f;
-    force[k] = next;
-  }
-  return sum_over_pairs(
-      [this](int a, int z) { return kernels.dot(residual.data(), step.data(), a, z); });
+  const PairArrays loop = arrays();
+  const auto step = [&](bool alone) {
+    return sum_over_pairs([&](int a, int z) { return kernels.take_step(loop, alone, a, z); });
+  };
+  const double slope = step(false);
+  if (slope > 0.0) return slope;
+  std::copy(begin.begin(), begin.end(), pairs->force.begin());
+  return step(true);
 }
 
 /* ----------------------------------------------------------------------
@@ -210,14 +248,14 @@ double ForceSolver::take_step(bool newton)
    the slope vanishes.
 ------------------------------------------------------------------------- */
 
-ForceSolver::Evaluation ForceSolver::line_search(const Evaluation &from, double slope)
+ForceSolver::Evaluation ForceSolver::line_search(double slope, double imbalance, bool turned)
 {
-  constexpr double BETTER = 0.5, SMALL_SLOPE = 0.5;
+  constexpr double BETTER = 0.5, NO_WORSE = 2.0, SMALL_SLOPE = 0.5;
   double low = 0.0, low_slope = slope, high = 1.0, at = 1.0;
   for (;;) {
-    const Evaluation now = evaluate(false);
-    const double good = std::max(BETTER * from.worst, target * now.largest);
-    if (now.exists && now.worst <= good) return now;
+    const Evaluation now = evaluate();
+    const double good = std::max((turned ? NO_WORSE : BETTER) * imbalance, target * now.largest);
+    if (now.exists && now.forces <= good) return now;
     double here = -std::numeric_limits<double>::infinity();
     if (now.exists)
       here = sum_over_pairs(
@@ -241,20 +279,7 @@ ForceSolver::Evaluation ForceSolver::line_search(const Evaluation &from, double 
   }
 }
 
-/* ---------------------------------------------------------------------- */
-
-void ForceSolver::remember()
-{
-  for (int k = 0; k < pairs->size; ++k) {
-    const double f = pairs->force[k] > 0.0 ? pairs->force[k] : std::min(error[k], 0.0);
-    const bool is_new = pairs->past[0][k] == PastForces::UNKNOWN;
-    pairs->past[0][k] = f;
-    if (is_new || pairs->past[1][k] == PastForces::UNKNOWN) pairs->past[1][k] = f;
-    if (is_new || pairs->past[2][k] == PastForces::UNKNOWN) pairs->past[2][k] = f;
-  }
-}
-
 double ForceSolver::memory_usage() const
 {
-  return bytes_of(residual, error, weight, begin, step, left, direction, product);
+  return bytes_of(residual, error, weight, begin, step, left, direction, product) + tilts.bytes();
 }

@@ -12,6 +12,9 @@
 // The imbalance of a pair is the change of its force that would remove r if all other forces stayed: r/(C_i + C_j), at
 // least k r^3 as between circles (a ring without force has infinite compliance), and not below -f. Pairs without force
 // keep it, then negative, as a force that continues the positive ones: it tells when a contact will form.
+//
+// Where contact lines tilt, the energy is smallest over their tilts too. They take a step (LineTilts) with each of
+// Newton's method, as soon as forces are close to balance.
 
 #ifndef LMP_FORCE_SOLVER_H
 #define LMP_FORCE_SOLVER_H
@@ -19,9 +22,11 @@
 #include "pointers.h"
 
 #include "force_batches.h"
+#include "line_tilts.h"
 #include "near_pairs.h"
 #include "remote_sides.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -45,20 +50,24 @@ class ForceSolver : protected Pointers {
   double imbalance = 0.0;    // the largest of a pair, over the largest force
 
   // A new force call: forces continue those of the last calls.
-  void begin_call(NearPairs &);
+  void begin_call(NearPairs &, ForceBatches &);
 
   // The pairs are located, the rings know their material. Starts from the last forces, and keeps the new ones.
   // Returns whether the forces are balanced. May be called again in the same call, with other pairs.
-  bool solve(NearPairs &, ForceBatches &, RemoteSides &);
+  bool solve(RemoteSides &);
 
   const std::vector<double> &residuals() const { return residual; }
+  LineTilts tilts;
   double memory_usage() const;
 
  private:
   struct Evaluation {
-    double worst, largest;    // imbalance, force
-    bool exists;              // every ring has a shape
-    double relative() const { return worst > 0.0 ? worst / largest : 0.0; }
+    double forces, largest;    // imbalance, force
+    bool exists;               // every ring has a shape
+    bool knows_torques = false;
+    double torques = 0.0;    // imbalance of tilts
+    double worst() const { return std::max(forces, torques); }
+    double relative() const { return worst() > 0.0 ? worst() / largest : 0.0; }
   };
 
   const deformable::ForceKernels &kernels;
@@ -67,10 +76,10 @@ class ForceSolver : protected Pointers {
   RemoteSides *remote = nullptr;
 
   // by pair
-  std::vector<double> residual, error,
-      weight;                         // r, imbalance, 1/(C_i + C_j) of pairs that take part
-  std::vector<double> begin, step;    // of a line search
-  std::vector<double> left, direction, product;
+  std::vector<double> residual, error;    // r, imbalance
+  std::vector<double> begin;              // of a line search
+  std::vector<float> weight;              // 1/(C_i + C_j) of pairs that take part
+  std::vector<float> step, left, direction, product;
 
   bigint last_step = -2;
   int consecutive_calls = 0;     // at successive steps before this one, up to 3
@@ -83,11 +92,13 @@ class ForceSolver : protected Pointers {
 
   void agree();
   deformable::PairArrays arrays();
-  Evaluation evaluate(bool new_directions);
+  Evaluation evaluate();
+  double find_torques();
   void newton_step(const Evaluation &);
-  double take_step(bool newton);
-  Evaluation line_search(const Evaluation &from, double slope);
-  void remember();
+  double take_step();
+  bool is_balanced(Evaluation &);
+  Evaluation correct(const Evaluation &);
+  Evaluation line_search(double slope, double imbalance, bool turned);
   template <class Sum> double sum_over_pairs(Sum &&sum) const;
 };
 

@@ -73,7 +73,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
     }
   }
   pairs.remote = pairs.size;
-  if (comm->nprocs > 1) remote_sides.match(candidates);
+  if (comm->nprocs > 1) remote_sides.match(candidates, pairs.tilts);
   remote_tags.clear();
   for (const RemoteSides::Candidate &c : candidates) {
     pairs.add(c.i, c.j, -1, c.past);
@@ -102,7 +102,8 @@ void NearList::store_history()
   history.reserve(2 * static_cast<std::size_t>(pairs.size), tags.size());
   for (int i = 0; i < static_cast<int>(tags.size()); ++i) history.add_bulge(tags[i], bulge[i]);
   for (int k = 0; k < pairs.wall; ++k) {
-    const double d = 1.0 / pairs.per_distance[k], x = pairs.nx[k] * d, y = pairs.ny[k] * d;
+    const NearPairs::Centers centers = pairs.centers(k);
+    const double d = 1.0 / pairs.per_distance[k], x = centers.nx * d, y = centers.ny * d;
     const tagint tag = tags[pairs.i[k]];
     const tagint partner = k < pairs.remote ? tags[pairs.second[k]] : remote_tags[k - pairs.remote];
     history.add(tag, partner, x, y, pairs.past_of(k));
@@ -275,14 +276,15 @@ double NearList::box_change() const
 bool NearList::is_sufficient(const DeformableParticles &p) const
 {
   const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
-  double most = 0.0;
+  const double most = 0.5 * (margin - box_change());
+  int missing = missed_wall, any;
   for (int i = 0; i < atom->nlocal; ++i) {
     const double dx = x[3 * i] - x_then[2 * i], dy = x[3 * i + 1] - x_then[2 * i + 1];
-    const double more = bulge[i] - bulge_then[i];
     const double grown = p.radii_vary ? std::fabs(p.radius[i] - radius_then[i]) : 0.0;
-    most = std::max(most, std::sqrt(dx * dx + dy * dy) + std::max(more, 0.0) + grown);
+    const double left = most - grown - std::max(bulge[i] - bulge_then[i], 0.0);
+    missing |= !(dx * dx + dy * dy <= left * std::fabs(left));
   }
-  int missing = missed_wall || most + 0.5 * box_change() > 0.5 * margin, any = missing;
+  any = missing;
   if (comm->nprocs > 1) MPI_Allreduce(&missing, &any, 1, MPI_INT, MPI_MAX, world);
   return any == 0;
 }
@@ -292,6 +294,7 @@ bool NearList::is_sufficient(const DeformableParticles &p) const
 double NearList::memory_usage() const
 {
   return pairs.bytes() + remote_sides.bytes() + history.bytes() +
-         bytes_of(old.i, old.j, old.past[0], old.past[1], old.past[2], bulge, x_then, bulge_then,
-                  radius_then, first_wall, tags, remote_tags, owned, candidates);
+         bytes_of(old.i, old.j, old.past[0], old.past[1], old.past[2], old.past_tilt[0],
+                  old.past_tilt[1], old.past_tilt[2], bulge, x_then, bulge_then, radius_then,
+                  first_wall, tags, remote_tags, owned, candidates);
 }

@@ -35,11 +35,12 @@ struct DeformableParticles {
 
 class NearList : protected Pointers {
  public:
-  NearList(class LAMMPS *lmp, const deformable::ForceKernels &kernels)
+  NearList(class LAMMPS *lmp, const deformable::ForceKernels &kernels, bool tilts)
       : Pointers(lmp),
         remote_sides(lmp),
         kernels(kernels)
   {
+    pairs.tilts = old.tilts = tilts;
   }
 
   NearPairs pairs;

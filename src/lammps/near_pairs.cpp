@@ -1,5 +1,7 @@
 #include "near_pairs.h"
 
+#include <algorithm>
+
 using namespace LAMMPS_NS;
 
 // A vector that grows by itself may take twice the memory that it needs.
@@ -15,6 +17,10 @@ void NearPairs::clear(int expected)
     v.clear();
     v.reserve(most);
   }
+  for (std::vector<double> &v : past_tilt) {
+    v.clear();
+    if (tilts) v.reserve(most);
+  }
 }
 
 void NearPairs::make_room()
@@ -24,11 +30,13 @@ void NearPairs::make_room()
   for (std::vector<double> *v : {&force, &overlap, &per_distance, &angle, &ny})
     v->assign(one_more, 0.0);
   nx.assign(one_more, 1.0);
+  tilt.assign(tilts ? one_more : 0, 0.0);
   for (std::vector<int> &v : side) v.assign(pairs, 0);
 }
 
 int NearPairs::locate(const double *x, const deformable::ForceKernels &kernels)
 {
+  std::fill(tilt.begin(), tilt.end(), 0.0);
   const deformable::PairPlaces places = {i.data(),
                                          j.data(),
                                          touching.data(),

@@ -7,15 +7,18 @@
 #include "force_kernels.h"
 #include "vector_bytes.h"
 
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
 namespace LAMMPS_NS {
 
-// Forces of a pair at the last calls, the latest first; negative: see ForceSolver.
+// Forces of a pair at the last calls, the latest first; negative: see ForceSolver. And the sines of the tilts of its
+// contact line, see LineTilts.
 struct PastForces {
-  static constexpr double UNKNOWN = -1e300;
-  double at[3] = {UNKNOWN, UNKNOWN, UNKNOWN};
+  double at[3] = {deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE};
+  double tilt[3] = {deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE,
+                    deformable::UNKNOWN_FORCE};
 };
 
 // Which pairs there are. Pairs with both particles on this rank come first, then those whose second particle is a
@@ -25,9 +28,16 @@ struct KnownPairs {
 
   std::vector<int> i,
       j;    // local indices, as in the neighbor list; of a wall: its code, -1 - (w + n feature)
-  std::vector<double> past[3];
+  bool tilts = false;    // contact lines may tilt: without, the arrays of tilts are empty
+  std::vector<double> past[3], past_tilt[3];
 
-  PastForces past_of(int k) const { return {{past[0][k], past[1][k], past[2][k]}}; }
+  PastForces past_of(int k) const
+  {
+    PastForces found = {{past[0][k], past[1][k], past[2][k]}};
+    if (tilts)
+      for (int n = 0; n < 3; ++n) found.tilt[n] = past_tilt[n][k];
+    return found;
+  }
 };
 
 // And where they are: a structure of arrays.
@@ -43,7 +53,8 @@ struct NearPairs : KnownPairs {
   std::vector<double> force;
   std::vector<double> overlap,
       per_distance;                     // of walls: the rotation of the direction per sideways step
-  std::vector<double> angle, nx, ny;    // direction from i to j
+  std::vector<double> angle, nx, ny;    // normal of the contact line, from i to j
+  std::vector<double> tilt;             // sine of its angle with the line of centers
   std::vector<int> side[2];             // index of the contact of i and of that of j
 
   int add(int i_, int j_, int second_, const PastForces &past_)
@@ -51,11 +62,29 @@ struct NearPairs : KnownPairs {
     i.push_back(i_);
     j.push_back(j_);
     second.push_back(second_);
-    for (int n = 0; n < 3; ++n) past[n].push_back(past_.at[n]);
+    for (int n = 0; n < 3; ++n) {
+      past[n].push_back(past_.at[n]);
+      if (tilts) past_tilt[n].push_back(past_.tilt[n]);
+    }
     return size++;
   }
+
+  // The direction from i to j, and the cosine of the tilt.
+  struct Centers {
+    double nx, ny, cosine;
+  };
+  Centers centers(int k) const
+  {
+    if (!tilts) return {nx[k], ny[k], 1.0};
+    const double sine = tilt[k], cosine = std::sqrt(1.0 - sine * sine);
+    return {cosine * nx[k] + sine * ny[k], cosine * ny[k] - sine * nx[k], cosine};
+  }
   void clear(int expected);    // removes all pairs; memory for about as many
-  void make_room();            // for the arrays that add() does not fill
+  deformable::PairDirections directions() const
+  {
+    return {force.data(), angle.data(), nx.data(), ny.data()};
+  }
+  void make_room();    // for the arrays that add() does not fill
 
   // Distances, directions and overlaps of pairs of particles. Returns -1, or the first pair whose contact line cannot
   // lie between the centers.
@@ -64,7 +93,8 @@ struct NearPairs : KnownPairs {
   double bytes() const
   {
     return bytes_of(i, j, second, touching, least_square, stiffening, past[0], past[1], past[2],
-                    force, overlap, per_distance, angle, nx, ny, side[0], side[1]);
+                    past_tilt[0], past_tilt[1], past_tilt[2], force, overlap, per_distance, angle,
+                    nx, ny, tilt, side[0], side[1]);
   }
 };
 

@@ -32,6 +32,7 @@ struct RecordedContact {
   double x, y;        // point of the line that is nearest to the center
   double angle;       // of the direction to the line
   double distance;    // of the partner's center, or of the wall
+  double tilt;        // of the line: its normal turns by this from the line of centers
 };
 
 class PairDeformable : public Pair {
@@ -110,7 +111,14 @@ class PairDeformable : public Pair {
 
   // For compute deformable/contact, if there is one.
   void record(int i, int partner, const deformable::Contact &, double length, double force,
-              double distance);
+              double distance, double tilt = 0.0);
+
+  bool tells_error = false;    // the law estimates its own error
+  bool needs_errors() const { return tells_error && (results.requested || eflag_global); }
+  void store_model_error(int i, double error)
+  {
+    if (results.requested) results.store_model_error(i, error);
+  }
 
   // Results of a deformed particle, and of one that is still a circle.
   void store_shape(int i, const deformable::Contacts &contacts, double pressure)

@@ -27,7 +27,7 @@ void PairDeformableRing::settings(int narg, char **arg)
   number_definition();
   reach = 0.3;
   radius_by_atom = false;
-  bool radical = false;
+  std::string law = "balanced";
   int balance_keyword = -1;
   double tolerance = 1e-8;
   int max_evaluations = 100;
@@ -42,12 +42,12 @@ void PairDeformableRing::settings(int narg, char **arg)
     if (iarg + values >= narg)
       utils::missing_cmd_args(FLERR, "pair_style deformable/ring " + keyword, error);
     if (keyword == "contact") {
-      const std::string law = arg[iarg + 1];
-      if (law != "radical" && law != "balanced")
-        error->all(FLERR_WORD(iarg + 1),
-                   "pair_style deformable/ring contact '{}' is neither 'radical' nor 'balanced'",
-                   law);
-      radical = law == "radical";
+      law = arg[iarg + 1];
+      if (law != "radical" && law != "balanced" && law != "tilted")
+        error->all(
+            FLERR_WORD(iarg + 1),
+            "pair_style deformable/ring contact '{}' is not 'balanced', 'tilted' or 'radical'",
+            law);
     } else if (keyword == "balance") {
       balance_keyword = iarg;
       tolerance = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
@@ -75,12 +75,15 @@ void PairDeformableRing::settings(int narg, char **arg)
     }
     iarg += 1 + values;
   }
+  const bool radical = law == "radical";
   if (radical && balance_keyword >= 0)
     error->all(FLERR_WORD(balance_keyword),
-               "pair_style deformable/ring balance is for 'contact balanced' only");
+               "pair_style deformable/ring balance is for 'contact balanced' and 'tilted' only");
   balanced.reset(radical ? nullptr
-                         : new BalancedForces(lmp, kernels->forces, tolerance, max_evaluations));
+                         : new BalancedForces(lmp, kernels->forces, law == "tilted", tolerance,
+                                              max_evaluations));
   whole_list = radical;
+  tells_error = !radical;
 }
 
 /* ---------------------------------------------------------------------- */

@@ -27,51 +27,69 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
   const int crushed = balanced->without_room();
   if (crushed >= 0) no_shape(crushed, balanced->ring(crushed).contacts);
   push_pairs();
-  for (int ii = 0; ii < list->inum; ++ii) finish_balanced(list->ilist[ii]);
+  pvector[4] = 0.0;
+  if (needs_errors()) {
+    balanced->find_model_errors(errors);
+    for (int ii = 0; ii < list->inum; ++ii) {
+      const int i = list->ilist[ii];
+      store_model_error(i, errors[i]);
+      pvector[4] += errors[i];
+    }
+  }
+  pvector[5] = balanced->upright();
+  if (eflag_either || needs_shapes() || neighbor->ago == 0)
+    for (int ii = 0; ii < list->inum; ++ii) finish_balanced(list->ilist[ii]);
+  else
+    for (const int i : balanced->crowded_rings()) finish_balanced(i);
   if (comm->me != 0) return;    // compute pair sums over ranks
   pvector[2] = balanced->evaluations();
   pvector[3] = balanced->imbalance();
 }
 
 /* ----------------------------------------------------------------------
-   The force f along the line of centers, and dU/dtheta over the lever across
-   it, of both rings. Of a pair that two ranks share each adds the part of its
-   own ring. f r completes the energy to that of the dual, whose error is of
+   The force f cos(tilt) along the line of centers, and dU/dtheta over the lever
+   across it, of both rings. That is f along the normal of a line whose torques
+   balance, and the derivative of the energy for any tilt. Of a pair that two
+   ranks share each adds the part of its own ring. f r completes the energy to that of the dual, whose error is of
    second order.
 ------------------------------------------------------------------------- */
 
 void PairDeformableRing::push_pairs()
 {
   const NearPairs &p = balanced->pairs();
-  double *const *const f = atom->f;
+  if (p.size == 0) return;
+  double *const f = atom->f[0];
   for (int k = 0; k < p.size; ++k) {
     const double force = p.force[k];
-    if (force == 0.0) continue;
     const int i = p.i[k], j = p.j[k];
-    const double nx = p.nx[k], ny = p.ny[k], rest = force * balanced->residual(k);
+    const NearPairs::Centers centers = p.centers(k);
+    const double nx = centers.nx, ny = centers.ny;
     const bool is_wall = k >= p.wall, is_remote = !is_wall && k >= p.remote;
     double slope = balanced->outline_slope(k, 0);
     if (!is_wall && !is_remote) slope += balanced->outline_slope(k, 1);
-    const double along = is_remote ? -0.5 * force : -force;
+    const double along = (is_remote ? -0.5 * force : -force) * centers.cosine;
     const double across = -force * slope * p.per_distance[k];
     const double px = along * nx - across * ny, py = along * ny + across * nx;    // on i
-    const double energy = is_remote ? 0.5 * rest : rest;
-    if (eflag_global) eng_vdwl += energy;
-    if (eflag_atom) {
-      eatom[i] += is_wall ? rest : 0.5 * rest;
-      if (!is_wall && !is_remote) eatom[p.second[k]] += 0.5 * rest;
+    if (eflag_either) {
+      const double rest = force * balanced->residual(k);
+      if (eflag_global) eng_vdwl += is_remote ? 0.5 * rest : rest;
+      if (eflag_atom) {
+        eatom[i] += is_wall ? rest : 0.5 * rest;
+        if (!is_wall && !is_remote) eatom[p.second[k]] += 0.5 * rest;
+      }
     }
     if (is_wall) {
+      if (force == 0.0) continue;
       // The wall exerts the torque dU/dtheta about the center: its force acts beside the nearest point.
       const double height = radii[i] - p.overlap[k];
       const double shift = -(1.0 - height * p.per_distance[k]) * slope;
       push_wall(i, j, px, py, {p.angle[k], nx, ny, p.overlap[k]}, shift);
       continue;
     }
-    f[i][0] += px;
-    f[i][1] += py;
-    f[j][0] -= px;
-    f[j][1] -= py;
+    f[3 * i] += px;
+    f[3 * i + 1] += py;
+    f[3 * j] -= px;
+    f[3 * j + 1] -= py;
     if (vflag_either) {
       const double d = 1.0 / p.per_distance[k];
       ev_tally_xyz(i, j, atom->nlocal, 1, 0.0, 0.0, px, py, 0.0, -nx * d, -ny * d, 0.0);
@@ -101,7 +119,7 @@ void PairDeformableRing::finish_balanced(int i)
   for (int c = 0; c < row.size; ++c) {
     const int k = seats[c] >> 1, other = partner(c);
     const double distance = other < 0 ? radii[i] - row[c].indentation : 1.0 / p.per_distance[k];
-    record(i, other, row[c], shape.contact[c].length, p.force[k], distance);
+    record(i, other, row[c], shape.contact[c].length, p.force[k], distance, balanced->tilt(k));
   }
   store_shape(i, row, ring.energy.derivative);
   const double r = ring_radius_of(i);

@@ -32,9 +32,10 @@ void RemoteSides::set_rows(int values)
   }
 }
 
-void RemoteSides::match(std::vector<Candidate> &candidates)
+void RemoteSides::match(std::vector<Candidate> &candidates, bool tilts)
 {
-  enum { PARTNER, X, Y, PAST, VALUES = PAST + 3 };
+  enum { PARTNER, X, Y, PAST };
+  const int values = PAST + (tilts ? 6 : 3);
   constexpr double ROUNDING = 1e-12;
   const auto square = [](double x) { return x * x; };
   const int count = static_cast<int>(candidates.size());
@@ -43,7 +44,7 @@ void RemoteSides::match(std::vector<Candidate> &candidates)
   int longest = 1;
   for (const Candidate &c : candidates) longest = std::max(longest, ++sides[c.i]);
   MPI_Allreduce(&longest, &slots, 1, MPI_INT, MPI_MAX, world);
-  set_rows(VALUES);
+  set_rows(values);
 
   sent.resize(count);
   std::fill(sides.begin(), sides.end(), 0);
@@ -53,9 +54,10 @@ void RemoteSides::match(std::vector<Candidate> &candidates)
     at(place, PARTNER) = static_cast<double>(atom->tag[pair.j]);
     at(place, X) = pair.x;
     at(place, Y) = pair.y;
-    for (int n = 0; n < 3; ++n) at(place, PAST + n) = pair.past.at[n];
+    for (int n = PAST; n < values; ++n)
+      at(place, n) = n < PAST + 3 ? pair.past.at[n - PAST] : pair.past.tilt[n - PAST - 3];
   }
-  comm->forward_comm_array(slots * VALUES, rows.data());
+  comm->forward_comm_array(slots * values, rows.data());
 
   received.clear();
   int kept = 0;
@@ -71,8 +73,9 @@ void RemoteSides::match(std::vector<Candidate> &candidates)
       found = m;
     }
     if (found < 0) continue;    // by rounding at the end of the list: too far to bear a force
-    if (pair.past.at[0] == PastForces::UNKNOWN)
-      for (int n = 0; n < 3; ++n) pair.past.at[n] = at(found, PAST + n);
+    if (pair.past.at[0] == deformable::UNKNOWN_FORCE)
+      for (int n = PAST; n < values; ++n)
+        (n < PAST + 3 ? pair.past.at[n - PAST] : pair.past.tilt[n - PAST - 3]) = at(found, n);
     candidates[kept] = pair;
     sent[kept++] = sent[c];
     received.push_back(found);
@@ -82,7 +85,8 @@ void RemoteSides::match(std::vector<Candidate> &candidates)
   set_rows(2);
 }
 
-void RemoteSides::exchange(const int *side, int own, double *values, double *more)
+template <class Number>
+void RemoteSides::exchange(const int *side, int own, Number *values, Number *more)
 {
   if (comm->nprocs == 1) return;
   const int count = static_cast<int>(sent.size());
@@ -92,7 +96,10 @@ void RemoteSides::exchange(const int *side, int own, double *values, double *mor
   }
   comm->forward_comm_array(more ? 2 * slots : slots, rows.data());
   for (int c = 0; c < count; ++c) {
-    values[own + c] = at(received[c], 0);
-    if (more) more[own + c] = at(received[c], 1);
+    values[own + c] = static_cast<Number>(at(received[c], 0));
+    if (more) more[own + c] = static_cast<Number>(at(received[c], 1));
   }
 }
+
+template void RemoteSides::exchange(const int *, int, double *, double *);
+template void RemoteSides::exchange(const int *, int, float *, float *);

@@ -25,11 +25,12 @@ class RemoteSides : protected Pointers {
 
   // Leaves the candidates that the other rank has too, and gives both ranks the same past. Two images of a particle
   // in one direction are told apart by their positions.
-  void match(std::vector<Candidate> &candidates);
+  void match(std::vector<Candidate> &candidates, bool tilts);
 
   // Appends the values of the other ranks' contacts to those of this rank's, from `own` on, in the order of match.
   // side: this rank's contacts of the pairs.
-  void exchange(const int *side, int own, double *values, double *more = nullptr);
+  template <class Number>
+  void exchange(const int *side, int own, Number *values, Number *more = nullptr);
 
   // From each particle to its ghosts.
   void to_ghosts(std::vector<double> &by_particle);

@@ -22,6 +22,7 @@ OF_RADIUS = {
 }
 RADICAL = "deformable/ring contact radical"
 BALANCED = "deformable/ring contact balanced"
+TILTED = "deformable/ring contact tilted"
 
 
 def droplets(case, style, **options):

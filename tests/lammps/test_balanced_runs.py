@@ -16,7 +16,8 @@ BOX_OF_FOUR = (-5, 5, -2, 8)
 def test_ranks(copies, tmp_path):
     """Forces are the same on both ranks that share a pair, also when particles change ranks.
 
-    If ranks did not take the same steps, forces would differ by the tolerance, and not by rounding.
+    If ranks did not take the same steps, forces would differ by the tolerance, and not by rounding,
+    which a few violent steps multiply.
     """
     fields = {
         "style": f"{DEFAULT} balance 1e-8 100",
@@ -40,7 +41,7 @@ neighbor 0.05 bin
     for found in others:
         for steps, (scalars, atoms) in reference.items():
             np.testing.assert_allclose(found[steps][0], scalars, rtol=1e-12)
-            scale = 1e-12 * np.abs(atoms).max(axis=0)
+            scale = (1e-12 if steps == 0 else 1e-11) * np.abs(atoms).max(axis=0)
             assert (np.abs(found[steps][1] - atoms) <= scale).all()
 
 

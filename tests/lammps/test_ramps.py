@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 from scene import PACKINGS, Scene
-from tense import BALANCED, RADICAL
+from tense import BALANCED, RADICAL, TILTED
 from test_soft_rings import pushed
 
 EXACT = f"{BALANCED} balance 1e-12 100"
 VALUES = {"kA": (1.0, 3.0), "kP": (0.1, 0.7), "tension": (0.01, 0.05)}
 TEXT = "a 0.5 {kA} {kP} tension {tension}\nb 0.7 1.0 0.3 tension 0.02\n"
-styles = pytest.mark.parametrize("style", [RADICAL, EXACT], ids=["radical", "balanced"])
+STYLES = {"radical": RADICAL, "balanced": EXACT, "tilted": f"{TILTED} balance 1e-12 100"}
+styles = pytest.mark.parametrize("style", STYLES.values(), ids=STYLES)
 
 
 def scene(tmp_path, style, hybrid=False, **values):

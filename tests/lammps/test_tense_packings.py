@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 from deformable import core
 from scene import PACKINGS, Scene, box_walls
-from tense import BALANCED, OF_RADIUS, RADICAL, STIFFNESS, droplets, tense_mixture
+from tense import BALANCED, OF_RADIUS, RADICAL, STIFFNESS, TILTED, droplets, tense_mixture
 from test_forces import assert_forces
 from test_soft_rings import pushed
 
-EXACT = f"{BALANCED} balance 1e-12 100"
-laws = pytest.mark.parametrize("style", [RADICAL, EXACT], ids=["radical", "balanced"])
+EXACT, EXACT_TILTED = (f"{style} balance 1e-12 100" for style in (BALANCED, TILTED))
+LAWS = {"radical": RADICAL, "balanced": EXACT, "tilted": EXACT_TILTED}
+laws = pytest.mark.parametrize("style", LAWS.values(), ids=LAWS)
+
+DENSE = np.pi / np.sqrt(12)  # phi of touching circles
 
 # phi, osmotic pressure and perimeter of the hexagonal array of droplets, R = tension = 1
 ARRAY = [
@@ -110,7 +113,7 @@ def test_pair(partner, overlap):
 def test_walls():
     x = np.array([[-0.481, -0.477], [0.483, -0.479], [0.478, 0.482], [-0.479, 0.479]])
     options = {"boundary": "f f p", "commands": box_walls(-0.965, 0.97, -0.96, 0.967)}
-    for style in (RADICAL, EXACT):
+    for style in LAWS.values():
         scene = Scene(x, ["drop", "small", "firm", "strong"], (-5, 5, -5, 5), style, **options)
         state = scene.evaluate()
         np.testing.assert_allclose(scene.force_on_wall("walls"), -state.force.sum(0), rtol=1e-9)
@@ -119,32 +122,58 @@ def test_walls():
 
 def test_droplet_between_walls():
     """F = 2 pi gamma [(R/2h)^2 - 1/4] at the distance 2h = 0.9, R = 0.5."""
-    for style in (RADICAL, EXACT):
+    for style in LAWS.values():
         options = {"boundary": "f f p", "commands": box_walls(-0.45, 0.45, -5, 5)}
         state = Scene([[0, 0]], ["drop"], (-1, 1, -6, 6), style, **options).evaluate()
         force = 2 * np.pi * 0.02 * (0.25 / 0.81 - 0.25)
         assert state.shape["pressure"] * state.shape["contact_length"] == pytest.approx(2 * force)
 
 
-@laws
-@pytest.mark.parametrize(("phi", "osmotic", "perimeter"), ARRAY)
-def test_hexagonal_array(style, phi, osmotic, perimeter):
-    """Princen's osmotic pressure of a two-dimensional emulsion."""
-    radius, tension, dense = 0.5, 0.02, np.pi / np.sqrt(12)
-    spacing = radius * np.sqrt(4 * dense / phi)
+def hexagonal_array(phi, style, shear=0.0):
+    """16 droplets of R = 0.5 and tension 0.02; the state and the area of the box."""
+    spacing = 0.5 * np.sqrt(4 * DENSE / phi)
     height = spacing * np.sqrt(0.75)
     k, m = (index.ravel() for index in np.meshgrid(np.arange(4), np.arange(4)))
-    x = np.column_stack([(k + 0.5 * (m % 2)) * spacing, m * height])
+    x = np.column_stack([(k + 0.5 * (m % 2) + shear * np.sqrt(0.75) * m) * spacing, m * height])
     box = (0, 4 * spacing, 0, 4 * height)
-    state = Scene(x, ["drop"] * 16, box, style).evaluate()
-    exact = np.sqrt(phi / dense) * (np.sqrt((1 - dense) / (1 - phi)) - 1)
+    state = Scene(x, ["drop"] * 16, box, style, tilt=shear * 4 * height).evaluate()
+    return state, 16 * spacing * height
+
+
+@laws
+@pytest.mark.parametrize(("phi", "osmotic", "perimeter"), ARRAY)
+def test_osmotic_pressure(style, phi, osmotic, perimeter):
+    """Princen's, of a hexagonal array."""
+    state, area = hexagonal_array(phi, style)
+    exact = np.sqrt(phi / DENSE) * (np.sqrt((1 - DENSE) / (1 - phi)) - 1)
     assert exact == pytest.approx(osmotic, abs=5.1e-6)
-    found = state.virial * radius / tension / (16 * spacing * height)
+    found = state.virial * 0.5 / 0.02 / area
     np.testing.assert_allclose(found, [exact, exact, 0], rtol=0, atol=1e-6 * exact)
-    np.testing.assert_allclose(
-        state.shape["perimeter"] / (2 * np.pi * radius), perimeter, atol=5e-6
-    )
-    np.testing.assert_allclose(state.shape["area"], np.pi * radius**2, rtol=1e-14)
+    np.testing.assert_allclose(state.shape["perimeter"] / np.pi, perimeter, atol=5e-6)
+    np.testing.assert_allclose(state.shape["area"], np.pi * 0.25, rtol=1e-14)
+
+
+@pytest.mark.parametrize("phi", [row[0] for row in ARRAY])
+def test_shear_modulus(phi):
+    """Princen's with contact lines that tilt; perpendicular ones make the array stiffer.
+
+    Differences of the shear stress at +-strain, extrapolated from two strains: errors of strain^4.
+    """
+    exact = np.sqrt(np.sqrt(3) / (2 * np.pi) * phi)
+    assert exact == pytest.approx(0.52504 * np.sqrt(phi), abs=5e-6)
+
+    def modulus(style):
+        found = []
+        for strain in (2e-3, 1e-3):
+            (up, area), (down, _) = (hexagonal_array(phi, style, s) for s in (strain, -strain))
+            found.append((down.virial[2] - up.virial[2]) / (2 * strain) / area * 0.5 / 0.02)
+        return (4 * found[1] - found[0]) / 3
+
+    assert modulus(EXACT_TILTED) == pytest.approx(exact, rel=1e-6)
+    upright = modulus(EXACT)
+    assert upright == pytest.approx(modulus(RADICAL), rel=1e-6)  # equal particles
+    larger = {0.92: 1.0365, 0.95: 1.1336, 0.98: 1.2683, 0.99: 1.3361}
+    assert upright / exact == pytest.approx(larger[phi], abs=1e-4)
 
 
 @laws

@@ -3,17 +3,18 @@
 import numpy as np
 import pytest
 from scene import PACKINGS, SPECIES, Scene
-from tense import BALANCED, RADICAL, droplets, tense_mixture
+from tense import BALANCED, RADICAL, TILTED, droplets, tense_mixture
 from test_parallel import run as run_ranks
 from test_restart import RUN, Continued
 from test_soft_rings import pushed
 
 KINDS = {"droplets": droplets, "mixture": lambda *args, **kw: tense_mixture(*args, **kw)[0]}
 kinds = pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
-styles = pytest.mark.parametrize("style", [RADICAL, BALANCED], ids=["radical", "balanced"])
+STYLES = {"radical": RADICAL, "balanced": BALANCED, "tilted": TILTED}
+styles = pytest.mark.parametrize("style", STYLES.values(), ids=STYLES)
 
 
-@pytest.mark.parametrize("style", [RADICAL, f"{BALANCED} balance 1e-8 100"])
+@styles
 def test_ranks(style, tmp_path):
     """The same on one, two and four ranks, with droplets beside rings that conserve perimeters."""
     fields = {

@@ -61,7 +61,8 @@ def compress_command(
         law_option(
             LAWS,
             "Contact law. Contacts slip with contact lines where the forces of both sides are "
-            "equal (balanced) or on radical axes (radical), or they stick (sector).",
+            "equal (balanced), also their torques (tilted), or on radical axes (radical), or they "
+            "stick (sector).",
         ),
     ] = "balanced",
     kA: Annotated[

@@ -88,10 +88,11 @@ def parallel_map(
                 try:
                     return _spread(call, arguments, places, done)
                 except BrokenProcessPool:
+                    name = getattr(function, "__name__", function)
                     raise BrokenProcessPool(
-                        f"a process of {function.__name__} died: it was killed, or memory ran out, "
-                        'or the script lacks the guard `if __name__ == "__main__":`; workers=1 '
-                        "runs without processes"
+                        f"a process of {name} died: it was killed, or memory ran out, or the "
+                        'script lacks the guard `if __name__ == "__main__":`; workers=1 runs '
+                        "without processes"
                     ) from None
         results = []
         for these in arguments:

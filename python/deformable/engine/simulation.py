@@ -246,7 +246,8 @@ class Simulation(FormerAttributes, Engine):
         refuse_other(self.lmp, self._setup)
         # commands given to `lmp` may have changed the particles
         self._species = species = gather(self.lmp, "type", 1).astype(np.int64) - 1
-        results = " ".join(f"{name} 0" for name in _RESULTS)
+        names = (*_RESULTS, "model_error") if self.law.tells_error else _RESULTS
+        results = " ".join(f"{name} 0" for name in names)
         run(
             self.lmp,
             f"{_THERMO}\n"
@@ -255,12 +256,12 @@ class Simulation(FormerAttributes, Engine):
         )
         try:
             self._run("run 0 post no")
-            self._results = gather(self.lmp, "f_deformable_results", len(_RESULTS))
-            self._contact_rows = local_array(self.lmp, "deformable_rows", 9)
+            self._results = gather(self.lmp, "f_deformable_results", len(names))
+            self._contact_rows = local_array(self.lmp, "deformable_rows", 10)
         finally:
             run(self.lmp, "unfix deformable_results\nuncompute deformable_rows")
 
-        area, perimeter, contacts, pressure, _, length = self._results.T
+        area, perimeter, contacts, pressure, _, length = self._results.T[: len(_RESULTS)]
         by_particle = self.lmp.extract_setting("radius_flag")
         self._particle_radii = gather(self.lmp, "radius", 1) if by_particle else None
         radius = self._radii[species] if self._particle_radii is None else self._particle_radii
@@ -285,7 +286,9 @@ class Simulation(FormerAttributes, Engine):
 
     def _snapshot(self, forces: Forces, stalled: bool) -> State:
         """The state at the last evaluation."""
-        area, perimeter, contacts, pressure, arc_radius, _ = np.ascontiguousarray(self._results.T)
+        area, perimeter, contacts, pressure, arc_radius, _, *told = np.ascontiguousarray(
+            self._results.T
+        )
         if area.min() <= 0.0:
             n = int(area.argmin())
             raise LammpsError(
@@ -313,6 +316,7 @@ class Simulation(FormerAttributes, Engine):
             root=self.comm.rank == 0,
             wall_forces=wall_forces(self.lmp, self._walls),
             unsaved=unsaved(self.lmp, self._setup),
+            model_error=told[0] if told else None,
         )
 
     def _warn(self, state: State, tolerance: float) -> None:

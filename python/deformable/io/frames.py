@@ -92,12 +92,19 @@ def append_frame(
         numbers: the state in numbers.
     """
     row = io.StringIO()
-    writer = csv.DictWriter(row, ["frame", *numbers])
+    names = ["frame", *numbers] if number == 0 else _columns_of_series(folder / SERIES, numbers)
+    writer = csv.DictWriter(row, names, extrasaction="ignore")
     if number == 0:
         writer.writeheader()
     writer.writerow({"frame": number} | dict(numbers))
     _append(folder / TRAJECTORY, _dump_frame(number, packing, columns))
     _append(folder / SERIES, row.getvalue())
+
+
+def _columns_of_series(path: Path, numbers: Mapping[str, Any]) -> list[str]:
+    """The columns of a series: one that an older version began may have fewer than `numbers`."""
+    with path.open(newline="") as file:
+        return next(csv.reader(file), ["frame", *numbers])
 
 
 def _append(path: Path, text: str) -> None:

@@ -18,6 +18,8 @@ from ..common.validate import positive, shown
 # finds the lines of much smaller neighbors up to (1 + f + 1/(1 + f)) R/2, so that 1.8 is enough.
 _FARTHEST_REACH = 3.0
 
+_CONTACTS = ("balanced", "tilted", "radical")
+
 
 class SpeciesParameters(NamedTuple):
     """Parameters of a law, each one an array of shape (species,).
@@ -64,9 +66,11 @@ class Ring:
             is at rest with the radius R. With kP the perimeter alone would shrink to
             P0 - tension/kP.
         contact: place of the contact lines: `balanced`, where the forces of both sides are equal,
-            or `radical`, the radical axis of the undeformed circles. Compared with rings of beads,
-            `balanced` is right to 1 % where `radical` is wrong by factors (docs/paper.md); it takes
-            about 1.6 times as long to relax.
+            `tilted`, where also their torques are, or `radical`, the radical axis of the
+            undeformed circles. Compared with rings of beads, `balanced` is right to 1 % where
+            `radical` is wrong by factors (docs/paper.md); it takes about 1.6 times as long to
+            relax. The lines of `balanced` are perpendicular to the line of centers; those of
+            `tilted` turn, which removes most of the error that is left (docs/theory.md).
 
     Raises:
         ParameterError: a stiffness is not positive, both are infinite, the reach is not in
@@ -89,8 +93,10 @@ class Ring:
                 f"reach must be at most {_FARTHEST_REACH:g}, not {self.reach}: no outline bulges "
                 "farther than that"
             )
-        if not isinstance(self.contact, str) or self.contact not in ("radical", "balanced"):
-            raise ParameterError(f"contact must be radical or balanced, not {shown(self.contact)}")
+        if not isinstance(self.contact, str) or self.contact not in _CONTACTS:
+            raise ParameterError(
+                f"contact must be balanced, tilted or radical, not {shown(self.contact)}"
+            )
         for name in SpeciesParameters._fields:
             object.__setattr__(self, name, one_or_each(name, getattr(self, name)))
         kA, kP, skin, tension = (np.atleast_1d(value) for value in self._parameters)
@@ -114,8 +120,13 @@ class Ring:
 
     @property
     def name(self) -> str:
-        """`balanced` or `radical`, see `LAWS`."""
+        """`balanced`, `tilted` or `radical`, see `LAWS`."""
         return self.contact
+
+    @property
+    def tells_error(self) -> bool:
+        """Whether states have an estimate of the law's own error, see `State.model_error`."""
+        return self.contact != "radical"
 
     def single_contact_stiffness(self, radius: float) -> float:
         """Stiffness of a particle's only contact, if it is weak: 0 [energy/length^2]."""
@@ -203,6 +214,11 @@ class Sector:
         return "sector"
 
     @property
+    def tells_error(self) -> bool:
+        """As for `Ring`: no."""
+        return False
+
+    @property
     def kernel(self) -> str:
         """Name of the kernel in `deformable.core`."""
         return "area_sector" if math.isinf(self.kA) else "sector"
@@ -285,6 +301,7 @@ def _refuse(problem: str | None) -> None:
 # The contact laws by name, with stiffness 1: options, tables and files use these names.
 LAWS: dict[str, Law] = {
     "balanced": Ring(),
+    "tilted": Ring(contact="tilted"),
     "radical": Ring(contact="radical"),
     "sector": Sector(),
 }

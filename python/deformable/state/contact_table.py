@@ -16,12 +16,13 @@ COLUMNS = np.dtype(
         ("i", np.int64),
         ("j", np.int64),
         ("image", np.int64, 2),  # periodic image of j in the contact, in lattice vectors
-        ("angle", float),  # direction from i to j [rad]
+        ("angle", float),  # direction from i to the contact line, normal to it [rad]
         ("distance", float),  # of the centers, or of i from the wall [length]
         ("indentation", float),  # of i [length]
         ("length", float),  # of the contact on i [length]
         ("force", float),  # of this side, dU_i/da [energy/length]
         ("position", float, 2),  # of the contact line's point nearest to i [length]
+        ("tilt", float),  # of the line: angle less the direction from i to j [rad]
     ]
 )
 
@@ -32,7 +33,7 @@ def contact_table(rows: NDArray[np.float64], packing: Packing, comm: MPI.Comm) -
     """All contacts, sorted by (i, j, image), the same on every rank.
 
     Args:
-        rows: of compute deformable/contact on this rank, shape (M, 9).
+        rows: of compute deformable/contact on this rank, shape (M, 10).
         packing: centers and box at the same time.
         comm: of the ranks with the other rows.
 
@@ -46,14 +47,14 @@ def contact_table(rows: NDArray[np.float64], packing: Packing, comm: MPI.Comm) -
     names = ("indentation", "length", "force")
     for name, column in (
         *zip(names, rows.T[2:5], strict=True),
-        *zip(("angle", "distance"), rows.T[7:], strict=True),
+        *zip(("angle", "distance", "tilt"), rows.T[7:], strict=True),
     ):
         table[name] = column
     table["position"] = rows[:, 5:7]
     pair = table["j"] >= 0
     # an exact integer, equal for both sides in spite of rounding
     i, j = table["i"][pair], table["j"][pair]
-    angle = table["angle"][pair]
+    angle = table["angle"][pair] - table["tilt"][pair]
     out = np.column_stack([np.cos(angle), np.sin(angle)])
     apart = packing.positions[i] + table["distance"][pair, None] * out - packing.positions[j]
     table["image"][pair] = np.rint(apart @ np.linalg.inv(packing.box)).astype(np.int64)

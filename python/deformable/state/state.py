@@ -54,13 +54,17 @@ class State(ContactNetwork, Exports):
         velocities: of the centers, zero after a relaxation, shape (N, 2) [length/time].
         contact_table: active contacts, with a row for each side, sorted by (i, j, image):
             structured array with the fields i, j (-1 for a wall), image (2,), angle, distance,
-            indentation, length, force, position (2,), see `contact_table.COLUMNS`.
+            indentation, length, force, position (2,), tilt, see `contact_table.COLUMNS`.
         root: whether this process writes files (rank 0 of the run).
         time: since the start of `move`, 0 without motion [time].
         wall_forces: force of the particles on each of `packing.walls`, shape (number of walls, 2)
             [energy/length].
         unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
             pairs; empty without.
+        model_error: energy that each particle would still save if its contact lines were curved,
+            as they are between unequal pressures, shape (N,) [energy]; None for the laws
+            `radical` and `sector`. For `tilted` its sum is about what is left of the error of
+            `energy`, which is too large by it; docs/theory.md has the formula.
     """
 
     packing: Packing
@@ -81,6 +85,7 @@ class State(ContactNetwork, Exports):
     time: float = 0.0
     wall_forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
     unsaved: str = ""
+    model_error: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         for array in (value for value in vars(self).values() if isinstance(value, np.ndarray)):
@@ -276,8 +281,9 @@ class State(ContactNetwork, Exports):
             save(folder, self.packing, self.law, step, self.numbers(), parameters, frames)
 
     def numbers(self) -> dict[str, Any]:
-        """The state in numbers, by name."""
+        """The state in numbers, by name; `model_error`, the sum, for the laws that tell it."""
         (lx, _), (xy, ly) = self.packing.box.tolist()
+        told = {} if self.model_error is None else {"model_error": float(self.model_error.sum())}
         return {
             "particles": len(self.packing),
             "lx": lx,
@@ -294,6 +300,7 @@ class State(ContactNetwork, Exports):
             "beyond": self.beyond,
             "residual": self.residual,
             "stalled": self.stalled,
+            **told,
         }
 
     def particle_values(self) -> dict[str, NDArray[Any]]:

@@ -23,9 +23,9 @@ _UNJAMMED = 1e-6
 def matching_laws(beads: Beads, rings: Rings, rigid: Sequence[bool] = ()) -> dict[str, Law]:
     """The contact laws for rings of such beads, by name.
 
-    `radical` and `balanced` have the rings' own stiffness kP = kL/N_v, and their beads as a rigid
-    skin. `radical, kP inf` conserves perimeters, as the paper does. `sector`, which has a single
-    kA, is left out if the kA of the species differ.
+    `radical`, `balanced` and `tilted` have the rings' own stiffness kP = kL/N_v, and their beads
+    as a rigid skin. `radical, kP inf` conserves perimeters, as the paper does. `sector`, which has
+    a single kA, is left out if the kA of the species differ.
 
     Args:
         beads: of the rings.
@@ -41,6 +41,7 @@ def matching_laws(beads: Beads, rings: Rings, rigid: Sequence[bool] = ()) -> dic
         "radical, kP inf": Ring(kA, contact="radical"),
         "radical": Ring(kA, kP=kP, skin=skin, contact="radical"),
         "balanced": Ring(kA, kP=kP, skin=skin, contact="balanced"),
+        "tilted": Ring(kA, kP=kP, skin=skin, contact="tilted"),
     }
     if any(rigid):
         kP = np.where(rigid, math.inf, kP).tolist()

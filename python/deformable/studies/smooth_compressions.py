@@ -58,6 +58,7 @@ def smooth_rows(
     strain: float = 0.05,
     steps: int = 10,
     rivals: Sequence[Beads] = (),
+    beads: Beads | None = None,
 ) -> list[dict[str, Any]]:
     """A bidisperse packing compressed from jamming: every law against smooth rings.
 
@@ -72,6 +73,7 @@ def smooth_rows(
         steps: number of steps.
         rivals: other rings to compare with the reference, smooth or rough. All stand for the same
             particles: rough ones have the laws' radii as effective ones, see `matching`.
+        beads: of the reference, with `count` vertices; `smooth_beads` if not given.
 
     Returns:
         Rows for each step, in the order of the steps. Their keys:
@@ -82,6 +84,8 @@ def smooth_rows(
         own: true if the law relaxed on its own, false if its particles have the centers of the
             reference. Rivals, and no row of the sector law, are on their own.
         energy_ratio, pressure_ratio: over those of the reference; None where one is unjammed.
+        told: the part of the reference's energy by which the law says its own is too large, see
+            `State.model_error`; None where it does not tell, or one is unjammed.
         S_rms: root mean square difference of the area deficits over their root mean square.
         I: mean distance of the outlines over the radius, each about its own center; None if an
             outline of a law folds.
@@ -94,7 +98,7 @@ def smooth_rows(
         seconds_smooth: that of the reference's relaxation.
     """
     start = jam(bidisperse(number, seed=seed))
-    beads = smooth_beads(count)
+    beads = beads or smooth_beads(count)
     laws = matching_laws(beads, beads.rings(start.radii))
     reference = ring_path(start, beads, strain, steps)
     own: dict[str, Path[State]] = {
@@ -162,12 +166,18 @@ def _against(exact: BeadState, other: State | BeadState, seconds: float | None) 
     return {
         "energy_ratio": None if loose else _over(other.energy, exact.energy),
         "pressure_ratio": None if loose else _over(other.pressure, exact.pressure),
+        "told": None if loose else _told(exact, other),
         "S_rms": _over(float(wrong), float(np.linalg.norm(exact.area_deficit))),
         "I": _shape_error(exact, other),
         "distance": 0.0 if seconds is None else centers_rms(exact, other),
         "law_residual": None if seconds is None else other.residual,
         "seconds": seconds,
     }
+
+
+def _told(exact: BeadState, other: State | BeadState) -> float | None:
+    told = other.model_error if isinstance(other, State) else None
+    return None if told is None else _over(float(told.sum()), exact.energy)
 
 
 def _over(value: float, exact: float) -> float | None:

@@ -1,0 +1,192 @@
+"""Contact lines that tilt: known packings, derivatives of the energy, the error that is told."""
+
+import numpy as np
+import pytest
+from balanced import of_compute_pair
+from deformable import core
+from scene import PACKINGS, Scene, box_walls
+from test_contacts import CONTACTS, contacts
+from test_forces import BOX, assert_forces
+from test_soft_rings import OF_RADIUS, STIFFNESS, mixture, pushed
+from tilted import CASES, DEFAULT, EXACT, packing
+
+cases = pytest.mark.parametrize("case", CASES, ids=[case["case"] for case in CASES])
+# beside energy and virial: evaluations, imbalance, error of the model, upright lines
+OUTPUTS = 6
+
+
+@cases
+def test_known_packings(case, tmp_path):
+    """Energies, forces, areas and every contact of an independent code."""
+    scene = packing(case, tmp_path, commands=CONTACTS)
+    state = scene.evaluate()
+    assert state.energy == pytest.approx(case["energy"], rel=1e-12)
+    largest = max(contact["force"] for contact in case["contacts"])
+    np.testing.assert_allclose(state.force, case["forces"], rtol=0, atol=1e-9 * largest)
+    ring = (np.array(case["radii"]) - case["skin"])[case["species"]]
+    deficit = np.pi * ring**2 - state.shape["area"]
+    np.testing.assert_allclose(deficit, case["area_deficits"], rtol=0, atol=1e-10)
+
+    seen = contacts(scene)
+    rows = {}
+    for n in range(len(seen["atom"])):
+        key = seen["atom"][n] - 1, seen["partner"][n] - 1
+        rows.setdefault(key, []).append(
+            [seen[name][n] for name in ("force", "indentation", "tilt")]
+        )
+    assert sum(map(len, rows.values())) == 2 * len(case["contacts"])
+    for contact in case["contacts"]:
+        i, j = contact["i"], contact["j"]
+        for pair, name in (((i, j), "indentation_i"), ((j, i), "indentation_j")):
+            force, indentation, tilt = min(
+                rows[pair], key=lambda row, of=contact["force"]: abs(row[0] - of)
+            )
+            assert force == pytest.approx(contact["force"], abs=1e-10 * largest)
+            assert indentation == pytest.approx(contact[name], abs=1e-9)
+            assert tilt == pytest.approx(contact["tilt"], abs=1e-9)
+
+
+@cases
+def test_upright_lines(case, tmp_path):
+    """The balanced law has the energy of lines that only shift."""
+    energy = packing(case, tmp_path, EXACT.replace("tilted", "balanced")).energy()
+    assert energy == pytest.approx(case["energy_shift_only"], rel=1e-12)
+
+
+@pytest.mark.parametrize("size", [0.99, 0.97])
+@cases
+def test_forces_of_known_packings(case, size, tmp_path):
+    """Compressed further, beyond 5 %, where tilts reach 0.1 rad."""
+    scene = packing(case, tmp_path, scale=size)
+    state = scene.evaluate()
+    assert of_compute_pair(scene)[1] <= 1e-12
+    assert state.beyond == 0
+    assert_forces(scene, scene.x)
+
+
+def test_forces():
+    """All stiffnesses side by side."""
+    assert_forces(mixture(PACKINGS[1], EXACT)[0], pushed(PACKINGS[1]))
+
+
+def test_forces_between_walls():
+    """Lines of walls do not tilt."""
+    x = np.array([[-0.481, -0.477], [0.483, -0.479], [0.478, 0.482], [-0.479, 0.479]])
+    species = ["small", "weak", "both", "fixed"]
+    walls = box_walls(-0.965, 0.97, -0.96, 0.967)
+    options = {"boundary": "f f p", "commands": f"{walls}\n{CONTACTS}"}
+    scene = Scene(x, species, BOX, EXACT, **options)
+    force = assert_forces(scene, x)
+    scene.evaluate(x)
+    np.testing.assert_allclose(scene.force_on_wall("walls"), -force.sum(0), rtol=1e-10)
+    seen = contacts(scene)
+    wall = seen["partner"] == 0
+    assert wall.sum() == 8
+    assert (seen["tilt"][wall] == 0).all()
+    assert (np.abs(seen["tilt"][~wall]) > 1e-4).all()
+    assert (np.abs(seen["tilt"][~wall]) < 0.1).all()
+
+
+def test_virial():
+    """Against finite differences of strains, and by pairs."""
+    case = PACKINGS[0]
+    state = mixture(case, EXACT)[0].evaluate(pushed(case))
+    by_pairs = mixture(case, EXACT, commands="pair_modify nofdotr")[0].evaluate(pushed(case))
+    atol = 1e-12 * np.abs(state.atom_virial).max()
+    np.testing.assert_allclose(by_pairs.virial, state.virial, rtol=0, atol=atol)
+    np.testing.assert_allclose(state.atom_virial.sum(0), state.virial, rtol=0, atol=atol)
+    assert state.atom_energy.sum() == pytest.approx(state.energy, rel=1e-12)
+    step, names = 1e-6, mixture(case)[1]
+    for stretched, component in (([1, 0], 0), ([0, 1], 1)):
+        energy = []
+        for sign in (-1, 1):
+            scale = 1 + sign * step * np.array(stretched)
+            box = (0, case["L"] * scale[0], 0, case["L"] * scale[1])
+            energy.append(Scene(pushed(case) * scale, names, box, EXACT).energy())
+        found = (energy[0] - energy[1]) / (2 * step)
+        assert found == pytest.approx(state.virial[component], rel=1e-6)
+
+
+def test_state_without_memory():
+    """The state depends on the present positions only."""
+    case = PACKINGS[0]
+    x = pushed(case)
+    fresh = mixture(case, EXACT)[0].evaluate(x)
+    scene = mixture(case, EXACT)[0]
+    rng = np.random.default_rng(5)
+    for size in (0.05, 0.02, 0.06):
+        scene.evaluate(np.array(case["x"]) + rng.uniform(-size, size, x.shape))
+    again = scene.evaluate(x)
+    assert again.energy == pytest.approx(fresh.energy, rel=1e-12)
+    largest = np.abs(fresh.force).max()
+    np.testing.assert_allclose(again.force, fresh.force, rtol=0, atol=1e-10 * largest)
+
+
+def test_tilts_save_energy():
+    case = PACKINGS[0]
+    tilted, balanced = (
+        mixture(case, EXACT.replace("tilted", law))[0].energy(pushed(case))
+        for law in ("tilted", "balanced")
+    )
+    assert 0.9 * balanced < tilted < 0.999 * balanced
+
+
+@pytest.mark.parametrize("law", ["tilted", "balanced"])
+def test_model_error(law):
+    """The energy that curved lines would save, from pressures and tensions of both sides."""
+    case = PACKINGS[0]
+    scene = mixture(case, EXACT.replace("tilted", law), commands=CONTACTS)[0]
+    scene.run("fix error all pair 1 deformable/ring model_error 0")
+    state = scene.evaluate(pushed(case))
+    radius = np.array([0.5, 0.7])[np.array(case["type"]) - 1]
+    names = [OF_RADIUS[r][i // 2 % 4] for i, r in enumerate(radius)]
+    seen = contacts(scene)
+    i, j = (seen[name].astype(int) - 1 for name in ("atom", "partner"))
+    rings = [
+        core.forced_ring(
+            radius[n], seen["angle"][i == n], seen["force"][i == n], *STIFFNESS[names[n]]
+        )
+        for n in range(len(radius))
+    ]
+    expected = np.zeros(len(radius))
+    for n, force in enumerate(seen["force"]):
+        a, b = rings[i[n]], rings[j[n]]
+        saved = core.curvature_energy(force, a.pressure, b.pressure, a.tension, b.tension)
+        expected[i[n]] += 0.5 * saved
+    expected = np.minimum(expected, state.atom_energy)
+    found = scene.gather("f_error", 1)[:, 0]
+    np.testing.assert_allclose(found, expected, rtol=1e-8)
+    assert scene.vector("pair", OUTPUTS)[4] == pytest.approx(expected.sum(), rel=1e-8)
+    assert 1e-4 < expected.sum() / state.energy < 0.1
+
+
+def test_error_that_is_not_told():
+    scene = Scene.packing(PACKINGS[0], "deformable/ring contact radical")
+    with pytest.raises(Exception, match="model_error"):
+        scene.run("fix error all pair 1 deformable/ring model_error 0\nrun 0")
+    assert (scene.vector("pair", OUTPUTS)[2:] == 0).all()
+
+
+def test_radii_of_atoms():
+    """The same forces as with types of these sizes."""
+    case = PACKINGS[0]
+    by_type = Scene.packing(case, EXACT, ("small", "large")).evaluate()
+    radii = np.array([0.5, 0.7])[np.array(case["type"]) - 1]
+    box = (0, case["L"], 0, case["L"])
+    scene = Scene(case["x"], ["any"] * len(radii), box, f"{EXACT} radius atom", radii=radii)
+    by_atom = scene.evaluate()
+    assert by_atom.energy == pytest.approx(by_type.energy, rel=1e-11)
+    largest = np.abs(by_type.force).max()
+    np.testing.assert_allclose(by_atom.force, by_type.force, rtol=0, atol=1e-9 * largest)
+
+
+def test_lines_that_would_tilt_too_far(tmp_path):
+    """They stay perpendicular to the line of centers, are counted, and said."""
+    log = tmp_path / "log"
+    scene = packing(CASES[2], tmp_path, DEFAULT, scale=0.9, commands=CONTACTS, log=log)
+    seen = contacts(scene)
+    upright = np.sum(seen["tilt"] == 0) / 2
+    assert upright > 0
+    assert scene.vector("pair", OUTPUTS)[5] == upright
+    assert np.abs(seen["tilt"]).max() <= 0.3 + 1e-12
+    assert log.read_text().count("WARNING: Contact lines would tilt") == 1
