@@ -21,23 +21,26 @@ namespace deformable::DEFORMABLE_LEVEL {
     }                                                                                              \
   }
 
-DEFORMABLE_BATCHES(rings, (ring_batch<N, false>))
-DEFORMABLE_BATCHES(soft_rings, (ring_batch<N, true>))
+DEFORMABLE_BATCHES(rings, (ring_batch<N, Perimeter::CONSERVED>))
+DEFORMABLE_BATCHES(soft_rings, (ring_batch<N, Perimeter::SOFT>))
+DEFORMABLE_BATCHES(tense_rings, (ring_batch<N, Perimeter::TENSE>))
 DEFORMABLE_BATCHES(sectors, sector_batch<N>)
 
 extern const BatchKernels kernels;
 
 #define DEFORMABLE_STRING_OF(x) #x
 #define DEFORMABLE_STRING(x) DEFORMABLE_STRING_OF(x)
-const BatchKernels kernels = {DEFORMABLE_STRING(DEFORMABLE_LEVEL),
-                              {nullptr, nullptr, sectors<2>, sectors<3>, sectors<4>, sectors<5>,
-                               sectors<6>, sectors<7>, sectors<8>},
-                              {nullptr, rings<1>, rings<2>, rings<3>, rings<4>, rings<5>, rings<6>,
-                               rings<7>, rings<8>, soft_rings<1>, soft_rings<2>, soft_rings<3>,
-                               soft_rings<4>, soft_rings<5>, soft_rings<6>, soft_rings<7>,
-                               soft_rings<8>},
-                              {shape_rings, multiply_rings, slopes_of_rings, locate_pairs,
-                               find_residuals, begin_gradients, add_products, advance, turn,
-                               extrapolate, take_step, remember, find_tilts, turn_lines, sum, dot}};
+const BatchKernels kernels = {
+    DEFORMABLE_STRING(DEFORMABLE_LEVEL),
+    {nullptr, nullptr, sectors<2>, sectors<3>, sectors<4>, sectors<5>, sectors<6>, sectors<7>,
+     sectors<8>},
+    {nullptr,        rings<1>,       rings<2>,       rings<3>,       rings<4>,
+     rings<5>,       rings<6>,       rings<7>,       rings<8>,       soft_rings<1>,
+     soft_rings<2>,  soft_rings<3>,  soft_rings<4>,  soft_rings<5>,  soft_rings<6>,
+     soft_rings<7>,  soft_rings<8>,  tense_rings<1>, tense_rings<2>, tense_rings<3>,
+     tense_rings<4>, tense_rings<5>, tense_rings<6>, tense_rings<7>, tense_rings<8>},
+    {shape_rings, multiply_rings, slopes_of_rings, locate_pairs, find_residuals, begin_gradients,
+     add_products, advance, turn, extrapolate, take_step, remember, find_tilts, turn_lines, sum,
+     dot}};
 
 }    // namespace deformable::DEFORMABLE_LEVEL

@@ -29,7 +29,7 @@ struct OneByOne {
   Energy ring(const BlockParticle &p, const Contacts &contacts)
   {
     is_active.assign(contacts.size, 0);
-    const Stiffness stiffness = {p.kA, p.kP};
+    const Stiffness stiffness = {p.kA, p.kP, p.tension};
     Energy energy;
     if (!stiffness.conserves_perimeter()) {
       if (!soft_ring_shape(p.ring_radius, stiffness, contacts, is_active.data(), lcp, shape,
@@ -55,7 +55,7 @@ struct OneByOne {
 BatchResult batch(const std::string &law, const std::string &level,
                   const std::vector<int> &contacts, nb::handle dx_, nb::handle dy_,
                   nb::handle partner_radius, nb::handle radius_, const std::vector<double> &kA,
-                  const std::vector<double> &kP, nb::handle skin_)
+                  const std::vector<double> &kP, nb::handle skin_, std::vector<double> tension)
 {
   const bool is_ring = law == "ring";
   if (!is_ring && law != "sector") refuse("law: '" + law + "' is neither 'ring' nor 'sector'");
@@ -71,13 +71,16 @@ BatchResult batch(const std::string &law, const std::string &level,
     refuse("contacts: their sum must be the length of dx, dy and partner_radius");
   if (radius.size() != n || skin.size() != n || kA.size() != n || kP.size() != n)
     refuse("radius: it must be as long as contacts, and kA, kP and skin too");
+  if (tension.empty()) tension.assign(n, 0.0);
+  if (tension.size() != n) refuse("tension: it must be as long as contacts");
 
   BatchResult result;
   ContactBlock &block = result.block;
   block.clear(static_cast<int>(n));
   for (std::size_t i = 0, c = 0; i < n; ++i) {
     BlockParticle &p = block.particles[i];
-    block.place(p, static_cast<int>(i), radius[i], skin[i], {kA[i], kP[i]}, contacts[i]);
+    block.place(p, static_cast<int>(i), radius[i], skin[i], {kA[i], kP[i], tension[i]},
+                contacts[i]);
     int front = p.first;
     for (int slot = 0; slot < contacts[i]; ++slot, ++c) {
       const bool touches =
@@ -166,7 +169,7 @@ void deformable::bind_batches(nb::module_ &m)
       },
       "Levels of SIMD instructions that this processor has; the last one is the default.");
   m.def("batch", &batch, "law"_a, "level"_a, "contacts"_a, "dx"_a, "dy"_a, "partner_radius"_a,
-        "radius"_a, "kA"_a, "kP"_a, "skin"_a,
+        "radius"_a, "kA"_a, "kP"_a, "skin"_a, "tension"_a = std::vector<double>{},
         R"(Shapes and forces of many particles by the code that the pair styles run.
 
 Contact lines lie on the radical axes with partners at (dx, dy).
@@ -186,6 +189,8 @@ radius, skin : array, shape (n,)
     Radii of the particles, and the thickness of their skins [length].
 kA, kP : sequence of float, shape (n,)
     Stiffness, see `soft_ring`; sectors have kP = inf.
+tension : sequence of float, shape (n,)
+    Line tensions, see `soft_ring`; none by default.
 
 Returns
 -------

@@ -7,6 +7,7 @@
 
 #include "sector.h"
 #include "shape.h"
+#include "stiffness.h"
 
 namespace deformable {
 
@@ -26,6 +27,9 @@ Sector perimeter_part(const Opening &o, double ai, double ak);
 
 // Refuses two contacts in one direction: the area deficit or perimeter excess is then not finite.
 void refuse_coincident(double change);
+
+// Refuses a stiffness, a tension or a skin that no ring of this radius has.
+void refuse_invalid(double radius, const Stiffness &stiffness, double skin);
 
 void bind_laws(nb::module_ &m);
 void bind_soft_rings(nb::module_ &m);

@@ -19,18 +19,18 @@ struct ForcedRing {
 };
 
 ForcedRing forced_ring(double radius, nb::handle angles, nb::handle forces, double kA, double kP,
-                       double skin)
+                       double skin, double tension)
 {
   require_positive("radius", radius);
   const std::vector<double> angle = vector_of("angle", angles), force = vector_of("force", forces);
   if (angle.size() != force.size())
     refuse("angle and force must have the same length, not " + std::to_string(angle.size()) +
            " and " + std::to_string(force.size()));
-  for (const std::string &problem : {invalid_stiffness(kA, kP), invalid_skin(skin, radius)})
-    if (!problem.empty()) refuse(problem);
+  const Stiffness stiffness = {kA, kP, tension};
+  refuse_invalid(radius, stiffness, skin);
   const std::size_t z = force.size();
   std::vector<double> green_force(z, 0.0), d_green_force(z, 0.0), g(z * z);
-  ForcedRing result = {{kA, kP}, {0.0, 0.0}, {}, radius - skin, {}, {}, {}, {}, {}, {}};
+  ForcedRing result = {stiffness, {0.0, 0.0}, {}, radius - skin, {}, {}, {}, {}, {}, {}};
   for (std::size_t c = 0; c < z; ++c) {
     if (force[c] < 0.0) refuse("force: forces must not be negative, not " + shown_number(force[c]));
     result.load.total += force[c];
@@ -82,14 +82,16 @@ void deformable::bind_ring_forces(nb::module_ &m)
   };
   nb::class_<ForcedRing>(m, "ForcedRing", "A ring that bears given forces.")
       .def_prop_ro(
-          "energy", [](const ForcedRing &r) { return r.ring.energy(r.stiffness); },
-          "U = kA/2 (A - A0)^2 + kP/2 (P - P0)^2 [energy]")
+          "energy",
+          [](const ForcedRing &r) { return r.ring.energy(r.radius, r.stiffness, r.load.work); },
+          "U, see `soft_ring` [energy]")
       .def_prop_ro(
-          "conjugate", [](const ForcedRing &r) { return r.ring.conjugate(r.stiffness, r.load); },
+          "conjugate",
+          [](const ForcedRing &r) { return r.ring.conjugate(r.radius, r.stiffness, r.load); },
           "W(f) = max over a of f.a - U(a) [energy]")
       .def_prop_ro(
           "pressure", [](const ForcedRing &r) { return r.ring.pressure; },
-          "p = kA (A0 - A) [energy/length^2]")
+          "p = tension/r + kA (A0 - A) [energy/length^2]")
       .def_prop_ro(
           "delta", [](const ForcedRing &r) { return r.ring.expansion; },
           "radial expansion of the ring, (P - P0)/2 pi [length]")
@@ -115,7 +117,7 @@ void deformable::bind_ring_forces(nb::module_ &m)
           nb::rv_policy::move, "C = da/df [length^2/energy], (z, z)");
 
   m.def("forced_ring", &forced_ring, "radius"_a, "angle"_a, "force"_a, "kA"_a, "kP"_a,
-        "skin"_a = 0.0,
+        "skin"_a = 0.0, "tension"_a = 0.0,
         R"(The ring of `soft_ring` with given forces in place of given indentations.
 
 W(f) = max over a of f.a - U(a) is the convex conjugate of the energy U(a). Its derivatives are the
@@ -123,7 +125,7 @@ indentations a and, with the other sign, dU/dtheta.
 
 Parameters
 ----------
-radius, angle, kA, kP, skin
+radius, angle, kA, kP, skin, tension
     As for `soft_ring`.
 force : array_like, shape (z,)
     The force of each contact, not negative [energy/length].

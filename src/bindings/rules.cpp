@@ -16,17 +16,38 @@ nb::object or_none(const std::string &problem)
 
 }    // namespace
 
+void deformable::refuse_invalid(double radius, const Stiffness &k, double skin)
+{
+  for (const std::string &problem :
+       {invalid_stiffness(k.kA, k.kP, k.tension), invalid_skin(skin, radius)})
+    if (!problem.empty()) refuse(problem);
+  const std::string unstable = unstable_radius(radius - skin, k);
+  if (!unstable.empty()) refuse(unstable);
+}
+
 void deformable::bind_rules(nb::module_ &m)
 {
   m.def(
       "invalid_radius", [](double radius) { return or_none(invalid_radius(radius)); }, "radius"_a,
       R"(The problem of this radius in a phrase that names its value, or None: it must be positive and finite.)");
   m.def(
-      "invalid_stiffness", [](double kA, double kP) { return or_none(invalid_stiffness(kA, kP)); },
-      "kA"_a, "kP"_a,
+      "invalid_stiffness",
+      [](double kA, double kP, double tension) {
+        return or_none(invalid_stiffness(kA, kP, tension));
+      },
+      "kA"_a, "kP"_a, "tension"_a = 0.0,
       R"(The problem of these stiffnesses in a phrase that names the value, or None.
 
-Both must be positive; one of them may be inf.)");
+kA and kP must be positive; one of them may be inf. Beside a positive tension kP is finite, and may be 0.)");
+  m.def(
+      "unstable_radius",
+      [](double radius, double kA, double kP, double tension) {
+        return or_none(unstable_radius(radius, {kA, kP, tension}));
+      },
+      "radius"_a, "kA"_a, "kP"_a, "tension"_a = 0.0,
+      R"(The problem of valid stiffnesses for a ring of this radius, without its skin, or None.
+
+kP + kA R^2 must be above tension/(2 pi R): otherwise the ring collapses without any contact.)");
   m.def(
       "invalid_skin",
       [](double skin, double radius) { return or_none(invalid_skin(skin, radius)); }, "skin"_a,
@@ -36,9 +57,11 @@ Both must be positive; one of them may be inf.)");
 It must be from 0 to below the radius; without a radius, 0 or positive and finite.)");
   m.def(
       "invalid_for_sectors",
-      [](double kA, double kP, double skin) { return or_none(invalid_for_sectors(kA, kP, skin)); },
-      "kA"_a, "kP"_a, "skin"_a = 0.0,
+      [](double kA, double kP, double skin, double tension) {
+        return or_none(invalid_for_sectors(kA, kP, skin, tension));
+      },
+      "kA"_a, "kP"_a, "skin"_a = 0.0, "tension"_a = 0.0,
       R"(The problem of valid stiffnesses and a skin for the sector law, or None.
 
-One of kA and kP must be inf, and the skin 0.)");
+One of kA and kP must be inf, the skin and the tension 0.)");
 }

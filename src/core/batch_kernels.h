@@ -19,8 +19,8 @@ using BatchKernel = void (*)(BlockParticle *const *particles, int count, Place *
 struct BatchKernels {
   const char *level;
   BatchKernel sector[MOST_IN_BATCH + 1];
-  BatchKernel
-      ring[2 * MOST_IN_BATCH + 1];    // beyond MOST_IN_BATCH: rings that change their perimeter
+  // Beyond MOST_IN_BATCH: rings that change their perimeter; beyond twice that: with a tension.
+  BatchKernel ring[3 * MOST_IN_BATCH + 1];
   ForceKernels forces;
 };
 

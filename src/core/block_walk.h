@@ -37,6 +37,7 @@ struct ContactBlock {
     p.ring_radius = radius - skin;
     p.kA = stiffness.kA;
     p.kP = stiffness.kP;
+    p.tension = stiffness.tension;
     p.first = used;
     p.active = 0;
     p.others = p.last = used += room;
@@ -65,6 +66,7 @@ struct ContactBlock {
 inline int ring_group(const BlockParticle &p)
 {
   if (p.active == 0 || p.active > MOST_IN_BATCH) return 0;
+  if (p.tension > 0.0) return 2 * MOST_IN_BATCH + p.active;
   return Stiffness{p.kA, p.kP}.conserves_perimeter() ? p.active : MOST_IN_BATCH + p.active;
 }
 
@@ -170,7 +172,7 @@ void shape_block(ContactBlock &block, const BatchKernel *kernels, bool shapes, c
   }
   waiting.resize(count);
 
-  constexpr int GROUPS = 2 * MOST_IN_BATCH + 1;
+  constexpr int GROUPS = 3 * MOST_IN_BATCH + 1;
   for (int attempt = 0; attempt < 6 && !waiting.empty(); ++attempt) {
     int end[GROUPS + 1] = {};    // of each group, after its begin
     for (const BlockParticle *p : waiting) ++end[group_of(*p) + 1];

@@ -28,7 +28,7 @@ enum class Outcome : char {
 // from `others` on, are lines outside of the circle that the outline may reach. Places between them are not used.
 struct BlockParticle {
   double radius, ring_radius;    // R, and R - c with the thickness c of the skin
-  double kA, kP;
+  double kA, kP, tension;
   int first, active, others, last;
   int name;    // a number for the caller
   Outcome outcome;
@@ -40,7 +40,8 @@ struct BlockParticle {
   void circle()
   {
     outcome = Outcome::DONE;
-    energy = pressure = area_deficit = perimeter_excess = 0.0;
+    energy = area_deficit = perimeter_excess = 0.0;
+    pressure = tension > 0.0 ? tension / ring_radius : 0.0;
     arc_radius = ring_radius;
   }
 };

@@ -19,6 +19,7 @@ struct PairDirections {
 // Rings: batch x LANES + lane.
 struct RingArrays {
   const double *radius, *kA, *kP;    // of the ring without skin
+  const double *tension;             // null where no ring has any; then rings are soft
   double *pressure, *expansion, *work, *total;
   double *per_pressure, *mixed, *square, *rate;    // compliance, see RingCompliance
 };

@@ -17,6 +17,7 @@ namespace deformable::DEFORMABLE_LEVEL {
 DEFORMABLE_LANE_FUNCTION RingArrays rings_of(RingArrays r, int ring)
 {
   for (const double **p : {&r.radius, &r.kA, &r.kP}) *p += ring;
+  if (r.tension) r.tension += ring;
   for (double **p : {&r.pressure, &r.expansion, &r.work, &r.total, &r.per_pressure, &r.mixed,
                      &r.square, &r.rate})
     *p += ring;

@@ -1,8 +1,11 @@
-// The rules for radius, kA, kP and skin of a species. Each function returns an empty text if its arguments are
+// The rules for radius, kA, kP, tension and skin of a species. Each function returns an empty text if its arguments are
 // valid, otherwise a phrase with the parameter, its valid range and its value.
 
 #ifndef DEFORMABLE_PARAMETER_RULES_H
 #define DEFORMABLE_PARAMETER_RULES_H
+
+#include "stiffness.h"
+#include "trigonometry.h"
 
 #include <cmath>
 #include <cstdio>
@@ -23,13 +26,37 @@ inline std::string invalid_radius(double radius)
   return "radius must be positive and finite, not " + shown_number(radius);
 }
 
-inline std::string invalid_stiffness(double kA, double kP)
+inline std::string invalid_stiffness(double kA, double kP, double tension = 0.0)
 {
   if (!(kA > 0.0)) return "kA must be positive or inf, not " + shown_number(kA);
-  if (!(kP > 0.0)) return "kP must be positive or inf, not " + shown_number(kP);
+  if (tension < 0.0)
+    return "tension must not be negative, not " + shown_number(tension) +
+           ": the perimeter at rest would be longer than the circle's, and free particles would be "
+           "floppy";
+  if (!(tension >= 0.0 && std::isfinite(tension)))
+    return "tension must be 0 or positive and finite, not " + shown_number(tension);
+  if (tension == 0.0 && !(kP > 0.0))
+    return "kP must be positive or inf, or 0 beside a positive tension, not " + shown_number(kP);
+  if (!(kP >= 0.0)) return "kP must be 0, positive or inf, not " + shown_number(kP);
   if (std::isinf(kA) && std::isinf(kP))
     return "kA and kP must not both be inf, as in a rigid disk: give one of them a finite value";
+  if (tension > 0.0 && Stiffness{kA, kP}.conserves_perimeter())
+    return "kP must be finite beside a tension, such as 0, not " + shown_number(kP) +
+           ": a perimeter that is conserved bears any tension";
   return "";
+}
+
+// A free ring of this radius, without its skin, neither shrinks nor expands by itself:
+//   d^2U/dr^2/(4 pi^2) = kP + kA r^2 - gamma/(2 pi r) > 0
+inline std::string unstable_radius(double ring_radius, const Stiffness &k)
+{
+  if (k.tension == 0.0) return "";
+  const double least = k.rest_pressure(ring_radius) * (0.5 / PI);
+  if (k.kP + k.kA * ring_radius * ring_radius > least) return "";
+  return "tension " + shown_number(k.tension) + " makes a free particle of radius " +
+         shown_number(ring_radius) +
+         " collapse: kP + kA R^2 must be above tension/(2 pi R) = " + shown_number(least) +
+         ", not " + shown_number(k.kP + k.kA * ring_radius * ring_radius);
 }
 
 // An infinite radius stands for one that is not known yet.
@@ -42,9 +69,11 @@ inline std::string invalid_skin(double skin, double radius)
   return range + ", not " + shown_number(skin);
 }
 
-// For the sector law, besides the rules above: it conserves the perimeter or the area, and has no skin.
-inline std::string invalid_for_sectors(double kA, double kP, double skin)
+// For the sector law, besides the rules above: it conserves the perimeter or the area, and has neither skin nor tension.
+inline std::string invalid_for_sectors(double kA, double kP, double skin, double tension = 0.0)
 {
+  if (tension != 0.0)
+    return "the sector law has no tension: it must be 0, not " + shown_number(tension);
   if (std::isinf(kA) == std::isinf(kP))
     return "the sector law needs kP = inf (perimeter conserved) or kA = inf (area conserved), not "
            "kA = " +

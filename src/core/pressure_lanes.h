@@ -39,7 +39,8 @@ DEFORMABLE_LANE_FUNCTION void press_rigid(const RingArrays &r)
 }
 
 // find_expansion of ring_forces.h from the expansion of the last call, as long as Newton's method stays between its
-// bounds. Returns where that leads to a ring.
+// bounds. TENSE: some rings may have a tension, as in find_expansion_under_tension. Returns where that leads to a ring.
+template <bool TENSE>
 DEFORMABLE_LANE_FUNCTION Mask expand(const RingArrays &r, Lanes &pressure, Lanes &expansion)
 {
   constexpr double CLOSE = 1e-8, NOTHING = 1e-280;
@@ -47,30 +48,58 @@ DEFORMABLE_LANE_FUNCTION Mask expand(const RingArrays &r, Lanes &pressure, Lanes
   const Lanes radius = load<Lanes>(r.radius), kA = load<Lanes>(r.kA), kP = load<Lanes>(r.kP);
   const Lanes work = load<Lanes>(r.work);
   const Lanes per_kA = 1.0 / kA, spring = 2.0 * PI * kP;
-  const Lanes tension = load<Lanes>(r.total) * (0.5 / PI);
+  const Lanes pull = load<Lanes>(r.total) * (0.5 / PI);
+  Lanes tension = pull, p0 = Lanes{};
+  if constexpr (TENSE) {
+    tension += load<Lanes>(r.tension);
+    p0 = load<Lanes>(r.tension) / radius;
+  }
   Lanes low = larger(-radius, -tension / spring), high = all(__builtin_inf());
   Lanes delta = load<Lanes>(r.expansion);
   Mask open = (kP / kA < all(__builtin_inf())) & (work > NOTHING) & (delta > low) &
               (load<Lanes>(r.pressure) > 0.0);
-  Mask found = Mask{};
+  Mask found = Mask{}, droplet = Mask{};
+  Lanes droplet_delta = Lanes{};
+  if constexpr (TENSE) {    // the closed form
+    const Lanes x = work / (PI * tension * tension);
+    droplet = open & (kA == all(__builtin_inf())) & (kP == Lanes{}) & (x < all(1.0));
+    const Lanes part = root(1.0 - select(droplet, x, Lanes{}));
+    droplet_delta = radius * x / (part * (1.0 + part));
+    open &= ~droplet;
+  }
   for (int iteration = 0; iteration < ITERATIONS && any(open); ++iteration) {
-    const Lanes E = radius + delta, p = (spring * delta + tension) / E;
+    const Lanes E = radius + delta;
+    Lanes p = (spring * delta + tension) / E, above_rest = p;
+    if constexpr (TENSE) {
+      above_rest = ((spring - p0) * delta + pull) / E;
+      p = p0 + above_rest;
+    }
     const Lanes deficit = work / (p * p);
-    const Lanes h = p * per_kA + PI * delta * (2.0 * radius + delta) - deficit;
+    const Lanes h = above_rest * per_kA + PI * delta * (2.0 * radius + delta) - deficit;
     const Lanes slope = 2.0 * PI * E + (per_kA + 2.0 * deficit / p) * (spring - p) / E;
     const Mask above = (slope > 0.0) & (h > 0.0);
     high = select(open & above, delta, high);
     low = select(open & ~above, delta, low);
     const Lanes next = delta - h / slope;
     const Mask inside = (slope > 0.0) & (low <= next) & (next <= high);
-    const Mask close = magnitude(next - delta) <= CLOSE * (magnitude(next) + E * p / spring);
+    Lanes size = magnitude(next) + E * p / spring;
+    if constexpr (TENSE) {
+      const Mask balanced = magnitude(h) <= 0.1 * deficit + 1e-14 * magnitude(above_rest) * per_kA;
+      const Lanes least = select(balanced, deficit * (0.5 / PI) / radius, Lanes{});
+      size = select(p0 > 0.0, magnitude(next) + least, size);
+    }
+    const Mask close = magnitude(next - delta) <= CLOSE * size;
     delta = select(open & inside, next, delta);
     found |= open & inside & close;
     open &= inside & ~close;
   }
   expansion = delta;
   pressure = (spring * delta + tension) / (radius + delta);
-  return found;
+  if constexpr (TENSE) {
+    expansion = select(droplet, droplet_delta, delta);
+    pressure = p0 + ((spring - p0) * expansion + pull) / (radius + expansion);
+  }
+  return found | droplet;
 }
 
 // Pressure, expansion and compliance of W rings; returns false where a ring does not exist.
@@ -82,12 +111,13 @@ template <bool SOFT> DEFORMABLE_LANE_FUNCTION bool press(const RingArrays &r)
   } else {
     Lanes p, delta;
     bool exist = true;
-    const Mask found = expand(r, p, delta);
+    const Mask found = r.tension ? expand<true>(r, p, delta) : expand<false>(r, p, delta);
     if (!all_true(found))    // also rings of constant perimeter, which are rare beside others
       for (int w = 0; w < W; ++w) {
         if (found[w]) continue;
         LoadedRing ring = {r.pressure[w], r.expansion[w]};
-        exist &= find_pressure(r.radius[w], {r.kA[w], r.kP[w]}, {r.work[w], r.total[w]}, ring);
+        const Stiffness k = {r.kA[w], r.kP[w], r.tension ? r.tension[w] : 0.0};
+        exist &= find_pressure(r.radius[w], k, {r.work[w], r.total[w]}, ring);
         p[w] = ring.pressure;
         delta[w] = ring.expansion;
       }

@@ -101,7 +101,7 @@ Trial try_active(Ring &ring, const Contacts &contacts, int *active, int &n, Shap
 // reach other contact lines, which are added until none is reached.
 inline void solve_all(const Contacts &contacts, double expansion, RingLCP &p)
 {
-  p.size = 0;
+  p.size = p.active_count = 0;
   std::fill_n(p.candidate.begin(), contacts.size, 0);
   for (int c = 0; c < contacts.size; ++c)
     if (contacts[c].indentation > -expansion) p.add(contacts, c, expansion, RingLCP::ACTIVE);

@@ -87,6 +87,35 @@ DEFORMABLE_LANE_FUNCTION Lanes expansions(Lanes deficit, Lanes sum, Lanes rate, 
   return select(soft, delta, Lanes{});
 }
 
+// expansion_under_tension of soft_ring.h.
+DEFORMABLE_LANE_FUNCTION Lanes expansions_under_tension(Lanes deficit, Lanes sum, Lanes rate,
+                                                        Lanes radius, Lanes ratio, Lanes rest,
+                                                        Mask &odd)
+{
+  const Lanes e = 1.0 - rate * (0.5 / PI), shorter = sum * (0.5 / PI), q0 = radius - shorter;
+  const Lanes square = PI * q0 * q0 + e * deficit, spring = 2.0 * PI * ratio;
+  odd |= ~((q0 > 0.0) & (square > 0.0));
+  const Lanes by_area = deficit / (PI * (q0 + root(select(odd, q0, square * (1.0 / PI)))));
+  Lanes delta = by_area;
+  Mask open = ~odd & ((ratio > 0.0) | (rest > 0.0));
+  for (int iteration = 0; any(open); ++iteration) {
+    const Lanes q = q0 + e * delta, left = deficit - PI * delta * (q0 + q);
+    const Lanes f = spring * delta + rest * (shorter - e * delta) - left * q;
+    const Lanes slope = spring + 2.0 * PI * q * q - e * (left + rest);
+    const Mask fails = open & ~((slope > 0.0) & (q > 0.0));
+    odd |= fails;
+    open &= ~fails;
+    if (iteration == 30) {
+      odd |= open;
+      break;
+    }
+    const Lanes step = f / slope;
+    delta = select(open, delta - step, delta);
+    open &= ~(magnitude(step) <= 1e-8 * (magnitude(delta) + magnitude(by_area)));
+  }
+  return delta;
+}
+
 // Looks at the candidates that are not active, for those particles that are settled otherwise. Sets the length of
 // candidates to 1 that the outlines reach, and returns which particles have such.
 template <int N>
@@ -133,11 +162,14 @@ DEFORMABLE_LANE_FUNCTION Mask reached(BlockParticle *const *p, Place *const *at,
   return which;
 }
 
-// W particles with N active contacts each. SOFT: some of them do not conserve their perimeter. `shapes`: whether
-// lengths and perimeters are asked for.
-template <int N, bool SOFT>
+// What all particles of a batch have in common; SOFT: some of them do not conserve their perimeter.
+enum class Perimeter { CONSERVED, SOFT, TENSE };
+
+// W particles with N active contacts each. `shapes`: whether lengths and perimeters are asked for.
+template <int N, Perimeter KIND>
 DEFORMABLE_LANE_FUNCTION void ring_batch(BlockParticle *const *p, Place *places, bool shapes)
 {
+  constexpr bool CHANGES = KIND != Perimeter::CONSERVED, TENSE = KIND == Perimeter::TENSE;
   Place *at[W];
   for_each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { at[w] = places + p[w]->first; });
   const Lanes radius = of_particles(p, &BlockParticle::radius);
@@ -166,12 +198,13 @@ DEFORMABLE_LANE_FUNCTION void ring_batch(BlockParticle *const *p, Place *places,
 
   const Lanes ring_radius = of_particles(p, &BlockParticle::ring_radius);
   const Lanes kA = of_particles(p, &BlockParticle::kA);
-  Lanes kP, expansion = Lanes{};
+  Lanes kP, rest, expansion = Lanes{};
   Mask soft = Mask{};
-  if constexpr (SOFT) {
+  if constexpr (CHANGES) {
     kP = of_particles(p, &BlockParticle::kP);
     const Lanes ratio = kP / kA;
     soft = ratio < all(__builtin_inf());
+    if constexpr (TENSE) rest = of_particles(p, &BlockParticle::tension) / ring_radius;
     Lanes rate[N], deficit = Lanes{}, sum = Lanes{}, sum_rate = Lanes{};
 #pragma GCC unroll 8
     for (int m = 0; m < N; ++m) rate[m] = all(1.0);
@@ -182,7 +215,11 @@ DEFORMABLE_LANE_FUNCTION void ring_batch(BlockParticle *const *p, Place *places,
       sum += length[m];
       sum_rate += rate[m];
     }
-    expansion = expansions(deficit, sum, sum_rate, ring_radius, ratio, soft, odd);
+    if constexpr (TENSE)
+      expansion =
+          expansions_under_tension(deficit, sum, sum_rate, ring_radius, ratio, rest / kA, odd);
+    else
+      expansion = expansions(deficit, sum, sum_rate, ring_radius, ratio, soft, odd);
 #pragma GCC unroll 8
     for (int m = 0; m < N; ++m) {
       line[m].indentation += expansion;
@@ -214,7 +251,19 @@ DEFORMABLE_LANE_FUNCTION void ring_batch(BlockParticle *const *p, Place *places,
   const Lanes mean = ring_radius + expansion - sum * (0.5 / PI);
   Lanes deficit = 0.5 * twice_deficit, excess = Lanes{};
   Lanes pressure = kA * deficit, energy = 0.5 * kA * deficit * deficit;
-  if constexpr (SOFT) {    // as in soft_ring_shape
+  if constexpr (TENSE) {    // as in tense_ring
+    excess = 2.0 * PI * expansion;
+    const Lanes less = deficit - PI * expansion * (2.0 * ring_radius + expansion);
+    const Mask by_tension = (kA == all(__builtin_inf())) |
+                            (less * (ring_radius + expansion) <= magnitude(mean) * deficit);
+    const Lanes stretched = kP * excess;
+    const Lanes laplace = (stretched + rest * (sum * (0.5 / PI) - expansion)) / mean;
+    const Lanes above = select(by_tension, laplace, kA * less), change = above / kA;
+    energy =
+        rest * (deficit - PI * expansion * expansion) + 0.5 * (above * change + stretched * excess);
+    pressure = rest + above;
+    deficit = change;
+  } else if constexpr (CHANGES) {    // as in soft_ring_shape
     excess = 2.0 * PI * expansion;
     const Lanes less = deficit - PI * expansion * (2.0 * ring_radius + expansion);
     const Mask by_tension = less * (ring_radius + expansion) <= magnitude(mean) * deficit;

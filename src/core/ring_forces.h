@@ -4,10 +4,10 @@
 // W(f) = max over a of f.a - U(a) is the convex conjugate of the energy. With the matrix G_cc' = G(theta_c -
 // theta_c'), Q = f.Gf/2 and F = sum f,
 //   L = f/p,   a = dW/df = Gf/p - delta,   S = Q/p^2,   W = 2Q/p - delta F - U,
-//   U = kA/2 (A - A0)^2 + kP/2 (P - P0)^2 = p^2/2kA + kP/2 (2 pi delta)^2,
-// where p and delta solve, with the radius r = R - c of the ring (c: its skin) and E = r + delta,
-//   p E - F/2 pi = 2 pi kP delta            (Laplace's law)
-//   p/kA = Q/p^2 - pi delta (2 r + delta)    (A0 - A)
+// with U of stiffness.h, where p and delta solve, with the radius r = R - c of the ring (c: its skin), E = r + delta
+// and the pressure at rest p0 = gamma/r,
+//   p E - F/2 pi = gamma + 2 pi kP delta          (Laplace's law)
+//   (p - p0)/kA = Q/p^2 - pi delta (2 r + delta)    (A0 - A)
 // For kP = inf: delta = 0 and p^3 = kA Q. docs/theory.md has the derivation.
 
 #ifndef DEFORMABLE_RING_FORCES_H
@@ -31,20 +31,33 @@ struct RingLoad {
 struct LoadedRing {
   double pressure = 0.0, expansion = 0.0;
 
-  // U
-  double energy(const Stiffness &k) const
+  // A0 - A
+  double area_deficit(double radius, const Stiffness &k, double work) const
+  {
+    if (k.tension == 0.0 || std::isinf(k.kA)) return k.tension == 0.0 ? pressure / k.kA : 0.0;
+    return work / (pressure * pressure) - PI * expansion * (2.0 * radius + expansion);
+  }
+
+  // U; with a tension, the formula of tense_ring in soft_ring.h
+  double energy(double radius, const Stiffness &k, double work) const
   {
     if (!(pressure > 0.0)) return 0.0;
+    if (k.tension > 0.0) {
+      const double S = work / (pressure * pressure);
+      const double D = area_deficit(radius, k, work);
+      return k.rest_pressure(radius) * (S - PI * expansion * expansion) +
+             (D == 0.0 ? 0.0 : 0.5 * k.kA * D * D) + 2.0 * PI * PI * k.kP * expansion * expansion;
+    }
     const double by_perimeter =
         k.conserves_perimeter() ? 0.0 : 2.0 * PI * PI * k.kP * expansion * expansion;
     return 0.5 * pressure * (pressure / k.kA) + by_perimeter;
   }
 
   // W
-  double conjugate(const Stiffness &k, const RingLoad &load) const
+  double conjugate(double radius, const Stiffness &k, const RingLoad &load) const
   {
     if (!(pressure > 0.0)) return 0.0;
-    return 2.0 * load.work / pressure - expansion * load.total - energy(k);
+    return 2.0 * load.work / pressure - expansion * load.total - energy(radius, k, load.work);
   }
 };
 
@@ -92,15 +105,56 @@ DEFORMABLE_INLINE bool find_expansion(double radius, const Stiffness &k, const R
   return false;
 }
 
+// The same with a line tension: p - p0 = ((2 pi kP - p0) delta + F/2 pi)/E, so that no difference of large numbers
+// remains in h. For kA = inf and kP = 0 the root is E = r/sqrt(1 - x), x = Q/pi (gamma + F/2 pi)^2.
+DEFORMABLE_INLINE bool find_expansion_under_tension(double radius, const Stiffness &k,
+                                                    const RingLoad &load, LoadedRing &ring)
+{
+  constexpr double CLOSE = 1e-8;
+  const double pull = load.total / (2.0 * PI), spring = 2.0 * PI * k.kP;
+  const double p0 = k.rest_pressure(radius), tension = k.tension + pull;
+  if (k.kP == 0.0 && std::isinf(k.kA)) {
+    const double x = load.work / (PI * tension * tension), root = std::sqrt(1.0 - x);
+    if (!(x < 1.0)) return false;
+    ring = {tension * root / radius, radius * x / (root * (1.0 + root))};
+    return true;
+  }
+  const double per_kA = 1.0 / k.kA;
+  double low = -radius, high = std::numeric_limits<double>::infinity();    // E > 0 and p > 0
+  if (k.kP > 0.0) low = std::max(low, -tension / spring);
+  double delta = ring.pressure > 0.0 && ring.expansion > low ? ring.expansion : 0.0;
+  for (int iteration = 0; iteration < 200; ++iteration) {
+    const double E = radius + delta, above = ((spring - p0) * delta + pull) / E, p = p0 + above;
+    const double deficit = load.work / (p * p);
+    const double h = above * per_kA + PI * delta * (2.0 * radius + delta) - deficit;
+    const double slope = 2.0 * PI * E + (per_kA + 2.0 * deficit / p) * (spring - p) / E;
+    (slope > 0.0 && h > 0.0 ? high : low) = delta;
+    double next = delta - h / slope;
+    const bool inside = slope > 0.0 && low <= next && next <= high;
+    if (!inside) next = std::isinf(high) ? 2.0 * E - radius : 0.5 * (low + high);
+    // delta may vanish; a deficit of which little is balanced says nothing about its size
+    const bool balanced = std::fabs(h) <= 0.1 * deficit + 1e-14 * std::fabs(above) * per_kA;
+    const double size = std::fabs(next) + (balanced ? deficit / (2.0 * PI * radius) : 0.0);
+    const bool close = std::fabs(next - delta) <= CLOSE * size;
+    delta = next;
+    if (inside && close) {
+      ring = {p0 + ((spring - p0) * delta + pull) / (radius + delta), delta};
+      return true;
+    }
+  }
+  return false;
+}
+
 // Pressure and expansion under a load; `ring` is also the first guess.
 DEFORMABLE_INLINE bool find_pressure(double radius, const Stiffness &k, const RingLoad &load,
                                      LoadedRing &ring)
 {
   constexpr double NOTHING = 1e-280;    // its square root is the least force that counts
   if (!(load.work > NOTHING)) {
-    ring = {0.0, 0.0};
+    ring = {k.rest_pressure(radius), 0.0};
     return true;
   }
+  if (k.tension > 0.0) return find_expansion_under_tension(radius, k, load, ring);
   if (!k.conserves_perimeter()) return find_expansion(radius, k, load, ring);
   ring = {std::cbrt(k.kA * load.work), 0.0};
   return true;

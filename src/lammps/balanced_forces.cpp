@@ -19,7 +19,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
   if (new_list) {
     near.build(p, true);
     arrange(p);
-  } else if (p.radii_vary) {
+  } else if (p.radii_vary || p.new_material) {
     set_material(p);
   }
   int wrong = near.locate(p);
@@ -61,7 +61,7 @@ void BalancedForces::arrange(const DeformableParticles &p)
 
 void BalancedForces::set_material(const DeformableParticles &p)
 {
-  batches.soft = false;
+  batches.soft = batches.tense = false;
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
     const int i = batches.particle[ring];
     if (i < 0) continue;
@@ -69,8 +69,11 @@ void BalancedForces::set_material(const DeformableParticles &p)
     batches.radius[ring] = p.radius[i] - s.skin;
     batches.kA[ring] = s.stiffness.kA;
     batches.kP[ring] = s.stiffness.kP;
+    batches.tension[ring] = s.stiffness.tension;
+    batches.tense |= s.stiffness.tension > 0.0;
     batches.soft |= !s.stiffness.conserves_perimeter();
   }
+  if (!batches.soft) std::fill(batches.expansion.begin(), batches.expansion.end(), 0.0);
 }
 
 void BalancedForces::find_bulges()
@@ -92,10 +95,29 @@ int BalancedForces::without_room() const
   constexpr double NONE = 0.01;
   if (is_balanced) return -1;
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
-    if (batches.particle[ring] < 0 || !std::isinf(batches.kA[ring])) continue;
+    if (batches.particle[ring] < 0) continue;
+    if (!std::isinf(batches.kA[ring]) && batches.tension[ring] == 0.0) continue;
     const double q = batches.radius[ring] + batches.expansion[ring] -
                      batches.total[ring] * batches.per_pressure[ring] * (0.5 / PI);
     if (q < NONE * batches.radius[ring]) return batches.particle[ring];
+  }
+  return collapsed();
+}
+
+// A bubble of gas that cannot bear the forces of its contacts: they do not grow, and most of an overlap is left.
+int BalancedForces::collapsed() const
+{
+  constexpr double MUCH = 0.01;
+  constexpr int MANY = 20;    // evaluations that usually balance anything
+  if (!batches.tense || solver.evaluations < MANY) return -1;
+  const auto is_bubble = [this](int i) {
+    return i >= 0 && batches.tension[batches.place[i]] > 0.0 &&
+           std::isfinite(batches.kA[batches.place[i]]);
+  };
+  for (int k = 0; k < near.pairs.size; ++k) {
+    if (residual(k) < MUCH * near.pairs.touching[k]) continue;
+    if (is_bubble(near.pairs.i[k])) return near.pairs.i[k];
+    if (is_bubble(near.pairs.second[k])) return near.pairs.second[k];
   }
   return -1;
 }
@@ -107,7 +129,7 @@ BalancedForces::Ring BalancedForces::ring(int i) const
   const int ring = batches.place[i], n = batches.count[i];
   const double p = batches.pressure[ring], delta = batches.expansion[ring];
   const LoadedRing loaded = {p, delta};
-  const Stiffness k = {batches.kA[ring], batches.kP[ring]};
+  const Stiffness k = {batches.kA[ring], batches.kP[ring], batches.tension[ring]};
   const double lengths = batches.total[ring] * batches.per_pressure[ring];
   double arc_radius = arc_radius_at_least(ring, lengths);
   if (arc_radius < 0.0) {
@@ -120,7 +142,8 @@ BalancedForces::Ring BalancedForces::ring(int i) const
     }
     arc_radius += (lengths - std::hypot(mx, my) * batches.per_pressure[ring]) / PI;
   }
-  return {{loaded.energy(k), p}, delta, arc_radius, n};
+  const double energy = loaded.energy(batches.radius[ring], k, batches.work[ring]);
+  return {{energy, p}, delta, arc_radius, n};
 }
 
 int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<int> &seats,
@@ -128,7 +151,8 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
 {
   const int ring = batches.place[i], n = batches.count[i];
   const double per_p = batches.per_pressure[ring], delta = batches.expansion[ring];
-  const Stiffness k = {batches.kA[ring], batches.kP[ring]};
+  const LoadedRing loaded = {batches.pressure[ring], delta};
+  const Stiffness k = {batches.kA[ring], batches.kP[ring], batches.tension[ring]};
   contacts.resize(n);
   seats.resize(n);
   shape.reset(n, batches.radius[ring]);
@@ -149,7 +173,7 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
     my += length * contacts[m].ny;
   }
   const double lengths = batches.total[ring] * per_p;
-  shape.area_deficit = batches.pressure[ring] / k.kA;
+  shape.area_deficit = loaded.area_deficit(batches.radius[ring], k, batches.work[ring]);
   shape.perimeter_excess = 2.0 * PI * delta;
   shape.arc_radius = batches.radius[ring] + delta - lengths * (0.5 / PI) - std::hypot(mx, my) / PI;
   return n;

@@ -89,6 +89,7 @@ class BalancedForces : protected Pointers {
     return batches.radius[ring] + batches.expansion[ring] - lengths * (1.5 / deformable::PI);
   }
   void find_bulges();
+  int collapsed() const;
   void warn_unbalanced();
   bool leave_gaps(const DeformableParticles &);
   void warn_upright();

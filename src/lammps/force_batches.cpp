@@ -35,7 +35,7 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   for (std::vector<double> *v :
        {&pressure, &expansion, &work, &total, &per_pressure, &mixed, &square, &rate})
     v->assign(lanes_in_all, 0.0);
-  for (std::vector<double> *v : {&radius, &kA, &kP}) v->assign(lanes_in_all, 1.0);
+  for (std::vector<double> *v : {&radius, &kA, &kP, &tension}) v->assign(lanes_in_all, 1.0);
   place.assign(particles, -1);
   for (std::vector<int> *v : {&size, &first, &first_green}) v->resize(batches);
   int places = 0, two = 0, longest = 0;
@@ -94,15 +94,16 @@ deformable::RingBatches ForceBatches::arrays()
           first.data(),
           first_green.data(),
           soft,
-          {radius.data(), kA.data(), kP.data(), pressure.data(), expansion.data(), work.data(),
-           total.data(), per_pressure.data(), mixed.data(), square.data(), rate.data()},
+          {radius.data(), kA.data(), kP.data(), tense ? tension.data() : nullptr, pressure.data(),
+           expansion.data(), work.data(), total.data(), per_pressure.data(), mixed.data(),
+           square.data(), rate.data()},
           {seat.data(), indentation.data(), compliance.data(), slope.data(), product.data(),
            green.data(), aligned}};
 }
 
 double ForceBatches::bytes() const
 {
-  return bytes_of(size, first, first_green, particle, radius, kA, kP, pressure, expansion, work,
-                  total, per_pressure, mixed, square, rate, seat, indentation, compliance, slope,
-                  product, green, scratch, place, count);
+  return bytes_of(size, first, first_green, particle, radius, kA, kP, tension, pressure, expansion,
+                  work, total, per_pressure, mixed, square, rate, seat, indentation, compliance,
+                  slope, product, green, scratch, place, count);
 }

@@ -22,8 +22,9 @@ struct ForceBatches {
 
   // of rings: batch x LANES + lane
   std::vector<int> particle;    // or -1
-  std::vector<double> radius, kA, kP, pressure, expansion, work, total, per_pressure, mixed, square,
-      rate;
+  bool tense = false;           // some ring has a tension
+  std::vector<double> radius, kA, kP, tension, pressure, expansion, work, total, per_pressure,
+      mixed, square, rate;
 
   // of contacts
   std::vector<int> seat;

@@ -195,15 +195,22 @@ void NearList::add_walls(const DeformableParticles &p, bool new_list)
     first_wall[i] = pairs.size;
 }
 
-// A pair alone bears o^3/2 G(0)^2 (k_i^(-1/3) + k_j^(-1/3))^3 with the stiffnesses k of small loads.
+// A pair alone bears o^3/2 G(0)^2 (k_i^(-1/3) + k_j^(-1/3))^3 with the stiffnesses k of small loads. With a tension,
+// the force is linear: k is that of a ring which bears as much at an indentation of TYPICAL radii.
 void NearList::set_constants(const DeformableParticles &p)
 {
   using deformable::GREEN_AT_ZERO;
+  constexpr double TYPICAL = 0.05;
   std::vector<double> softness;    // by atom type
-  for (const Species &s : *p.species)
-    softness.push_back(
-        s.radius > 0.0 ? 1.0 / std::cbrt(deformable::area_stiffness(s.radius - s.skin, s.stiffness))
-                       : 0.0);
+  for (const Species &s : *p.species) {
+    const double r = s.radius - s.skin, a = TYPICAL * r;
+    if (s.radius == 0.0)
+      softness.push_back(0.0);
+    else if (s.stiffness.tension > 0.0)    // f = p a/G(0)
+      softness.push_back(a / std::cbrt(2.0 * GREEN_AT_ZERO * s.stiffness.rest_pressure(r) * a));
+    else
+      softness.push_back(1.0 / std::cbrt(deformable::area_stiffness(r, s.stiffness)));
+  }
   for (int k = 0; k < pairs.size; ++k) {
     const int i = pairs.i[k], j = pairs.j[k];
     const double ri = p.radius[i], rj = k < pairs.wall ? p.radius[j] : 0.0;
@@ -222,7 +229,7 @@ void NearList::set_constants(const DeformableParticles &p)
 int NearList::locate(const DeformableParticles &p)
 {
   ++calls;
-  if (p.radii_vary) set_constants(p);
+  if (p.radii_vary || p.new_material) set_constants(p);
   const int wrong = pairs.wall > 0 ? pairs.locate(atom->x[0], kernels) : -1;
   if (wrong >= 0 || p.walls->empty()) return wrong;
   for (int k = pairs.wall; k < pairs.size; ++k) {

@@ -30,6 +30,7 @@ struct DeformableParticles {
   bool radii_vary;                        // from call to call
   const std::vector<FixDeformableWall *> *walls;
   double reach, smallest;    // smallest radius of all
+  bool new_material;         // a species has changed since the last call
 };
 
 class NearList : protected Pointers {

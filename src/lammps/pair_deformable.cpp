@@ -4,6 +4,7 @@
 #include "input_checks.h"
 #include "lammps_release.h"
 
+#include "parameter_rules.h"
 #include "trigonometry.h"
 
 #include "comm.h"
@@ -19,6 +20,7 @@
 #include <limits>
 
 using namespace LAMMPS_NS;
+using deformable::unstable_radius;
 
 /* ---------------------------------------------------------------------- */
 
@@ -248,7 +250,11 @@ void PairDeformable::check_radii()
     const int i = list->ilist[ii];
     const double r = atom_radius[i];
     const Species &s = species[atom->type[i]];
-    if (r > s.skin && r <= s.radius * ROUNDING) continue;
+    if (r > s.skin && r <= s.radius * ROUNDING) {
+      const std::string unstable = unstable_radius(r - s.skin, s.stiffness);
+      if (unstable.empty()) continue;
+      error->one(FLERR, "Atom {} of species {}: {}", atom->tag[i], s.name, unstable);
+    }
     if (!(r > 0.0))
       error->one(FLERR, "Atom {} has a radius of {:.6g}: it must be positive", atom->tag[i], r);
     if (r <= s.skin)

@@ -126,9 +126,9 @@ class PairDeformable : public Pair {
     if (results.requested)
       results.store_shape(i, ring_radius_of(i), contacts.size, shape, pressure);
   }
-  void store_circle(int i)
+  void store_circle(int i, double pressure)
   {
-    if (results.requested) results.store_circle(i, ring_radius_of(i));
+    if (results.requested) results.store_circle(i, ring_radius_of(i), pressure);
   }
 
   // Of particle i, whose contact line does not lie in front of its center.

@@ -177,8 +177,8 @@ void PairDeformable::observe(const BlockParticle &p)
                      -place.dx, -place.dy, 0.0);
     });
   if (results.requested) {
-    if (p.pressure == 0.0) {
-      results.store_circle(p.name, p.ring_radius);
+    if (p.energy == 0.0) {
+      results.store_circle(p.name, p.ring_radius, p.pressure);
     } else {
       load_shape(p);
       results.store_shape(p.name, p.ring_radius, p.active, shape, p.pressure);

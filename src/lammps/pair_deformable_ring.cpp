@@ -94,19 +94,58 @@ void PairDeformableRing::init_style()
   if (balanced && !atom->tag_enable)
     error->all(FLERR, "Pair style deformable/ring needs atom IDs: use 'atom_modify id yes', or "
                       "'contact radical'");
+  find_soft();
+}
 
+void PairDeformableRing::find_soft()
+{
   soft = false;
   for (const Species &s : species) soft |= s.radius > 0.0 && !s.stiffness.conserves_perimeter();
 }
 
 /* ---------------------------------------------------------------------- */
 
+void PairDeformableRing::coeff(int narg, char **arg)
+{
+  PairDeformable::coeff(narg, arg);
+  ramps.fill(species);
+}
+
+void *PairDeformableRing::extract(const char *name, int &dim)
+{
+  take_ramps();    // values that no force call has seen yet
+  double **const array = ramps.array_of(name, species);
+  if (!array) return PairDeformable::extract(name, dim);
+  dim = 2;
+  return array;
+}
+
+/* ----------------------------------------------------------------------
+   Values that fix adapt has set since the last call.
+------------------------------------------------------------------------- */
+
+bool PairDeformableRing::take_ramps()
+{
+  if (ramps.take(species) == 0) return false;
+  for (const Species &s : species) {
+    if (s.name.empty()) continue;
+    const std::string wrong = invalid_values(s);
+    if (!wrong.empty()) error->all(FLERR, "Species {} in a run: {}", s.name, wrong);
+  }
+  find_soft();
+  number_definition();
+  return true;
+}
+
+/* ---------------------------------------------------------------------- */
+
 void PairDeformableRing::compute(int eflag, int vflag)
 {
+  const bool new_material = take_ramps();
   begin_call(eflag, vflag);
   if (neighbor->ago == 0) smallest = smallest_radius();
   if (balanced)
-    evaluate_balanced();
+    evaluate_balanced(new_material);
   else if (walls.empty())
     soft ? evaluate_radical<false, true>() : evaluate_radical<false, false>();
   else
@@ -128,7 +167,7 @@ template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate_radical()
         return energy;
       },
       [this](const BlockParticle &p) {
-        if (neighbor->ago != 0 || p.pressure == 0.0) return;
+        if (neighbor->ago != 0 || p.energy == 0.0) return;
         load_shape(p);
         const Contacts contacts = load_contacts(block, p);
         if (is_within_reach(p.name, contacts)) return;
@@ -158,10 +197,13 @@ template <bool SOFT> Energy PairDeformableRing::shape_ring(int i, const Contacts
 
 void PairDeformableRing::no_shape(int i, int contacts)
 {
+  const Species &s = species[atom->type[i]];
+  const bool keeps_area = std::isinf(s.stiffness.kA);
   error->one(FLERR,
-             "Atom {} has no shape that keeps its area: its {} contacts leave no room. Compress "
-             "less, or give species {} a finite kA",
-             atom->tag[i], contacts, species[atom->type[i]].name);
+             "Atom {} has no stable shape{}: its {} contacts leave no room. Compress less, or give "
+             "species {} a {} kA",
+             atom->tag[i], keeps_area ? " that keeps its area" : "", contacts, s.name,
+             keeps_area ? "finite" : "larger");
 }
 
 /* ----------------------------------------------------------------------

@@ -14,6 +14,7 @@ PairStyle(deformable/ring,PairDeformableRing);
 
 #include "balanced_forces.h"
 #include "soft_ring.h"
+#include "species_ramps.h"
 
 #include <memory>
 
@@ -23,6 +24,8 @@ class PairDeformableRing : public PairDeformable {
  public:
   PairDeformableRing(class LAMMPS *lmp) : PairDeformable(lmp, 6) {}
   void settings(int, char **) override;
+  void coeff(int, char **) override;
+  void *extract(const char *, int &) override;
   void init_style() override;
   void compute(int, int) override;
   double memory_usage() override;
@@ -30,6 +33,9 @@ class PairDeformableRing : public PairDeformable {
  private:
   std::unique_ptr<BalancedForces> balanced;    // null: contacts stay on their radical axes
   bool soft = false;                           // some species does not conserve its perimeter
+  SpeciesRamps ramps;
+  bool take_ramps();    // whether a species has changed
+  void find_soft();
   double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
 
   deformable::RingLCP lcp;
@@ -42,7 +48,7 @@ class PairDeformableRing : public PairDeformable {
   std::vector<deformable::Contact> contacts;    // of one particle
   std::vector<int> seats;
   std::vector<double> errors;    // of the model, by particle
-  void evaluate_balanced();
+  void evaluate_balanced(bool new_material);
   void push_pairs();
   void finish_balanced(int i);
 

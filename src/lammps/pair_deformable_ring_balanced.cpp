@@ -8,7 +8,7 @@
 using namespace LAMMPS_NS;
 using namespace deformable;
 
-void PairDeformableRing::evaluate_balanced()
+void PairDeformableRing::evaluate_balanced(bool new_material)
 {
   const int all = atom->nlocal + atom->nghost;
   if (neighbor->ago == 0 || radius_by_atom) {
@@ -16,7 +16,7 @@ void PairDeformableRing::evaluate_balanced()
     for (int i = 0; i < all; ++i) radii[i] = radius_of(i);
   }
   const DeformableParticles particles = {list,   &species, radii.data(), radius_by_atom,
-                                         &walls, reach,    smallest};
+                                         &walls, reach,    smallest,     new_material};
   const int wrong = balanced->solve(particles, neighbor->ago == 0);
   if (wrong >= 0) {
     int i = balanced->pairs().i[wrong], j = balanced->pairs().j[wrong];
@@ -104,9 +104,9 @@ void PairDeformableRing::finish_balanced(int i)
   const BalancedForces::Ring ring = balanced->ring(i);
   if (eflag_global) eng_vdwl += ring.energy.value;
   if (eflag_atom) eatom[i] += ring.energy.value;
-  const bool is_circle = ring.energy.derivative == 0.0, is_beyond = ring.arc_radius < 0.0;
+  const bool is_circle = ring.energy.value == 0.0, is_beyond = ring.arc_radius < 0.0;
   beyond_model += is_beyond;
-  if (is_circle) return store_circle(i);
+  if (is_circle) return store_circle(i, ring.energy.derivative);
   if (!needs_shapes() && !is_beyond && neighbor->ago != 0) return;
 
   const NearPairs &p = balanced->pairs();

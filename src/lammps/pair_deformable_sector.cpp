@@ -49,7 +49,8 @@ void PairDeformableSector::settings(int narg, char **arg)
 
 void PairDeformableSector::check_species(const Species &s) const
 {
-  const std::string problem = invalid_for_sectors(s.stiffness.kA, s.stiffness.kP, s.skin);
+  const std::string problem =
+      invalid_for_sectors(s.stiffness.kA, s.stiffness.kP, s.skin, s.stiffness.tension);
   if (!problem.empty())
     error->all(FLERR,
                "Species {} cannot be used with pair_style deformable/sector: {}. "

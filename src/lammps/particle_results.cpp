@@ -46,11 +46,12 @@ void ParticleResults::store_shape(int i, double radius, int contacts,
   values[CONTACT_LENGTH][i] = length;
 }
 
-void ParticleResults::store_circle(int i, double radius)
+void ParticleResults::store_circle(int i, double radius, double pressure)
 {
   values[AREA][i] = PI * radius * radius;
   values[PERIMETER][i] = 2.0 * PI * radius;
-  values[CONTACTS][i] = values[PRESSURE][i] = values[CONTACT_LENGTH][i] = 0.0;
+  values[CONTACTS][i] = values[CONTACT_LENGTH][i] = 0.0;
+  values[PRESSURE][i] = pressure;
   values[ARC_RADIUS][i] = radius;
 }
 

@@ -25,7 +25,7 @@ class ParticleResults {
 
   // Particle i, whose ring has this radius when undeformed.
   void store_shape(int i, double radius, int contacts, const deformable::Shape &, double pressure);
-  void store_circle(int i, double radius);
+  void store_circle(int i, double radius, double pressure);
   void store_model_error(int i, double error) { values[MODEL_ERROR][i] = error; }
 
   double bytes() const;

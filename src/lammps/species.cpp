@@ -104,7 +104,60 @@ void check_head(LAMMPS *lmp, const std::string &file, const std::string &head)
     utils::logmesg(lmp, "Reading species file {} with DATE: {}\n", file, shown(date));
 }
 
+bool is_keyword(const std::string &word)
+{
+  return word == "tension" || word == "skin";
+}
+
+// After kP a number is the skin, and keywords with a value follow in any order. Returns the first word that should be
+// a keyword but is none.
+std::size_t misplaced_word(const std::vector<std::string> &words)
+{
+  std::size_t k = 4;
+  if (words.size() > k && !is_keyword(words[k]) &&
+      (words.size() == 5 || !std::isnan(number_of(words[k]))))
+    ++k;
+  while (k < words.size() && is_keyword(words[k])) k += 2;
+  return k;
+}
+
+template <class ValueOf>
+void read_options(Error *error, const std::string &of_species,
+                  const std::vector<std::string> &words, ValueOf &&value_of, double &tension,
+                  double &skin)
+{
+  std::vector<std::string> seen;
+  const auto see = [&](const std::string &keyword) {
+    if (std::find(seen.begin(), seen.end(), keyword) != seen.end())
+      error->all(FLERR, of_species + keyword + " is given twice");
+    seen.push_back(keyword);
+  };
+  std::size_t k = 4;
+  if (k < words.size() && !is_keyword(words[k])) {
+    skin = value_of("skin", words[k]);
+    see("skin");
+    ++k;
+  }
+  for (; k < words.size(); k += 2) {
+    const std::string &keyword = words[k];
+    if (k + 1 == words.size()) error->all(FLERR, of_species + keyword + " has no value");
+    see(keyword);
+    (keyword == "skin" ? skin : tension) = value_of(keyword.c_str(), words[k + 1]);
+  }
+}
+
 }    // namespace
+
+std::string LAMMPS_NS::invalid_values(const Species &s)
+{
+  using namespace deformable;
+  const Stiffness &k = s.stiffness;
+  for (const std::string &problem :
+       {invalid_radius(s.radius), invalid_stiffness(k.kA, k.kP, k.tension),
+        invalid_skin(s.skin, s.radius)})
+    if (!problem.empty()) return problem;
+  return unstable_radius(s.radius - s.skin, k);
+}
 
 std::string LAMMPS_NS::shown(const std::string &text)
 {
@@ -137,33 +190,36 @@ std::vector<Species> LAMMPS_NS::read_species(LAMMPS *lmp, const std::string &fil
     const std::vector<std::string> words = utils::split_words(line);
     if (words.empty()) continue;
 
-    if (words.size() != 4 && words.size() != 5)
-      error->all(
-          FLERR,
-          "Species file '{}', line {}: expected 'name radius kA kP [skin]', got {} words: '{}'",
-          file, number, words.size(), shown(utils::trim(line)));
+    const std::size_t odd = misplaced_word(words);
+    if (words.size() < 4 || odd < words.size())
+      error->all(FLERR,
+                 "Species file '{}', line {}: expected 'name radius kA kP [skin] [tension value]', "
+                 "got {} words: '{}'{}",
+                 file, number, words.size(), shown(utils::trim(line)),
+                 words.size() < 4 ? "" : ", where '" + shown(words[odd]) + "' is no keyword");
     const std::string name = shown(words[0]);
-    const char *const names[] = {"radius", "kA", "kP", "skin"};
-    double values[4] = {0.0, 0.0, 0.0, 0.0};
-    for (std::size_t k = 0; k + 1 < words.size(); ++k) {
-      values[k] = number_of(words[k + 1]);
-      if (std::isnan(values[k]))
+    const std::string of_species =
+        fmt::format("Species file '{}', line {}: species {}: ", file, number, name);
+    const auto value_of = [&](const char *what, const std::string &word) {
+      const double value = number_of(word);
+      if (std::isnan(value))
         error->all(FLERR,
                    "Species file '{}', line {}: {} of species {} is '{}', which is not a number",
-                   file, number, names[k], name, shown(words[k + 1]));
-    }
-    const auto [radius, kA, kP, skin] = values;
-    for (const std::string &problem :
-         {deformable::invalid_radius(radius), deformable::invalid_stiffness(kA, kP),
-          deformable::invalid_skin(skin, radius)})
-      if (!problem.empty())
-        error->all(FLERR, "Species file '{}', line {}: species {}: {}", file, number, name,
-                   problem);
+                   file, number, what, name, shown(word));
+      return value;
+    };
+    const double radius = value_of("radius", words[1]);
+    deformable::Stiffness stiffness = {value_of("kA", words[2]), value_of("kP", words[3])};
+    double skin = 0.0;
+    read_options(error, of_species, words, value_of, stiffness.tension, skin);
+    const Species found = {words[0], radius, stiffness, skin};
+    const std::string problem = invalid_values(found);
+    if (!problem.empty()) error->all(FLERR, of_species + problem);
     for (const Species &other : all)
       if (other.name == words[0])
         error->all(FLERR, "Species file '{}', line {}: species {} is defined twice", file, number,
                    name);
-    all.push_back({words[0], radius, {kA, kP}, skin});
+    all.push_back(found);
   }
   if (all.empty()) error->all(FLERR, "Species file '{}' defines no species", file);
   return all;

@@ -26,17 +26,24 @@ void require_equal(double found, double expected, double scale, const char *what
   std::exit(1);
 }
 
+// Line tensions of the rings: none, of some, or droplets without any stiffness.
+enum class Tensions { NONE, SOME, DROPLETS };
+
 struct Batch {
   int n;
   std::vector<double> force, angle, nx, ny;    // of pairs: the last one is empty
   std::vector<float> x;
   std::vector<int> seat;
-  std::vector<double> radius, kA, kP, ring[8], indentation, compliance, slope, rate;
+  std::vector<double> radius, kA, kP, tension, ring[8], indentation, compliance, slope, rate;
   std::vector<float> green, product;
   std::vector<double> memory;
   double *scratch;
+  bool is_tense;
 
-  Batch(int n, bool soft, std::mt19937 &random) : n(n), scratch(nullptr)
+  Batch(int n, bool soft, Tensions tensions, std::mt19937 &random)
+      : n(n),
+        scratch(nullptr),
+        is_tense(tensions != Tensions::NONE)
   {
     std::uniform_real_distribution<double> uniform(0.0, 1.0);
     const int pairs = n * LANES;
@@ -59,6 +66,12 @@ struct Batch {
       const bool finite = soft && w % 2 == 0;
       kP.push_back(finite ? std::pow(10.0, 4.0 * uniform(random) - 2.0)
                           : std::numeric_limits<double>::infinity());
+      tension.push_back(0.0);
+      if (tensions == Tensions::NONE || (tensions == Tensions::SOME && w % 4 != 0)) continue;
+      tension[w] = 0.01 * (0.5 + uniform(random));
+      if (tensions == Tensions::SOME && w > 0) continue;
+      kA[w] = std::numeric_limits<double>::infinity();
+      kP[w] = 0.0;
     }
     for (std::vector<double> &v : ring) v.assign(LANES, 0.0);
     for (std::vector<double> *v : {&indentation, &compliance, &slope, &rate}) v->assign(pairs, 0.0);
@@ -77,16 +90,17 @@ struct Batch {
   }
   RingArrays rings(int w)
   {
-    return rings_of({radius.data(), kA.data(), kP.data(), ring[0].data(), ring[1].data(),
-                     ring[2].data(), ring[3].data(), ring[4].data(), ring[5].data(), ring[6].data(),
-                     ring[7].data()},
+    return rings_of({radius.data(), kA.data(), kP.data(), is_tense ? tension.data() : nullptr,
+                     ring[0].data(), ring[1].data(), ring[2].data(), ring[3].data(), ring[4].data(),
+                     ring[5].data(), ring[6].data(), ring[7].data()},
                     w);
   }
 };
 
-template <int SIZE, bool SOFT> void check(int n, std::mt19937 &random)
+template <int SIZE, bool SOFT>
+void check(int n, std::mt19937 &random, Tensions tensions = Tensions::NONE)
 {
-  Batch b(n, SOFT, random);
+  Batch b(n, SOFT, tensions, random);
   const PairDirections pairs = {b.force.data(), b.angle.data(), b.nx.data(), b.ny.data()};
   // a second time with pressures to start from
   for (const double factor : {1.0, 1.03}) {
@@ -122,7 +136,7 @@ template <int SIZE, bool SOFT> void check(int n, std::mt19937 &random)
         }
         load.work += 0.5 * f[m] * gf[m];
       }
-      const Stiffness stiffness = {b.kA[w], b.kP[w]};
+      const Stiffness stiffness = {b.kA[w], b.kP[w], b.tension[w]};
       LoadedRing ring;
       if (!find_pressure(b.radius[w], stiffness, load, ring)) std::exit(3);
       const RingCompliance c = compliance_of(b.radius[w], stiffness, load.work, ring);
@@ -165,6 +179,11 @@ template <bool SOFT> void check_sizes(std::mt19937 &random)
     check<3, SOFT>(3, random);
     check<5, SOFT>(5, random);
     check<8, SOFT>(8, random);
+    if constexpr (SOFT)
+      for (const Tensions tensions : {Tensions::SOME, Tensions::DROPLETS}) {
+        for (const int n : {1, 2, 3, 9, 30}) check<0, SOFT>(n, random, tensions);
+        check<5, SOFT>(5, random, tensions);
+      }
   }
 }
 

@@ -22,6 +22,7 @@ class Particles:
     kA: np.ndarray
     kP: np.ndarray
     skin: np.ndarray
+    tension: np.ndarray
 
     def shaped(self, law, level):
         return core.batch(law, level, **{f: getattr(self, f) for f in self.__dataclass_fields__})
@@ -49,6 +50,7 @@ def particles(seed, n=400, least=0, most=7, overlap=(-0.05, 0.12), spread=0.8, s
         10.0 ** rng.uniform(-3, 3, n),
         np.full(n, np.inf),
         np.zeros(n),
+        np.zeros(n),
     )
 
 
@@ -66,12 +68,27 @@ def mixture(seed, area_conserved=False, **options):
     )
 
 
+def tense(seed, **options):
+    """A quarter each of a mixture, droplets, droplets of finite kP, and bubbles of finite kA."""
+    some = mixture(seed, **options)
+    rng = np.random.default_rng(seed)
+    n = len(some.radius)
+    kind, r = rng.integers(0, 4, n), some.radius - some.skin
+    kA = np.select([kind == 0, kind == 3], [some.kA, 10.0 ** rng.uniform(-3, 3, n)], np.inf)
+    kP = np.select([kind == 0, kind == 1], [some.kP, 0.0], 10.0 ** rng.uniform(-3, 3, n))
+    most = np.where(kind == 3, np.pi * r * (kP + kA * r**2), 1.0)  # half of what is stable
+    return replace(some, kA=kA, kP=kP, tension=(kind > 0) * most * 10.0 ** rng.uniform(-3, 0, n))
+
+
 # the case, and whether all particles with eight contacts at most must come out of batches
 RINGS = {
     "usual": (lambda seed: particles(seed), True),
     "mixture": (lambda seed: mixture(seed, overlap=(-0.05, 0.03)), True),
     "past confluence": (lambda seed: mixture(seed, overlap=(-0.02, 0.25)), False),
     "area": (lambda seed: mixture(seed, True, overlap=(-0.02, 0.01)), True),
+    "tension": (lambda seed: tense(seed, overlap=(-0.02, 0.01)), True),
+    "tension, small": (lambda seed: tense(seed, scale=1e-6, overlap=(-0.02, 0.01)), False),
+    "tension, barely": (lambda seed: tense(seed, overlap=(-1e-8, 1e-8)), False),
     "more contacts": (lambda seed: mixture(seed, most=12, overlap=(-0.02, 0.05)), False),
     "close directions": (lambda seed: mixture(seed, spread=2.5), False),
     "same direction": (lambda seed: mixture(seed, spread=0.0, turns=2), False),

@@ -6,6 +6,7 @@ import pytest
 from deformable import core
 from deformable.engine.lammps import gather
 from scene import PACKINGS, Scene, box_walls
+from tense import BALANCED, RADICAL, droplets, tense_mixture
 from test_soft_rings import mixture, pushed
 
 LEVELS = core.simd_levels()
@@ -19,6 +20,9 @@ SCENES = {
     "mixture": lambda: mixture(CASE)[0],
     "balanced": lambda: Scene.packing(CASE, "deformable/ring contact balanced"),
     "balanced mixture": lambda: mixture(CASE, "deformable/ring contact balanced")[0],
+    "radical tension": lambda: tense_mixture(CASE, RADICAL)[0],
+    "balanced tension": lambda: tense_mixture(CASE, BALANCED)[0],
+    "droplets": lambda: droplets(CASE, BALANCED),
     "walls": lambda: Scene.packing(
         CASE,
         "deformable/ring contact radical",

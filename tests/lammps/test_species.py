@@ -81,6 +81,15 @@ MALFORMED = {
     "skin negative": ("a 0.5 1.0 inf -0.1", "species a: skin .*not -0.1"),
     "skin too thick": ("a 0.5 1.0 inf 0.5", "species a: skin .*radius 0.5"),
     "skin empty": ("a 0.5 1.0 inf ''", "skin.* a .*''"),
+    "tension without value": ("a 0.5 inf 0 tension", "species a: tension has no value"),
+    "tension no number": ("a 0.5 inf 0 tension high", "tension.* a .*'high'"),
+    "tension twice": ("a 0.5 inf 0 tension 1 tension 2", "species a: tension .*twice"),
+    "skin twice": ("a 0.5 1 inf 0.1 skin 0.2", "species a: skin .*twice"),
+    "unknown keyword": ("a 0.5 inf 0 surface 1.0", "line 2: .*'surface' is no keyword"),
+    "tension negative": ("a 0.5 inf 1 tension -1", "species a: tension .*not -1.*floppy"),
+    "tension and perimeter": ("a 0.5 1 inf tension 1", "species a: kP must be finite"),
+    "collapse": ("a 0.5 1 0 tension 1", "species a: tension 1 .*collapse"),
+    "floppy": ("a 0.5 inf 0", "species a: kP .*tension, not 0"),
     "both inf": ("a 0.5 inf inf", "species a: kA and kP"),
     "twice": ("a 0.5 1.0 inf\nb 0.5 1 inf\na 0.6 1.0 inf", "line 4: species a .*twice"),
     "not printable": ("a \x01 \xe4", "got 3 words: 'a [?] [?][?]'"),
@@ -95,6 +104,12 @@ def test_malformed_file(text, message, tmp_path):
     lmp, pair_coeff = with_species(tmp_path, "# DATE: 2026-11-20 UNITS: lj\n" + text)
     with refuses(rf"Species file '.*species.txt'.*{message}"):
         lmp.command(pair_coeff)
+
+
+@pytest.mark.parametrize("line", ["0.1 tension 2", "tension 2 skin 0.1", "skin 0.1 tension 2"])
+def test_keywords(line, tmp_path):
+    lmp, pair_coeff = with_species(tmp_path, f"a 0.5 inf 0 {line}")
+    lmp.command(pair_coeff)
 
 
 def test_comments_and_blank_lines_are_no_species(tmp_path):

@@ -75,6 +75,13 @@ def compress_command(
             "--kP", help="Perimeter stiffness [energy/length^2]; inf conserves the perimeter."
         ),
     ] = math.inf,
+    tension: Annotated[
+        float,
+        typer.Option(
+            help="Ring laws: line tension of the perimeter at rest [energy/length], beside a "
+            "finite kP; droplets have --kA inf --kP 0 --tension 1."
+        ),
+    ] = 0.0,
     reach: Annotated[
         float,
         typer.Option(

@@ -16,7 +16,16 @@ from ..common.progress import print_once
 from ..common.ranks import led
 from ..common.validate import positive
 from ..io.run_folder import TABLE, refuse
-from ..studies.ensemble import LAWS, QUANTITIES, Row, exponents, measure, summarize
+from ..studies.ensemble import (
+    LAWS,
+    QUANTITIES,
+    Row,
+    exponents,
+    is_of_droplets,
+    measure,
+    summarize,
+    with_tension,
+)
 from ..studies.ensemble_tables import SCALING, key, read_table, write_summary, write_tables
 from .options import law_option
 
@@ -36,6 +45,13 @@ def jam_command(
         str,
         law_option(LAWS, "Contact law: soft disks (disk), or as in `deformable compress`."),
     ] = "balanced",
+    tension: Annotated[
+        float,
+        typer.Option(
+            help="Ring laws: droplets of this line tension [energy/length] that conserve their "
+            "area, in the place of particles that conserve their perimeter (kA = 1)."
+        ),
+    ] = 0.0,
     pressure: Annotated[
         float,
         typer.Option(help="Pressure at the onset, between this and twice this [natural units]."),
@@ -55,12 +71,12 @@ def jam_command(
 ) -> None:
     """Jam random bidisperse packings, and average over their onsets.
 
-    The natural unit of pressure is k for soft disks, and kA R0^2 with the mean radius R0 for the
-    other laws. Writes table.csv (onsets), scaling.csv (compressed packings), summary.json (means
-    and exponents with standard errors) and, if matplotlib is installed, onset.png and scaling.png.
-    Packings that are in the tables are not computed again: an interrupted command goes on when it
-    is repeated, and several laws can share a folder. Packings are shared by the cores of this
-    machine, or by the ranks of mpiexec.
+    The natural unit of pressure is k for soft disks, tension/R0 with the mean radius R0 for
+    droplets, and kA R0^2 for the other laws. Writes table.csv (onsets), scaling.csv (compressed
+    packings), summary.json (means and exponents with standard errors) and, if matplotlib is
+    installed, onset.png and scaling.png. Packings that are in the tables are not computed again:
+    an interrupted command goes on when it is repeated, and several laws can share a folder.
+    Packings are shared by the cores of this machine, or by the ranks of mpiexec.
     """
     began = time.perf_counter()
     values = [excess_phi / 2.0**n for n in reversed(range(_POINTS))] if excess_phi else []
@@ -68,6 +84,7 @@ def jam_command(
         if count < 1:
             raise ParameterError(f"{name} must be at least 1, not {count}")
     positive("pressure", pressure)
+    law = with_tension(law, tension)
     if workers is not None and workers < 1:
         raise ParameterError(f"workers must be at least 1, not {workers}")
     if values:
@@ -120,8 +137,9 @@ def _check_excess(law: str, pressure: float, excess_phi: Sequence[float]) -> Non
     first, last = excess_phi[0], excess_phi[-1]
     if not 0.0 < last < 0.1:
         raise ParameterError(f"excess-phi must lie between 0 and 0.1, not {last}")
-    # p = 0.4 x for disks and 5 x^3 for rings at x = phi - phi_J, in natural units
-    largest = (0.4 * first if law == "disk" else 5.0 * first**3) / _BELOW_FIRST
+    # p = 0.4 x for disks, more for droplets, 5 x^3 for rings at x = phi - phi_J, in natural units
+    linear = law == "disk" or is_of_droplets(law)
+    largest = (0.4 * first if linear else 5.0 * first**3) / _BELOW_FIRST
     if pressure > largest:
         raise ParameterError(
             f"a pressure of {pressure:g} at the onset is too near to the first phi - phi_J, "

@@ -34,6 +34,7 @@ class Settings:
     law: str
     kA: float
     kP: float
+    tension: float
     reach: float
 
     strain: float
@@ -60,7 +61,7 @@ class Settings:
         """The law of this name with these stiffnesses."""
         law = LAWS[self.law]
         if isinstance(law, Ring):
-            return replace(law, kA=self.kA, kP=self.kP, reach=self.reach)
+            return replace(law, kA=self.kA, kP=self.kP, tension=self.tension, reach=self.reach)
         return replace(law, kA=self.kA, kP=self.kP)
 
 
@@ -75,6 +76,8 @@ def check_together(settings: Settings, given: Mapping[str, Any]) -> None:
         raise ParameterError("give --polydispersity, or --radii and --fraction of two sizes")
     if settings.law == "sector" and "reach" in given:
         raise ParameterError("--reach is an option of ring laws: leave it out with --law sector")
+    if settings.law == "sector" and "tension" in given:
+        raise ParameterError("--tension is an option of ring laws: leave it out with --law sector")
 
 
 def check_same(folder: Path, given: Mapping[str, Any]) -> None:

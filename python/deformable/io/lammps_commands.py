@@ -81,10 +81,9 @@ def species_file(law: Law, radii: Sequence[float] | NDArray[np.float64]) -> str:
         "# UNITS: lj CONTRIBUTOR: written by lammps-deformable",
         "# name radius[length] kA[energy/length^4] kP[energy/length^2] skin[length]",
     ]
-    lines += [
-        " ".join([f"s{n}", *map(repr, values)])
-        for n, values in enumerate(columns.tolist(), start=1)
-    ]
+    for n, (*values, tension) in enumerate(columns.tolist(), start=1):
+        words = [f"s{n}", *map(repr, values)]
+        lines.append(" ".join(words + ["tension", repr(tension)] * (tension != 0.0)))
     return "\n".join(lines) + "\n"
 
 

@@ -28,11 +28,13 @@ class SpeciesParameters(NamedTuple):
         kA: area stiffness [energy/length^4].
         kP: perimeter stiffness [energy/length^2].
         skin: thickness of the rigid skin [length].
+        tension: line tension of the perimeter at rest [energy/length].
     """
 
     kA: NDArray[np.float64]
     kP: NDArray[np.float64]
     skin: NDArray[np.float64]
+    tension: NDArray[np.float64]
 
     def of(self, species: NDArray[np.int64]) -> SpeciesParameters:
         """The parameters of particles of these species, arrays of shape (N,)."""
@@ -43,10 +45,12 @@ class SpeciesParameters(NamedTuple):
 class Ring:
     """The ring laws: contacts slip, and each particle takes the shape of least energy.
 
-        U = kA/2 (A - A0)^2 + kP/2 (P - P0)^2
+        U = kA/2 (A - A0)^2 + kP/2 (P - P0)^2 + tension [(P - P0) - (A - A0)/R]
 
-    With kP = inf, the default, the perimeter is conserved; with kA = inf the area is. Stiffnesses
-    and skin are numbers, or sequences of one number for each species.
+    With kP = inf, the default, the perimeter is conserved; with kA = inf the area is. A droplet of
+    constant surface tension that conserves its area is Ring(kA=inf, kP=0, tension=1), a bubble of
+    gas has a finite kA. Stiffnesses, skin and tension are numbers, or sequences of one number for
+    each species.
 
     Args:
         kA: area stiffness [energy/length^4].
@@ -57,6 +61,10 @@ class Ring:
         kP: perimeter stiffness [energy/length^2].
         skin: thickness of a rigid skin around the ring [length]: contacts act at the radius R,
             while A0 and P0 are those of the radius R - skin.
+        tension: line tension of the perimeter at rest [energy/length]. Beside it kP is finite, and
+            may be 0. The last term of U is the pressure tension/R of a free particle, so that it
+            is at rest with the radius R. With kP the perimeter alone would shrink to
+            P0 - tension/kP.
         contact: place of the contact lines: `balanced`, where the forces of both sides are equal,
             `tilted`, where also their torques are, or `radical`, the radical axis of the
             undeformed circles. Compared with rings of beads, `balanced` is right to 1 % where
@@ -66,7 +74,7 @@ class Ring:
 
     Raises:
         ParameterError: a stiffness is not positive, both are infinite, the reach is not in
-            (0, 3], or a skin is negative.
+            (0, 3], a skin or a tension is negative, or there is a tension beside kP = inf.
 
     Source: docs/theory.md.
     """
@@ -76,6 +84,7 @@ class Ring:
     kP: float | Sequence[float] = math.inf
     skin: float | Sequence[float] = 0.0
     contact: str = "balanced"
+    tension: float | Sequence[float] = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "reach", positive("reach", self.reach))
@@ -88,21 +97,26 @@ class Ring:
             raise ParameterError(
                 f"contact must be balanced, tilted or radical, not {shown(self.contact)}"
             )
-        for name in ("kA", "kP", "skin"):
+        for name in SpeciesParameters._fields:
             object.__setattr__(self, name, one_or_each(name, getattr(self, name)))
-        kA, kP, skin = (np.atleast_1d(value) for value in (self.kA, self.kP, self.skin))
-        if len({values.size for values in (kA, kP, skin)} - {1}) > 1:
+        kA, kP, skin, tension = (np.atleast_1d(value) for value in self._parameters)
+        sizes = [values.size for values in (kA, kP, skin, tension)]
+        if len({*sizes} - {1}) > 1:
             raise ParameterError(
-                "kA, kP and skin must be numbers, or one number for each species, not "
-                f"{kA.size}, {kP.size} and {skin.size} numbers"
+                "kA, kP, skin and tension must be numbers, or one number for each species, not "
+                f"{sizes[0]}, {sizes[1]}, {sizes[2]} and {sizes[3]} numbers"
             )
-        for stiffnesses in np.broadcast(kA, kP):
+        for stiffnesses in np.broadcast(kA, kP, tension):
             _refuse(core.invalid_stiffness(*stiffnesses))
         for thickness in skin:
             _refuse(core.invalid_skin(thickness))
 
     def __repr__(self) -> str:
         return _call(self)
+
+    @property
+    def _parameters(self) -> list[float | Sequence[float]]:
+        return [getattr(self, name) for name in SpeciesParameters._fields]
 
     @property
     def name(self) -> str:
@@ -122,13 +136,14 @@ class Ring:
         """The parameters of species of these radii [length].
 
         Raises:
-            ParameterError: there is another number of species, or a skin is not thinner than the
-                radius.
+            ParameterError: there is another number of species, a skin is not thinner than the
+                radius, or a particle would collapse by its tension.
         """
-        kA, kP, skin = (per_species(values, len(radii)) for values in (self.kA, self.kP, self.skin))
-        for thickness, radius in zip(skin, radii, strict=True):
-            _refuse(core.invalid_skin(thickness, radius))
-        return SpeciesParameters(np.array(kA), np.array(kP), np.array(skin))
+        found = [per_species(values, len(radii)) for values in self._parameters]
+        for kA, kP, skin, tension, radius in zip(*found, radii, strict=True):
+            _refuse(core.invalid_skin(skin, radius))
+            _refuse(core.unstable_radius(radius - skin, kA, kP, tension))
+        return SpeciesParameters(*map(np.array, found))
 
     def outline(
         self,
@@ -150,10 +165,10 @@ class Ring:
             points: number of points on a whole turn.
         """
         a = np.asarray(indentation, dtype=np.float64)
-        kA, kP, skin = (_at(values, species) for values in (self.kA, self.kP, self.skin))
+        kA, kP, skin, tension = (_at(values, species) for values in self._parameters)
         expansion = 0.0
         if math.isfinite(kP):  # the radius changes, and with it all indentations
-            expansion = core.soft_ring(radius, angle, a, kA, kP, skin).delta
+            expansion = core.soft_ring(radius, angle, a, kA, kP, skin, tension).delta
         return core.outline("ring", radius - inset + expansion, angle, a + expansion, points)
 
 
@@ -216,9 +231,8 @@ class Sector:
         return min(self.kA, self.kP) / (2.0 * radius) ** 2
 
     def species_parameters(self, radii: Sequence[float] | NDArray[np.float64]) -> SpeciesParameters:
-        """As for `Ring`: the same for all species, without a skin."""
-        kA, kP, skin = np.tile([[self.kA], [self.kP], [0.0]], len(radii))
-        return SpeciesParameters(kA, kP, skin)
+        """As for `Ring`: the same for all species, without skin and tension."""
+        return SpeciesParameters(*np.tile([[self.kA], [self.kP], [0.0], [0.0]], len(radii)))
 
     def outline(
         self,

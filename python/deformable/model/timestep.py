@@ -39,7 +39,8 @@ def longest_step(packing: Packing, law: Law, pressure: float, temperature: float
 
     The stiffness of contacts is proportional to the pressure p of their particles. The largest p is
     the present one, or that of a particle with much thermal energy U: U >= p^2 / (2 kA) and
-    U >= (p R)^2 / (2 kP).
+    U >= (p R)^2 / (2 kP). With a tension p = tension/R + p', where U >= p'^2 R^3 / (4 tension) too:
+    six contacts have U = 34 tension a^2/R and p' = 11 tension a/R^2 at the indentation a.
 
     Args:
         packing: the particles.
@@ -47,8 +48,10 @@ def longest_step(packing: Packing, law: Law, pressure: float, temperature: float
         pressure: the largest pressure inside a particle [energy/length^2].
         temperature: of the motion [energy].
     """
-    kA, kP, skin = law.species_parameters(packing.radii).of(packing.species)
-    stiffness = float(np.minimum(kA, kP / (packing.radius - skin) ** 2).max())
-    hot = np.sqrt(2.0 * stiffness * _HOT * temperature)
-    at_rest = _AT_REST * stiffness * float(packing.radius.min()) ** 2
+    kA, kP, skin, tension = law.species_parameters(packing.radii).of(packing.species)
+    radius = packing.radius - skin
+    by_tension = 2.0 * tension / radius**3
+    stiffness = np.minimum(kA, kP / radius**2 + by_tension)
+    hot = float((tension / radius + np.sqrt(2.0 * stiffness * _HOT * temperature)).max())
+    at_rest = _AT_REST * float(stiffness.max()) * float(packing.radius.min()) ** 2
     return float(_STABLE / np.sqrt(max(pressure, hot, at_rest)))

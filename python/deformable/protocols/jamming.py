@@ -142,16 +142,18 @@ def push_off(packing: Packing) -> Packing:
 def natural_pressure(packing: Packing, law: Law | None) -> float:
     """The unit of pressure of a contact law [energy/length^2].
 
-        <kA R0^2 kP / (kA R0^2 + kP)>
+        <kA R0^2 kP / (kA R0^2 + kP) + tension/R0>
 
     is the mean over deformable particles, with their mean radius R0: kA R0^2 if the perimeter is
-    conserved, kP if the area is. For soft disks it is their stiffness, 1.
+    conserved, kP if the area is, tension/R0 of droplets. For soft disks it is their stiffness, 1.
     """
     if law is None:
         return 1.0
     r0 = float(packing.radius.mean())
-    kA, kP, _ = law.species_parameters(packing.radii).of(packing.species)
-    return float(np.mean(1.0 / (1.0 / (kA * r0**2) + 1.0 / kP)))
+    kA, kP, _, tension = law.species_parameters(packing.radii).of(packing.species)
+    compliance = 1.0 / (kA * r0**2) + 1.0 / np.where(kP > 0.0, kP, np.inf)
+    stiffness = np.where(kP > 0.0, 1.0 / np.where(compliance > 0.0, compliance, 1.0), 0.0)
+    return float(np.mean(stiffness + tension / r0))
 
 
 def simulate(packing: Packing, law: Law | None) -> Disks | Simulation:

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import math
 import time
 import warnings
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from itertools import pairwise, zip_longest
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import StalledWarning, UnjammedWarning
+from ..common.errors import ParameterError, StalledWarning, UnjammedWarning
+from ..common.validate import zero_or_more
 from ..engine.relaxation import TOLERANCE
 from ..model import laws
-from ..model.laws import Law
+from ..model.laws import Law, Ring
 from ..model.packing import bidisperse
 from ..protocols.jamming import jam, natural_pressure, simulate
 from ..protocols.moduli import bulk_modulus, shear_modulus
@@ -41,6 +44,35 @@ _FEWEST_PACKINGS, _STANDARD_ERRORS = 3, 2.0
 
 Row = dict[str, Any]
 
+_TENSION = ", tension "
+
+
+def with_tension(law: str, tension: float) -> str:
+    """The name of a law in tables: `balanced`, or `balanced, tension 1.0` of droplets.
+
+    Raises:
+        ParameterError: the tension is not 0 or positive, or the law has none.
+    """
+    if zero_or_more("tension", tension) == 0.0:
+        return law
+    if not isinstance(LAWS[law], Ring):
+        raise ParameterError(f"the law {law} has no tension: leave it out, or take a ring law")
+    return f"{law}{_TENSION}{float(tension)!r}"
+
+
+def is_of_droplets(law: str) -> bool:
+    """Whether a name of `with_tension` has one."""
+    return _TENSION in law
+
+
+def contact_law(law: str) -> Law | None:
+    """The law of a name of `with_tension`."""
+    name, _, tension = law.partition(_TENSION)
+    found = LAWS[name]
+    if tension and isinstance(found, Ring):
+        return replace(found, kA=math.inf, kP=0.0, tension=float(tension))
+    return found
+
 
 def measure(
     law: str, onset_pressure: float, number: int, seed: int, excess_phi: Sequence[float] = ()
@@ -48,7 +80,7 @@ def measure(
     """Jam one packing, and compress it from its onset.
 
     Args:
-        law: name in `LAWS`.
+        law: name in `LAWS`, or one of `with_tension`.
         onset_pressure: the pressure at the onset lies between this and twice this, in natural
             units, see `natural_pressure`.
         number: of particles, an equal mixture of sizes 1 : 1.4.
@@ -61,17 +93,17 @@ def measure(
         processor time.
     """
     began = time.process_time()
-    contact_law = LAWS[law]
+    settings = contact_law(law)
     with warnings.catch_warnings(record=True) as caught:
         # rows have a column for what stalled; packings may rearrange while they are compressed
         warnings.simplefilter("ignore", UnjammedWarning)
         warnings.simplefilter("always", StalledWarning)
         start = bidisperse(number, seed=seed)
-        packing = jam(start, contact_law, onset_pressure, tolerance=TOLERANCE)  # counts contacts
+        packing = jam(start, settings, onset_pressure, tolerance=TOLERANCE)  # counts contacts
         stalled = any(issubclass(warning.category, StalledWarning) for warning in caught)
-        with simulate(packing, contact_law) as sim:
+        with simulate(packing, settings) as sim:
             onset = sim.relax()
-            unit = natural_pressure(onset.packing, contact_law)
+            unit = natural_pressure(onset.packing, settings)
             key = {"law": law, "onset_pressure": onset_pressure, "number": number, "seed": seed}
             compressed = []
             for excess in excess_phi:

@@ -22,6 +22,12 @@ def test_species_have_stiffnesses_of_their_own() -> None:
     assert sector.endswith("s1 1.0 inf 3.0 0.0\n")
 
 
+def test_tension_is_a_keyword() -> None:
+    ring = deformable.Ring(kA=[math.inf, 1.0], kP=[0.0, 2.0], tension=[1.5, 0.0])
+    text = species_file(ring, [0.5, 0.7])
+    assert text.endswith("s1 0.5 inf 0.0 0.0 tension 1.5\ns2 0.7 1.0 2.0 0.0\n")
+
+
 def test_pair_style_has_contact_and_reach() -> None:
     ring = deformable.Ring(reach=np.float64(0.4))
     assert pair_style(ring) == "deformable/ring"

@@ -99,6 +99,9 @@ def test_natural_pressure() -> None:
         (deformable.Ring(kA=3.0, kP=6.0), 2.0),
         (deformable.Ring(kA=[3.0, 1.0]), 2.0),
         (deformable.Sector(kA=3.0), 3.0),
+        (deformable.Ring(kA=np.inf, kP=0.0, tension=2.0), 2.0),
+        (deformable.Ring(kA=3.0, kP=0.0, tension=2.0), 2.0),
+        (deformable.Ring(kA=3.0, kP=6.0, tension=2.0), 4.0),
     ):
         assert natural_pressure(packing, law) == pytest.approx(unit)
     small = deformable.bidisperse(4, radii=(0.25, 0.75))

@@ -1,0 +1,47 @@
+#include "species_ramps.h"
+
+#include <cstring>
+
+using namespace LAMMPS_NS;
+using deformable::Stiffness;
+
+static constexpr const char *NAMES[] = {"kA", "kP", "tension"};
+static constexpr double Stiffness::*MEMBERS[] = {&Stiffness::kA, &Stiffness::kP,
+                                                 &Stiffness::tension};
+
+double **SpeciesRamps::array_of(const char *name, const std::vector<Species> &species)
+{
+  for (std::size_t k = 0; k < arrays.size(); ++k) {
+    if (std::strcmp(name, NAMES[k]) != 0) continue;
+    Array &a = arrays[k];
+    const std::size_t types = species.size();
+    a.values.resize(types * types);
+    a.rows.resize(types);
+    for (std::size_t i = 0; i < types; ++i) a.rows[i] = a.values.data() + i * types;
+    fill(species);
+    return a.rows.data();
+  }
+  return nullptr;
+}
+
+void SpeciesRamps::fill(const std::vector<Species> &species)
+{
+  for (std::size_t k = 0; k < arrays.size(); ++k)
+    for (std::size_t i = 0; i < arrays[k].rows.size(); ++i)
+      for (std::size_t j = 0; j < arrays[k].rows.size(); ++j)
+        arrays[k].rows[i][j] = species[i].stiffness.*MEMBERS[k];
+}
+
+int SpeciesRamps::take(std::vector<Species> &species) const
+{
+  int first = 0;
+  for (std::size_t k = 0; k < arrays.size(); ++k)
+    for (std::size_t i = arrays[k].rows.size(); i-- > 1;) {
+      if (species[i].name.empty()) continue;
+      double &value = species[i].stiffness.*MEMBERS[k];
+      if (value == arrays[k].rows[i][i]) continue;
+      value = arrays[k].rows[i][i];
+      if (first == 0) first = static_cast<int>(i);
+    }
+  return first;
+}

@@ -1,0 +1,268 @@
+"""Rings with a line tension: closed forms of droplets, limits, equilibrium between any contacts."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from contacts import contacts, regular_polygon
+from deformable import core
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+INF = np.inf
+
+# kA, kP and tension of a particle of radius 1
+TENSE = {
+    "droplet": (INF, 0.0, 1.0),
+    "stiff droplet": (INF, 2.0, 0.3),
+    "bubble": (1.0, 0.0, 3.0),
+    "stiff bubble": (20.0, 0.0, 0.1),
+    "all": (1.0, 0.5, 0.7),
+    "nearly none": (1.0, 0.5, 1e-9),
+}
+tense = pytest.mark.parametrize("stiffness", TENSE.values(), ids=TENSE)
+
+# n walls at the distance 1 - a: U, p, force of a wall, for R = tension = 1 and a conserved area
+POLYGONS = [
+    (3, 0.01, 8.15233701254e-4, 1.02615592159, 5.50596863759e-2),
+    (4, 0.03, 1.53966476607e-2, 1.17475947318, 0.27903337796),
+    (6, 0.001, 3.41114634654e-5, 1.01091176788, 1.14325238837e-2),
+    (6, 0.03, 4.73755469022e-2, 1.65475649044, 0.698725225703),
+]
+
+
+def sized(stiffness, radius):
+    """The same in units of another radius: kA R^4, kP R^2 and tension R over the first of them."""
+    kA, kP, tension = stiffness
+    return kA, kP * radius**2, tension * radius**3
+
+
+def soft(particle, stiffness, skin=0.0):
+    kA, kP, tension = stiffness
+    args = particle.radius, particle.angle, particle.indentation, kA, kP, skin, tension
+    return core.soft_ring(*args)
+
+
+def forced(particle, force, stiffness, skin=0.0):
+    kA, kP, tension = stiffness
+    return core.forced_ring(particle.radius, particle.angle, force, kA, kP, skin, tension)
+
+
+@pytest.mark.parametrize(("n", "a", "energy", "pressure", "force"), POLYGONS)
+def test_droplet_in_polygon(n, a, energy, pressure, force):
+    polygon = regular_polygon(n, a)
+    droplet = soft(polygon, (INF, 0.0, 1.0))
+    assert droplet.energy == pytest.approx(energy, rel=1e-9)
+    assert droplet.pressure == pytest.approx(pressure, rel=1e-9)
+    np.testing.assert_allclose(droplet.d_indentation, force, rtol=1e-9)
+    assert droplet.area == pytest.approx(np.pi, rel=1e-14)
+    loaded = forced(polygon, np.full(n, force), (INF, 0.0, 1.0))
+    assert loaded.energy == pytest.approx(energy, rel=1e-9)
+    assert loaded.pressure == pytest.approx(pressure, rel=1e-9)
+    np.testing.assert_allclose(loaded.indentation, a, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("n", "expected"), [(2, 3.1416), (3, 5.2969), (4, 7.3196), (5, 9.2951), (6, 11.2481)]
+)
+def test_stiffness_of_a_droplet(n, expected):
+    """F/(gamma a/R) at a = 0: 2 K/n with K = pi A/(A - pi), A = n tan(pi/n), pi for n = 2.
+
+    The force is analytic in a: Richardson's extrapolation from a = 1e-4 leaves terms of a^4.
+    """
+    area = n * np.tan(np.pi / n) if n > 2 else np.inf
+    exact = 2 / n * (np.pi if n == 2 else np.pi * area / (area - np.pi))
+    assert exact == pytest.approx(expected, abs=5e-5)
+    table = [
+        soft(regular_polygon(n, a), (INF, 0.0, 1.0)).d_indentation[0] / a
+        for a in 1e-4 / 2.0 ** np.arange(4)
+    ]
+    for order in range(1, 4):
+        table = [(2**order * b - a) / (2**order - 1) for a, b in pairwise(table)]
+    assert table[0] == pytest.approx(exact, rel=1e-9)
+
+
+@pytest.mark.parametrize("a", [1e-8, 1e-3, 0.1, 0.4])
+def test_droplet_between_two_plates(a):
+    """F = 2 pi gamma [(R/2h)^2 - 1/4] at the distance 2h of the plates."""
+    droplet = soft(regular_polygon(2, a, radius=1.5), (INF, 0.0, 0.7))
+    h = 1.5 - a
+    force = 0.5 * np.pi * 0.7 * a * (1.5 + h) / h**2
+    np.testing.assert_allclose(droplet.d_indentation, force, rtol=1e-9)
+
+
+def test_small_forces_are_those_of_morse_and_witten():
+    """The outline of a droplet under one small force; deviations are of its second order."""
+    radius, tension, force = 1.3, 0.4, 1e-6
+    ring = core.forced_ring(radius, [0.0], [force], INF, 0.0, 0.0, tension)
+    support = radius + ring.delta
+    points = core.outline("ring", support, [0.0], ring.indentation + ring.delta, 400)
+    theta = np.arctan2(points[:, 1], points[:, 0]) % (2 * np.pi)
+    far = np.abs(np.hypot(*points.T) - radius) < 0.2  # all of them
+    t = theta[far]
+    shift = (np.pi - t) * np.sin(t) - 0.5 * np.cos(t) - 1
+    expected = force * radius / tension * shift / (2 * np.pi)
+    found = np.hypot(*points[far].T) - radius
+    np.testing.assert_allclose(found, expected, rtol=0, atol=10 * (force / tension) ** 2)
+
+
+@tense
+@given(particle=contacts(size=(0, 9), gap=0.3, indentation=(-5e-3, 0.02)), skin=st.floats(0, 0.3))
+@settings(max_examples=60)
+def test_equilibrium(stiffness, particle, skin):
+    """Laplace's law with the lengths of a ring of this size, and the smallest energy."""
+    skin *= particle.radius
+    r = particle.radius - skin
+    kA, kP, tension = sized(stiffness, r)
+    ring = soft(particle, (kA, kP, tension), skin)
+
+    def shape_at(delta):
+        return core.ring(particle.radius + delta, particle.angle, particle.indentation + delta)
+
+    def energy_at(delta):
+        change = np.pi * delta * (2 * r + delta) - shape_at(delta).area_deficit
+        area = 0.5 * kA * change**2 if np.isfinite(kA) else 0.0
+        free = tension * 2 * np.pi * delta - tension / r * change
+        return area + free + 0.5 * kP * (2 * np.pi * delta) ** 2
+
+    lengths = shape_at(ring.delta).contact_length
+    scale = max(lengths.max(initial=0), 1e-300)
+    np.testing.assert_allclose(ring.contact_length, lengths, rtol=0, atol=1e-8 * scale)
+    q = r + ring.delta - ring.contact_length.sum() / (2 * np.pi)
+    pull = tension + kP * 2 * np.pi * ring.delta
+    assert ring.pressure * q == pytest.approx(pull, rel=1e-11)
+    if np.isfinite(kA):
+        assert ring.pressure == pytest.approx(tension / r + kA * ring.area_deficit, rel=1e-10)
+    largest = tension * r * max(np.abs(particle.indentation).max(initial=0) / r, 1e-3)
+    assert ring.energy == pytest.approx(energy_at(ring.delta), rel=1e-9, abs=1e-12 * largest)
+    if np.isfinite(kA) and ring.energy > 0:
+        for step in (-1e-3, 1e-3):
+            assert energy_at(ring.delta + step * r) > ring.energy
+
+
+@tense
+@given(particle=contacts(size=(1, 7), gap=0.4))
+@settings(max_examples=40)
+def test_derivatives(stiffness, particle):
+    """Central differences of the relative step 1e-4: errors of 1e-8 and of rounding."""
+    stiffness = sized(stiffness, particle.radius)
+    ring = soft(particle, stiffness)
+    active = ring.contact_length > 1e-3 * ring.contact_length.max(initial=0)
+    assume(active.all())
+    step = 1e-4 * particle.indentation.min()
+    scale = ring.d_indentation.max()
+    for c in range(len(active)):
+        for name, of in (("indentation", "d_indentation"), ("angle", "d_angle")):
+            above, below = (soft(particle.moved(name, c, s), stiffness) for s in (step, -step))
+            slope = (above.energy - below.energy) / (2 * step)
+            size = scale if name == "indentation" else scale * particle.indentation.max()
+            noise = 1e-14 * ring.energy / step
+            assert slope == pytest.approx(getattr(ring, of)[c], abs=2e-6 * size + noise)
+
+
+@tense
+@pytest.mark.parametrize("skin", [0.0, 0.1])
+@given(particle=contacts(size=(1, 9), gap=0.4, indentation=(-5e-3, 0.02)))
+@settings(max_examples=60)
+def test_forces_give_the_same_ring(stiffness, skin, particle):
+    skin *= particle.radius
+    stiffness = sized(stiffness, particle.radius - skin)
+    ring = soft(particle, stiffness, skin)
+    force = ring.d_indentation
+    assume(force.max() > 0)
+    loaded = forced(particle, force, stiffness, skin)
+    size = particle.indentation.max()
+    active = force > 0
+    np.testing.assert_allclose(
+        loaded.indentation[active], particle.indentation[active], rtol=0, atol=1e-9 * size
+    )
+    assert (loaded.indentation >= particle.indentation - 1e-9 * size).all()
+    assert loaded.pressure == pytest.approx(ring.pressure, rel=1e-9)
+    assert loaded.energy == pytest.approx(ring.energy, rel=1e-8)
+    bound = force @ particle.indentation
+    assert loaded.conjugate == pytest.approx(bound - ring.energy, rel=1e-8)
+    np.testing.assert_allclose(loaded.contact_length, ring.contact_length, rtol=1e-8)
+
+
+@tense
+@given(particle=contacts(size=(1, 6), gap=0.6))
+@settings(max_examples=40)
+def test_compliance(stiffness, particle):
+    """The derivative of indentations in forces, and the inverse of the contacts' stiffness."""
+    kA, kP, tension = stiffness = sized(stiffness, particle.radius)
+    force = soft(particle, stiffness).d_indentation
+    assume((force > 1e-3 * force.max()).all())
+    C = forced(particle, force, stiffness).compliance
+    step = 1e-5 * force.max()
+    for c in range(len(force)):
+        change = step * (np.arange(len(force)) == c)
+        above, below = (forced(particle, force + s * change, stiffness) for s in (1, -1))
+        numerical = (above.indentation - below.indentation) / (2 * step)
+        np.testing.assert_allclose(C[c], numerical, rtol=0, atol=1e-6 * np.abs(C).max())
+    args = particle.radius, particle.angle, particle.indentation, kA, kP, 0.0, tension
+    K = core.contact_stiffness(*args)
+    unit = np.eye(len(force))
+    np.testing.assert_allclose(C @ K, unit, rtol=0, atol=1e-10 * np.linalg.cond(K))
+
+
+@tense
+def test_at_rest(stiffness):
+    """Without forces the pressure is tension/R, and the compliance is finite."""
+    kA, kP, tension = stiffness
+    ring = core.soft_ring(1.0, [0.0, 2.0], [-0.1, -0.2], kA, kP, 0.0, tension)
+    loaded = core.forced_ring(1.0, [0.0, 2.0], [0.0, 0.0], kA, kP, 0.0, tension)
+    for at in (ring, loaded):
+        assert (at.energy, at.delta) == (0.0, 0.0)
+    assert loaded.pressure == pytest.approx(tension, rel=1e-15)
+    assert np.linalg.eigvalsh(loaded.compliance).min() > 0
+    assert loaded.indentation == pytest.approx([0, 0])
+
+
+@pytest.mark.parametrize("n", [1, 2, 4, 6])
+def test_no_tension_is_the_limit(n):
+    polygon = regular_polygon(n, 0.02)
+    ring, limit = soft(polygon, (1.0, 0.3, 1e-11)), soft(polygon, (1.0, 0.3, 0.0))
+    assert ring.energy == pytest.approx(limit.energy, rel=1e-6)
+    np.testing.assert_allclose(ring.d_indentation, limit.d_indentation, rtol=1e-6)
+
+
+def test_bubbles_collapse_at_the_bound():
+    """2 pi R (kP + kA R^2) bounds the tension; just below, a ring at rest yields without bound."""
+    assert core.unstable_radius(2.0, 0.25, 0.5, 2 * np.pi * 2.0 * 1.5 * 0.999) is None
+    assert "collapse" in core.unstable_radius(2.0, 0.25, 0.5, 2 * np.pi * 2.0 * 1.5 * 1.001)
+    force = [1e-9]
+    soft_, softer = (
+        core.forced_ring(1.0, [0.0], force, 1.0, 0.0, 0.0, 2 * np.pi * (1 - margin))
+        for margin in (0.01, 0.001)
+    )
+    assert softer.delta / soft_.delta == pytest.approx(10, rel=0.02)
+    with pytest.raises(ValueError, match="collapse"):
+        core.soft_ring(1.0, [0.0], [0.01], 1.0, 0.0, 0.0, 6.3)
+    for angle in ([0.0], [0.0, 1.5]):
+        for squeezed in (0.02, 0.4):
+            with pytest.raises(ValueError, match="no room"):
+                core.soft_ring(1.0, angle, [squeezed] * len(angle), 1.0, 0.0, 0.0, 6.27)
+    with pytest.raises(ValueError, match="no ring"):
+        core.forced_ring(1.0, [0.0], [1.0], 1.0, 0.0, 0.0, 6.2)
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "message"),
+    [
+        ((INF, 0.0, -1.0), "tension.*not -1.*floppy"),
+        ((INF, 1.0, -1.0), "tension.*not -1.*floppy"),
+        ((INF, 0.0, INF), "tension.*not inf"),
+        ((INF, 0.0, np.nan), "tension.*not nan"),
+        ((INF, 0.0, 0.0), "kP.*tension.*not 0"),
+        ((INF, -1.0, 1.0), "kP.*not -1"),
+        ((1.0, INF, 1.0), "kP must be finite.*not inf"),
+        ((INF, INF, 1.0), "kA and kP"),
+        ((0.0, 0.0, 1.0), "kA.*not 0"),
+    ],
+)
+def test_refusals(stiffness, message):
+    with pytest.raises(ValueError, match=message):
+        core.soft_ring(1.0, [0.0], [0.01], *stiffness[:2], 0.0, stiffness[2])
+    problem = core.invalid_stiffness(*stiffness)
+    with pytest.raises(ValueError, match=message):
+        raise ValueError(problem)

@@ -1,0 +1,199 @@
+"""Droplets, bubbles and rings with a tension in packings."""
+
+import numpy as np
+import pytest
+from deformable import core
+from scene import PACKINGS, Scene, box_walls
+from tense import BALANCED, OF_RADIUS, RADICAL, STIFFNESS, TILTED, droplets, tense_mixture
+from test_forces import assert_forces
+from test_soft_rings import pushed
+
+EXACT, EXACT_TILTED = (f"{style} balance 1e-12 100" for style in (BALANCED, TILTED))
+LAWS = {"radical": RADICAL, "balanced": EXACT, "tilted": EXACT_TILTED}
+laws = pytest.mark.parametrize("style", LAWS.values(), ids=LAWS)
+
+DENSE = np.pi / np.sqrt(12)  # phi of touching circles
+
+# phi, osmotic pressure and perimeter of the hexagonal array of droplets, R = tension = 1
+ARRAY = [
+    (0.92, 0.07934, 1.00030),
+    (0.95, 0.37312, 1.00385),
+    (0.98, 1.20330, 1.01496),
+    (0.99, 2.14315, 1.02316),
+]
+
+
+@laws
+@pytest.mark.parametrize("kind", [droplets, lambda *args: tense_mixture(*args)[0]])
+def test_forces(kind, style):
+    """By differences of the energy; the packings also have rattlers."""
+    scene = kind(PACKINGS[1], style)
+    assert_forces(scene, pushed(PACKINGS[1]))
+
+
+def test_all_species_take_part():
+    species = tense_mixture(PACKINGS[1], RADICAL)[1]
+    assert set(species) == {name for names in OF_RADIUS.values() for name in names}
+
+
+@laws
+def test_sums_and_virial(style):
+    case = PACKINGS[0]
+    state = tense_mixture(case, style)[0].evaluate(pushed(case))
+    by_pairs = tense_mixture(case, style, commands="pair_modify nofdotr")[0].evaluate(pushed(case))
+    assert state.atom_energy.sum() == pytest.approx(state.energy, rel=1e-12)
+    atol = 1e-12 * np.abs(state.atom_virial).max()
+    np.testing.assert_allclose(state.atom_virial.sum(0), state.virial, rtol=0, atol=atol)
+    np.testing.assert_allclose(by_pairs.virial, state.virial, rtol=0, atol=atol)
+    assert np.abs(state.force.sum(0)).max() <= 1e-13 * np.abs(state.force).sum()
+
+
+def test_virial_is_the_derivative_of_the_energy():
+    """In the length and height of the box, and in a simple shear, of balanced droplets."""
+    case, step = PACKINGS[0], 1e-6
+    x, names = pushed(case), ["small" if t == 1 else "large" for t in case["type"]]
+    names = [{"small": "drop", "large": "droplarge"}[name] for name in names]
+    length = case["L"]
+
+    def energy(xx, yy, xy):
+        stretched = x @ np.array([[1 + xx, 0], [xy, 1 + yy]])
+        box = (0, length * (1 + xx), 0, length * (1 + yy))
+        return Scene(stretched, names, box, EXACT, tilt=xy * length).energy()
+
+    virial = Scene(x, names, (0, length, 0, length), EXACT).evaluate().virial
+    for k, strain in enumerate(step * np.eye(3)):
+        slope = (energy(*-strain) - energy(*strain)) / (2 * step)
+        assert slope == pytest.approx(virial[k], abs=1e-7 * np.abs(virial).max())
+
+
+def test_results_are_those_of_the_kernel():
+    """Of single rings with the pressures at rest of droplets that nothing touches."""
+    case = PACKINGS[1]
+    scene, species, radius = tense_mixture(case, RADICAL)
+    state, x, length = scene.evaluate(), np.array(case["x"]), case["L"]
+    for i, name in enumerate(species):
+        d = x - x[i]
+        d -= length * np.round(d / length)
+        distance = np.hypot(*d.T)
+        near = (distance < 1.3 * (radius + radius[i])) & (distance > 0)
+        a = core.contact_line(distance[near], np.full(near.sum(), radius[i]), radius[near])
+        shape = core.soft_ring(radius[i], np.arctan2(d[near, 1], d[near, 0]), a, *STIFFNESS[name])
+        assert state.atom_energy[i] == pytest.approx(shape.energy, rel=1e-11, abs=1e-18)
+        for result in ("area", "perimeter", "pressure", "arc_radius"):
+            value = getattr(shape, result)
+            assert state.shape[result][i] == pytest.approx(value, rel=1e-11, abs=1e-13), result
+
+
+@laws
+def test_alone(style):
+    """A droplet that touches nothing has the pressure tension/R, and no energy."""
+    scene = Scene([[0, 0], [3, 0]], ["drop", "full"], (-5, 5, -5, 5), style)
+    state = scene.evaluate()
+    assert state.energy == 0.0
+    np.testing.assert_allclose(state.shape["pressure"], [0.04, 0.02 / 0.65], rtol=1e-14)
+    np.testing.assert_allclose(state.shape["area"], np.pi * np.array([0.5, 0.65]) ** 2)
+
+
+@pytest.mark.parametrize("partner", ["small", "both", "drop"])
+@pytest.mark.parametrize("overlap", [1e-9, 1e-4, 0.05])
+def test_pair(partner, overlap):
+    """A droplet beside another particle: one force, which takes both indentations together."""
+    scene = Scene([[0, 0], [1 - overlap, 0]], ["drop", partner], (-5, 5, -5, 5), EXACT)
+    state = scene.evaluate()
+    force = state.force[1, 0]
+    assert force > 0
+    kA, kP, skin, tension = STIFFNESS[partner]
+    drop = core.forced_ring(0.5, [0.0], [force], np.inf, 0.0, 0.0, 0.02)
+    other = core.forced_ring(0.5, [0.0], [force], kA, kP, skin, tension)
+    # an overlap of 1e-9 is known to 1e-16/1e-9
+    assert drop.indentation[0] + other.indentation[0] == pytest.approx(overlap, rel=1e-6)
+    assert drop.energy + other.energy == pytest.approx(state.energy, rel=1e-6)
+
+
+def test_walls():
+    x = np.array([[-0.481, -0.477], [0.483, -0.479], [0.478, 0.482], [-0.479, 0.479]])
+    options = {"boundary": "f f p", "commands": box_walls(-0.965, 0.97, -0.96, 0.967)}
+    for style in LAWS.values():
+        scene = Scene(x, ["drop", "small", "firm", "strong"], (-5, 5, -5, 5), style, **options)
+        state = scene.evaluate()
+        np.testing.assert_allclose(scene.force_on_wall("walls"), -state.force.sum(0), rtol=1e-9)
+        assert_forces(scene, x)
+
+
+def test_droplet_between_walls():
+    """F = 2 pi gamma [(R/2h)^2 - 1/4] at the distance 2h = 0.9, R = 0.5."""
+    for style in LAWS.values():
+        options = {"boundary": "f f p", "commands": box_walls(-0.45, 0.45, -5, 5)}
+        state = Scene([[0, 0]], ["drop"], (-1, 1, -6, 6), style, **options).evaluate()
+        force = 2 * np.pi * 0.02 * (0.25 / 0.81 - 0.25)
+        assert state.shape["pressure"] * state.shape["contact_length"] == pytest.approx(2 * force)
+
+
+def hexagonal_array(phi, style, shear=0.0):
+    """16 droplets of R = 0.5 and tension 0.02; the state and the area of the box."""
+    spacing = 0.5 * np.sqrt(4 * DENSE / phi)
+    height = spacing * np.sqrt(0.75)
+    k, m = (index.ravel() for index in np.meshgrid(np.arange(4), np.arange(4)))
+    x = np.column_stack([(k + 0.5 * (m % 2) + shear * np.sqrt(0.75) * m) * spacing, m * height])
+    box = (0, 4 * spacing, 0, 4 * height)
+    state = Scene(x, ["drop"] * 16, box, style, tilt=shear * 4 * height).evaluate()
+    return state, 16 * spacing * height
+
+
+@laws
+@pytest.mark.parametrize(("phi", "osmotic", "perimeter"), ARRAY)
+def test_osmotic_pressure(style, phi, osmotic, perimeter):
+    """Princen's, of a hexagonal array."""
+    state, area = hexagonal_array(phi, style)
+    exact = np.sqrt(phi / DENSE) * (np.sqrt((1 - DENSE) / (1 - phi)) - 1)
+    assert exact == pytest.approx(osmotic, abs=5.1e-6)
+    found = state.virial * 0.5 / 0.02 / area
+    np.testing.assert_allclose(found, [exact, exact, 0], rtol=0, atol=1e-6 * exact)
+    np.testing.assert_allclose(state.shape["perimeter"] / np.pi, perimeter, atol=5e-6)
+    np.testing.assert_allclose(state.shape["area"], np.pi * 0.25, rtol=1e-14)
+
+
+@pytest.mark.parametrize("phi", [row[0] for row in ARRAY])
+def test_shear_modulus(phi):
+    """Princen's with contact lines that tilt; perpendicular ones make the array stiffer.
+
+    Differences of the shear stress at +-strain, extrapolated from two strains: errors of strain^4.
+    """
+    exact = np.sqrt(np.sqrt(3) / (2 * np.pi) * phi)
+    assert exact == pytest.approx(0.52504 * np.sqrt(phi), abs=5e-6)
+
+    def modulus(style):
+        found = []
+        for strain in (2e-3, 1e-3):
+            (up, area), (down, _) = (hexagonal_array(phi, style, s) for s in (strain, -strain))
+            found.append((down.virial[2] - up.virial[2]) / (2 * strain) / area * 0.5 / 0.02)
+        return (4 * found[1] - found[0]) / 3
+
+    assert modulus(EXACT_TILTED) == pytest.approx(exact, rel=1e-6)
+    upright = modulus(EXACT)
+    assert upright == pytest.approx(modulus(RADICAL), rel=1e-6)  # equal particles
+    larger = {0.92: 1.0365, 0.95: 1.1336, 0.98: 1.2683, 0.99: 1.3361}
+    assert upright / exact == pytest.approx(larger[phi], abs=1e-4)
+
+
+@laws
+@pytest.mark.parametrize("distance", [0.6, 0.95])
+def test_bubbles_collapse(style, distance, tmp_path):
+    """Bubbles near the bound of stability collapse at a small force, and an error says so."""
+    file = tmp_path / "gas.txt"
+    file.write_text("gas 0.5 1.0 0 tension 0.78\n")
+    coeff = f"pair_coeff * * {file} gas"
+    scene = Scene([[0, 0], [distance, 0]], ["drop"] * 2, (-3, 3, -3, 3), style, coeff=coeff)
+    with pytest.raises(Exception, match=r"no stable shape.*species gas a larger kA"):
+        scene.evaluate()
+
+
+def test_smallest_bubble(tmp_path):
+    """With *radius atom* each radius must be stable."""
+    file = tmp_path / "gas.txt"
+    file.write_text("gas 0.5 1.0 0 tension 0.2\n")
+    coeff, style = f"pair_coeff * * {file} gas", f"{RADICAL} radius atom"
+    options = {"coeff": coeff, "radii": [0.5, 0.3]}
+    scene = Scene([[0, 0], [1, 0]], ["drop"] * 2, (-3, 3, -3, 3), style, **options)
+    with pytest.raises(Exception, match=r"Atom 2 of species gas.*radius 0.3 collapse"):
+        scene.evaluate()

@@ -1,0 +1,58 @@
+"""Droplets in packings: relaxation, motion, jamming."""
+
+import math
+
+import deformable
+import numpy as np
+import pytest
+
+DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
+
+
+@pytest.fixture(scope="module")
+def squeezed() -> deformable.Packing:
+    """24 particles 3 % beyond the onset of jamming."""
+    jammed = deformable.jam(deformable.bidisperse(24, seed=3))
+    return jammed.at(jammed.phi + 0.03)
+
+
+@pytest.mark.parametrize("contact", ["balanced", "tilted", "radical"])
+def test_relaxation(squeezed: deformable.Packing, contact: str) -> None:
+    law = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, contact=contact)
+    with deformable.Simulation(squeezed, law) as sim:
+        state = sim.relax(1e-6)
+    assert not state.stalled
+    assert state.residual <= 1e-6
+    radius = squeezed.radius
+    np.testing.assert_allclose(state.area, np.pi * radius**2, rtol=1e-12)
+    assert state.energy == pytest.approx(np.sum(state.perimeter - 2 * np.pi * radius), rel=1e-8)
+    assert (state.particle_pressure >= 1.0 / radius * (1 - 1e-12)).all()
+
+
+def test_no_tension_of_its_own_beside_rings(squeezed: deformable.Packing) -> None:
+    """Small particles are droplets, large ones conserve their perimeter."""
+    law = deformable.Ring(kA=[math.inf, 10.0], kP=[0.0, math.inf], tension=[1.0, 0.0])
+    with deformable.Simulation(squeezed, law) as sim:
+        state = sim.relax(1e-6)
+    small = squeezed.species == 0
+    assert not state.stalled
+    np.testing.assert_allclose(state.area[small], np.pi * 0.25, rtol=1e-12)
+    np.testing.assert_allclose(state.perimeter[~small], 2 * np.pi * 0.7, rtol=1e-12)
+
+
+def test_motion(squeezed: deformable.Packing) -> None:
+    """The default step keeps the energy, and a hot start too."""
+    with deformable.Simulation(squeezed, DROPLETS) as sim:
+        sim.relax(1e-4)
+        for temperature in (1e-8, 1e-3):
+            states = list(deformable.move(sim, 400, temperature=temperature, every=40))
+            total = [state.energy + state.kinetic_energy for state in states[1:]]
+            kinetic = np.mean([state.kinetic_energy for state in states[1:]])
+            assert np.ptp(total) < 0.05 * kinetic
+
+
+def test_droplets_jam_where_disks_do() -> None:
+    packing = deformable.bidisperse(16, seed=1)
+    disks = deformable.jam(packing, pressure=1e-5)
+    droplets = deformable.jam(disks.at(disks.phi - 1e-3), DROPLETS, pressure=1e-5, step=1e-3)
+    assert droplets.phi == pytest.approx(disks.phi, abs=1e-4)
