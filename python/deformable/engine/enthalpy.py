@@ -21,9 +21,10 @@ _SKIN = 0.3
 # particle times the pressure: overlaps are about as large.
 _SMOOTHING = 1.0
 
-# A stiffness times the pressure that is added to all particles. That of the soft modes of a packing
-# is proportional to the pressure (Wyart, Ann. Phys. Fr. 30, 1 (2005)), that of rattlers is zero.
-_SHIFT = 3.0
+# Stiffness that is added to all particles: these times the pressure and over N^2. The stiffness of
+# the softest modes of a packing falls in proportion to the pressure down to about that of the
+# longest chain of isostatic contacts (Wyart, Ann. Phys. Fr. 30, 1 (2005)); of rattlers it is zero.
+_SHIFT, _SHIFT_OF_SIZE = 5.0, 10.0
 
 # Contacts with a smaller share do not count for the stiffness.
 _SMALLEST_SHARE = 1e-3
@@ -53,7 +54,7 @@ class Enthalpy:
         self._start, self._applied = packing, pressure
         self._radius, self._smallest = packing.radius, float(packing.radius.min())
         self._distances = Distances(packing.walls, packing.box) if packing.walls else None
-        self._length = float(np.sqrt(2.0 * packing.area))
+        self._length, self._phi = float(np.sqrt(2.0 * packing.area)), packing.phi
         self._listed: tuple[Floats, float] | None = None
 
     @property
@@ -84,7 +85,7 @@ class Enthalpy:
             energy += 0.5 * float(np.sum(overlap**2))
             virial += scale * float(np.sum(overlap * height))
         area = self._start.area * scale**2
-        self.pressure, self.phi = virial / (2.0 * area), self._start.phi / scale**2
+        self.pressure, self.phi = virial / (2.0 * area), self._phi / scale**2
         if self._applied is None:
             return energy, np.append(gradient, 0.0)
         growth = 2.0 * area * (self._applied - self.pressure) / self._length
@@ -132,7 +133,7 @@ class Enthalpy:
         values, row, column = map(np.concatenate, zip(*entries, strict=True))
         rigidity = coo_matrix((values, (row, column)), shape=(len(share), count)).tocsr()
         weighted = rigidity.T.multiply(share).tocsr()
-        shift = max(_SHIFT * pressure, np.finfo(float).tiny)
+        shift = _SHIFT * pressure + _SHIFT_OF_SIZE / len(x) ** 2
         factors = splu(
             csc_matrix(weighted @ rigidity + shift * identity(count)),
             permc_spec="MMD_AT_PLUS_A",
@@ -165,7 +166,9 @@ class Enthalpy:
         skin = _SKIN * self._smallest
         if self._listed:
             before, size = self._listed
-            ratio, moved = scale / size, scale * float(np.hypot(*(x - before).T).max())
+            step = x - before
+            moved = scale * float(np.sqrt(np.einsum("ij,ij->i", step, step).max()))
+            ratio = scale / size
             widest = 2.0 * float(self._radius.max() if ratio < 1.0 else self._smallest)
             if ratio * (widest + skin) - 2.0 * moved > widest:
                 return

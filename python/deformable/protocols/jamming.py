@@ -26,8 +26,8 @@ from ..state.state import State
 _LOOSE, _FINEST = 1e-4, 0.0025
 
 # Compression only has to tell loose packings from rigid ones: forces on particles may be this part
-# of those of contacts, as on the way down in pressure, which goes in steps by this factor.
-_ROUGH, _FACTOR = 0.5, 0.3
+# of those of contacts. The pressure is lowered in steps by a factor, each relaxed to a part.
+_ROUGH, _FACTOR, _PART = 0.5, 0.3, 0.2
 
 # The pressure of the packing lies between the threshold and twice that.
 _ABOVE = 1.4
@@ -100,7 +100,7 @@ def jam(
             jammed, stalled, residual = disks.packing, disks.stalled, disks.residual
         else:
             excess_phi = (_ABOVE * pressure / _RINGS) ** (1.0 / 3.0)
-            start = _jammed_disks(packing, _DISKS * excess_phi, step, _ROUGH, bar).packing
+            start = _jammed_disks(packing, _DISKS * excess_phi, step, _PART, bar).packing
             state = _jammed_particles(start, law, pressure, tolerance, bar)
             jammed, stalled, residual = state.packing, state.stalled, state.residual
     if stalled:
@@ -140,7 +140,7 @@ def _jammed_disks(
     applied = disks.pressure
     while applied > pressure / _FACTOR:
         applied *= _FACTOR
-        disks = relax_at_pressure(disks.packing, applied, _ROUGH, report)
+        disks = relax_at_pressure(disks.packing, applied, _PART, report)
     return relax_at_pressure(disks.packing, pressure, tolerance, report)
 
 
