@@ -61,7 +61,7 @@ def relax_at_pressure(
     report: Callable[[int, float, float], object],
 ) -> RelaxedDisks:
     """Relax soft disks and the size of their box at a pressure [k], see `relax_in_box`."""
-    return _relax(packing, pressure, tolerance, 0.0, report)
+    return _relax(packing, pressure, tolerance, -np.inf, report)
 
 
 def _relax(
