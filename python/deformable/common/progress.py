@@ -1,4 +1,4 @@
-"""Lines of output and progress bars, only on rank 0; progress bars only on a terminal."""
+"""Lines of output and progress, only on rank 0: a bar on a terminal, elsewhere a line a minute."""
 
 from __future__ import annotations
 
@@ -10,12 +10,32 @@ from mpi4py import MPI
 from tqdm import tqdm
 
 
+# Seconds between lines of progress where there is no terminal.
+_LINES = 60.0
+
+
+class _Lines(tqdm):  # type: ignore[type-arg]
+    """Progress as lines of text, for logs."""
+
+    def display(self, msg: str | None = None, pos: int | None = None) -> bool:
+        """Print a line; an empty message would clear a bar."""
+        if msg is None:
+            print(self, file=sys.stderr, flush=True)
+        return False
+
+    def set_postfix(self, *values: Any, **named: Any) -> None:
+        """Show these values from the next line on, not at once."""
+        super().set_postfix(*values, **named | {"refresh": False})
+
+
 def progress(description: str, unit: str, total: int | None = None, initial: int = 0) -> tqdm[Any]:
-    """A progress bar on stderr, which tqdm hides if stderr is no terminal."""
-    hidden = MPI.COMM_WORLD.rank > 0 or parent_process() is not None or None
-    return tqdm(
-        desc=description, unit=unit, total=total, initial=initial, leave=False, disable=hidden
-    )
+    """Progress on stderr: a bar on a terminal, elsewhere a line a minute from the first minute on."""
+    hidden = MPI.COMM_WORLD.rank > 0 or parent_process() is not None
+    shared = {"desc": description, "unit": unit, "total": total, "initial": initial}
+    if sys.stderr.isatty():
+        return tqdm(**shared, leave=False, disable=hidden)
+    lines = {"mininterval": _LINES, "delay": _LINES, "miniters": 1}
+    return _Lines(**shared, leave=False, disable=hidden, **lines)
 
 
 def print_once(line: str) -> None:

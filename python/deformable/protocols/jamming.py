@@ -120,7 +120,7 @@ def _jammed_disks(
     """Soft disks at this pressure [k]; for the other arguments see `jam`."""
 
     def report(iterations: int, phi: float, pressure: float) -> None:
-        bar.set_postfix(phi=f"{phi:.6f}", pressure=f"{pressure:.1e}", refresh=False)
+        bar.set_postfix(phi=f"{phi:.6f}", pressure=f"{pressure:.1e}")
         bar.update(iterations)
 
     start = relax_in_box(separated(packing), _ROUGH, _LOOSE, report)
@@ -156,7 +156,7 @@ def _jammed_particles(
     target, longest, last = np.cbrt(_ABOVE * pressure / _RINGS), np.inf, 0.0
     while True:
         state = _relaxed(packing, law, pressure * unit, tolerance)
-        bar.set_postfix(phi=f"{state.phi:.6f}", pressure=f"{state.pressure:.1e}", refresh=False)
+        bar.set_postfix(phi=f"{state.phi:.6f}", pressure=f"{state.pressure:.1e}")
         bar.update()
         found = state.pressure / unit
         rigid = found > pressure
