@@ -27,7 +27,7 @@ _LOOSE, _FINEST = 1e-4, 0.0025
 
 # Compression only has to tell loose packings from rigid ones: forces on particles may be this part
 # of those of contacts. The pressure is lowered in steps by a factor, each relaxed to a part.
-_ROUGH, _FACTOR, _PART = 0.5, 0.3, 0.2
+_ROUGH, _FACTOR, _PART = 0.1, 0.3, 0.1
 
 # The pressure of the packing lies between the threshold and twice that.
 _ABOVE = 1.4
