@@ -9,7 +9,6 @@ from typing import Any
 from mpi4py import MPI
 from tqdm import tqdm
 
-
 # Seconds between lines of progress where there is no terminal.
 _LINES = 60.0
 
@@ -29,7 +28,7 @@ class _Lines(tqdm):  # type: ignore[type-arg]
 
 
 def progress(description: str, unit: str, total: int | None = None, initial: int = 0) -> tqdm[Any]:
-    """Progress on stderr: a bar on a terminal, elsewhere a line a minute from the first minute on."""
+    """Progress on stderr: a bar on a terminal, elsewhere a line a minute after the first minute."""
     hidden = MPI.COMM_WORLD.rank > 0 or parent_process() is not None
     shared = {"desc": description, "unit": unit, "total": total, "initial": initial}
     if sys.stderr.isatty():

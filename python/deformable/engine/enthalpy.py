@@ -35,9 +35,9 @@ class Enthalpy:
 
         H = 1/2 sum_c o_c^2 + P A,    o = max(R_i + R_j - d, 0), for walls max(R - h, 0)
 
-    The box keeps its shape: with a size s, lengths are e^s times those of the packing. Variables are
-    the centers X in the box of the packing, and t = l s with l^2 = 2 A, so that all have stiffnesses
-    near 1:
+    The box keeps its shape: with a size s, lengths are e^s times those of the packing. Variables
+    are the centers X in the box of the packing, and t = l s with l^2 = 2 A, so that all have
+    stiffnesses near 1:
 
         dH/dX_i = e^s (sum of the forces of i, with opposite sign)    dH/dt = 2 A (P - p) / l
 

@@ -50,7 +50,7 @@ def minimize(
         function: see `Function`; it is evaluated last at the point that is returned.
         z: start.
         relaxed: whether a gradient, that of the last evaluation, is small enough.
-        largest_step: of each variable but the last one in an iteration.
+        largest_step: of each variable in an iteration.
         plain: number of iterations before the first preconditioner.
         patience: largest number of iterations.
         report: called every 30 iterations with their number.
@@ -73,7 +73,7 @@ def minimize(
             precondition, renewal = function.preconditioner(z), iteration + _LIFETIME
             steps.clear()
         direction = _direction(gradient, steps, precondition)
-        direction *= min(1.0, largest_step / float(np.abs(direction[:-1]).max(initial=1e-300)))
+        direction *= min(1.0, largest_step / float(np.abs(direction).max(initial=1e-300)))
         slope = float(gradient @ direction)
         found = _search(function, z, value, direction, slope) if slope < 0.0 else None
         if found is None:

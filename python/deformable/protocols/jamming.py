@@ -18,7 +18,6 @@ from ..engine.relaxed_disks import RelaxedDisks, relax_at_pressure, relax_in_box
 from ..engine.simulation import Simulation
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing
-from ..state.disk_state import DiskState
 from ..state.state import State
 
 # Pressure of soft disks up to which a packing counts as loose while it is compressed, and step of

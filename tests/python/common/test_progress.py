@@ -18,8 +18,10 @@ def test_lines_off_a_terminal(
     out, err = capfd.readouterr()
     first, second = err.splitlines()
     assert out == ""
-    assert "jamming" in first and "30step" in first and "phi=0.82" in first
-    assert "60step" in second and "phi=0.84" in second
+    for word in ("jamming", "30step", "phi=0.82"):
+        assert word in first
+    for word in ("60step", "phi=0.84"):
+        assert word in second
     assert "\r" not in err
 
 
