@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from io import StringIO
 from multiprocessing import parent_process
 from typing import Any
 
@@ -34,7 +35,8 @@ def progress(description: str, unit: str, total: int | None = None, initial: int
     if sys.stderr.isatty():
         return tqdm(**shared, leave=False, disable=hidden)
     lines = {"mininterval": _LINES, "delay": _LINES, "miniters": 1}
-    return _Lines(**shared, leave=False, disable=hidden, **lines)
+    # `tqdm.write` refreshes bars on stderr, but a line that is printed stays
+    return _Lines(**shared, leave=False, disable=hidden, file=StringIO(), **lines)
 
 
 def print_once(line: str) -> None:

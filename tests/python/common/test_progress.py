@@ -28,4 +28,5 @@ def test_lines_off_a_terminal(
 def test_nothing_in_the_first_minute(capfd: pytest.CaptureFixture[str]) -> None:
     with progress.progress("jamming", unit="step") as bar:
         bar.update()
-    assert capfd.readouterr() == ("", "")
+        progress.print_once("step 1")
+    assert capfd.readouterr() == ("step 1\n", "")
