@@ -11,6 +11,7 @@ from deformable.studies.ensemble_tables import read_table, write_tables
 FOLDER = Path(__file__).parents[1] / "docs" / "jamming"
 ONSETS, SCALING = read_table(FOLDER / "table.csv"), read_table(FOLDER / "scaling.csv")
 SUMMARY = json.loads((FOLDER / "summary.json").read_text())
+RIGID_SIDE = json.loads((FOLDER / "rigid_side" / "summary.json").read_text())["onset"]
 NUMBERS = (16, 32, 64, 128, 256, 512)
 
 
@@ -112,3 +113,24 @@ def test_ensembles_are_those_of_the_page(law, pressure, number):
     for name in ("phi", "excess_contacts", "rattlers"):
         error = np.hypot(fresh[f"{name}_error"], kept[f"{name}_error"])
         assert abs(fresh[name] - kept[name]) < 4.0 * error + 1e-12
+
+
+@pytest.mark.parametrize("number", [64, 256, 512])
+@pytest.mark.parametrize("name", ["phi", "excess_contacts", "rattlers"])
+def test_onsets_from_the_rigid_side_are_of_the_same_ensemble(number, name):
+    """As bisection with FIRE found them, within two standard errors of the difference."""
+    before, now = (
+        next(row for row in rows if (row["law"], row["number"]) == ("disk", number))
+        for rows in (SUMMARY["onset"], RIGID_SIDE)
+    )
+    error = np.hypot(before[f"{name}_error"], now[f"{name}_error"])
+    assert abs(before[name] - now[name]) <= 2.0 * error
+
+
+def test_summary_from_the_rigid_side_is_that_of_its_table():
+    for written, found in zip(
+        RIGID_SIDE, summarize(read_table(FOLDER / "rigid_side" / "table.csv")), strict=True
+    ):
+        for name, value in found.items():
+            assert written[name] == value or np.isclose(written[name], value, rtol=1e-9), name
+        assert found["stalled"] == 0
