@@ -64,14 +64,13 @@ struct Largest {
 // What follows from positions, and what is needed for that.
 struct PairPlaces {
   const int *i, *j;
-  const double *touching;        // R_i + R_j
-  const double *least_square;    // of the distance
+  const double *radius;    // of particles
   double *per_distance, *overlap, *angle, *nx, *ny;
 };
 
 // Contact lines that tilt.
 struct LineArrays {
-  const double *touching, *per_distance, *force;
+  const double *per_distance, *force;
   const int *first, *second;           // contacts of the pairs
   const double *slope, *slope_rate;    // t and dt/dtheta, by contact
   double *sine, *next;                 // of the tilt, and of the next one
@@ -88,8 +87,8 @@ struct ForceKernels {
 
   // Loops over pairs, from `begin` to before `end`.
 
-  // Distances, directions and overlaps; x: positions, three numbers a particle. Returns whether all distances are
-  // larger than their least.
+  // Distances, directions and overlaps; x: positions, three numbers a particle. Returns whether all contact lines lie
+  // between the centers: d^2 > |R_i^2 - R_j^2|.
   bool (*locate)(const double *x, const PairPlaces &, int begin, int end);
 
   // r, imbalances and weights from the indentations. The largest imbalance and force.

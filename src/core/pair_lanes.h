@@ -38,15 +38,18 @@ static bool locate_pairs(const double *x, const PairPlaces &p, int begin, int en
   bool apart = true;
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
-    const auto between = [&](int axis) DEFORMABLE_LANE_LAMBDA {
-      return gather<T>(x + axis, [&](int w) DEFORMABLE_LANE_LAMBDA { return 3 * p.j[k + w]; }) -
-             gather<T>(x + axis, [&](int w) DEFORMABLE_LANE_LAMBDA { return 3 * p.i[k + w]; });
+    const auto of_i = [&](const double *y, int stride) DEFORMABLE_LANE_LAMBDA {
+      return gather<T>(y, [&](int w) DEFORMABLE_LANE_LAMBDA { return stride * p.i[k + w]; });
     };
-    const T dx = between(0), dy = between(1);
+    const auto of_j = [&](const double *y, int stride) DEFORMABLE_LANE_LAMBDA {
+      return gather<T>(y, [&](int w) DEFORMABLE_LANE_LAMBDA { return stride * p.j[k + w]; });
+    };
+    const T dx = of_j(x, 3) - of_i(x, 3), dy = of_j(x + 1, 3) - of_i(x + 1, 3);
+    const T ri = of_i(p.radius, 1), rj = of_j(p.radius, 1);
     const T square = dx * dx + dy * dy, d = root(square), per_d = 1.0 / d;
-    apart &= all_true(square > load<T>(p.least_square + k));
+    apart &= all_true(square > magnitude((ri - rj) * (ri + rj)));
     store(p.per_distance + k, per_d);
-    store(p.overlap + k, load<T>(p.touching + k) - d);
+    store(p.overlap + k, ri + rj - d);
     store(p.nx + k, dx * per_d);
     store(p.ny + k, dy * per_d);
     store(p.angle + k, angle_of_lanes(dx, dy));
@@ -223,7 +226,7 @@ static void turn_lines(const LineArrays &p, int begin, int end)
     store(p.nx + k, x);
     store(p.ny + k, y);
     store(p.angle + k, angle_of_lanes(x, y));
-    store(p.overlap + k, load<T>(p.touching + k) - cosine / load<T>(p.per_distance + k));
+    store(p.overlap + k, load<T>(p.overlap + k) + (c - cosine) / load<T>(p.per_distance + k));
   });
 }
 

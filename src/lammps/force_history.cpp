@@ -4,12 +4,12 @@ using namespace LAMMPS_NS;
 
 const PastForces *ForceHistory::find(tagint tag, tagint partner, double x, double y) const
 {
-  const auto [first, last] =
-      std::equal_range(entries.begin(), entries.end(), Entry{tag, partner, 0.0, 0.0, {}});
+  const Entry wanted = entry_of(tag, partner, x, y, {});
+  const auto [first, last] = std::equal_range(entries.begin(), entries.end(), wanted);
   const PastForces *found = nullptr;
-  double nearest = x * x + y * y;
+  float nearest = wanted.x * wanted.x + wanted.y * wanted.y;
   for (auto entry = first; entry != last; ++entry) {
-    const double dx = entry->x - x, dy = entry->y - y, square = dx * dx + dy * dy;
+    const float dx = entry->x - wanted.x, dy = entry->y - wanted.y, square = dx * dx + dy * dy;
     if (square > nearest) continue;
     nearest = square;
     found = &entry->past;

@@ -15,17 +15,17 @@ namespace LAMMPS_NS {
 
 class ForceHistory {
  public:
-  void reserve(std::size_t sides, std::size_t particles)
+  void reserve(std::size_t pairs, std::size_t particles)
   {
-    entries.reserve(sides);
+    entries.reserve(pairs);
     bulges.reserve(particles);
   }
 
-  // Particle `tag` has borne these forces at a partner: another particle at the relative position (x, y), or a wall
+  // Particle `tag` and a partner have borne these forces: another particle at the relative position (x, y), or a wall
   // of this code < 0.
   void add(tagint tag, tagint partner, double x, double y, const PastForces &past)
   {
-    entries.push_back({tag, partner, x, y, past});
+    entries.push_back(entry_of(tag, partner, x, y, past));
   }
   void add_bulge(tagint tag, double bulge) { bulges.push_back({tag, bulge}); }
   void sort()
@@ -44,15 +44,22 @@ class ForceHistory {
   double bytes() const { return bytes_of(entries, bulges); }
 
  private:
+  // of a pair, from the particle with the smaller tag
   struct Entry {
     tagint tag, partner;
-    double x, y;
+    float x, y;    // sufficient to tell images apart
     PastForces past;
     bool operator<(const Entry &other) const
     {
       return tag != other.tag ? tag < other.tag : partner < other.partner;
     }
   };
+  static Entry entry_of(tagint tag, tagint partner, double x, double y, const PastForces &past)
+  {
+    const float fx = static_cast<float>(x), fy = static_cast<float>(y);
+    if (partner < 0 || tag < partner) return {tag, partner, fx, fy, past};
+    return {partner, tag, -fx, -fy, past};
+  }
   std::vector<Entry> entries;
   std::vector<std::pair<tagint, double>> bulges;
 };

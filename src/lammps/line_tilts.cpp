@@ -36,9 +36,9 @@ void LineTilts::start(NearPairs &p, ForceBatches &b, const deformable::ForceKern
 deformable::LineArrays LineTilts::arrays(NearPairs &p, ForceBatches &b)
 {
   return {
-      p.touching.data(), p.per_distance.data(), p.force.data(), p.side[0].data(), p.side[1].data(),
-      b.slope.data(),    rate.data(),           p.tilt.data(),  next.data(),      turns.data(),
-      p.overlap.data(),  p.angle.data(),        p.nx.data(),    p.ny.data()};
+      p.per_distance.data(), p.force.data(), p.side[0].data(), p.side[1].data(), b.slope.data(),
+      rate.data(),           p.tilt.data(),  next.data(),      turns.data(),     p.overlap.data(),
+      p.angle.data(),        p.nx.data(),    p.ny.data()};
 }
 
 double LineTilts::find(NearPairs &p, ForceBatches &b, const deformable::ForceKernels &kernels)

@@ -35,7 +35,9 @@ void NearList::build(const DeformableParticles &p, bool new_list)
   }
   remote_sides.to_ghosts(bulge);
 
-  std::swap(old, static_cast<KnownPairs &>(pairs));
+  PairList old;    // not kept: it would take memory between the builds
+  std::swap(old, static_cast<PairList &>(pairs));
+  pairs.tilts = old.tilts;
   pairs.clear(old.size);
   candidates.clear();
   int next_old = 0, next_old_remote = old.remote;
@@ -80,7 +82,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
     remote_tags.push_back(atom->tag[c.j]);
   }
   pairs.wall = pairs.size;
-  if (!p.walls->empty()) add_walls(p, new_list);
+  if (!p.walls->empty()) add_walls(p, new_list, old);
   pairs.make_room();
   set_constants(p);
   history = ForceHistory();    // gives its memory back
@@ -99,7 +101,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
 // The neighbor list is new: particles have other indices now, pairs still have the former ones.
 void NearList::store_history()
 {
-  history.reserve(2 * static_cast<std::size_t>(pairs.size), tags.size());
+  history.reserve(pairs.size, tags.size());
   for (int i = 0; i < static_cast<int>(tags.size()); ++i) history.add_bulge(tags[i], bulge[i]);
   for (int k = 0; k < pairs.wall; ++k) {
     const NearPairs::Centers centers = pairs.centers(k);
@@ -107,7 +109,6 @@ void NearList::store_history()
     const tagint tag = tags[pairs.i[k]];
     const tagint partner = k < pairs.remote ? tags[pairs.second[k]] : remote_tags[k - pairs.remote];
     history.add(tag, partner, x, y, pairs.past_of(k));
-    history.add(partner, tag, -x, -y, pairs.past_of(k));
   }
   for (int k = pairs.wall; k < pairs.size; ++k)
     history.add(tags[pairs.i[k]], pairs.j[k], 0.0, 0.0, pairs.past_of(k));
@@ -169,7 +170,7 @@ void NearList::visit_walls(const DeformableParticles &p, int i, Visitor &&visito
                          });
 }
 
-void NearList::add_walls(const DeformableParticles &p, bool new_list)
+void NearList::add_walls(const DeformableParticles &p, bool new_list, const PairList &old)
 {
   first_wall.assign(atom->nlocal + 1, 0);
   int next_old = old.wall;
@@ -213,11 +214,8 @@ void NearList::set_constants(const DeformableParticles &p)
   }
   for (int k = 0; k < pairs.size; ++k) {
     const int i = pairs.i[k], j = pairs.j[k];
-    const double ri = p.radius[i], rj = k < pairs.wall ? p.radius[j] : 0.0;
     double soft = softness[atom->type[i]];
     if (k < pairs.wall) soft += softness[atom->type[j]];
-    pairs.touching[k] = ri + rj;
-    pairs.least_square[k] = std::fabs(ri - rj) * (ri + rj);
     pairs.stiffening[k] = 1.0 / (2.0 * GREEN_AT_ZERO * GREEN_AT_ZERO * soft * soft * soft);
   }
 }
@@ -229,11 +227,11 @@ void NearList::set_constants(const DeformableParticles &p)
 int NearList::locate(const DeformableParticles &p)
 {
   ++calls;
-  if (p.radii_vary || p.new_material) set_constants(p);
-  const int wrong = pairs.wall > 0 ? pairs.locate(atom->x[0], kernels) : -1;
+  if (p.new_material) set_constants(p);
+  const int wrong = pairs.wall > 0 ? pairs.locate(atom->x[0], p.radius, kernels) : -1;
   if (wrong >= 0 || p.walls->empty()) return wrong;
   for (int k = pairs.wall; k < pairs.size; ++k) {
-    pairs.overlap[k] = -(1.0 + p.reach) * pairs.touching[k];
+    pairs.overlap[k] = -(1.0 + p.reach) * p.radius[pairs.i[k]];
     pairs.nx[k] = 1.0;
     pairs.ny[k] = pairs.angle[k] = pairs.per_distance[k] = 0.0;
   }
@@ -294,7 +292,6 @@ bool NearList::is_sufficient(const DeformableParticles &p) const
 double NearList::memory_usage() const
 {
   return pairs.bytes() + remote_sides.bytes() + history.bytes() +
-         bytes_of(old.i, old.j, old.past[0], old.past[1], old.past[2], old.past_tilt[0],
-                  old.past_tilt[1], old.past_tilt[2], bulge, x_then, bulge_then, radius_then,
-                  first_wall, tags, remote_tags, owned, candidates);
+         bytes_of(bulge, x_then, bulge_then, radius_then, first_wall, tags, remote_tags, owned,
+                  candidates);
 }

@@ -40,7 +40,7 @@ class NearList : protected Pointers {
         remote_sides(lmp),
         kernels(kernels)
   {
-    pairs.tilts = old.tilts = tilts;
+    pairs.tilts = tilts;
   }
 
   NearPairs pairs;
@@ -73,13 +73,12 @@ class NearList : protected Pointers {
   std::vector<tagint> remote_tags;    // of the second particles of remote pairs
   std::vector<int> owned;    // by local index: the particle of this rank whose image it is, or -1
   ForceHistory history;
-  KnownPairs old;
   std::vector<RemoteSides::Candidate> candidates;
 
   void store_history();
   void find_owners();
   void guess_bulges(const DeformableParticles &);
-  void add_walls(const DeformableParticles &, bool new_list);
+  void add_walls(const DeformableParticles &, bool new_list, const PairList &old);
   void set_constants(const DeformableParticles &);
   double box_change() const;
   template <class Visitor> void visit_walls(const DeformableParticles &, int i, Visitor &&) const;

@@ -1,6 +1,7 @@
 #include "near_pairs.h"
 
 #include <algorithm>
+#include <cmath>
 
 using namespace LAMMPS_NS;
 
@@ -26,7 +27,7 @@ void NearPairs::clear(int expected)
 void NearPairs::make_room()
 {
   const std::size_t pairs = size, one_more = pairs + 1;
-  for (std::vector<double> *v : {&touching, &least_square, &stiffening}) v->assign(pairs, 0.0);
+  stiffening.assign(pairs, 0.0);
   for (std::vector<double> *v : {&force, &overlap, &per_distance, &angle, &ny})
     v->assign(one_more, 0.0);
   nx.assign(one_more, 1.0);
@@ -34,23 +35,18 @@ void NearPairs::make_room()
   for (std::vector<int> &v : side) v.assign(pairs, 0);
 }
 
-int NearPairs::locate(const double *x, const deformable::ForceKernels &kernels)
+int NearPairs::locate(const double *x, const double *radius,
+                      const deformable::ForceKernels &kernels)
 {
   std::fill(tilt.begin(), tilt.end(), 0.0);
-  const deformable::PairPlaces places = {i.data(),
-                                         j.data(),
-                                         touching.data(),
-                                         least_square.data(),
-                                         per_distance.data(),
-                                         overlap.data(),
-                                         angle.data(),
-                                         nx.data(),
-                                         ny.data()};
+  const deformable::PairPlaces places = {
+      i.data(),       j.data(),     radius,    per_distance.data(),
+      overlap.data(), angle.data(), nx.data(), ny.data()};
   if (kernels.locate(x, places, 0, wall)) return -1;
   int k = 0;
   for (; k < wall; ++k) {
-    const double d = touching[k] - overlap[k];
-    if (!(d * d > least_square[k])) break;
+    const double ri = radius[i[k]], rj = radius[j[k]], d = ri + rj - overlap[k];
+    if (!(d * d > std::fabs((ri - rj) * (ri + rj)))) break;
   }
   return k < wall ? k : -1;
 }

@@ -44,9 +44,6 @@ struct KnownPairs {
 struct NearPairs : KnownPairs {
   std::vector<int>
       second;    // row of j if it, or the particle whose image it is, is on this rank; or -1
-  std::vector<double> touching;    // R_i + R_j
-  std::vector<double>
-      least_square;    // of the distance: the contact line must lie between the centers
   std::vector<double> stiffening;    // k: two circles that overlap by o repel with at least k o^3
 
   // one more than pairs: the last one stands for places of contacts that are empty
@@ -88,13 +85,13 @@ struct NearPairs : KnownPairs {
 
   // Distances, directions and overlaps of pairs of particles. Returns -1, or the first pair whose contact line cannot
   // lie between the centers.
-  int locate(const double *x, const deformable::ForceKernels &);
+  int locate(const double *x, const double *radius, const deformable::ForceKernels &);
 
   double bytes() const
   {
-    return bytes_of(i, j, second, touching, least_square, stiffening, past[0], past[1], past[2],
-                    past_tilt[0], past_tilt[1], past_tilt[2], force, overlap, per_distance, angle,
-                    nx, ny, tilt, side[0], side[1]);
+    return bytes_of(i, j, second, stiffening, past[0], past[1], past[2], past_tilt[0], past_tilt[1],
+                    past_tilt[2], force, overlap, per_distance, angle, nx, ny, tilt, side[0],
+                    side[1]);
   }
 };
 

@@ -40,7 +40,9 @@ ROOMS = ["room", "disk", "hole", "corner", "slanted", "pipe", "horn", "away", "f
 ROOMS += ["post", "plate", "needle", "wedge", "both", "hopper"]
 
 PAIR_STYLES = st.one_of(
-    words_of("contact", "radical", "balanced", "balance", "reach").map(["deformable/ring"].__add__),
+    words_of("contact", "radical", "balanced", "tilted", "balance", "reach").map(
+        ["deformable/ring"].__add__
+    ),
     words_of("contact", "reach").map(["deformable/sector"].__add__),
     st.sampled_from(
         [

@@ -9,7 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import build, scenes
 
-LAWS = [deformable.Ring(contact="radical"), deformable.Ring(kP=2.0), deformable.Sector(kP=1.0)]
+LAWS = [
+    deformable.Ring(contact="radical"),
+    deformable.Ring(kP=2.0),
+    deformable.Ring(contact="tilted"),
+    deformable.Sector(kP=1.0),
+]
 REFUSED = (deformable.ParameterError, deformable.LammpsError)
 STEP = 1e-6
 

@@ -16,6 +16,7 @@ STYLES = {
     "sector": "deformable/sector",
     "radical": "deformable/ring contact radical",
     "balanced": "deformable/ring contact balanced balance 1e-12 100",
+    "tilted": "deformable/ring contact tilted balance 1e-12 100",
 }
 TEMPERATURE = 1e-5
 

@@ -89,7 +89,7 @@ class Disks(Engine):
 
     def __init__(self, packing: Packing) -> None:
         expect("packing", packing, Packing)
-        start = _separated(packing)
+        start = separated(packing)
         self._radii, self._radius = start.radii, start.radius
         self._follow(start.walls, start.box)
         self.lmp = open_disks(start)
@@ -227,7 +227,7 @@ class Disks(Engine):
         )
 
 
-def _separated(packing: Packing) -> Packing:
+def separated(packing: Packing) -> Packing:
     """The packing with no two centers at one place; the same for the same packing."""
     place = np.rint(packing.positions @ np.linalg.inv(packing.box) / _SAME_PLACE)
     _, first, group = np.unique(

@@ -3,34 +3,46 @@
 from __future__ import annotations
 
 import warnings
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
+from tqdm import tqdm
 
 from ..common.errors import ParameterError, StalledWarning, UnjammedWarning
 from ..common.progress import progress
 from ..common.renamed import former_arguments
 from ..common.validate import expect, positive
-from ..engine.disks import Disks
+from ..engine.disks import Disks, separated
+from ..engine.relaxed_disks import RelaxedDisks, relax_at_pressure, relax_in_box
 from ..engine.simulation import Simulation
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing
-from ..state.disk_state import DiskState
 from ..state.state import State
 
-# Factors of the tolerance in stages of a relaxation. The energy only falls: a packing that is loose
-# after one stage needs no other one. This saves time for deformable particles, whose forces fall
-# slowly; it does not for disks.
-_STAGES = (1000.0, 100.0, 10.0, 1.0)
+# Pressure of soft disks up to which a packing counts as loose while it is compressed, and step of
+# packing fraction at which that ends. From there on the pressure only falls.
+_LOOSE, _FINEST = 1e-4, 0.0025
 
-# Pressure of soft disks below which the start of a deformable packing counts as separated.
-_SEPARATED = 1e-6
+# Compression only has to tell loose packings from rigid ones: forces on particles may be this part
+# of those of contacts. The pressure is lowered in steps by a factor, each relaxed to a part.
+_ROUGH, _FACTOR, _PART = 0.1, 0.3, 0.1
+
+# The pressure of the packing lies between the threshold and twice that.
+_ABOVE = 1.4
+
+# Pressures in natural units over x = phi - phi_J: 0.4 x for disks and 5 x^3 for rings.
+_DISKS, _RINGS = 0.4, 5.0
+
+# Factors of the tolerance in stages of a relaxation. The energy only falls: a packing that is loose
+# after one stage needs no other one. This saves time, because forces fall slowly.
+_STAGES = (1000.0, 100.0, 10.0, 1.0)
 
 # Pressure of soft disks for `push_off`. It ends at forces of 1e-3 of this pressure times the
 # smallest radius, far below those of disks at random positions.
 _PUSHED_OFF = 1e-3
 
-# A rearrangement may leave no packing between one and two thresholds: bisection ends at this step.
+# A rearrangement may leave no packing between one and two thresholds: the search ends at this step.
 _SMALLEST_STEP = 1e-10
 
 
@@ -44,13 +56,15 @@ def jam(
 ) -> Packing:
     """Compress particles from a loose start to the onset of rigidity.
 
-    The particles of the start are separated as soft disks. Then the packing is compressed
-    isotropically in steps of packing fraction and relaxed by FIRE after each one. If the pressure
-    exceeds the threshold, the step is halved and repeated from the last loose packing, until the
-    pressure is above the threshold by at most a factor two (bisection to the onset).
+    Soft disks are compressed isotropically in steps of packing fraction and relaxed after each one.
+    If a packing is rigid, the step is halved and repeated from the last loose one, down to steps of
+    0.0025. Then the pressure is lowered to 1.4 times the threshold: the energy and the work against
+    this pressure are minimized with respect to the centers and the size of the box. Deformable
+    particles start from disks at their phi - phi_J, and phi follows their pressure until it is
+    above the threshold by at most a factor two.
 
-    Every rank of an MPI run does the same work: relaxation near jamming is chaotic, so that results
-    of shared work would depend on the number of ranks.
+    Every rank of an MPI run does the same work, so that the result does not depend on the number of
+    ranks. On one machine the same packing leads to the same result.
 
     Args:
         packing: a packing below jamming, e.g. from `bidisperse`, or from `Packing.between` with
@@ -66,13 +80,12 @@ def jam(
         The jammed packing; phi is about 0.84 for an equal mixture of sizes 1 : 1.4.
 
     Warns:
-        StalledWarning: relaxations stalled, as in large packings of disks and with the sector law.
+        StalledWarning: relaxations stalled, as with the sector law.
 
     Raises:
         ParameterError: the start is rigid already, or a value is out of range.
 
-    Source: O'Hern, Silbert, Liu, Nagel, Phys. Rev. E 68, 011306 (2003); FIRE: Bitzek et al., Phys.
-    Rev. Lett. 97, 170201 (2006).
+    Source: O'Hern, Silbert, Liu, Nagel, Phys. Rev. E 68, 011306 (2003).
     """
     expect("packing", packing, Packing)
     if law is not None:
@@ -80,35 +93,79 @@ def jam(
     positive("pressure", pressure)
     positive("step", step)
     positive("tolerance", tolerance)
-    separated = _SEPARATED if law else pressure
-    start = _relaxed(packing, None, separated, tolerance)
-    if start.pressure > separated:
-        raise ParameterError(
-            f"packing is rigid already at phi = {packing.phi:.4f}: start from a lower phi"
-        )
-    loose, threshold = start.packing, pressure * natural_pressure(packing, law)
-    stalled = start.stalled
-    with progress("jamming", unit="trial") as bar:
-        while True:
-            trial = _relaxed(loose.at(loose.phi + step), law, threshold, tolerance)
-            stalled |= trial.stalled
-            bar.set_postfix(phi=f"{trial.phi:.6f}")
-            bar.update()
-            if trial.pressure <= threshold:
-                loose = trial.packing
-            elif trial.pressure <= 2.0 * threshold or step < _SMALLEST_STEP:
-                break
-            else:
-                step /= 2.0
+    with progress("jamming", unit="iteration") as bar:
+        if law is None:
+            disks = _jammed_disks(packing, _ABOVE * pressure, step, tolerance / _ABOVE, bar)
+            jammed, stalled, residual = disks.packing, disks.stalled, disks.residual
+        else:
+            excess_phi = (_ABOVE * pressure / _RINGS) ** (1.0 / 3.0)
+            start = _jammed_disks(packing, _DISKS * excess_phi, step, _PART, bar).packing
+            state = _jammed_particles(start, law, pressure, tolerance, bar)
+            jammed, stalled, residual = state.packing, state.stalled, state.residual
     if stalled:
         warnings.warn(
-            f"relaxations stalled on the way to phi = {trial.phi:.6f}, the last one with a largest "
-            f"force of {trial.residual:.2g} of the mean contact force: the onset of jamming is "
+            f"relaxations stalled on the way to phi = {jammed.phi:.6f}, the last one with a "
+            f"largest force of {residual:.2g} of the mean contact force: the onset of jamming is "
             "uncertain",
             StalledWarning,
             stacklevel=3,
         )
-    return trial.packing
+    return jammed
+
+
+def _jammed_disks(
+    packing: Packing, pressure: float, step: float, tolerance: float, bar: tqdm[Any]
+) -> RelaxedDisks:
+    """Soft disks at this pressure [k]; for the other arguments see `jam`."""
+
+    def report(iterations: int, phi: float, pressure: float) -> None:
+        bar.set_postfix(phi=f"{phi:.6f}", pressure=f"{pressure:.1e}")
+        bar.update(iterations)
+
+    start = relax_in_box(separated(packing), _ROUGH, _LOOSE, report)
+    if start.pressure > _LOOSE:
+        raise ParameterError(
+            f"packing is rigid already at phi = {packing.phi:.4f}: start from a lower phi"
+        )
+    loose = start.packing
+    while True:
+        disks = relax_in_box(loose.at(loose.phi + step), _ROUGH, _LOOSE, report)
+        if disks.pressure <= _LOOSE:
+            loose = disks.packing
+        elif step > _FINEST:
+            step /= 2.0
+        else:
+            break
+    applied = disks.pressure
+    while applied > pressure / _FACTOR:
+        applied *= _FACTOR
+        disks = relax_at_pressure(disks.packing, applied, _PART, report)
+    return relax_at_pressure(disks.packing, pressure, tolerance, report)
+
+
+def _jammed_particles(
+    packing: Packing, law: Law, pressure: float, tolerance: float, bar: tqdm[Any]
+) -> State:
+    """Deformable particles with a pressure in the window of `jam`, from a packing near by.
+
+    phi follows p = 5 (phi - phi_J)^3 in natural units. A packing that rearranges has another phi_J:
+    where phi has gone too far, the next step is at most half as long, otherwise twice as long.
+    """
+    unit = natural_pressure(packing, law)
+    target, longest, last = np.cbrt(_ABOVE * pressure / _RINGS), np.inf, 0.0
+    while True:
+        state = _relaxed(packing, law, pressure * unit, tolerance)
+        bar.set_postfix(phi=f"{state.phi:.6f}", pressure=f"{state.pressure:.1e}")
+        bar.update()
+        found = state.pressure / unit
+        rigid = found > pressure
+        if state.stalled or (rigid and (found <= 2.0 * pressure or longest < _SMALLEST_STEP)):
+            return state
+        change = float(target - np.cbrt(max(found, 0.0) / _RINGS))
+        if last:
+            longest = abs(last) * (2.0 if change * last > 0.0 else 0.5)
+        last = float(np.clip(change, -longest, longest))
+        packing = state.packing.at(state.packing.phi + last)
 
 
 def push_off(packing: Packing) -> Packing:
@@ -128,7 +185,9 @@ def push_off(packing: Packing) -> Packing:
         StalledWarning: the forces are not balanced.
     """
     expect("packing", packing, Packing)
-    pushed = _relaxed(packing, None, _PUSHED_OFF, 1e-3)
+    with Disks(packing) as disks, warnings.catch_warnings():
+        warnings.simplefilter("ignore", StalledWarning)  # with another text
+        pushed = disks.relax(1e-3, _PUSHED_OFF * float(packing.radius.min()))
     if pushed.stalled:
         warnings.warn(
             f"separating the disks stalled: the largest force is {pushed.residual:.2g} of the mean "
@@ -161,16 +220,14 @@ def simulate(packing: Packing, law: Law | None) -> Disks | Simulation:
     return Disks(packing) if law is None else Simulation(packing, law, MPI.COMM_SELF)
 
 
-def _relaxed(
-    packing: Packing, law: Law | None, pressure: float, tolerance: float
-) -> DiskState | State:
+def _relaxed(packing: Packing, law: Law, pressure: float, tolerance: float) -> State:
     """The packing, relaxed until its pressure is below the given one, or else to the tolerance."""
     # about the contact force at this pressure
     minimum_contact_force = pressure * float(packing.radius.min())
-    with simulate(packing, law) as sim, warnings.catch_warnings():
+    with Simulation(packing, law, MPI.COMM_SELF) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore", StalledWarning)  # `jam` warns once for all
         warnings.simplefilter("ignore", UnjammedWarning)  # expected below the onset
-        for part in _STAGES if law else _STAGES[-1:]:
+        for part in _STAGES:
             state = sim.relax(part * tolerance, minimum_contact_force)
             if state.pressure <= pressure or state.stalled:
                 break

@@ -126,16 +126,10 @@ def pareto(rows: Sequence[Row]) -> Section:
 
 
 def compressions(rows: Sequence[Row]) -> Section:
-    """The rows of `smooth_rows`: the balanced law along compressions, and where it is off."""
+    """The rows of `smooth_rows`: laws along compressions, and where the balanced one is off."""
     missed = exceptions(rows)
     numbers = sorted({row["n_v"] for row in whole(rows)})
     own = [row for row in rows if row["own"] and row["law"] == "balanced"]
-    finest = [row for row in own if row["n_v"] == numbers[-1]]
-    sentences = [
-        f"{percent(strain)}: energy {span(_converged(finest, strain, 'energy_ratio'), 4)}, "
-        f"pressure {span(_converged(finest, strain, 'pressure_ratio'), 4)}"
-        for strain in whole_percents(finest)
-    ]
     bars = listed(
         f"{percent(part)} up to {percent(strain)} strain" for strain, part in BARS.items()
     )
@@ -143,14 +137,14 @@ def compressions(rows: Sequence[Row]) -> Section:
         "Whole compressions",
         (
             f"The law `balanced` over smooth rings of {numbers[-1]} vertices: "
-            + "; ".join(sentences)
-            + ". "
+            f"{_along(rows, 'balanced', numbers[-1])}. "
             "At the centers of the rings it has "
             f"{span(_at_centers(rows, numbers[-1]), 4)} times their energy.",
             f"Its energy is to be right to {bars}, wherever the rings have converged (residual at "
             f"most {show(CONVERGED)}). {len(own) - len(missed)} of {len(own)} steps are. "
             + (_reasons(missed) if missed else ""),
-            "The other ring laws have contact lines on the radical axis. Their energies are off by "
+            f"The law `tilted`: {_along(rows, 'tilted', numbers[-1])}.",
+            "The laws `radical` have contact lines on the radical axis. Their energies are off by "
             f"factors: {_medians(rows, numbers[-1])}.",
         ),
         pictures=[
@@ -191,6 +185,16 @@ _STEP = (
     Column("pressure_ratio", "pressure", "over that of the rings", show=lambda x: show(x, 4)),
     Column("distance", "distance", "of the centers, rms, over the mean radius"),
 )
+
+
+def _along(rows: Sequence[Row], law: str, count: int) -> str:
+    """Energies and pressures of a law on its own over those of converged rings, by strain."""
+    own = [row for row in rows if (row["law"], row["n_v"], row["own"]) == (law, count, True)]
+    return "; ".join(
+        f"{percent(strain)}: energy {span(_converged(own, strain, 'energy_ratio'), 4)}, "
+        f"pressure {span(_converged(own, strain, 'pressure_ratio'), 4)}"
+        for strain in whole_percents(own)
+    )
 
 
 def _at_centers(rows: Sequence[Row], count: int) -> list[float]:

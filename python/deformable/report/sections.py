@@ -32,6 +32,7 @@ _TERMS = Section(
         "where the undeformed circles cross",
         "balanced": "ring law, contacts slip: contact lines where the forces of both sides "
         "are equal; the default",
+        "tilted": "as balanced, and the lines turn until the torques of both sides are equal",
         "ring": "the ring law of a particle between walls, where contact lines are given",
         "kP inf": "the same law with the perimeter conserved; without it the perimeter has the "
         "stiffness kP of the springs",

@@ -30,7 +30,12 @@ from ..state.state import State
 from ..studies import paper
 
 # The ring laws have one kernel.
-KERNELS = {"balanced": core.ring, "radical": core.ring, "sector": core.sector}
+KERNELS = {
+    "balanced": core.ring,
+    "tilted": core.ring,
+    "radical": core.ring,
+    "sector": core.sector,
+}
 
 # Sums of N energies round by N eps.
 ROUNDING = 16 * np.finfo(float).eps
@@ -96,7 +101,7 @@ def stiffness_rows(jammed: Packing) -> Iterator[dict[str, Any]]:
         yield row("kA 1e-6 to 1e6", name, "largest residual of FIRE", left, TOLERANCE, why)
 
     kP = 10.0 ** np.arange(-6, 13, 2)
-    for contact in ("radical", "balanced"):
+    for contact in ("radical", "balanced", "tilted"):
         stiff = at_rest(packing, Ring(contact=contact)).energy
         energies = np.array(
             [at_rest(packing, Ring(kP=float(k), contact=contact, reach=1.0)).energy for k in kP]
@@ -144,7 +149,7 @@ def size_rows() -> Iterator[dict[str, Any]]:
     """Large particles among small ones: outlines bulge further, which needs more reach."""
     for ratio, reach in ((1.4, 0.3), (3.0, 0.5), (10.0, 3.0)):
         case, jammed = f"sizes 1 to {ratio:g}", jam(bidisperse(16, ratio=ratio, seed=1))
-        for contact in ("radical", "balanced"):
+        for contact in ("radical", "balanced", "tilted"):
             state = strained(jammed, Ring(contact=contact, reach=reach))
             yield row(case, contact, "residual of FIRE", state.residual, TOLERANCE)
         state = strained(jammed, Sector())

@@ -202,8 +202,8 @@ def rank_rows(packing: Packing, most: int) -> Iterator[dict[str, Any]]:
             answers.append(json.loads(done.stdout) if done.returncode == 0 else None)
     for n, name in enumerate(LAWS):
         alone, *shared = (None if each is None else each[n] for each in answers)
-        # balanced contacts are found by iteration, to 1e-8 of the largest force
-        limit = 1e-8 if name == "balanced" else 100.0 * ROUNDING
+        # some contacts are found by iteration, to 1e-8 of the largest force
+        limit = 1e-8 if name in ("balanced", "tilted") else 100.0 * ROUNDING
         change = None
         if alone is not None and all(each is not None for each in shared):
             forces = np.array(alone[1])

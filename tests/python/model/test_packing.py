@@ -126,7 +126,7 @@ def test_radii_far_from_one_need_another_unit() -> None:
     small, large = (deformable.jam(deformable.bidisperse(8, radii=(r, r))) for r in (1e-3, 50.0))
     assert small.phi == pytest.approx(large.phi, rel=0.05)
     with pytest.raises(deformable.ParameterError, match=r"radius of 700 is too large.*unit"):
-        deformable.jam(deformable.bidisperse(8, radii=(500.0, 700.0)))
+        deformable.push_off(deformable.bidisperse(8, radii=(500.0, 700.0)))
 
 
 # ---- radii of their own ----

@@ -10,7 +10,7 @@ pytestmark = pytest.mark.filterwarnings("error")
 
 
 def test_ten_line_script() -> None:
-    packing = deformable.bidisperse(128, radii=(0.5, 0.7), seed=1)
+    packing = deformable.bidisperse(128, radii=(0.5, 0.7), seed=5)
     jammed = deformable.jam(packing)
     sim = deformable.Simulation(jammed, deformable.Ring(kA=1.0))
     seen = []

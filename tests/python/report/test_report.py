@@ -42,7 +42,7 @@ KEYS = {
     "ablation": "law option on",
     "stability": "case law quantity value limit ok reason",
 }
-LAWS = ["sector", "radical, kP inf", "radical", "balanced"]
+LAWS = ["sector", "radical, kP inf", "radical", "balanced", "tilted"]
 
 
 @pytest.fixture(scope="module")
@@ -225,9 +225,9 @@ def test_no_matplotlib(tmp_path, monkeypatch):
 
 
 def test_stability(folder):
-    """Both ring laws pass everywhere; failures of the sector law have reasons."""
+    """All ring laws pass everywhere; failures of the sector law have reasons."""
     rows = json.loads((folder / "report.json").read_text())["stability"]
-    assert {row["law"] for row in rows} == {"radical", "balanced", "sector"}
+    assert {row["law"] for row in rows} == {"radical", "balanced", "tilted", "sector"}
     missed = [row for row in rows if not row["ok"]]
     assert {row["law"] for row in missed} == {"sector"}
     assert {row["quantity"] for row in missed} >= {

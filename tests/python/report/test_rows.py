@@ -1,13 +1,14 @@
 """Rows of packings and mixtures, means of the error against run time, bars and limits."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from deformable import Beads, Ring, Sector, Simulation, bidisperse, compare, jam
 from deformable.report import bars, packings, pareto, stability_cases
 
-LAWS = ["sector", "radical, kP inf", "radical", "balanced"]
+LAWS = ["sector", "radical, kP inf", "radical", "balanced", "tilted"]
 
 
 def test_rows_of_a_packing():
@@ -57,10 +58,11 @@ def test_laws_have_the_stiffness_of_each_species():
     matching_laws = packings.matching_laws(MIXED, rings, rigid=[False, True])
     kA, skin = (1.0, 10.0), (rings.effective_radius - rings.radius).tolist()
     # the sector law has one kA
-    assert list(matching_laws) == ["radical, kP inf", "radical", "balanced", "balanced, kP inf"]
+    assert list(matching_laws) == [*LAWS[1:], "balanced, kP inf"]
     assert matching_laws["radical, kP inf"] == Ring(kA, contact="radical")
     assert matching_laws["radical"] == Ring(kA, kP=[0.2, 50.0], skin=skin, contact="radical")
     assert matching_laws["balanced"] == Ring(kA, kP=[0.2, 50.0], skin=skin, contact="balanced")
+    assert matching_laws["tilted"] == replace(matching_laws["balanced"], contact="tilted")
     assert matching_laws["balanced, kP inf"] == Ring(
         kA, kP=[0.2, math.inf], skin=skin, contact="balanced"
     )

@@ -110,7 +110,7 @@ def test_rings_follow_a_cubic_law_and_disks_a_linear_one() -> None:
 
 
 def test_laws_are_those_of_the_package_and_disks() -> None:
-    assert list(LAWS) == ["disk", "balanced", "radical", "sector"]
+    assert list(LAWS) == ["disk", "balanced", "tilted", "radical", "sector"]
 
 
 def test_tables_come_back_as_they_were(tmp_path: Path) -> None:

@@ -1,0 +1,184 @@
+"""Soft disks without LAMMPS: energy and enthalpy with their gradient, for minimizers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.packing import Packing
+from ..model.room import Distances, stretched
+from .neighbors import near_pairs
+
+Floats = NDArray[np.float64]
+
+# Pairs up to this distance from contact are listed, in smallest radii.
+_SKIN = 0.3
+
+# Contacts within this overlap or gap count in part for the stiffness, in diameters of the smallest
+# particle times the pressure: overlaps are about as large.
+_SMOOTHING = 1.0
+
+# Stiffness that is added to all particles: these times the pressure and over N^2. The stiffness of
+# the softest modes of a packing falls in proportion to the pressure down to about that of the
+# longest chain of isostatic contacts (Wyart, Ann. Phys. Fr. 30, 1 (2005)); of rattlers it is zero.
+_SHIFT, _SHIFT_OF_SIZE = 5.0, 10.0
+
+# Contacts with a smaller share do not count for the stiffness.
+_SMALLEST_SHARE = 1e-3
+
+
+class Enthalpy:
+    """Energy of soft disks and walls, and the work against a pressure, of centers and box.
+
+        H = 1/2 sum_c o_c^2 + P A,    o = max(R_i + R_j - d, 0), for walls max(R - h, 0)
+
+    The box keeps its shape: with a size s, lengths are e^s times those of the packing. Variables
+    are the centers X in the box of the packing, and t = l s with l^2 = 2 A, so that all have
+    stiffnesses near 1:
+
+        dH/dX_i = e^s (sum of the forces of i, with opposite sign)    dH/dt = 2 A (P - p) / l
+
+    Args:
+        packing: where the disks start; no two centers at one place.
+        pressure: P [k]; None keeps the box, and P A = 0.
+
+    Attributes:
+        pressure: p of the last evaluation, (sum_c o_c d_c + sum over walls o h) / (2 A) [k].
+        phi: packing fraction of the last evaluation.
+    """
+
+    def __init__(self, packing: Packing, pressure: float | None) -> None:
+        self._start, self._applied = packing, pressure
+        self._radius, self._smallest = packing.radius, float(packing.radius.min())
+        self._distances = Distances(packing.walls, packing.box) if packing.walls else None
+        self._length, self._phi = float(np.sqrt(2.0 * packing.area)), packing.phi
+        self._listed: tuple[Floats, float] | None = None
+
+    @property
+    def start(self) -> Floats:
+        """Variables of the packing, shape (2 N + 1,)."""
+        return np.append(self._start.positions, 0.0)
+
+    def packing(self, z: Floats) -> Packing:
+        """The packing with these variables."""
+        x, scale = self._unpacked(z)
+        box = self._start.box * scale
+        walls = stretched(self._start.walls, self._start.box, box)
+        return replace(self._start, positions=x * scale, box=box, walls=walls)
+
+    def __call__(self, z: Floats) -> tuple[float, Floats]:
+        """The enthalpy and its gradient."""
+        x, scale = self._unpacked(z)
+        self._list(x, scale)
+        apart = self._difference @ x + self._shift
+        distance = scale * np.maximum(np.hypot(*apart.T), np.finfo(float).tiny)
+        overlap = np.maximum(self._contact - distance, 0.0)
+        gradient = self._transposed @ ((-(scale**2) * overlap / distance)[:, None] * apart)
+        energy, virial = 0.5 * float(overlap @ overlap), float(overlap @ distance)
+        if self._distances:
+            out, height = self._distances(x)
+            overlap = np.maximum(self._radius - scale * height, 0.0)
+            gradient += scale * np.sum(overlap[..., None] * out, axis=0)
+            energy += 0.5 * float(np.sum(overlap**2))
+            virial += scale * float(np.sum(overlap * height))
+        area = self._start.area * scale**2
+        self.pressure, self.phi = virial / (2.0 * area), self._phi / scale**2
+        if self._applied is None:
+            return energy, np.append(gradient, 0.0)
+        growth = 2.0 * area * (self._applied - self.pressure) / self._length
+        return energy + self._applied * area, np.append(gradient, growth)
+
+    def preconditioner(self, z: Floats) -> Callable[[Floats], Floats]:
+        """Product of a gradient with the inverse of an approximate Hessian.
+
+        The Hessian is sum_c k_c (do_c/dz)(do_c/dz)^T plus a shift. A contact counts in part,
+
+            k = (1 + o / sqrt(o^2 + 4 m^2)) / 2
+
+        with an overlap or gap o and m in proportion to the pressure, because the minimizer opens
+        and closes contacts. Without the negative part of contacts under pressure it is positive
+        definite. It is factored by SuperLU.
+        """
+        from scipy.sparse import coo_matrix, csc_matrix, identity
+        from scipy.sparse.linalg import splu
+
+        pressure = self.pressure if self._applied is None else self._applied
+        x, scale = self._unpacked(z)
+        self._list(x, scale)
+        apart = self._difference @ x + self._shift
+        lever = np.hypot(*apart.T)
+        direction = apart / np.maximum(lever, np.finfo(float).tiny)[:, None]
+        gap, i, j = scale * lever - self._contact, self._i, self._j
+        if self._distances:  # a wall is a partner that does not move
+            out, height = self._distances(x)
+            number = np.tile(np.arange(len(x)), len(out))
+            lever = np.append(lever, height)
+            gap = np.append(gap, scale * height - self._radius)
+            direction = np.concatenate([direction, out.reshape(-1, 2)])
+            i, j = np.append(i, number), np.append(j, np.full_like(number, -1))
+        smoothing = 2.0 * _SMOOTHING * pressure * self._smallest
+        share = 0.5 * (1.0 - gap / np.hypot(gap, 2.0 * max(smoothing, np.finfo(float).tiny)))
+        near = share > _SMALLEST_SHARE
+        share, lever, direction = share[near], scale * lever[near], scale * direction[near]
+        rows, count = np.arange(len(share)), 2 * len(x)
+        entries = [
+            (sign * direction[there, axis], rows[there], 2 * particle[there] + axis)
+            for particle, sign in ((i[near], -1.0), (j[near], 1.0))
+            for there in [particle >= 0]
+            for axis in (0, 1)
+        ]
+        values, row, column = map(np.concatenate, zip(*entries, strict=True))
+        rigidity = coo_matrix((values, (row, column)), shape=(len(share), count)).tocsr()
+        weighted = rigidity.T.multiply(share).tocsr()
+        shift = _SHIFT * pressure + _SHIFT_OF_SIZE / len(x) ** 2
+        factors = splu(
+            csc_matrix(weighted @ rigidity + shift * identity(count)),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+        if self._applied is None:
+            return lambda gradient: np.append(factors.solve(gradient[:-1]), 0.0)
+        coupling = weighted @ lever / self._length
+        response = factors.solve(coupling)
+        area = self._start.area * scale**2
+        work = 4.0 * self._applied * area + float(share @ lever**2)
+        stiffness = work / self._length**2 + shift - float(coupling @ response)
+
+        def solve(gradient: Floats) -> Floats:
+            centers = factors.solve(gradient[:-1])
+            size = (gradient[-1] - float(coupling @ centers)) / stiffness
+            return np.append(centers - size * response, size)
+
+        return solve
+
+    def _unpacked(self, z: Floats) -> tuple[Floats, float]:
+        """Centers in the box of the packing, and e^s."""
+        return z[:-1].reshape(-1, 2), float(np.exp(z[-1] / self._length))
+
+    def _list(self, x: Floats, scale: float) -> None:
+        """List near pairs, unless all that overlap are in the last list."""
+        from scipy.sparse import csr_matrix
+
+        skin = _SKIN * self._smallest
+        if self._listed:
+            before, size = self._listed
+            step = x - before
+            moved = scale * float(np.sqrt(np.einsum("ij,ij->i", step, step).max()))
+            ratio = scale / size
+            widest = 2.0 * float(self._radius.max() if ratio < 1.0 else self._smallest)
+            if ratio * (widest + skin) - 2.0 * moved > widest:
+                return
+        self._listed = x.copy(), scale
+        placed = self.packing(np.append(x, self._length * np.log(scale)))
+        self._i, self._j, shift = near_pairs(placed, skin)
+        self._shift = shift / scale
+        self._contact = self._radius[self._i] + self._radius[self._j]
+        rows = np.tile(np.arange(len(shift)), 2)
+        signs = np.repeat([-1.0, 1.0], len(shift))
+        columns = np.concatenate([self._i, self._j])
+        self._difference = csr_matrix((signs, (rows, columns)), shape=(len(shift), len(x)))
+        self._transposed = self._difference.T.tocsr()

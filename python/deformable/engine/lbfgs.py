@@ -1,0 +1,133 @@
+"""Minimization by L-BFGS, preconditioned by a factored Hessian that is renewed now and then."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+# Steps that are remembered.
+_MEMORY = 12
+
+# Iterations after which the preconditioner is renewed.
+_LIFETIME = 30
+
+# First part of the gradient that is tried as a step.
+_FIRST = 0.2
+
+# A step must reduce the value by this part of what the slope predicts (Armijo), or else, where
+# rounding hides that, the slope by a tenth.
+_DECREASE, _SLOPE, _ROUNDING = 1e-4, 0.9, 1e-10
+
+# Evaluations along one direction, and directions in a row that fail.
+_TRIALS, _FAILURES = 12, 4
+
+
+class Function(Protocol):
+    """A function with its gradient and an approximate inverse of its Hessian."""
+
+    def __call__(self, z: Floats) -> tuple[float, Floats]: ...
+    def preconditioner(self, z: Floats) -> Callable[[Floats], Floats]: ...
+
+
+def minimize(
+    function: Function,
+    z: Floats,
+    relaxed: Callable[[Floats], bool],
+    largest_step: float,
+    plain: int,
+    patience: int,
+    report: Callable[[int], object] = lambda iterations: None,
+) -> tuple[Floats, bool]:
+    """Minimize a function.
+
+    Args:
+        function: see `Function`; it is evaluated last at the point that is returned.
+        z: start.
+        relaxed: whether a gradient, that of the last evaluation, is small enough.
+        largest_step: of each variable in an iteration.
+        plain: number of iterations before the first preconditioner.
+        patience: largest number of iterations.
+        report: called every 30 iterations with their number.
+
+    Returns:
+        The last point, and whether it is relaxed.
+
+    Source: Nocedal and Wright, Numerical Optimization (2006), chapter 7.
+    """
+    steps: deque[tuple[Floats, Floats, float]] = deque(maxlen=_MEMORY)
+    precondition: Callable[[Floats], Floats] | None = None
+    value, gradient = function(z)
+    renewal, failures = plain, 0
+    for iteration in range(patience):
+        if relaxed(gradient):
+            return z, True
+        if iteration % _LIFETIME == _LIFETIME - 1:
+            report(_LIFETIME)
+        if iteration >= renewal:
+            precondition, renewal = function.preconditioner(z), iteration + _LIFETIME
+            steps.clear()
+        direction = _direction(gradient, steps, precondition)
+        direction *= min(1.0, largest_step / float(np.abs(direction).max(initial=1e-300)))
+        slope = float(gradient @ direction)
+        found = _search(function, z, value, direction, slope) if slope < 0.0 else None
+        if found is None:
+            failures, renewal = failures + 1, iteration
+            steps.clear()
+            if failures == _FAILURES:
+                break
+            continue
+        failures = 0
+        step, change = found[0] - z, found[2] - gradient
+        curvature = float(step @ change)
+        if curvature > 1e-14 * float(np.sqrt((step @ step) * (change @ change))):
+            steps.append((step, change, 1.0 / curvature))
+        z, value, gradient = found
+    _, gradient = function(z)
+    return z, relaxed(gradient)
+
+
+def _direction(
+    gradient: Floats,
+    steps: deque[tuple[Floats, Floats, float]],
+    precondition: Callable[[Floats], Floats] | None,
+) -> Floats:
+    """Minus the gradient times the inverse Hessian that the steps and preconditioner tell."""
+    q, weights = gradient.copy(), []
+    for step, change, inverse in reversed(steps):
+        weights.append(inverse * float(step @ q))
+        q -= weights[-1] * change
+    if precondition is not None:
+        q = precondition(q)
+    elif steps:
+        _, change, inverse = steps[-1]
+        q /= inverse * float(change @ change)
+    else:
+        q *= _FIRST
+    for (step, change, inverse), weight in zip(steps, reversed(weights), strict=True):
+        q += (weight - inverse * float(change @ q)) * step
+    return -q
+
+
+def _search(
+    function: Function, z: Floats, value: float, direction: Floats, slope: float
+) -> tuple[Floats, float, Floats] | None:
+    """Point, value and gradient of a step along a direction; None if none is good enough."""
+    part = 1.0
+    for _ in range(_TRIALS):
+        there = z + part * direction
+        new, gradient = function(there)
+        flatter = float(gradient @ direction)
+        if new <= value + _DECREASE * part * slope or (
+            abs(flatter) <= _SLOPE * abs(slope) and new <= value * (1.0 + _ROUNDING)
+        ):
+            return there, new, gradient
+        # where the slope, taken as linear, is zero
+        zero = part * slope / (slope - flatter) if flatter > slope else 0.5 * part
+        part = min(max(zero, 0.1 * part), 0.6 * part)
+    return None

@@ -1,0 +1,59 @@
+"""Pairs of disks that are near one another, among all periodic images."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.packing import Packing
+from ..model.room import closed
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+def near_pairs(packing: Packing, skin: float) -> tuple[Integers, Integers, Floats]:
+    """Pairs with d < R_i + R_j + skin, each once, with every image and with images of itself.
+
+    Args:
+        packing: gives centers, radii and box; directions that walls close have no images.
+        skin: see above [length].
+
+    Returns:
+        Numbers i and j of the particles, shape (M,), and the lattice vector that is to be added to
+        r_j - r_i, shape (M, 2) [length]; sorted by i, j and that vector.
+    """
+    from scipy.spatial import cKDTree
+
+    box, radius = packing.box, packing.radius
+    reach = 2.0 * float(radius.max()) + skin
+    fractions = packing.positions @ np.linalg.inv(box)
+    cell = np.where(closed(packing.walls), 0.0, np.floor(fractions))
+    fractions = fractions - cell
+    # the box is so wide between its sides along each direction
+    width = np.prod(box.diagonal()) / np.hypot(*box[::-1].T)
+    margin = reach / width
+    counts = np.where(closed(packing.walls), 0, np.ceil(margin)).astype(int).tolist()
+    images = [(np.arange(len(packing)), np.zeros((len(packing), 2)))]
+    for step in product(*(range(-count, count + 1) for count in counts)):
+        if any(step):
+            moved = fractions + step
+            inside = ((moved >= -margin) & (moved <= 1.0 + margin)).all(axis=1)
+            number = np.flatnonzero(inside)
+            images.append((number, np.broadcast_to(np.array(step, float), (len(number), 2))))
+    number = np.concatenate([which for which, _ in images])
+    lattice = np.concatenate([steps for _, steps in images])
+    tree = cKDTree((fractions[number] + lattice) @ box)
+    i, image = np.sort(tree.query_pairs(reach, output_type="ndarray").astype(np.int64), axis=1).T
+    j, step = number[image], lattice[image]
+    # particles of the box come first; i with an image of j is also j with the opposite image of i
+    once = (i < j) | ((i == j) & ((step[:, 0] > 0) | ((step[:, 0] == 0) & (step[:, 1] > 0))))
+    once &= i < len(packing)
+    i, j, image, step = i[once], j[once], image[once], step[once]
+    apart = tree.data[image] - tree.data[i]
+    near = np.hypot(*apart.T) < radius[i] + radius[j] + skin
+    i, j, step = i[near], j[near], step[near] + cell[i[near]] - cell[j[near]]
+    order = np.lexsort((step[:, 1], step[:, 0], j, i))
+    return i[order], j[order], step[order] @ box

@@ -1,0 +1,124 @@
+"""Soft disks without LAMMPS: near pairs, energy, pressure, gradient, preconditioner."""
+
+import dataclasses
+
+import deformable
+import numpy as np
+import pytest
+from deformable.engine.enthalpy import Enthalpy
+from deformable.engine.neighbors import near_pairs
+from deformable.engine.relaxed_disks import relax_at_pressure
+
+SCENE = (deformable.Circle((0, 0), 4), deformable.Disk((1, 0.5), 0.6))
+CHANNEL = (deformable.Plane((0, 0), (0, 1)), deformable.Plane((0, 5), (0, -1)))
+PACKINGS = {
+    "rectangle": deformable.bidisperse(30, phi=0.95, aspect=1.4, seed=1),
+    "tilted": deformable.bidisperse(30, phi=0.95, tilt=-0.7, seed=2),
+    "one": deformable.bidisperse(1, phi=0.9, tilt=0.3),
+    "two": deformable.bidisperse(2, phi=0.95, aspect=3.0),
+    "sizes": deformable.polydisperse(20, np.linspace(0.1, 1.0, 20), phi=0.95, tilt=2.2),
+    "circle": deformable.bidisperse(40).between(SCENE),
+    "channel": deformable.bidisperse(20, phi=0.9).between(CHANNEL),
+}
+
+
+@pytest.fixture(params=PACKINGS)
+def packing(request: pytest.FixtureRequest) -> deformable.Packing:
+    return PACKINGS[request.param]
+
+
+def strayed(packing: deformable.Packing) -> deformable.Packing:
+    """The same packing, with some particles in other periodic images."""
+    if packing.walls:
+        return packing
+    cells = np.random.default_rng(1).integers(-2, 3, (len(packing), 2))
+    return dataclasses.replace(packing, positions=packing.positions + cells @ packing.box)
+
+
+def test_near_pairs_are_all_pairs(packing: deformable.Packing) -> None:
+    """Against a search through all images."""
+    packing = strayed(packing)
+    skin = 0.2
+    i, j, shift = near_pairs(packing, skin)
+    apart = packing.positions[j] + shift - packing.positions[i]
+    distance = np.hypot(*apart.T)
+    assert (distance < packing.radius[i] + packing.radius[j] + skin).all()
+    x = packing.positions
+    shut = deformable.model.room.closed(packing.walls)
+    spans = [range(1) if closed else range(-12, 13) for closed in shut]
+    steps = np.array([(a, b) for a in spans[0] for b in spans[1]]) @ packing.box
+    all_distances = np.linalg.norm((x[:, None] - x)[:, :, None] + steps, axis=-1)
+    near = all_distances < (packing.radius[:, None] + packing.radius)[..., None] + skin
+    assert 2 * len(i) == near.sum() - len(packing)  # but itself
+
+
+def test_energy_and_pressure_are_those_of_disks_in_lammps(packing: deformable.Packing) -> None:
+    enthalpy = Enthalpy(strayed(packing), None)
+    energy, gradient = enthalpy(enthalpy.start)
+    with deformable.Disks(packing) as disks:
+        state = disks.state()
+        forces = np.array(disks.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
+    assert energy == pytest.approx(state.energy, rel=1e-12)
+    assert enthalpy.pressure == pytest.approx(state.pressure, rel=1e-12)
+    assert gradient[:-1].reshape(-1, 2) == pytest.approx(-forces, abs=1e-12)
+
+
+def test_gradient_is_that_of_finite_differences(packing: deformable.Packing) -> None:
+    enthalpy = Enthalpy(packing, 0.1)
+    rng, step = np.random.default_rng(3), 1e-5
+    z = enthalpy.start + np.append(np.zeros(2 * len(packing)), 0.3)  # in a larger box
+    _, gradient = enthalpy(z)
+    for _ in range(4):
+        direction = rng.normal(size=len(z))
+        (above, _), (below, _) = (enthalpy(z + sign * step * direction) for sign in (1, -1))
+        assert gradient @ direction == pytest.approx((above - below) / (2 * step), rel=1e-6)
+
+
+@pytest.mark.parametrize("applied", [None, 0.01])
+@pytest.mark.parametrize("name", ["tilted", "circle"])
+def test_preconditioner_is_symmetric_and_follows_the_hessian(
+    name: str, applied: float | None
+) -> None:
+    """Contacts count by a half to one, and 5 P is added to stiffnesses of about 1."""
+    relaxed = relax_at_pressure(PACKINGS[name], 0.01, 1e-4, lambda *values: None).packing
+    enthalpy = Enthalpy(relaxed, applied)
+    z, rng = enthalpy.start, np.random.default_rng(5)
+    enthalpy(z)
+    solve = enthalpy.preconditioner(z)
+    free = slice(None) if applied else slice(-1)
+    one, other = np.zeros((2, len(z)))
+    one[free], other[free] = rng.normal(size=(2, len(z)))[:, free]
+    assert solve(one) @ other == pytest.approx(solve(other) @ one, rel=1e-9)
+    assert solve(one) @ one > 0.0
+    small = 1e-7
+    hessian = (enthalpy(z + small * one)[1] - enthalpy(z - small * one)[1]) / (2 * small)
+    assert 0.5 < solve(hessian) @ hessian / (one @ hessian) < 2.0
+
+
+def test_list_of_pairs_follows_large_steps() -> None:
+    """Steps of any size give the energy of a new list."""
+    packing = PACKINGS["tilted"]
+    enthalpy, rng = Enthalpy(packing, 0.1), np.random.default_rng(6)
+    z = enthalpy.start
+    for size in (1e-3, 1e-2, 0.1, 1.0):
+        z = z + size * rng.normal(size=len(z))
+        fresh = Enthalpy(packing, 0.1)
+        assert enthalpy(z)[0] == pytest.approx(fresh(z)[0], rel=1e-12)
+        there = enthalpy.packing(z)
+        with deformable.Disks(there) as disks:
+            assert disks.state().pressure == pytest.approx(enthalpy.pressure, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["tilted", "circle"])
+def test_relaxation_at_a_pressure(name: str) -> None:
+    """The box keeps its shape, and has the pressure."""
+    packing = PACKINGS[name]
+    found = relax_at_pressure(packing, 0.01, 1e-8, lambda *values: None)
+    assert not found.stalled
+    with deformable.Disks(found.packing) as disks:
+        state = disks.state()
+    assert [state.pressure, found.pressure] == pytest.approx([0.01, 0.01], rel=1e-6)
+    assert state.residual < 1e-6
+    assert found.packing.box / found.packing.box[0, 0] == pytest.approx(
+        packing.box / packing.box[0, 0], rel=1e-12
+    )

@@ -1,0 +1,100 @@
+"""The law `tilted` in Python: its contacts, what it says of its error, and runs with it."""
+
+import csv
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from deformable.io.frames import append_frame
+from deformable.io.run_folder import SERIES
+from mpi4py import MPI
+
+
+@pytest.fixture(scope="module")
+def states() -> dict[str, deformable.State]:
+    """A packing strained by 3 % beyond jamming, with each ring law."""
+    jammed = deformable.jam(deformable.bidisperse(16, seed=1))
+    found = {}
+    for law in ("balanced", "tilted", "radical"):
+        with deformable.Simulation(jammed, deformable.Ring(contact=law), MPI.COMM_SELF) as sim:
+            sim.deform(sim.box * 0.97)
+            found[law] = sim.relax()
+    return found
+
+
+def test_energy(states: dict[str, deformable.State]) -> None:
+    """Tilts lower the energy by about a per cent at this strain, on any way to rest."""
+    below = 1.0 - states["tilted"].energy / states["balanced"].energy
+    assert 0.004 < below < 0.02
+    assert states["tilted"].residual <= 1e-6
+
+
+def test_contacts(states: dict[str, deformable.State]) -> None:
+    """Forces and tilts are equal from both sides, and partners stand where they are."""
+    state = states["tilted"]
+    table, centers = state.contact_table, state.packing.positions
+    rows = {(row["i"], row["j"], *row["image"]): row for row in table}
+    for (i, j, a, b), row in rows.items():
+        other = rows[j, i, -a, -b]
+        assert row["force"] == other["force"]
+        assert row["tilt"] == pytest.approx(other["tilt"], rel=1e-12)
+        apart = centers[j] + np.array([a, b]) @ state.packing.box - centers[i]
+        direction = np.arctan2(apart[1], apart[0])
+        turn = np.remainder(row["angle"] - row["tilt"] - direction + np.pi, 2 * np.pi) - np.pi
+        assert abs(turn) < 1e-12
+        heights = state.packing.radius[[i, j]] - (row["indentation"], other["indentation"])
+        assert sum(heights) == pytest.approx(row["distance"] * np.cos(row["tilt"]), rel=1e-9)
+    assert 0.01 < np.abs(table["tilt"]).max() < 0.1
+    assert (states["balanced"].contact_table["tilt"] == 0).all()
+
+
+def test_force_is_along_normals(states: dict[str, deformable.State]) -> None:
+    """Nothing but p L n: they sum to zero at rest, to the tolerance of the relaxation."""
+    table = states["tilted"].contact_table
+    out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
+    force = np.zeros_like(states["tilted"].packing.positions)
+    np.add.at(force, table["i"], table["force"][:, None] * out)
+    assert np.abs(force).max() < 2e-6 * table["force"].mean()
+
+
+def test_model_error(states: dict[str, deformable.State]) -> None:
+    for law in ("balanced", "tilted"):
+        told = states[law].model_error
+        assert told is not None
+        assert told.shape == (16,)
+        assert (told >= 0).all()
+        assert 3e-4 < told.sum() / states[law].energy < 5e-3
+        assert states[law].numbers()["model_error"] == told.sum()
+        with pytest.raises(ValueError, match="read-only"):
+            told[0] = 0.0
+    assert states["radical"].model_error is None
+    assert "model_error" not in states["radical"].numbers()
+
+
+def test_runs(tmp_path: Path) -> None:
+    """The law comes back, and the series has the error."""
+    jammed = deformable.jam(deformable.bidisperse(16, seed=1))
+    law, folder = deformable.Ring(contact="tilted"), tmp_path / "run"
+    with deformable.Simulation(jammed, law, MPI.COMM_SELF) as sim:
+        *_, last = deformable.compress_in(folder, sim, strain=0.02, steps=2)
+    with deformable.load(folder, MPI.COMM_SELF) as again:
+        assert again.law == law
+        assert again.state().energy == pytest.approx(last.energy, rel=1e-9)
+    with (folder / SERIES).open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert float(rows[-1]["model_error"]) == last.numbers()["model_error"]
+
+
+def test_series_of_an_older_version(states: dict[str, deformable.State], tmp_path: Path) -> None:
+    """Rows that are appended have the columns that the series was begun with."""
+    state = states["tilted"]
+    numbers = state.numbers()
+    old = {name: value for name, value in numbers.items() if name != "model_error"}
+    for number, values in enumerate((old, numbers)):
+        append_frame(tmp_path, number, state.packing, state.particle_values(), values)
+    with (tmp_path / SERIES).open(newline="") as file:
+        head, *rows = csv.reader(file)
+    assert head == ["frame", *old]
+    assert [len(row) for row in rows] == [len(head)] * 2
+    assert rows[0][1:] == rows[1][1:]
