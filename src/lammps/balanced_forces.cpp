@@ -107,15 +107,15 @@ int BalancedForces::without_room() const
 // A bubble of gas that cannot bear the forces of its contacts: they do not grow, and most of an overlap is left.
 int BalancedForces::collapsed() const
 {
-  constexpr double MUCH = 0.01;
-  constexpr int MANY = 20;    // evaluations that usually balance anything
+  constexpr double MUCH = 0.02;    // of a radius
+  constexpr int MANY = 20;         // evaluations that usually balance anything
   if (!batches.tense || solver.evaluations < MANY) return -1;
   const auto is_bubble = [this](int i) {
     return i >= 0 && batches.tension[batches.place[i]] > 0.0 &&
            std::isfinite(batches.kA[batches.place[i]]);
   };
   for (int k = 0; k < near.pairs.size; ++k) {
-    if (residual(k) < MUCH * near.pairs.touching[k]) continue;
+    if (residual(k) < MUCH * batches.radius[batches.place[near.pairs.i[k]]]) continue;
     if (is_bubble(near.pairs.i[k])) return near.pairs.i[k];
     if (is_bubble(near.pairs.second[k])) return near.pairs.second[k];
   }

@@ -35,8 +35,8 @@ void NearList::build(const DeformableParticles &p, bool new_list)
   }
   remote_sides.to_ghosts(bulge);
 
-  PairList old;    // not kept: it would take memory between the builds
-  std::swap(old, static_cast<PairList &>(pairs));
+  KnownPairs old;    // not kept: it would take memory between the builds
+  std::swap(old, static_cast<KnownPairs &>(pairs));
   pairs.tilts = old.tilts;
   pairs.clear(old.size);
   candidates.clear();
@@ -170,7 +170,7 @@ void NearList::visit_walls(const DeformableParticles &p, int i, Visitor &&visito
                          });
 }
 
-void NearList::add_walls(const DeformableParticles &p, bool new_list, const PairList &old)
+void NearList::add_walls(const DeformableParticles &p, bool new_list, const KnownPairs &old)
 {
   first_wall.assign(atom->nlocal + 1, 0);
   int next_old = old.wall;
@@ -212,12 +212,16 @@ void NearList::set_constants(const DeformableParticles &p)
     else
       softness.push_back(1.0 / std::cbrt(deformable::area_stiffness(r, s.stiffness)));
   }
+  double most = 0.0;
   for (int k = 0; k < pairs.size; ++k) {
     const int i = pairs.i[k], j = pairs.j[k];
     double soft = softness[atom->type[i]];
     if (k < pairs.wall) soft += softness[atom->type[j]];
     pairs.stiffening[k] = 1.0 / (2.0 * GREEN_AT_ZERO * GREEN_AT_ZERO * soft * soft * soft);
+    most = std::max(most, pairs.stiffening[k]);
   }
+  most *= p.smallest * p.smallest;
+  pairs.scale = most > 0.0 ? std::ldexp(1.0, -std::ilogb(most)) : 1.0;
 }
 
 /* ----------------------------------------------------------------------

@@ -78,7 +78,7 @@ class NearList : protected Pointers {
   void store_history();
   void find_owners();
   void guess_bulges(const DeformableParticles &);
-  void add_walls(const DeformableParticles &, bool new_list, const PairList &old);
+  void add_walls(const DeformableParticles &, bool new_list, const KnownPairs &old);
   void set_constants(const DeformableParticles &);
   double box_change() const;
   template <class Visitor> void visit_walls(const DeformableParticles &, int i, Visitor &&) const;

@@ -80,7 +80,7 @@ def install(folder, prefix):
 
 def build_plugin(folder, *options):
     """The folder with the plugin, installed by CMake alone."""
-    build(ROOT, folder / "build", "-DCMAKE_UNITY_BUILD=ON", *options)
+    build(ROOT, folder / "build", *options)
     install(folder / "build", folder / "prefix")
     (plugin,) = (folder / "prefix").glob("lib*/**/deformableplugin.so")
     return plugin.parent

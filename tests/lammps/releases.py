@@ -26,7 +26,8 @@ PATIENT = {
 EDGE = PACKING["L"] + 0.55  # a room a little larger than the packing's box
 PARTICLES = "\npair_coeff * * bubbles.deformable small large"  # a file of the package, by its name
 STYLES = {
-    "packing": "pair_style deformable/ring" + PARTICLES + "\nvariable length equal 0",
+    # a tolerance so small that the way of the iteration does not show
+    "packing": f"pair_style deformable/ring balance 1e-13 100{PARTICLES}\nvariable length equal 0",
     "container": f"""
 pair_style deformable/ring contact radical{PARTICLES}
 region walls block -0.55 {EDGE} -0.55 {EDGE} -0.5 0.5
