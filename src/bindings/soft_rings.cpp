@@ -30,7 +30,7 @@ SoftResult soft_ring(const Call &call, const Stiffness &stiffness, double skin)
     result.energy = harmonic(stiffness.kA, result.shape.area_deficit);
   } else if (!soft_ring_shape(result.radius, stiffness, call.view(), is_active.data(), lcp,
                               result.shape, result.energy)) {
-    refuse("indentation: these contacts leave no room for a ring of this stiffness");
+    refuse("indentation: these contacts leave no room for a ring of this stiffness and area");
   }
   return result;
 }

@@ -200,10 +200,10 @@ void PairDeformableRing::no_shape(int i, int contacts)
   const Species &s = species[atom->type[i]];
   const bool keeps_area = std::isinf(s.stiffness.kA);
   error->one(FLERR,
-             "Atom {} has no stable shape{}: its {} contacts leave no room. Compress less, or give "
+             "Atom {} has no {}: its {} contacts leave no room. Compress less, or give "
              "species {} a {} kA",
-             atom->tag[i], keeps_area ? " that keeps its area" : "", contacts, s.name,
-             keeps_area ? "finite" : "larger");
+             atom->tag[i], keeps_area ? "shape that keeps its area" : "stable shape", contacts,
+             s.name, keeps_area ? "finite" : "larger");
 }
 
 /* ----------------------------------------------------------------------
