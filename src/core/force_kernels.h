@@ -73,11 +73,11 @@ struct PairPlaces {
 // Contact lines that tilt.
 struct LineArrays {
   const double *per_distance, *force;
-  const int *first, *second;           // contacts of the pairs
-  const double *slope, *slope_rate;    // t and dt/dtheta, by contact
-  double *sine, *next;                 // of the tilt, and of the next one
-  double *turns;    // 1, or 0: this line stays perpendicular to the line of centers
+  const int *first, *second;            // contacts of the pairs
+  const double *slope, *slope_rate;     // t and dt/dtheta, by contact
+  double *sine, *next;                  // of the tilt, and of the next one
   double *overlap, *angle, *nx, *ny;    // of the tilted line
+  double part;                          // of the step to the next tilt
 };
 
 struct ForceKernels {

@@ -182,8 +182,8 @@ static void remember(const PairArrays &p, int begin, int end)
   });
 }
 
-// The torque d sin(tilt) - t_i - t_j, over d, should vanish. The part of the stiffness against tilts that the outlines
-// leave is not below STABLE. A line at the end of the range that would tilt further stops turning while it bears a force.
+// The torque d sin(tilt) - t_i - t_j, over d, should vanish, unless the line is at an end of the range and would tilt
+// further. The part of the stiffness against tilts that the outlines leave is not below STABLE.
 static double find_tilts(const LineArrays &p, int begin, int end)
 {
   constexpr double STABLE = 0.3;
@@ -191,17 +191,14 @@ static double find_tilts(const LineArrays &p, int begin, int end)
   double last_worst = 0.0;
   const auto look = [&](auto kind, int k, auto &worst) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
-    const T force = load<T>(p.force + k), sine = load<T>(p.sine + k), zero = T{}, one = zero + 1.0;
+    const T force = load<T>(p.force + k), sine = load<T>(p.sine + k), zero = T{};
     const T most = zero + LARGEST_SINE, per_d = load<T>(p.per_distance + k);
     const T slope = of_both<T>(p.slope, p, k), rate = of_both<T>(p.slope_rate, p, k);
     const T off = slope * per_d - sine, stiffness = 1.0 - rate * per_d / root(1.0 - sine * sine);
-    const T better = sine + off / larger(stiffness, zero + STABLE);
-    const T before = load<T>(p.turns + k);
-    const T at_end = select(magnitude(sine) >= most, zero, before);
-    const T turns = select(force > 0.0, select(magnitude(better) > most, at_end, before), one);
-    store(p.turns + k, turns);
-    store(p.next + k, turns * smaller(larger(better, -most), most));
-    worst = larger(worst, force * magnitude(select(turns > 0.0, off, sine)));
+    const T better = sine + p.part * off / larger(stiffness, zero + STABLE);
+    const T next = smaller(larger(better, -most), most);
+    store(p.next + k, next);
+    worst = larger(worst, force * magnitude(select(next == sine, zero, off)));
   };
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     if constexpr (sizeof(kind) == sizeof(Lanes))

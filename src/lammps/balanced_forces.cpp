@@ -40,14 +40,13 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
       near.locate(p);
       continue;
     }
-    if (near.pairs.tilts && leave_gaps(p) && lists < MOST_LISTS) {
-      near.locate(p);
-      continue;
-    }
     if (!is_balanced && without_room() < 0) warn_unbalanced();
     break;
   }
-  if (!near.pairs.tilts) kernels.slopes(batches.arrays(), near.pairs.directions(), nullptr);
+  if (!near.pairs.tilts)
+    kernels.slopes(batches.arrays(), near.pairs.directions(), nullptr);
+  else if (new_list && !warned_limited)
+    warn_limited();
   return -1;
 }
 
@@ -179,43 +178,17 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
   return n;
 }
 
-/* ----------------------------------------------------------------------
-   A tilted line must lie between both centers: otherwise it is upright in the
-   next solution. An outline that a line presses behind its center is crowded:
-   a <= G(0) sum L - delta. Returns whether there is such a line on any rank.
-------------------------------------------------------------------------- */
-
-bool BalancedForces::leave_gaps(const DeformableParticles &p)
+// Ranks compare when the neighbor list is new.
+void BalancedForces::warn_limited()
 {
-  NearPairs &pairs = near.pairs;
-  int is_any[2] = {!crowded.empty(), solver.tilts.any_upright}, leaves = 0;
-  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, is_any, 2, MPI_INT, MPI_MAX, world);
-  upright_lines = 0.0;
-  if (is_any[1] != 0)
-    for (int k = 0; k < pairs.wall; ++k)
-      if (solver.tilts.is_upright(k)) upright_lines += k < pairs.remote ? 1.0 : 0.5;
-  if (is_any[1] != 0 && !warned_upright) warn_upright();
-  if (is_any[0] == 0) return false;
-  for (int k = 0; k < pairs.wall; ++k) {
-    if (!(pairs.force[k] > 0.0) || solver.tilts.is_upright(k)) continue;
-    const double a = batches.indentation[pairs.side[0][k]];
-    const double b = batches.indentation[pairs.side[1][k]];
-    if (a < p.radius[pairs.i[k]] && b < p.radius[pairs.j[k]]) continue;
-    LineTilts::keep_upright(pairs, k);
-    leaves = 1;
-  }
-  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &leaves, 1, MPI_INT, MPI_MAX, world);
-  return leaves != 0;
-}
-
-void BalancedForces::warn_upright()
-{
-  warned_upright = true;
+  int here = solver.tilts.limited > 0.0, any = here;
+  if (comm->nprocs > 1) MPI_Allreduce(&here, &any, 1, MPI_INT, MPI_MAX, world);
+  if (any == 0) return;
+  warned_limited = true;
   if (comm->me == 0)
     error->warning(FLERR,
-                   "Contact lines would tilt by more than 0.3 rad, or leave the gap between their "
-                   "particles: they stay perpendicular to the line of centers. 'compute ID all "
-                   "pair' counts them");
+                   "Contact lines would tilt by more than 0.3 rad, as between particles beyond the "
+                   "model: they tilt by 0.3. 'compute ID all pair' counts them");
 }
 
 /* ---------------------------------------------------------------------- */

@@ -49,10 +49,9 @@ class BalancedForces : protected Pointers {
   // its energy; by particle of this rank.
   void find_model_errors(std::vector<double> &of_particle);
 
-  // The tilt of the line of a pair, the same from both sides [rad], and the number of lines that bear a force but do
-  // not tilt, because they would tilt too far. A line that two ranks share counts half on each.
+  // The tilt of the line of a pair, the same from both sides [rad], and the number of lines that would tilt further.
   double tilt(int k) const { return near.pairs.tilts ? std::asin(near.pairs.tilt[k]) : 0.0; }
-  double upright() const { return upright_lines; }
+  double limited_tilts() const { return solver.tilts.limited; }
 
   // The rings whose smallest radius of curvature may be negative.
   const std::vector<int> &crowded_rings() const { return crowded; }
@@ -77,8 +76,7 @@ class BalancedForces : protected Pointers {
   ForceBatches batches;
   ForceSolver solver;
   std::vector<int> crowded;
-  bool is_balanced = false, warned = false, warned_upright = false;
-  double upright_lines = 0.0;
+  bool is_balanced = false, warned = false, warned_limited = false;
   std::vector<double> pressure_at, tension_at;    // of the ring of each contact
 
   void arrange(const DeformableParticles &);
@@ -91,8 +89,7 @@ class BalancedForces : protected Pointers {
   void find_bulges();
   int collapsed() const;
   void warn_unbalanced();
-  bool leave_gaps(const DeformableParticles &);
-  void warn_upright();
+  void warn_limited();
 };
 
 }    // namespace LAMMPS_NS

@@ -97,6 +97,7 @@ ForceSolver::Evaluation ForceSolver::correct(const Evaluation &from)
   const bool turns = pairs->tilts && from.forces <= CLOSE * from.largest;
   if (!turns) return line_search(slope, from.forces, false);
   const double torques = find_torques();
+  tilts.adapt(torques);
   tilts.turn(*pairs, *batches, kernels);
   return line_search(slope, std::max(from.forces, torques), true);
 }

@@ -8,26 +8,24 @@
 using namespace LAMMPS_NS;
 using deformable::LARGEST_SINE;
 
-static constexpr double UPRIGHT = 2.0;    // in place of a past sine
-
 void LineTilts::predict(NearPairs &p, const deformable::ForceKernels &kernels, const double *c)
 {
   deformable::PairArrays pasts = {};
   for (int n = 0; n < 3; ++n) pasts.past[n] = p.past_tilt[n].data();
-  kernels.extrapolate(pasts, c, 0, p.size);    // leaves UPRIGHT
+  kernels.extrapolate(pasts, c, 0, p.size);
   std::swap(p.past_tilt[1], p.past_tilt[2]);
   std::swap(p.past_tilt[0], p.past_tilt[1]);
 }
 
 void LineTilts::start(NearPairs &p, ForceBatches &b, const deformable::ForceKernels &kernels)
 {
+  part = 1.0;
+  last_imbalance = 0.0;
   next.resize(p.size);
-  turns.resize(p.size);
   rate.resize(b.indentation.size());
   for (int k = 0; k < p.size; ++k) {
     const double sine = p.past_tilt[0][k];
-    const bool is_known = sine != UPRIGHT && sine != deformable::UNKNOWN_FORCE;
-    turns[k] = sine == UPRIGHT ? 0.0 : 1.0;
+    const bool is_known = sine != deformable::UNKNOWN_FORCE;
     next[k] = is_known ? std::clamp(sine, -LARGEST_SINE, LARGEST_SINE) : 0.0;
   }
   turn(p, b, kernels);
@@ -35,10 +33,19 @@ void LineTilts::start(NearPairs &p, ForceBatches &b, const deformable::ForceKern
 
 deformable::LineArrays LineTilts::arrays(NearPairs &p, ForceBatches &b)
 {
-  return {
-      p.per_distance.data(), p.force.data(), p.side[0].data(), p.side[1].data(), b.slope.data(),
-      rate.data(),           p.tilt.data(),  next.data(),      turns.data(),     p.overlap.data(),
-      p.angle.data(),        p.nx.data(),    p.ny.data()};
+  return {p.per_distance.data(),
+          p.force.data(),
+          p.side[0].data(),
+          p.side[1].data(),
+          b.slope.data(),
+          rate.data(),
+          p.tilt.data(),
+          next.data(),
+          p.overlap.data(),
+          p.angle.data(),
+          p.nx.data(),
+          p.ny.data(),
+          part};
 }
 
 double LineTilts::find(NearPairs &p, ForceBatches &b, const deformable::ForceKernels &kernels)
@@ -46,30 +53,37 @@ double LineTilts::find(NearPairs &p, ForceBatches &b, const deformable::ForceKer
   return kernels.find_tilts(arrays(p, b), 0, p.wall);
 }
 
+// Forces respond to tilts, which Newton's method for each line alone does not know. Beyond the model the response may be
+// so strong that full steps oscillate.
+void LineTilts::adapt(double imbalance)
+{
+  constexpr double NOT_LESS = 0.9, LEAST = 0.05;
+  const bool falls = last_imbalance == 0.0 || imbalance < NOT_LESS * last_imbalance;
+  part = falls ? std::min(1.0, 1.5 * part) : std::max(LEAST, 0.5 * part);
+  last_imbalance = imbalance;
+}
+
 void LineTilts::turn(NearPairs &p, ForceBatches &b, const deformable::ForceKernels &kernels)
 {
   kernels.turn_lines(arrays(p, b), 0, p.wall);
 }
 
-void LineTilts::keep_upright(NearPairs &p, int k)
-{
-  for (std::vector<double> &past : p.past_tilt) past[k] = UPRIGHT;
-}
-
-// A line that has begun or ceased to turn has no past.
 void LineTilts::remember(NearPairs &p)
 {
-  constexpr double OTHER = 1.0;    // sines differ by less, UPRIGHT and UNKNOWN_FORCE by more
   double *const now = p.past_tilt[0].data(), *const last = p.past_tilt[1].data();
   double *const before = p.past_tilt[2].data();
-  double fewest = 1.0;
   for (int k = 0; k < p.wall; ++k) {
-    const double sine = is_upright(k) ? UPRIGHT : next[k];
-    fewest = std::min(fewest, turns[k]);
-    const bool is_new = std::fabs(now[k] - sine) > OTHER;
+    const double sine = next[k];
+    const bool is_new = now[k] == deformable::UNKNOWN_FORCE;
     now[k] = sine;
-    last[k] = is_new || std::fabs(last[k] - sine) > OTHER ? sine : last[k];
-    before[k] = is_new || std::fabs(before[k] - sine) > OTHER ? sine : before[k];
+    last[k] = is_new || last[k] == deformable::UNKNOWN_FORCE ? sine : last[k];
+    before[k] = is_new || before[k] == deformable::UNKNOWN_FORCE ? sine : before[k];
   }
-  any_upright = fewest == 0.0;
+  const auto count = [&p](int begin, int end) {
+    int found = 0;
+    for (int k = begin; k < end; ++k)
+      found += std::fabs(p.tilt[k]) >= LARGEST_SINE && p.force[k] > 0.0;
+    return found;
+  };
+  limited = count(0, p.remote) + 0.5 * count(p.remote, p.wall);
 }

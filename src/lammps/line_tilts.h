@@ -5,8 +5,8 @@
 // on the tilts in turn: Newton's method for each pair alone, with all forces as they are, needs few steps. The imbalance
 // of a line is the torque on it over d, a force.
 //
-// A line that bears a force and would tilt by more than 0.3 rad, or leave the gap between the centers, stays
-// perpendicular to the line of centers as long as it bears a force.
+// No line tilts by more than 0.3 rad. At the limit the energy is smallest over the tilts that are allowed, so it has no
+// jump there and does not depend on the past.
 
 #ifndef LMP_LINE_TILTS_H
 #define LMP_LINE_TILTS_H
@@ -20,6 +20,9 @@ namespace LAMMPS_NS {
 
 class LineTilts {
  public:
+  // Lines of the last solution that bear a force at the limit. A line that two ranks share counts half on each.
+  double limited = 0.0;
+
   // Extrapolates the tilts of the last calls, which the pairs have.
   static void predict(NearPairs &, const deformable::ForceKernels &, const double *coefficients);
 
@@ -32,19 +35,18 @@ class LineTilts {
   // Finds the next tilts from slopes and rates. Returns the largest imbalance.
   double find(NearPairs &, ForceBatches &, const deformable::ForceKernels &);
 
+  // Steps become shorter where imbalances do not fall, and longer again where they do.
+  void adapt(double imbalance);
+
   // All lines take the tilts found last, or keep them for the next call.
   void turn(NearPairs &, ForceBatches &, const deformable::ForceKernels &);
   void remember(NearPairs &);
 
-  // For the next solution: a line that must not tilt. Of the last one: the lines that bear a force without a tilt.
-  static void keep_upright(NearPairs &, int k);
-  bool is_upright(int k) const { return turns[k] == 0.0; }
-  bool any_upright = false;    // on this rank
-
-  double bytes() const { return bytes_of(next, turns, rate); }
+  double bytes() const { return bytes_of(next, rate); }
 
  private:
-  std::vector<double> next, turns, rate;    // see LineArrays
+  std::vector<double> next, rate;    // see LineArrays
+  double part = 1.0, last_imbalance = 0.0;
   deformable::LineArrays arrays(NearPairs &, ForceBatches &);
 };
 

@@ -36,7 +36,7 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
       pvector[4] += errors[i];
     }
   }
-  pvector[5] = balanced->upright();
+  pvector[5] = balanced->limited_tilts();
   if (eflag_either || needs_shapes() || neighbor->ago == 0)
     for (int ii = 0; ii < list->inum; ++ii) finish_balanced(list->ilist[ii]);
   else
