@@ -220,8 +220,10 @@ void NearList::set_constants(const DeformableParticles &p)
     pairs.stiffening[k] = 1.0 / (2.0 * GREEN_AT_ZERO * GREEN_AT_ZERO * soft * soft * soft);
     most = std::max(most, pairs.stiffening[k]);
   }
-  most *= p.smallest * p.smallest;
-  pairs.scale = most > 0.0 ? std::ldexp(1.0, -std::ilogb(most)) : 1.0;
+  double of_all = most;    // the same on all ranks, which sum up what is scaled
+  if (comm->nprocs > 1) MPI_Allreduce(&most, &of_all, 1, MPI_DOUBLE, MPI_MAX, world);
+  of_all *= p.smallest * p.smallest;
+  pairs.scale = of_all > 0.0 ? std::ldexp(1.0, -std::ilogb(of_all)) : 1.0;
 }
 
 /* ----------------------------------------------------------------------

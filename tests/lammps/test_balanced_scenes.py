@@ -1,8 +1,10 @@
 """Balanced contacts: scenes with a known answer."""
 
+import deformable
 import numpy as np
 import pytest
 from balanced import DEFAULT, EXACT, of_compute_pair
+from deformable.engine.lammps import gather
 from scene import PACKINGS, SPECIES, Scene, polygon_walls
 from test_forces import BOX, assert_forces
 from test_soft_rings import mixture
@@ -183,6 +185,20 @@ def test_stiff_beside_soft(draw, seed, tmp_path):
     for power in (-27, 27):
         scaled = scattered(draw, seed, tmp_path, 2.0**power).evaluate()
         assert scaled.energy == pytest.approx(2.0**power * state.energy, rel=1e-13)
+
+
+@pytest.mark.parametrize("unit", [2.0**-132, 2.0**132])
+def test_any_unit_of_stiffness(unit):
+    """Corrections are in single precision, whose numbers end at 1e-38 and 3e38."""
+    packing = deformable.jam(deformable.bidisperse(64, seed=1)).at(0.9)
+    forces = []
+    for kA in (1.0, unit):
+        with deformable.Simulation(packing, deformable.Ring(kA=kA, kP=0.1 * kA)) as sim:
+            sim.lmp.command("run 0 post no")
+            forces.append(gather(sim.lmp, "f", 3) / kA)
+    scale = np.abs(forces[0]).max()
+    assert scale > 1e-4
+    np.testing.assert_allclose(forces[1], forces[0], rtol=0, atol=1e-12 * scale)
 
 
 def test_more_reach_than_the_box():
