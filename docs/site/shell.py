@@ -10,7 +10,7 @@ from mkdocs.structure.files import File, Files
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     names = ["--name", "deformable", "--title", "From the shell"]
     command = [sys.executable, "-m", "typer", "deformable.cli.main", "utils", "docs", *names]
-    result = subprocess.run(command, capture_output=True, text=True, check=True)
+    result = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
     page = File.generated(config, "docs/shell.md", content=result.stdout)
     page.dest_uri = page.dest_uri.removeprefix("docs/")
     files.append(page)
