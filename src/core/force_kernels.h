@@ -50,6 +50,8 @@ struct PairArrays {
   const float *contact_product;              // C x, by contact
   double *force, *residual, *error;
   float *weight, *step, *left, *direction, *product;
+  double
+      scale;    // weights, steps and directions are in units of 1/scale, for the range of single precision
   double *begin;      // forces before the step
   double *past[3];    // forces of the last calls, the latest first
 };
@@ -80,7 +82,7 @@ struct LineArrays {
 struct ForceKernels {
   // Shapes rings by the forces of pairs. False: a ring does not exist.
   bool (*shape)(const RingBatches &, const PairDirections &);
-  void (*multiply)(const RingBatches &, const float *x);    // C x, x by pair
+  void (*multiply)(const RingBatches &, const float *x, double scale);    // C x/scale, x by pair
   // Slopes of outlines; also how they change as contacts turn (tilt.h), by contact, unless null.
   void (*slopes)(const RingBatches &, const PairDirections &, double *slope_rate);
 

@@ -124,19 +124,20 @@ DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int conta
   return exist;
 }
 
-// C x of each ring, x by pair, the product by contact.
+// C x/scale of each ring, x by pair, the product by contact.
 template <int SIZE, bool SOFT>
-DEFORMABLE_LANE_FUNCTION void multiply_lanes(const float *x, int contacts, const ContactArrays &c,
-                                             const RingArrays &rings)
+DEFORMABLE_LANE_FUNCTION void multiply_lanes(const float *x, double scale, int contacts,
+                                             const ContactArrays &c, const RingArrays &rings)
 {
   const int n = SIZE > 0 ? SIZE : contacts;
   OfContacts<SIZE, 2> of(n, c.scratch);
   Lanes *const own = of[0], *const product = of[1];
+  const double per_scale = 1.0 / scale;
   Lanes along = Lanes{}, sum = Lanes{}, delta = Lanes{};
   if constexpr (SOFT) delta = load<Lanes>(rings.expansion);
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    own[m] = of_pairs(x, c.seat + m * LANES);
+    own[m] = of_pairs(x, c.seat + m * LANES) * per_scale;
     product[m] = GREEN_AT_ZERO * own[m];
     const Lanes a = load<Lanes>(c.indentation + m * LANES);
     along += (SOFT ? a + delta : a) * own[m];
@@ -240,16 +241,17 @@ static bool shape_rings(const RingBatches &b, const PairDirections &pairs)
   return b.soft ? shape_all<true>(b, pairs) : shape_all<false>(b, pairs);
 }
 
-template <bool SOFT> static void multiply_all(const RingBatches &b, const float *x)
+template <bool SOFT> static void multiply_all(const RingBatches &b, const float *x, double scale)
 {
-  for_all(b,
-          [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
-              DEFORMABLE_LANE_LAMBDA { multiply_lanes<decltype(size)::value, SOFT>(x, n, c, r); });
+  for_all(b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
+                 DEFORMABLE_LANE_LAMBDA {
+                   multiply_lanes<decltype(size)::value, SOFT>(x, scale, n, c, r);
+                 });
 }
 
-static void multiply_rings(const RingBatches &b, const float *x)
+static void multiply_rings(const RingBatches &b, const float *x, double scale)
 {
-  b.soft ? multiply_all<true>(b, x) : multiply_all<false>(b, x);
+  b.soft ? multiply_all<true>(b, x, scale) : multiply_all<false>(b, x, scale);
 }
 
 static void slopes_of_rings(const RingBatches &b, const PairDirections &pairs, double *rate)

@@ -79,7 +79,7 @@ static Largest find_residuals(const PairArrays &p, int begin, int end)
     const T loss = larger(linear, -f), less = smaller(linear, cubic);    // f > 0, f = 0
     const T error = select(r > 0.0, larger(linear, cubic), select(f > 0.0, loss, less));
     store(p.residual + k, r);
-    store(p.weight + k, select(f + linear > 0.0, w, zero));
+    store(p.weight + k, select(f + linear > 0.0, p.scale * w, zero));
     store(p.error + k, error);
     worst = larger(worst, select((f > 0.0) | (r > 0.0), magnitude(error), zero));
     largest = larger(largest, f);
@@ -157,11 +157,11 @@ static double take_step(const PairArrays &p, bool alone, int begin, int end)
     const T zero = T{}, f = load<T>(p.force + k), r = load<T>(p.residual + k);
     const T error = load<T>(p.error + k);
     T change = ALONE * error;
-    if (!alone) change = select(load<T>(p.weight + k) > 0.0, load<T>(p.step + k), error);
+    if (!alone) change = select(load<T>(p.weight + k) > 0.0, load<T>(p.step + k) / p.scale, error);
     const T least = select(r > 0.0, load<T>(p.stiffening + k) * r * r * r, zero);
     const T next = larger(f + change, least), step = next - f;
     store(p.begin + k, f);
-    store(p.step + k, step);
+    store(p.step + k, p.scale * step);
     store(p.force + k, next);
     return r * step;
   });

@@ -108,23 +108,15 @@ PairArrays ForceSolver::arrays()
 {
   NearPairs &p = *pairs;
   const ForceBatches &b = *batches;
-  return {p.overlap.data(),
-          p.stiffening.data(),
-          p.side[0].data(),
-          p.side[1].data(),
-          b.indentation.data(),
-          b.compliance.data(),
-          b.product.data(),
-          p.force.data(),
-          residual.data(),
-          error.data(),
-          weight.data(),
-          step.data(),
-          left.data(),
-          direction.data(),
-          product.data(),
-          begin.data(),
-          {p.past[0].data(), p.past[1].data(), p.past[2].data()}};
+  return {p.overlap.data(),     p.stiffening.data(),
+          p.side[0].data(),     p.side[1].data(),
+          b.indentation.data(), b.compliance.data(),
+          b.product.data(),     p.force.data(),
+          residual.data(),      error.data(),
+          weight.data(),        step.data(),
+          left.data(),          direction.data(),
+          product.data(),       p.scale,
+          begin.data(),         {p.past[0].data(), p.past[1].data(), p.past[2].data()}};
 }
 
 /* ----------------------------------------------------------------------
@@ -209,13 +201,13 @@ void ForceSolver::newton_step(const Evaluation &from)
       sum_over_pairs([&](int a, int z) { return kernels.sum(loop.weight, a, z); });
   if (!(norm2 > 0.0)) return;
   // of r, times the mean weight
-  const double typical = std::sqrt(norm2 * weights) / pairs_of_all;
+  const double typical = std::sqrt(norm2 * weights) / (pairs_of_all * pairs->scale);
   const double most = evaluations == 1 ? FIRST : SQUARE * typical / from.largest;
   const double accuracy =
       std::min(COARSE, std::max(MARGIN * target * from.largest / from.forces, most));
   const double enough = accuracy * accuracy * norm2;
   for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
-    kernels.multiply(batches->arrays(), direction.data());
+    kernels.multiply(batches->arrays(), direction.data(), pairs->scale);
     remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                      batches->product.data());
     const double curvature =
@@ -260,7 +252,8 @@ ForceSolver::Evaluation ForceSolver::line_search(double slope, double imbalance,
     double here = -std::numeric_limits<double>::infinity();
     if (now.exists)
       here = sum_over_pairs(
-          [this](int a, int z) { return kernels.dot(residual.data(), step.data(), a, z); });
+                 [this](int a, int z) { return kernels.dot(residual.data(), step.data(), a, z); }) /
+             pairs->scale;
     if (here >= -SMALL_SLOPE * slope && (at == 1.0 || here <= SMALL_SLOPE * slope)) return now;
     if (evaluations >= max_evaluations) return now;
 
@@ -276,7 +269,8 @@ ForceSolver::Evaluation ForceSolver::line_search(double slope, double imbalance,
     next = std::clamp(next, low + 0.1 * (high - low), high - 0.1 * (high - low));
     if (!(next > low && next < high) || high - low < 1e-10) return now;
     at = next;
-    for (int k = 0; k < pairs->size; ++k) pairs->force[k] = std::max(begin[k] + at * step[k], 0.0);
+    for (int k = 0; k < pairs->size; ++k)
+      pairs->force[k] = std::max(begin[k] + at * (step[k] / pairs->scale), 0.0);
   }
 }
 

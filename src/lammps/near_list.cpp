@@ -205,12 +205,18 @@ void NearList::set_constants(const DeformableParticles &p)
     softness.push_back(
         s.radius > 0.0 ? 1.0 / std::cbrt(deformable::area_stiffness(s.radius - s.skin, s.stiffness))
                        : 0.0);
+  double most = 0.0;
   for (int k = 0; k < pairs.size; ++k) {
     const int i = pairs.i[k], j = pairs.j[k];
     double soft = softness[atom->type[i]];
     if (k < pairs.wall) soft += softness[atom->type[j]];
     pairs.stiffening[k] = 1.0 / (2.0 * GREEN_AT_ZERO * GREEN_AT_ZERO * soft * soft * soft);
+    most = std::max(most, pairs.stiffening[k]);
   }
+  double of_all = most;    // the same on all ranks, which sum up what is scaled
+  if (comm->nprocs > 1) MPI_Allreduce(&most, &of_all, 1, MPI_DOUBLE, MPI_MAX, world);
+  of_all *= p.smallest * p.smallest;
+  pairs.scale = of_all > 0.0 ? std::ldexp(1.0, -std::ilogb(of_all)) : 1.0;
 }
 
 /* ----------------------------------------------------------------------

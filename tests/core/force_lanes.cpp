@@ -99,14 +99,14 @@ template <int SIZE, bool SOFT> void check(int n, std::mt19937 &random)
       if (slopes)
         slope_lanes<SIZE>(pairs, n, b.contacts(w), b.rings(w), &b.rate[w]);
       else
-        multiply_lanes<SIZE, SOFT>(b.x.data(), n, b.contacts(w), b.rings(w));
+        multiply_lanes<SIZE, SOFT>(b.x.data(), 0.25, n, b.contacts(w), b.rings(w));
     for (int w = 0; w < LANES; ++w) {
       std::vector<double> f(n), x(n), t(n), gf(n, 0.0), gx(n, 0.0), slope(n, 0.0);
       RingLoad load = {0.0, 0.0};
       for (int m = 0; m < n; ++m) {
         const int seat = b.seat[m * LANES + w], k = seat >> 1;
         f[m] = b.force[k];
-        x[m] = b.x[k];
+        x[m] = 4.0 * b.x[k];
         t[m] = b.angle[k] + (seat & 1 ? PI : 0.0);
         load.total += f[m];
       }

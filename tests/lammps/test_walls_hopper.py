@@ -93,7 +93,10 @@ write_dump all custom {out} id x y vx vy fx fy modify sort id format float %.16g
 
 @pytest.mark.parametrize("law", ["radical", "balanced"])
 def test_two_ranks(law, tmp_path):
-    """Forces, the force on each wall and the work of a rotating paddle."""
+    """Forces, the force on each wall and the work of a rotating paddle.
+
+    Twenty steps multiply the rounding, which is that of the last correction of balanced forces.
+    """
     scene = hopper(f"ring contact {law}")
     scene.run("timestep 0.05\nrun 6000 post no")
     data = tmp_path / "data"
@@ -122,5 +125,5 @@ def test_two_ranks(law, tmp_path):
     assert np.abs(thermo[1, 3]) > 1e-6  # forces on the hopper
     for other_thermo, other_atoms in found.values():
         scale = np.abs(thermo).max(axis=0)
-        assert (np.abs(other_thermo - thermo) <= 1e-11 * scale + 1e-15).all()
+        assert (np.abs(other_thermo - thermo) <= 1e-10 * scale + 1e-15).all()
         assert (np.abs(other_atoms - atoms) <= 1e-10 * np.abs(atoms).max(axis=0)).all()

@@ -66,11 +66,11 @@ def given(scene):
 def test_energy_that_walls_take(law, machine):
     """Total energy changes by the work of the walls, which is as large as the energy."""
     scene = scene_of(X, SPECIES, law, machine)
-    scene.run("velocity all create 0.002 123\nfix move all nve\ntimestep 0.025\nrun 0")
+    scene.run("velocity all create 0.002 123\nfix move all nve\ntimestep 0.0125\nrun 0")
     assert given(scene) == 0
     before, found, most = total(scene), [], 0.0
     for _ in range(10):
-        scene.run("run 1600 post no")
+        scene.run("run 3200 post no")
         found.append(total(scene) + given(scene))
         most = max(most, abs(given(scene)))
     assert most > 0.1 * before  # the walls do work
