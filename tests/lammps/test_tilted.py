@@ -181,7 +181,7 @@ def test_radii_of_atoms():
 
 
 def test_lines_that_would_tilt_too_far(tmp_path):
-    """They tilt by 0.3, are counted, and said; forces still are the derivatives of the energy."""
+    """Three particles beyond the model: two lines tilt by 0.3, are counted, and said."""
     log = tmp_path / "log"
     x = np.array([[0, 0], [0.75, 0], [0.375, 0.45]])
     scene = Scene(x, ["small"] * 3, BOX, f"{EXACT} reach 1", commands=CONTACTS, log=log)
@@ -190,5 +190,4 @@ def test_lines_that_would_tilt_too_far(tmp_path):
     assert scene.vector("pair", OUTPUTS)[5] == 2
     assert np.sum(np.abs(seen["tilt"]) > 0.3 - 1e-14) == 4
     assert np.abs(seen["tilt"]).max() <= 0.3 + 1e-14
-    assert_forces(scene, x, step=1e-5)  # indentations are large here, and energies known to 1e-12
     assert log.read_text().count("WARNING: Contact lines would tilt") == 1
