@@ -31,8 +31,9 @@ _ROUGH, _FACTOR, _PART = 0.1, 0.3, 0.1
 # The pressure of the packing lies between the threshold and twice that.
 _ABOVE = 1.4
 
-# Pressures in natural units over x = phi - phi_J: 0.4 x for disks and 5 x^3 for rings.
-_DISKS, _RINGS = 0.4, 5.0
+# Pressures in natural units over x = phi - phi_J: 0.4 x for disks, x for droplets, 5 x^3 for
+# rings.
+_DISKS, _DROPLETS, _RINGS = 0.4, 1.0, 5.0
 
 # Factors of the tolerance in stages of a relaxation. The energy only falls: a packing that is loose
 # after one stage needs no other one. This saves time, because forces fall slowly.
@@ -148,11 +149,17 @@ def _jammed_particles(
 ) -> State:
     """Deformable particles with a pressure in the window of `jam`, from a packing near by.
 
-    phi follows p = 5 (phi - phi_J)^3 in natural units. A packing that rearranges has another phi_J:
-    where phi has gone too far, the next step is at most half as long, otherwise twice as long.
+    phi follows p = 5 (phi - phi_J)^3 in natural units, of droplets p = phi - phi_J. A packing that
+    rearranges has another phi_J: where phi has gone too far, the next step is at most half as long,
+    otherwise twice as long.
     """
     unit = natural_pressure(packing, law)
-    target, longest, last = np.cbrt(_ABOVE * pressure / _RINGS), np.inf, 0.0
+    droplets = bool(np.all(law.species_parameters(packing.radii).tension > 0.0))
+
+    def excess_phi(p: float) -> float:
+        return p / _DROPLETS if droplets else float(np.cbrt(max(p, 0.0) / _RINGS))
+
+    target, longest, last = excess_phi(_ABOVE * pressure), np.inf, 0.0
     while True:
         state = _relaxed(packing, law, pressure * unit, tolerance)
         bar.set_postfix(phi=f"{state.phi:.6f}", pressure=f"{state.pressure:.1e}")
@@ -161,7 +168,7 @@ def _jammed_particles(
         rigid = found > pressure
         if state.stalled or (rigid and (found <= 2.0 * pressure or longest < _SMALLEST_STEP)):
             return state
-        change = float(target - np.cbrt(max(found, 0.0) / _RINGS))
+        change = target - excess_phi(found)
         if last:
             longest = abs(last) * (2.0 if change * last > 0.0 else 0.5)
         last = float(np.clip(change, -longest, longest))

@@ -5,6 +5,7 @@ import math
 import deformable
 import numpy as np
 import pytest
+from deformable.protocols.jamming import natural_pressure
 
 DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
 
@@ -55,4 +56,8 @@ def test_droplets_jam_where_disks_do() -> None:
     packing = deformable.bidisperse(16, seed=1)
     disks = deformable.jam(packing, pressure=1e-5)
     droplets = deformable.jam(disks.at(disks.phi - 1e-3), DROPLETS, pressure=1e-5, step=1e-3)
-    assert droplets.phi == pytest.approx(disks.phi, abs=1e-4)
+    # the search may rearrange the packing, which moves its onset
+    assert droplets.phi == pytest.approx(disks.phi, abs=1e-3)
+    with deformable.Simulation(droplets, DROPLETS) as sim:
+        pressure = sim.relax(1e-6).pressure / natural_pressure(droplets, DROPLETS)
+    assert 0.9e-5 < pressure < 2.1e-5
