@@ -99,8 +99,8 @@ def jam(
             disks = _jammed_disks(packing, _ABOVE * pressure, step, tolerance / _ABOVE, bar)
             jammed, stalled, residual = disks.packing, disks.stalled, disks.residual
         else:
-            excess_phi = (_ABOVE * pressure / _RINGS) ** (1.0 / 3.0)
-            start = _jammed_disks(packing, _DISKS * excess_phi, step, _PART, bar).packing
+            near = _DISKS * _excess_phi(_ABOVE * pressure, packing, law)
+            start = _jammed_disks(packing, near, step, _PART, bar).packing
             state = _jammed_particles(start, law, pressure, tolerance, bar)
             jammed, stalled, residual = state.packing, state.stalled, state.residual
     if stalled:
@@ -149,17 +149,11 @@ def _jammed_particles(
 ) -> State:
     """Deformable particles with a pressure in the window of `jam`, from a packing near by.
 
-    phi follows p = 5 (phi - phi_J)^3 in natural units, of droplets p = phi - phi_J. A packing that
-    rearranges has another phi_J: where phi has gone too far, the next step is at most half as long,
-    otherwise twice as long.
+    phi follows the pressure as `_excess_phi` has it. A packing that rearranges has another phi_J:
+    where phi has gone too far, the next step is at most half as long, otherwise twice as long.
     """
     unit = natural_pressure(packing, law)
-    droplets = bool(np.all(law.species_parameters(packing.radii).tension > 0.0))
-
-    def excess_phi(p: float) -> float:
-        return p / _DROPLETS if droplets else float(np.cbrt(max(p, 0.0) / _RINGS))
-
-    target, longest, last = excess_phi(_ABOVE * pressure), np.inf, 0.0
+    target, longest, last = _excess_phi(_ABOVE * pressure, packing, law), np.inf, 0.0
     while True:
         state = _relaxed(packing, law, pressure * unit, tolerance)
         bar.set_postfix(phi=f"{state.phi:.6f}", pressure=f"{state.pressure:.1e}")
@@ -168,11 +162,17 @@ def _jammed_particles(
         rigid = found > pressure
         if state.stalled or (rigid and (found <= 2.0 * pressure or longest < _SMALLEST_STEP)):
             return state
-        change = target - excess_phi(found)
+        change = target - _excess_phi(found, packing, law)
         if last:
             longest = abs(last) * (2.0 if change * last > 0.0 else 0.5)
         last = float(np.clip(change, -longest, longest))
         packing = state.packing.at(state.packing.phi + last)
+
+
+def _excess_phi(p: float, packing: Packing, law: Law) -> float:
+    """phi - phi_J at a pressure in natural units: p = 5 x^3 of rings, p = x of droplets."""
+    droplets = bool(np.all(law.species_parameters(packing.radii).tension > 0.0))
+    return p / _DROPLETS if droplets else float(np.cbrt(max(p, 0.0) / _RINGS))
 
 
 def push_off(packing: Packing) -> Packing:
