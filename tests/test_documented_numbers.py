@@ -93,7 +93,7 @@ def compression_table():
 
 def stability_table():
     """Bold values exceed their limit."""
-    laws = ("radical", "balanced", "sector")
+    laws = ("radical", "balanced", "tilted", "sector")
     found = {}
     for row in REPORT["stability"]:
         found.setdefault((row["case"], row["quantity"]), {})[row["law"]] = row

@@ -44,7 +44,7 @@ assert state.root
 PROTOCOL = """
 import deformable
 
-start = deformable.jam(deformable.bidisperse(32, seed=3)).at(0.87)
+start = deformable.jam(deformable.bidisperse(32, seed=6)).at(0.87)
 sim = deformable.Simulation(start, deformable.Ring(contact="radical"))
 for state in deformable.compress_in("run", sim, strain=0.005, steps=5, tolerance=1e-9):
     pass

@@ -72,8 +72,8 @@ def test_broken_trajectories_are_named(
 
 
 def test_shape_parameter(state: deformable.State) -> None:
-    # a circle, as rattlers are, has the least perimeter
-    assert state.shape_parameter.min() == pytest.approx(1.0, abs=4 * np.finfo(float).eps)
+    # a circle has the least perimeter
+    assert state.shape_parameter.min() >= 1.0 - 4 * np.finfo(float).eps
     # conserved perimeter: P^2 / (4 pi A) = A0 / A
     expected = np.pi * state.packing.radius**2 / state.area
     assert state.shape_parameter == pytest.approx(expected, rel=1e-12)
