@@ -82,8 +82,8 @@ def test_speed_up():
 def test_balanced_is_right_along_compressions():
     """On its own: 1 % in energy to 3 % strain, 2 % to 4.5 %; every exception has its reason.
 
-    Against rings of 160 vertices there are four from 1 % strain on, by at most 0.45 %. There the law
-    with tilted contacts agrees with the rings to 0.3 %: the lines of `balanced` are to blame.
+    Against rings of 160 vertices there are four from 1 % strain on, by at most 0.45 %. There the
+    law with tilted contacts agrees with the rings to 0.3 %: the lines of `balanced` are to blame.
     """
     balanced = rows("smooth", law="balanced", own=True)
     for count in (80, 160):
@@ -109,7 +109,7 @@ def test_balanced_is_right_along_compressions():
 
 
 def test_tilted_is_right_along_compressions():
-    """Energy to 0.3 % to 3 % strain and 0.6 % to 5 %, pressure to 0.5 and 1 %, half of S_rms at 5 %.
+    """Energy to 0.3 % to 3 % strain and 0.6 % to 5 %, pressure to 0.5 and 1 %, S_rms is halved.
 
     At 0.5 % strain contacts are shorter than the spacing of the vertices.
     """

@@ -69,7 +69,9 @@ def build_lammps(suite, *options):
         "-DDOWNLOAD_POTENTIALS=OFF",
     )
     precompile = f"-DCMAKE_PROJECT_INCLUDE={Path(__file__).with_name('precompile.cmake')}"
-    build(source / "cmake", folder, *packages, precompile, *options)
+    # where it will be is compiled in: the places of its library and of species files
+    place = f"-DCMAKE_INSTALL_PREFIX={prefix}"
+    build(source / "cmake", folder, *packages, precompile, place, *options)
     install(folder, prefix)
     return prefix
 
