@@ -225,7 +225,7 @@ def test_no_matplotlib(tmp_path, monkeypatch):
 
 
 def test_stability(folder):
-    """Ring laws pass everywhere, tilted contacts up to confluence; failures of sectors have reasons."""
+    """Ring laws pass, tilted contacts up to confluence; failures of the sector law have reasons."""
     rows = json.loads((folder / "report.json").read_text())["stability"]
     assert {row["law"] for row in rows} == {"radical", "balanced", "tilted", "sector"}
     crowded = {"law": "tilted", "case": "phi 0.5 to 1.2"}
