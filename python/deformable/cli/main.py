@@ -147,6 +147,9 @@ def report(
         bool,
         typer.Option("--resume", help="Finish the interrupted report in the output folder."),
     ] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the report in the output folder.")
+    ] = False,
 ) -> None:
     """Measure errors and run times of the contact laws, and reproduce the paper.
 
@@ -157,7 +160,7 @@ def report(
     from ..report import write_report
 
     began = time.perf_counter()
-    write_report(out, quick, resume, print_once)
+    write_report(out, quick, resume, overwrite, print_once)
     print_once(f"wrote {Path(out, 'index.html')} ({time.perf_counter() - began:.0f} s)")
 
 

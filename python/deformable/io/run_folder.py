@@ -39,7 +39,7 @@ def holds(folder: str | Path) -> Kind | None:
         return "jamming"
     if any((folder / name).exists() for name in (DATA, SERIES, TRAJECTORY)):
         return "compression"
-    if (folder / "report.json").exists() or any(folder.glob("parts/*.pickle")):
+    if (folder / "report.json").exists() or any(folder.glob("*parts/*.pickle")):
         return "report"
     return None
 

@@ -8,14 +8,17 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..common.errors import ParameterError
+from ..common.errors import FileError, ParameterError
 from ..common.files import make_folder
 from ..common.ranks import led
 from ..common.versions import machine, versions
-from ..io.run_folder import refuse
+from ..io.run_folder import holds, refuse
 from .page import page
 from .plan import FULL, QUICK
 from .results import measure
+
+# Folders of the results of a report that is not complete, within the folder of the report.
+_FULL_PARTS, _QUICK_PARTS = "parts", "quick_parts"
 
 
 @led
@@ -23,17 +26,19 @@ def write_report(
     folder: str | Path,
     quick: bool = False,
     resume: bool = False,
+    overwrite: bool = False,
     print_once: Callable[[str], None] = lambda line: None,
 ) -> dict[str, Any]:
     """Measure everything, and write index.html, its pictures and report.json.
 
-    Results of single calls are kept in `parts` of the folder until the report is complete. Under
-    `mpiexec` rank 0 writes, and all ranks measure.
+    Results of single calls are kept in `parts` or `quick_parts` of the folder until the report is
+    complete. Under `mpiexec` rank 0 writes, and all ranks measure.
 
     Args:
-        folder: made if missing; a report in it is replaced at the end.
+        folder: made if missing.
         quick: smaller and coarser, in minutes.
-        resume: use the results that an interrupted report has left in the folder.
+        resume: finish the interrupted report in the folder, whether quick or not.
+        overwrite: replace the report in the folder, at the end, and drop the parts of another one.
         print_once: called with a line after each part.
 
     Returns:
@@ -42,18 +47,19 @@ def write_report(
         `machine`, `versions`, `quick`.
 
     Raises:
-        ParameterError: matplotlib is missing, or there is nothing to resume.
-        FileError: the folder holds something else than a report.
+        ParameterError: matplotlib is missing, there is nothing to resume, or quick is asked for
+            where a full report was interrupted.
+        FileError: the folder holds something else than a report; or it holds one, and neither
+            `resume` nor `overwrite` is given.
     """
     if not importlib.util.find_spec("matplotlib"):
         raise ParameterError("a report needs pictures: pip install lammps-deformable[plot]")
-    folder = refuse(folder, but="report")
-    parts = folder / "parts"
-    if resume and not any(parts.glob("*.pickle")):
-        raise ParameterError(f"nothing to resume: '{folder}' holds no parts of a report")
-    if not resume:
-        _discard(parts)
-    make_folder(parts)  # or fail before the work
+    folder, quick = _check(folder, quick, resume, overwrite)
+    full_parts, quick_parts = folder / _FULL_PARTS, folder / _QUICK_PARTS
+    if overwrite:
+        _discard(full_parts)
+        _discard(quick_parts)
+    parts = make_folder(quick_parts if quick else full_parts)  # or fail before the work
     results = measure(QUICK if quick else FULL, parts, print_once)
     content = results.rows() | {"machine": machine(), "versions": versions(), "quick": quick}
 
@@ -66,6 +72,33 @@ def write_report(
     (folder / "report.json").write_text(json.dumps(content, indent=1, allow_nan=False) + "\n")
     _discard(parts)
     return content
+
+
+def _check(folder: str | Path, quick: bool, resume: bool, overwrite: bool) -> tuple[Path, bool]:
+    """The folder, if it allows what is asked for, and whether the report is a quick one."""
+    if resume and overwrite:
+        raise ParameterError("give one of --resume and --overwrite")
+    folder = refuse(folder, but="report")
+    begun = [name for name in (_FULL_PARTS, _QUICK_PARTS) if any(folder.glob(f"{name}/*.pickle"))]
+    if resume:
+        if not begun:
+            raise ParameterError(f"nothing to resume: '{folder}' holds no parts of a report")
+        if quick and _QUICK_PARTS not in begun:
+            raise ParameterError(
+                f"'{folder}' holds parts of a full report: finish it without --quick, or replace "
+                "it with --overwrite"
+            )
+        return folder, _QUICK_PARTS in begun
+    if begun and not overwrite:
+        raise FileError(
+            f"'{folder}' holds parts of an interrupted report: finish it with --resume, replace it "
+            "with --overwrite, or name another folder"
+        )
+    if holds(folder) and not overwrite:
+        raise FileError(
+            f"'{folder}' holds a report: replace it with --overwrite, or name another folder"
+        )
+    return folder, quick
 
 
 def _lead(content: dict[str, Any]) -> str:

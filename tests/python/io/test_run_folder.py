@@ -107,6 +107,8 @@ def test_no_report_in_a_run_nor_the_reverse(
     assert line.startswith("error: 'report' holds a report")
     line = run("report", "--resume", "--out", "report", cwd=tmp_path)
     assert line.startswith("error: nothing to resume: 'report'")
+    line = run("report", "--out", "report", cwd=tmp_path)
+    assert line.startswith("error: 'report' holds a report: replace it with --overwrite")
     assert refuse(tmp_path / "report", but="report") == tmp_path / "report"
 
 

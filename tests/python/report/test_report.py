@@ -6,7 +6,7 @@ import re
 from html.parser import HTMLParser
 
 import pytest
-from deformable import Beads, ParameterError
+from deformable import Beads, FileError, ParameterError
 from deformable.report import numbers, results, write_report, writing
 from deformable.report.page import Column, Picture, Section, Table, page
 from deformable.report.plan import Plan
@@ -179,7 +179,7 @@ def test_text_of_a_page_is_escaped():
 
 
 def test_an_interrupted_report_goes_on(tmp_path, monkeypatch):
-    """Results that are there are used, but not those of another plan."""
+    """Parts that are there are used, and never discarded without asking."""
     monkeypatch.setattr(writing, "QUICK", SMALLEST)
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0})  # calls stay in this process
     measured = []
@@ -210,11 +210,34 @@ def test_an_interrupted_report_goes_on(tmp_path, monkeypatch):
             write_report(tmp_path, **how)
         return list(measured)
 
+    def refused(kind, *words, **how):
+        before = {path: path.read_bytes() for path in tmp_path.rglob("*.pickle")}
+        measured.clear()
+        with pytest.raises(kind) as error:
+            write_report(tmp_path, **how)
+        assert [word for word in words if word not in str(error.value)] == []
+        assert measured == []
+        assert {path: path.read_bytes() for path in tmp_path.rglob("*.pickle")} == before != {}
+
     calls = len(rows) + 2 + 3 + 1  # friction and hysteresis of both kinds of rings
     assert len(interrupted(quick=True)) == calls
+    for quick in (True, False):
+        refused(FileError, str(tmp_path), "--resume", "--overwrite", quick=quick)
+    refused(ParameterError, "--resume", "--overwrite", resume=True, overwrite=True)
     assert interrupted(quick=True, resume=True) == ["stability_rows"]
-    assert len(interrupted(quick=True)) == calls
-    assert len(interrupted(quick=False, resume=True)) > 30
+    assert interrupted(resume=True) == ["stability_rows"]  # still the quick one
+    assert len(interrupted(quick=True, overwrite=True)) == calls
+    assert len(interrupted(overwrite=True)) > 30
+    assert interrupted(resume=True) == ["stability_rows"]
+    refused(ParameterError, "--quick", "--overwrite", quick=True, resume=True)
+    assert [path.name for path in tmp_path.iterdir()] == ["parts"]
+
+
+def test_a_complete_report_is_not_replaced_without_asking(folder):
+    before = (folder / "report.json").read_bytes()
+    with pytest.raises(FileError, match=f"'{folder}' holds a report: .*--overwrite"):
+        write_report(folder, quick=True)
+    assert (folder / "report.json").read_bytes() == before
 
 
 def test_no_matplotlib(tmp_path, monkeypatch):
