@@ -24,7 +24,7 @@ from ..plugin import directory, potentials
 from ..runs.movie import movie as draw_movie
 from .compress import compress_command
 from .jam import jam_command
-from .options import Command, refuse_ranks
+from .options import Command, one_rank_prints, refuse_ranks
 from .plot import plot_command
 from .shear import shear_command
 
@@ -58,7 +58,8 @@ def main() -> None:
     warnings.showwarning = lambda message, *_: tqdm.write(f"warning: {message}", file=sys.stderr)
     warnings.simplefilter("always", UserWarning)
     try:
-        app()
+        with one_rank_prints():
+            app()
     except (
         ParameterError,
         FileError,

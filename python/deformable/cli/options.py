@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from itertools import islice
 from typing import Annotated, Any
 
@@ -67,6 +70,23 @@ class Command(TyperCommand):
                 if value.startswith("--"):
                     raise ParameterError(_needs(word, values[word], value))
         return super().parse_args(ctx, args)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command. Its warnings and errors may be those of one rank: all may print."""
+        if MPI.COMM_WORLD.rank == 0:
+            return super().invoke(ctx)
+        with redirect_stdout(sys.__stdout__), redirect_stderr(sys.__stderr__):
+            return super().invoke(ctx)
+
+
+@contextmanager
+def one_rank_prints() -> Iterator[None]:
+    """Only rank 0 prints, until a command begins: all ranks read the same command line."""
+    if MPI.COMM_WORLD.rank == 0:
+        yield
+        return
+    with open(os.devnull, "w") as nowhere, redirect_stdout(nowhere), redirect_stderr(nowhere):
+        yield
 
 
 def _needs(option: str, count: int, value: str) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import deformable
 import pytest
+import ranks
 from deformable.cli import main as cli
 from deformable.report import packings
 
@@ -220,6 +221,42 @@ def test_error_on_one_rank_ends_all(tmp_path: Path) -> None:
     assert "error: '/proc/run' cannot be written" in result.stderr
     assert "'/proc/run'" in result.stderr
     assert "Traceback" not in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["compress", "--bubbles", "3"], "Error: No such option: --bubbles"),
+        (["compress", "--number", "many"], "Error: Invalid value for '--number': "),
+        (["jam"], "Error: Missing argument "),
+        (["bubble"], "Error: No such command 'bubble'"),
+        (["plot", "--help"], "Usage: deformable plot "),
+        ([], "Usage: deformable "),
+    ],
+)
+def test_ranks_print_once_what_is_wrong(arguments: list[str], line: str, tmp_path: Path) -> None:
+    result = launch(*arguments, cwd=tmp_path)
+    assert result.returncode == (0 if "--help" in arguments else 2)
+    assert (result.stdout + result.stderr).count(line) == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_warnings_of_a_command_come_from_any_rank(tmp_path: Path) -> None:
+    """Packings are measured on any rank, and only that rank knows of what went wrong there."""
+    script = """
+import sys, warnings
+from mpi4py import MPI
+from deformable.cli import main as cli
+@cli.app.command("speak", cls=cli.Command)
+def speak():
+    if MPI.COMM_WORLD.rank == 1:
+        warnings.warn("only here", UserWarning)
+    MPI.COMM_WORLD.barrier()
+sys.argv = ["deformable", "speak"]
+cli.main()
+"""
+    result = ranks.launch(script, tmp_path, 2)
+    assert (result.returncode, result.stderr) == (0, "warning: only here\n")
 
 
 def test_info_of_a_complete_installation(tmp_path: Path) -> None:
