@@ -47,6 +47,13 @@ def run(folder, *command):
     return result.stdout
 
 
+def test_logs_name_no_folder_of_a_machine():
+    logs = [path for path in ROOT.glob("examples/*/log.*") if path.name != "log.lammps"]
+    assert len(logs) >= 8
+    for log in logs:
+        assert re.findall(r"(?<![\w.)])/\w+/.*", log.read_text()) == [], log
+
+
 def table(log, header):
     """The last table of thermodynamic output with this header."""
     lines = log.splitlines()
