@@ -1,16 +1,18 @@
-"""Balanced contacts: the minimum of the energy, and its derivatives."""
+"""Balanced contacts: the minimum of the energy, and what the tolerance leaves."""
 
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
-from balanced import EXACT, Pairs, of_compute_pair, of_mixture
+from balanced import DEFAULT, EXACT, Pairs, of_compute_pair, of_mixture
 from deformable import core
 from deformable.studies.shape_error import shape_error
-from scene import PACKINGS, Scene, box_walls
-from test_forces import BOX, assert_forces
+from scene import PACKINGS, Scene
+from test_contacts import CONTACTS, contacts
 from test_soft_rings import mixture, pushed
+
+BOX_OF_FOUR = (-5, 5, -2, 8)
 
 
 @pytest.mark.parametrize("start", [None, 1, 2])
@@ -34,54 +36,6 @@ def test_minimum_of_the_energy(start):
     np.testing.assert_allclose(state.shape["area"], area, rtol=1e-11)
     radical = mixture(case)[0].energy(pushed(case))
     assert state.energy < 0.9 * radical
-
-
-def test_state_without_memory():
-    """The state depends on the present positions only."""
-    case = PACKINGS[0]
-    x = pushed(case)
-    fresh = mixture(case, EXACT)[0].evaluate(x)
-    scene = mixture(case, EXACT)[0]
-    rng = np.random.default_rng(5)
-    for size in (0.05, 0.02, 0.06):
-        scene.evaluate(np.array(case["x"]) + rng.uniform(-size, size, x.shape))
-    again = scene.evaluate(x)
-    assert again.energy == pytest.approx(fresh.energy, rel=1e-12)
-    largest = np.abs(fresh.force).max()
-    np.testing.assert_allclose(again.force, fresh.force, rtol=0, atol=1e-10 * largest)
-
-
-def test_forces():
-    assert_forces(mixture(PACKINGS[1], EXACT)[0], pushed(PACKINGS[1]))
-
-
-def test_forces_between_walls():
-    x = np.array([[-0.481, -0.477], [0.483, -0.479], [0.478, 0.482], [-0.479, 0.479]])
-    species = ["small", "weak", "both", "fixed"]
-    walls = box_walls(-0.965, 0.97, -0.96, 0.967)
-    options = {"boundary": "f f p", "commands": walls}
-    scene = Scene(x, species, BOX, EXACT, **options)
-    force = assert_forces(scene, x)
-    scene.evaluate(x)
-    np.testing.assert_allclose(scene.force_on_wall("walls"), -force.sum(0), rtol=1e-11)
-
-
-def test_virial():
-    """Against finite differences of strains, and by pairs."""
-    case = PACKINGS[0]
-    state = mixture(case, EXACT)[0].evaluate(pushed(case))
-    by_pairs = mixture(case, EXACT, commands="pair_modify nofdotr")[0].evaluate(pushed(case))
-    atol = 1e-12 * np.abs(state.atom_virial).max()
-    np.testing.assert_allclose(by_pairs.virial, state.virial, rtol=0, atol=atol)
-    np.testing.assert_allclose(state.atom_virial.sum(0), state.virial, rtol=0, atol=atol)
-    step, names = 1e-6, mixture(case)[1]
-    energy = [
-        Scene(
-            pushed(case) * [scale, 1], names, (0, case["L"] * scale, 0, case["L"]), EXACT
-        ).energy()
-        for scale in (1 - step, 1 + step)
-    ]
-    assert (energy[0] - energy[1]) / (2 * step) == pytest.approx(state.virial[0], rel=1e-6)
 
 
 def test_bead_packing(tmp_path):
@@ -125,3 +79,30 @@ def test_bead_packing(tmp_path):
         for n, (_, _, angle, a) in enumerate(pairs.rows(s))
     ]
     assert np.mean(error) < 2.9e-4
+
+
+@pytest.mark.parametrize("far", [False, True])
+def test_imbalance(far):
+    """What is left of the overlap, over the compliance of both sides and the largest force of all.
+
+    The overlap is known only as the sum of the indentations that each force needs.
+    """
+    tolerance = 1e-4
+    style = f"{DEFAULT} balance {tolerance} 100"
+    x, species = [[0, 0], [0.97, 0]], ["small", "weak"]
+    if far:  # a pair with much larger forces
+        x, species = [*x, [0, 5], [0.9, 5]], [*species, "small", "small"]
+    scene = Scene(x, species, BOX_OF_FOUR, style, commands=CONTACTS)
+    seen = contacts(scene)
+    force = seen["force"]
+    assert force[0] == force[1]
+    evaluations, imbalance = of_compute_pair(scene)
+    assert evaluations > 1
+    assert 0 < imbalance <= tolerance
+    rings = [core.forced_ring(0.5, [0.0], [force[0]], kA, np.inf) for kA in (1.0, 0.3)]
+    left = 0.03 - sum(ring.indentation[0] for ring in rings)
+    off = abs(left) / sum(ring.compliance[0, 0] for ring in rings)
+    if far:
+        assert off <= tolerance * force.max()
+    else:
+        assert imbalance == pytest.approx(off / force.max(), rel=1e-6)

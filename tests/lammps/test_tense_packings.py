@@ -3,14 +3,9 @@
 import numpy as np
 import pytest
 from deformable import core
+from laws import EXACT, exact_laws
 from scene import PACKINGS, Scene, box_walls
-from tense import BALANCED, OF_RADIUS, RADICAL, STIFFNESS, TILTED, droplets, tense_mixture
-from test_forces import assert_forces
-from test_soft_rings import pushed
-
-EXACT, EXACT_TILTED = (f"{style} balance 1e-12 100" for style in (BALANCED, TILTED))
-LAWS = {"radical": RADICAL, "balanced": EXACT, "tilted": EXACT_TILTED}
-laws = pytest.mark.parametrize("style", LAWS.values(), ids=LAWS)
+from tense import OF_RADIUS, RADICAL, STIFFNESS, tense_mixture
 
 DENSE = np.pi / np.sqrt(12)  # phi of touching circles
 
@@ -23,47 +18,9 @@ ARRAY = [
 ]
 
 
-@laws
-@pytest.mark.parametrize("kind", [droplets, lambda *args: tense_mixture(*args)[0]])
-def test_forces(kind, style):
-    """By differences of the energy; the packings also have rattlers."""
-    scene = kind(PACKINGS[1], style)
-    assert_forces(scene, pushed(PACKINGS[1]))
-
-
 def test_all_species_take_part():
     species = tense_mixture(PACKINGS[1], RADICAL)[1]
     assert set(species) == {name for names in OF_RADIUS.values() for name in names}
-
-
-@laws
-def test_sums_and_virial(style):
-    case = PACKINGS[0]
-    state = tense_mixture(case, style)[0].evaluate(pushed(case))
-    by_pairs = tense_mixture(case, style, commands="pair_modify nofdotr")[0].evaluate(pushed(case))
-    assert state.atom_energy.sum() == pytest.approx(state.energy, rel=1e-12)
-    atol = 1e-12 * np.abs(state.atom_virial).max()
-    np.testing.assert_allclose(state.atom_virial.sum(0), state.virial, rtol=0, atol=atol)
-    np.testing.assert_allclose(by_pairs.virial, state.virial, rtol=0, atol=atol)
-    assert np.abs(state.force.sum(0)).max() <= 1e-13 * np.abs(state.force).sum()
-
-
-def test_virial_is_the_derivative_of_the_energy():
-    """In the length and height of the box, and in a simple shear, of balanced droplets."""
-    case, step = PACKINGS[0], 1e-6
-    x, names = pushed(case), ["small" if t == 1 else "large" for t in case["type"]]
-    names = [{"small": "drop", "large": "droplarge"}[name] for name in names]
-    length = case["L"]
-
-    def energy(xx, yy, xy):
-        stretched = x @ np.array([[1 + xx, 0], [xy, 1 + yy]])
-        box = (0, length * (1 + xx), 0, length * (1 + yy))
-        return Scene(stretched, names, box, EXACT, tilt=xy * length).energy()
-
-    virial = Scene(x, names, (0, length, 0, length), EXACT).evaluate().virial
-    for k, strain in enumerate(step * np.eye(3)):
-        slope = (energy(*-strain) - energy(*strain)) / (2 * step)
-        assert slope == pytest.approx(virial[k], abs=1e-7 * np.abs(virial).max())
 
 
 def test_results_are_those_of_the_kernel():
@@ -84,7 +41,7 @@ def test_results_are_those_of_the_kernel():
             assert state.shape[result][i] == pytest.approx(value, rel=1e-11, abs=1e-13), result
 
 
-@laws
+@exact_laws
 def test_alone(style):
     """A droplet that touches nothing has the pressure tension/R, and no energy."""
     scene = Scene([[0, 0], [3, 0]], ["drop", "full"], (-5, 5, -5, 5), style)
@@ -98,7 +55,7 @@ def test_alone(style):
 @pytest.mark.parametrize("overlap", [1e-9, 1e-4, 0.05])
 def test_pair(partner, overlap):
     """A droplet beside another particle: one force, which takes both indentations together."""
-    scene = Scene([[0, 0], [1 - overlap, 0]], ["drop", partner], (-5, 5, -5, 5), EXACT)
+    scene = Scene([[0, 0], [1 - overlap, 0]], ["drop", partner], (-5, 5, -5, 5), EXACT["balanced"])
     state = scene.evaluate()
     force = state.force[1, 0]
     assert force > 0
@@ -110,19 +67,9 @@ def test_pair(partner, overlap):
     assert drop.energy + other.energy == pytest.approx(state.energy, rel=1e-6)
 
 
-def test_walls():
-    x = np.array([[-0.481, -0.477], [0.483, -0.479], [0.478, 0.482], [-0.479, 0.479]])
-    options = {"boundary": "f f p", "commands": box_walls(-0.965, 0.97, -0.96, 0.967)}
-    for style in LAWS.values():
-        scene = Scene(x, ["drop", "small", "firm", "strong"], (-5, 5, -5, 5), style, **options)
-        state = scene.evaluate()
-        np.testing.assert_allclose(scene.force_on_wall("walls"), -state.force.sum(0), rtol=1e-9)
-        assert_forces(scene, x)
-
-
 def test_droplet_between_walls():
     """F = 2 pi gamma [(R/2h)^2 - 1/4] at the distance 2h = 0.9, R = 0.5."""
-    for style in LAWS.values():
+    for style in EXACT.values():
         options = {"boundary": "f f p", "commands": box_walls(-0.45, 0.45, -5, 5)}
         state = Scene([[0, 0]], ["drop"], (-1, 1, -6, 6), style, **options).evaluate()
         force = 2 * np.pi * 0.02 * (0.25 / 0.81 - 0.25)
@@ -140,7 +87,7 @@ def hexagonal_array(phi, style, shear=0.0):
     return state, 16 * spacing * height
 
 
-@laws
+@exact_laws
 @pytest.mark.parametrize(("phi", "osmotic", "perimeter"), ARRAY)
 def test_osmotic_pressure(style, phi, osmotic, perimeter):
     """Princen's, of a hexagonal array."""
@@ -169,14 +116,14 @@ def test_shear_modulus(phi):
             found.append((down.virial[2] - up.virial[2]) / (2 * strain) / area * 0.5 / 0.02)
         return (4 * found[1] - found[0]) / 3
 
-    assert modulus(EXACT_TILTED) == pytest.approx(exact, rel=1e-6)
-    upright = modulus(EXACT)
+    assert modulus(EXACT["tilted"]) == pytest.approx(exact, rel=1e-6)
+    upright = modulus(EXACT["balanced"])
     assert upright == pytest.approx(modulus(RADICAL), rel=1e-6)  # equal particles
     larger = {0.92: 1.0365, 0.95: 1.1336, 0.98: 1.2683, 0.99: 1.3361}
     assert upright / exact == pytest.approx(larger[phi], abs=1e-4)
 
 
-@laws
+@exact_laws
 @pytest.mark.parametrize("distance", [0.6, 0.95])
 def test_bubbles_collapse(style, distance, tmp_path):
     """Bubbles near the bound of stability collapse at a small force, and an error says so."""
