@@ -25,9 +25,9 @@ from typing import Any
 import deformable
 import numpy as np
 from deformable.common.versions import machine
+from motion import energy_error, step
 
 HERE = Path(__file__).parent
-SKIN = 0.3
 MOTIONS = {"slow": (1e-8, 0.1), "fast": (1e-5, 0.1), "fast, long steps": (1e-5, 0.4)}
 LAWS = ("radical", "balanced")
 STIFFNESSES = (float("inf"), 0.1)
@@ -37,32 +37,16 @@ TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10)
 LONGER = 16
 
 
-def step(
-    packing: deformable.Packing, law: deformable.Ring, temperature: float, dt: float
-) -> tuple[float, ...]:
-    """Seconds of a time step in a run, and the iterations of its force calls."""
-    warm, count, piece = round(60.0 / dt), 400, 10
-    with deformable.Simulation(packing, law) as sim:
-        sim.relax(1e-3)
-        sim.lmp.commands_string(
-            f"neighbor {SKIN} bin\nvelocity all create {temperature!r} 4711 loop all\n"
-            f"fix nve all nve\ntimestep {dt!r}\nrun {warm} post no"
-        )
-        iterations = []
-        began = time.process_time()
-        for n in range(count // piece):
-            sim.lmp.command(f"run {piece} {'pre no ' if n else ''}post no")
-            iterations.append(sim.lmp.numpy.extract_compute("deformable_beyond", 0, 1)[2])
-        return (time.process_time() - began) / count, statistics.fmean(iterations)
-
-
 def steps(repeats: int) -> list[dict[str, Any]]:
     packing = deformable.jam(deformable.bidisperse(256, seed=1)).at(0.9)
     rows = []
     for kP in STIFFNESSES:
         for motion, (temperature, dt) in MOTIONS.items():
             runs = [
-                [step(packing, deformable.Ring(kP=kP, contact=c), temperature, dt) for c in LAWS]
+                [
+                    step(packing, deformable.Ring(kP=kP, contact=c), temperature, dt, 60.0, 400)
+                    for c in LAWS
+                ]
                 for _ in range(repeats)
             ]
             rows.append(
@@ -105,34 +89,18 @@ def relaxation(seed: int, kP: float) -> dict[str, Any]:
     return row
 
 
-def energy_error(
-    packing: deformable.Packing, tolerance: float, dt: float, duration: float = 400.0
-) -> float:
-    """Standard deviation of the total energy over its kinetic part."""
-    samples = 200
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
-        sim.lmp.commands_string(
-            f"pair_style deformable/ring contact balanced balance {tolerance!r} 100 reach 0.3\n"
-            f"timestep {dt!r}\nvelocity all create 1e-5 4711 loop all\nfix nve all nve\n"
-            "thermo_style custom step ke etotal\nthermo_modify norm no\nrun 0 post no"
-        )
-        rows = []
-        for _ in range(samples):
-            sim.lmp.command(f"run {round(duration / dt / samples)} post no")
-            rows.append([sim.lmp.get_thermo(name) for name in ("ke", "etotal")])
-    kinetic, total = np.array(rows).T
-    return float(total.std() / kinetic.mean())
-
-
 def energy() -> dict[str, Any]:
     packing = deformable.jam(deformable.bidisperse(64, seed=1)).at(0.88)
-    errors = [energy_error(packing, 1e-8, dt) for dt in TIMESTEPS]
+
+    def error(tolerance: float, dt: float = TIMESTEPS[2], duration: float = 400.0) -> float:
+        style = f"pair_style deformable/ring contact balanced balance {tolerance!r} 100 reach 0.3"
+        return energy_error(packing, deformable.Ring(), dt, duration, 200, style)
+
+    errors = [error(1e-8, dt) for dt in TIMESTEPS]
     order = float(np.polyfit(np.log(TIMESTEPS), np.log(errors), 1)[0])
     print("energy", order, errors, flush=True)
-    by_tolerance = [energy_error(packing, tolerance, TIMESTEPS[2]) for tolerance in TOLERANCES]
-    longer = [
-        energy_error(packing, tolerance, TIMESTEPS[2], LONGER * 400.0) for tolerance in TOLERANCES
-    ]
+    by_tolerance = [error(tolerance) for tolerance in TOLERANCES]
+    longer = [error(tolerance, duration=LONGER * 400.0) for tolerance in TOLERANCES]
     growth = (np.array(longer) / by_tolerance).tolist()
     print("energy", by_tolerance, growth, flush=True)
     return {

