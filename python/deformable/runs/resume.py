@@ -46,9 +46,9 @@ def compress_in(
     Args:
         folder: made if missing.
         sim: without further commands to its `lmp`, because each step starts a new LAMMPS.
-        strain: linear strain of all steps together, not 0, below 1; negative expands.
-        steps: number of steps.
-        tolerance: of each relaxation, at most 0.01, see `Simulation.relax`.
+        strain: of all steps together, as in `compress`.
+        steps: as in `compress`.
+        tolerance: of each relaxation, see `Simulation.relax`; at most 0.01.
         parameters: anything that JSON can hold, for the summary.
         append: compress the run in the folder further: its series and trajectory go on.
         overwrite: replace the run in the folder.
@@ -57,7 +57,7 @@ def compress_in(
         The relaxed state after each step, once it is written.
 
     Raises:
-        ParameterError: a value is out of range.
+        ParameterError: as for `compress`, or the tolerance is too large.
         FileError: the folder holds a run and neither `append` nor `overwrite` is given; or `append`
             is given and the run is interrupted or lacks frames; or it holds something else.
     """
