@@ -49,7 +49,7 @@ def run(folder, *command):
 
 def test_logs_name_no_folder_of_a_machine():
     logs = [path for path in ROOT.glob("examples/*/log.*") if path.name != "log.lammps"]
-    assert len(logs) >= 8
+    assert logs
     for log in logs:
         assert re.findall(r"(?<![\w.)])/\w+/.*", log.read_text()) == [], log
 
