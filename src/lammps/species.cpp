@@ -61,6 +61,18 @@ std::string shipped_file(const std::string &name)
   return "";
 }
 
+// The species files of the package, as the end of an error.
+std::string shipped_names()
+{
+  std::vector<std::string> names;
+  for (const std::string &folder : shipped_folders())
+    for (const std::string &name : platform::list_directory(folder))
+      if (utils::strmatch(name, "\\.deformable$")) names.push_back(name);
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names.empty() ? "" : ". The package has " + utils::join_words(names, ", ");
+}
+
 std::string read_text(LAMMPS *lmp, const std::string &file)
 {
   std::string text;
@@ -80,8 +92,11 @@ std::string read_text(LAMMPS *lmp, const std::string &file)
     }
   }
   MPI_Bcast(&size, 1, MPI_INT, 0, lmp->world);
-  if (size < 0)
-    lmp->error->all(FLERR, "Cannot open the species file '{}': {}", file, utils::getsyserror());
+  if (size < 0) {
+    const std::string reason = utils::getsyserror();
+    lmp->error->all(FLERR, "Cannot open the species file '{}': {}{}", file, reason,
+                    shipped_names());
+  }
   text.resize(size);
   MPI_Bcast(&text[0], size, MPI_CHAR, 0, lmp->world);
   return text;

@@ -116,6 +116,11 @@ SCENES = {
     ),
     "balanced": packing("deformable/ring contact balanced reach 0.3", "small large"),
     "balanced, soft": packing("deformable/ring contact balanced reach 0.3", "both bothlarge", WALL),
+    "tilted": packing("deformable/ring contact tilted", "small large"),
+    "tilted, soft": packing("deformable/ring contact tilted", "both bothlarge", WALL),
+    "droplets": packing("deformable/ring contact balanced", "drop droplarge", WALL),
+    "droplets, tilted": packing("deformable/ring contact tilted", "drop full", ROOM),
+    "bubbles, radical": packing("deformable/ring contact radical", "strong bubble", WALL),
     "sector": packing("deformable/sector", "small large", WALL),
     "sector, area kept": packing("deformable/sector", "fixed fixedlarge", ROOM),
     "one in a polygon": f"""{HEADER.format(boundary="p p p")}

@@ -75,7 +75,8 @@ def test_other_names_are_refused(file):
     """A name with a folder says where the file is."""
     lmp = two_particles()
     lmp.command("pair_style deformable/ring")
-    with refuses(f"Cannot open the species file '{file}': No such file"):
+    shipped = r"The package has beads\.deformable, bubbles\.deformable, "
+    with refuses(f"Cannot open the species file '{file}': No such file or directory. {shipped}"):
         lmp.command(f"pair_coeff * * {file} small large")
 
 

@@ -25,7 +25,6 @@ from ..model.wall_shapes import Wall
 if TYPE_CHECKING:
     from lammps import lammps
 
-# The box has the thickness 1, so that volumes are areas and pressures are right in two dimensions.
 _BOX = """
 region box prism {ends} -0.5 0.5 {xy!r} 0 0 units box
 create_box {species} box

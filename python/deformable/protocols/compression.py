@@ -66,7 +66,7 @@ def compress(
 def check_strain_and_steps(strain: float, steps: int) -> None:
     """Refuse a strain or a number of steps that `compress` cannot take."""
     if not -1.0 < finite("strain", strain) < 1.0:
-        raise ParameterError(f"strain must lie between -1 and 1, not {strain}")
+        raise ParameterError(f"strain must lie between -1 and 1 (1 % is 0.01), not {strain}")
     if strain == 0.0:
         raise ParameterError("strain must not be 0: relax the simulation instead")
     count("steps", steps)
