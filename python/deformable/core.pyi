@@ -168,6 +168,17 @@ def edge_contact(
     vertex: ArrayLike, begin: ArrayLike, end: ArrayLike, kr: float, c: float
 ) -> tuple[float, _Vector, _Vector]: ...
 
+class SoftDisks:
+    def __init__(
+        self,
+        disks: int,
+        i: NDArray[np.int64],
+        j: NDArray[np.int64],
+        shift: _Vector,
+        contact: _Vector,
+    ) -> None: ...
+    def __call__(self, x: _Vector, scale: float) -> tuple[float, float, _Vector]: ...
+
 class SmoothRings:
     @property
     def energy(self) -> float: ...

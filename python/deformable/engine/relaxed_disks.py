@@ -13,10 +13,10 @@ from .enthalpy import Enthalpy
 from .lbfgs import minimize
 from .relaxation import force_rounding
 
-# Iterations before a preconditioner pays in a box that is kept: loose packings are relaxed by then.
-_PLAIN = 100
+# Called every 30 iterations with their number, phi and the pressure.
+Report = Callable[[int, float, float], object]
 
-# Iterations after which a relaxation counts as stalled, and largest step in smallest radii.
+# Iterations after which a relaxation in a box counts as stalled; largest step in smallest radii.
 _PATIENCE, _LARGEST_STEP = 20_000, 0.1
 
 
@@ -41,7 +41,7 @@ def relax_in_box(
     packing: Packing,
     tolerance: float,
     loose: float,
-    report: Callable[[int, float, float], object],
+    report: Report,
 ) -> RelaxedDisks:
     """Relax soft disks in their box, until the pressure is low or the forces are small.
 
@@ -49,19 +49,23 @@ def relax_in_box(
         packing: no two centers at one place.
         tolerance: largest residual.
         loose: pressure at which the packing is relaxed enough [k].
-        report: called every 30 iterations with their number, phi and the pressure.
+        report: see `Report`.
     """
-    return _relax(packing, None, tolerance, loose, report)
+    return _relax(packing, None, tolerance, loose, _PATIENCE, report)
 
 
 def relax_at_pressure(
     packing: Packing,
     pressure: float,
     tolerance: float,
-    report: Callable[[int, float, float], object],
+    patience: int,
+    report: Report,
 ) -> RelaxedDisks:
-    """Relax soft disks and the size of their box at a pressure [k], see `relax_in_box`."""
-    return _relax(packing, pressure, tolerance, -np.inf, report)
+    """Relax soft disks and the size of their box at a pressure [k], in so many iterations.
+
+    See `relax_in_box`.
+    """
+    return _relax(packing, pressure, tolerance, -np.inf, patience, report)
 
 
 def _relax(
@@ -69,7 +73,8 @@ def _relax(
     applied: float | None,
     tolerance: float,
     loose: float,
-    report: Callable[[int, float, float], object],
+    patience: int,
+    report: Report,
 ) -> RelaxedDisks:
     enthalpy = Enthalpy(packing, applied)
     smallest = float(packing.radius.min())
@@ -86,9 +91,9 @@ def _relax(
         enthalpy.start,
         lambda gradient: enthalpy.pressure <= loose or residual(gradient) <= tolerance,
         _LARGEST_STEP * smallest,
-        _PLAIN if applied is None else 0,
-        _PATIENCE,
+        patience,
         lambda count: report(count, enthalpy.phi, enthalpy.pressure),
+        None if applied is None else enthalpy.preconditioner,
     )
     _, gradient = enthalpy(z)
     return RelaxedDisks(enthalpy.packing(z), enthalpy.pressure, residual(gradient), not relaxed)
