@@ -18,4 +18,5 @@ NB_MODULE(core, m)
   deformable::bind_edge_contacts(m);
   deformable::bind_smooth_rings(m);
   deformable::bind_batches(m);
+  deformable::bind_energy_blocks(m);
 }

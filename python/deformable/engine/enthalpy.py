@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.neighbors import near_pairs
 from ..model.packing import Packing
 from ..model.room import Distances, stretched
-from .neighbors import near_pairs
 
 Floats = NDArray[np.float64]
 
