@@ -4,14 +4,14 @@ import deformable
 import numpy as np
 import pytest
 
-I, J = np.array([0, 0, 1]), np.array([1, 2, 1])
+FIRST, SECOND = np.array([0, 0, 1]), np.array([1, 2, 1])
 SHIFT, CONTACT = np.array([[0.0, 0.0], [0.0, 0.0], [0.8, 0.0]]), np.array([1.0, 1.2, 1.0])
 X = np.array([[0.0, 0.0], [0.3, 0.4], [3.0, 0.0]])
 
 
 def test_values_of_three_pairs() -> None:
     """d = 0.6 and an image at 0.96 at a scale of 1.2; the third pair does not touch."""
-    energy, virial, gradient = deformable.core.SoftDisks(3, I, J, SHIFT, CONTACT)(X, 1.2)
+    energy, virial, gradient = deformable.core.SoftDisks(3, FIRST, SECOND, SHIFT, CONTACT)(X, 1.2)
     assert energy == pytest.approx(0.5 * (0.4**2 + 0.04**2), rel=1e-14)
     assert virial == pytest.approx(0.4 * 0.6 + 0.04 * 0.96, rel=1e-14)
     # -1.2 (0.4) (0.6, 0.8) on disk 1; its image pushes itself from both sides
@@ -37,8 +37,8 @@ def test_disks_at_one_place_push_in_no_direction() -> None:
 
 def test_wrong_pairs_are_refused() -> None:
     with pytest.raises(ValueError, match="each of 3 pairs"):
-        deformable.core.SoftDisks(3, I, J, SHIFT[:2], CONTACT)
+        deformable.core.SoftDisks(3, FIRST, SECOND, SHIFT[:2], CONTACT)
     with pytest.raises(ValueError, match="pair 1 has the disk 2 of 2"):
-        deformable.core.SoftDisks(2, I, J, SHIFT, CONTACT)
+        deformable.core.SoftDisks(2, FIRST, SECOND, SHIFT, CONTACT)
     with pytest.raises(ValueError, match="x has 2 rows"):
-        deformable.core.SoftDisks(3, I, J, SHIFT, CONTACT)(X[:2], 1.0)
+        deformable.core.SoftDisks(3, FIRST, SECOND, SHIFT, CONTACT)(X[:2], 1.0)

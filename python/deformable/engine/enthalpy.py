@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import core
+from ..model.neighbors import near_pairs
 from ..model.packing import Packing
 from ..model.room import Distances, stretched
-from .neighbors import near_pairs
 
 Floats = NDArray[np.float64]
 

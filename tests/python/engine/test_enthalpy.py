@@ -6,8 +6,8 @@ import deformable
 import numpy as np
 import pytest
 from deformable.engine.enthalpy import Enthalpy
-from deformable.engine.neighbors import near_pairs
 from deformable.engine.relaxed_disks import relax_at_pressure
+from deformable.model.neighbors import near_pairs
 
 SCENE = (deformable.Circle((0, 0), 4), deformable.Disk((1, 0.5), 0.6))
 CHANNEL = (deformable.Plane((0, 0), (0, 1)), deformable.Plane((0, 5), (0, -1)))
