@@ -15,8 +15,8 @@ from ..model.room import Distances, stretched
 
 Floats = NDArray[np.float64]
 
-# Pairs up to this distance from contact are listed, in smallest radii.
-_SKIN = 0.3
+# Pairs up to this distance from contact are listed, in smallest radii: lists cost more than pairs.
+_SKIN = 0.8
 
 # Contacts within this overlap or gap count in part for the stiffness, in diameters of the smallest
 # particle times the pressure: overlaps are about as large.

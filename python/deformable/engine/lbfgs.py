@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 _MEMORY = 12
 
 # Iterations after which the preconditioner is renewed.
-_LIFETIME = 30
+_LIFETIME = 20
 
 # First part of the gradient that is tried as a step.
 _FIRST = 0.2
@@ -49,7 +49,7 @@ def minimize(
         relaxed: whether a gradient, that of the last evaluation, is small enough.
         largest_step: of each variable in an iteration.
         patience: largest number of iterations.
-        report: called every 30 iterations with their number.
+        report: called every 20 iterations with their number.
         preconditioner: makes an approximate inverse of the Hessian at a point.
 
     Returns:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -13,7 +14,7 @@ from .enthalpy import Enthalpy
 from .lbfgs import minimize
 from .relaxation import force_rounding
 
-# Called every 30 iterations with their number, phi and the pressure.
+# Called every 20 iterations with their number, phi and the pressure.
 Report = Callable[[int, float, float], object]
 
 # Iterations after which a relaxation in a box counts as stalled; largest step in smallest radii.
@@ -81,7 +82,8 @@ def _relax(
     rounding = force_rounding(packing.box, stiffness=1.0)
 
     def residual(gradient: NDArray[np.float64]) -> float:
-        on_particles = float(np.hypot(*gradient[:-1].reshape(-1, 2).T).max())
+        forces = gradient[:-1].reshape(-1, 2)
+        on_particles = math.sqrt(np.einsum("ij,ij->i", forces, forces).max())
         largest = max(on_particles, abs(float(gradient[-1])))
         scale = smallest * (enthalpy.pressure if applied is None else applied)
         return largest / scale if largest > rounding and scale > 0.0 else 0.0
