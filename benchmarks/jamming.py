@@ -3,8 +3,8 @@
     python benchmarks/jamming.py [1000 4000 10000] [--seeds 3] [--out FILE]
 
 Bidisperse packings are jammed from random positions at a pressure of 1e-7, until no force exceeds
-1e-6 of a contact force, on one core. Times are processor time. The file keeps the packings of
-earlier calls, so that sizes can be added.
+1e-6 of a contact force, on one core. Times are processor time. Packings that are in the file are
+not measured again: an interrupted call goes on when it is repeated, and sizes can be added.
 """
 
 from __future__ import annotations
@@ -74,7 +74,8 @@ def main() -> None:
     rows = json.loads(options.out.read_text())["rows"] if options.out.exists() else []
     for number in options.numbers:
         for seed in range(1, options.seeds + 1):
-            rows = [row for row in rows if (row["N"], row["seed"]) != (number, seed)]
+            if (number, seed) in {(row["N"], row["seed"]) for row in rows}:
+                continue
             rows.append(measure(number, seed))
             print(*(f"{key} {value}" for key, value in rows[-1].items()), flush=True)
             rows.sort(key=lambda row: (row["N"], row["seed"]))

@@ -168,6 +168,17 @@ def edge_contact(
     vertex: ArrayLike, begin: ArrayLike, end: ArrayLike, kr: float, c: float
 ) -> tuple[float, _Vector, _Vector]: ...
 
+class SoftDisks:
+    def __init__(
+        self,
+        disks: int,
+        i: NDArray[np.int64],
+        j: NDArray[np.int64],
+        shift: _Vector,
+        contact: _Vector,
+    ) -> None: ...
+    def __call__(self, x: _Vector, scale: float) -> tuple[float, float, _Vector]: ...
+
 class SmoothRings:
     @property
     def energy(self) -> float: ...
@@ -197,6 +208,17 @@ def smooth_rings(
     kr: float,
     c: float,
 ) -> SmoothRings: ...
+
+class EnergyBlocks:
+    @property
+    def energy(self) -> float: ...
+    @property
+    def gradient(self) -> _Vector: ...
+    def hessian(self) -> tuple[NDArray[np.int32], NDArray[np.int32], _Vector]: ...
+
+def disk_blocks(
+    x: ArrayLike, y: ArrayLike, turn: ArrayLike, contact: ArrayLike
+) -> EnergyBlocks: ...
 @overload
 def contact_line(distance: float, radius_i: float, radius_j: float) -> float: ...
 @overload

@@ -18,4 +18,6 @@ NB_MODULE(core, m)
   deformable::bind_edge_contacts(m);
   deformable::bind_smooth_rings(m);
   deformable::bind_batches(m);
+  deformable::bind_disk_pairs(m);
+  deformable::bind_energy_blocks(m);
 }

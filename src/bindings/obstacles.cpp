@@ -76,13 +76,13 @@ class Scene {
     const std::vector<double> x = vector_of("x", px), y = vector_of("y", py);
     if (x.size() != y.size()) refuse("x and y must have one value for each point");
     std::vector<double> values;
-    values.reserve(3 * x.size() * walls.size());
+    values.reserve(4 * x.size() * walls.size());
     for (const Wall &wall : walls)
       for (std::size_t k = 0; k < x.size(); ++k) {
         const NearestPoint point = nearest_to(wall, x[k] - wall.x, y[k] - wall.y);
-        values.insert(values.end(), {point.nx, point.ny, point.height});
+        values.insert(values.end(), {point.nx, point.ny, point.height, point.per_lever});
       }
-    return to_numpy<Matrix>(values.data(), {values.size() / 3, 3});
+    return to_numpy<Matrix>(values.data(), {values.size() / 4, 4});
   }
 
  private:
@@ -187,8 +187,9 @@ Two corners are a segment.)");
       .def("add_round", &Scene::add_round, "x"_a, "y"_a, "radius"_a, "inside"_a,
            "A circle with particles inside, or a disk.")
       .def("add_polygon", &Scene::add_polygon, "x"_a, "y"_a, "See polygon_planes.")
-      .def("nearest", &Scene::nearest, "x"_a, "y"_a,
-           R"(Direction (two components) to the nearest point of a wall, and distance.
+      .def(
+          "nearest", &Scene::nearest, "x"_a, "y"_a,
+          R"(Direction (two components) to the nearest point of a wall, distance, and rotation per sideways step.
 
 A row for each point (x, y), for one wall after the other. Beyond a plane or circle and inside of an
 obstacle the distance is negative, there to the nearest side.)");

@@ -175,7 +175,7 @@ def test_scene(x, y):
     scene.add_polygon(*np.transpose(corners))
     scene.add_polygon([0, 1], [0.5, 1])
     found = scene.nearest([x, 0.0], [y, 0.1])
-    assert found.shape == (10, 3)
+    assert found.shape == (10, 4)
     direction, distance = found[::2, :2], found[::2, 2]
     assert np.linalg.norm(direction, axis=1) == pytest.approx(1)
     shifts = [(6 * a + 1.5 * b, 5 * b) for a in range(-4, 5) for b in range(-3, 4)]
@@ -195,6 +195,6 @@ def test_scene(x, y):
 def test_scene_inside_of_a_polygon():
     scene = core.Scene(0, 0, 0)
     scene.add_polygon([0, 2, 2, 0], [0, 0, 1, 1])
-    assert scene.nearest([1.9], [0.5]).tolist() == [pytest.approx([-1, 0, -0.1])]
+    assert scene.nearest([1.9], [0.5]).tolist() == [pytest.approx([-1, 0, -0.1, 0])]
     with pytest.raises(ValueError, match="one value for each"):
         scene.nearest([1.0], [0.5, 2.0])

@@ -8,14 +8,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import core
+from ..model.neighbors import near_pairs
 from ..model.packing import Packing
 from ..model.room import Distances, stretched
-from .neighbors import near_pairs
 
 Floats = NDArray[np.float64]
 
-# Pairs up to this distance from contact are listed, in smallest radii.
-_SKIN = 0.3
+# Pairs up to this distance from contact are listed, in smallest radii: lists cost more than pairs.
+_SKIN = 0.8
 
 # Contacts within this overlap or gap count in part for the stiffness, in diameters of the smallest
 # particle times the pressure: overlaps are about as large.
@@ -51,7 +52,7 @@ class Enthalpy:
     """
 
     def __init__(self, packing: Packing, pressure: float | None) -> None:
-        self._start, self._applied = packing, pressure
+        self._start, self._applied, self._keeps_box = packing, pressure or 0.0, pressure is None
         self._radius, self._smallest = packing.radius, float(packing.radius.min())
         self._distances = Distances(packing.walls, packing.box) if packing.walls else None
         self._length, self._phi = float(np.sqrt(2.0 * packing.area)), packing.phi
@@ -73,26 +74,22 @@ class Enthalpy:
         """The enthalpy and its gradient."""
         x, scale = self._unpacked(z)
         self._list(x, scale)
-        apart = self._difference @ x + self._shift
-        distance = scale * np.maximum(np.hypot(*apart.T), np.finfo(float).tiny)
-        overlap = np.maximum(self._contact - distance, 0.0)
-        gradient = self._transposed @ ((-(scale**2) * overlap / distance)[:, None] * apart)
-        energy, virial = 0.5 * float(overlap @ overlap), float(overlap @ distance)
+        energy, virial, gradient = self._pairs(x, scale)
         if self._distances:
             out, height = self._distances(x)
             overlap = np.maximum(self._radius - scale * height, 0.0)
-            gradient += scale * np.sum(overlap[..., None] * out, axis=0)
+            gradient += scale * np.sum(overlap[..., None] * out, axis=0).ravel()
             energy += 0.5 * float(np.sum(overlap**2))
             virial += scale * float(np.sum(overlap * height))
         area = self._start.area * scale**2
         self.pressure, self.phi = virial / (2.0 * area), self._phi / scale**2
-        if self._applied is None:
+        if self._keeps_box:
             return energy, np.append(gradient, 0.0)
         growth = 2.0 * area * (self._applied - self.pressure) / self._length
         return energy + self._applied * area, np.append(gradient, growth)
 
     def preconditioner(self, z: Floats) -> Callable[[Floats], Floats]:
-        """Product of a gradient with the inverse of an approximate Hessian.
+        """Product of a gradient with the inverse of an approximate Hessian, at a pressure.
 
         The Hessian is sum_c k_c (do_c/dz)(do_c/dz)^T plus a shift. A contact counts in part,
 
@@ -102,13 +99,13 @@ class Enthalpy:
         and closes contacts. Without the negative part of contacts under pressure it is positive
         definite. It is factored by SuperLU.
         """
-        from scipy.sparse import coo_matrix, csc_matrix, identity
+        from scipy.sparse import csc_matrix, csr_matrix, identity
         from scipy.sparse.linalg import splu
 
-        pressure = self.pressure if self._applied is None else self._applied
+        pressure = self._applied
         x, scale = self._unpacked(z)
         self._list(x, scale)
-        apart = self._difference @ x + self._shift
+        apart = x[self._j] - x[self._i] + self._shift
         lever = np.hypot(*apart.T)
         direction = apart / np.maximum(lever, np.finfo(float).tiny)[:, None]
         gap, i, j = scale * lever - self._contact, self._i, self._j
@@ -120,18 +117,16 @@ class Enthalpy:
             direction = np.concatenate([direction, out.reshape(-1, 2)])
             i, j = np.append(i, number), np.append(j, np.full_like(number, -1))
         smoothing = 2.0 * _SMOOTHING * pressure * self._smallest
-        share = 0.5 * (1.0 - gap / np.hypot(gap, 2.0 * max(smoothing, np.finfo(float).tiny)))
+        share = 0.5 * (1.0 - gap / np.hypot(gap, 2.0 * smoothing))
         near = share > _SMALLEST_SHARE
         share, lever, direction = share[near], scale * lever[near], scale * direction[near]
-        rows, count = np.arange(len(share)), 2 * len(x)
-        entries = [
-            (sign * direction[there, axis], rows[there], 2 * particle[there] + axis)
-            for particle, sign in ((i[near], -1.0), (j[near], 1.0))
-            for there in [particle >= 0]
-            for axis in (0, 1)
-        ]
-        values, row, column = map(np.concatenate, zip(*entries, strict=True))
-        rigidity = coo_matrix((values, (row, column)), shape=(len(share), count)).tocsr()
+        count, first = 2 * len(x), 2 * np.stack([i[near], j[near]], axis=1)
+        values = np.stack(
+            [-direction, np.where(j[near] < 0, 0.0, 1.0)[:, None] * direction], axis=1
+        )
+        columns = np.maximum(first, 0)[..., None] + np.arange(2)
+        ends = np.arange(0, columns.size + 1, 4)
+        rigidity = csr_matrix((values.ravel(), columns.ravel(), ends), shape=(len(share), count))
         weighted = rigidity.T.multiply(share).tocsr()
         shift = _SHIFT * pressure + _SHIFT_OF_SIZE / len(x) ** 2
         factors = splu(
@@ -140,12 +135,10 @@ class Enthalpy:
             diag_pivot_thresh=0.0,
             options={"SymmetricMode": True},
         )
-        if self._applied is None:
-            return lambda gradient: np.append(factors.solve(gradient[:-1]), 0.0)
         coupling = weighted @ lever / self._length
         response = factors.solve(coupling)
         area = self._start.area * scale**2
-        work = 4.0 * self._applied * area + float(share @ lever**2)
+        work = 4.0 * pressure * area + float(share @ lever**2)
         stiffness = work / self._length**2 + shift - float(coupling @ response)
 
         def solve(gradient: Floats) -> Floats:
@@ -161,8 +154,6 @@ class Enthalpy:
 
     def _list(self, x: Floats, scale: float) -> None:
         """List near pairs, unless all that overlap are in the last list."""
-        from scipy.sparse import csr_matrix
-
         skin = _SKIN * self._smallest
         if self._listed:
             before, size = self._listed
@@ -177,8 +168,4 @@ class Enthalpy:
         self._i, self._j, shift = near_pairs(placed, skin)
         self._shift = shift / scale
         self._contact = self._radius[self._i] + self._radius[self._j]
-        rows = np.tile(np.arange(len(shift)), 2)
-        signs = np.repeat([-1.0, 1.0], len(shift))
-        columns = np.concatenate([self._i, self._j])
-        self._difference = csr_matrix((signs, (rows, columns)), shape=(len(shift), len(x)))
-        self._transposed = self._difference.T.tocsr()
+        self._pairs = core.SoftDisks(len(x), self._i, self._j, self._shift, self._contact)

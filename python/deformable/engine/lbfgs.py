@@ -1,10 +1,9 @@
-"""Minimization by L-BFGS, preconditioned by a factored Hessian that is renewed now and then."""
+"""Minimization by L-BFGS, if asked with a factored Hessian that is renewed now and then."""
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +14,7 @@ Floats = NDArray[np.float64]
 _MEMORY = 12
 
 # Iterations after which the preconditioner is renewed.
-_LIFETIME = 30
+_LIFETIME = 20
 
 # First part of the gradient that is tried as a step.
 _FIRST = 0.2
@@ -28,11 +27,9 @@ _DECREASE, _SLOPE, _ROUNDING = 1e-4, 0.9, 1e-10
 _TRIALS, _FAILURES = 12, 4
 
 
-class Function(Protocol):
-    """A function with its gradient and an approximate inverse of its Hessian."""
-
-    def __call__(self, z: Floats) -> tuple[float, Floats]: ...
-    def preconditioner(self, z: Floats) -> Callable[[Floats], Floats]: ...
+# Value and gradient at a point; product of a gradient with an approximate inverse of the Hessian.
+Function = Callable[[Floats], tuple[float, Floats]]
+Inverse = Callable[[Floats], Floats]
 
 
 def minimize(
@@ -40,20 +37,20 @@ def minimize(
     z: Floats,
     relaxed: Callable[[Floats], bool],
     largest_step: float,
-    plain: int,
     patience: int,
     report: Callable[[int], object] = lambda iterations: None,
+    preconditioner: Callable[[Floats], Inverse] | None = None,
 ) -> tuple[Floats, bool]:
     """Minimize a function.
 
     Args:
-        function: see `Function`; it is evaluated last at the point that is returned.
+        function: it is evaluated last at the point that is returned.
         z: start.
         relaxed: whether a gradient, that of the last evaluation, is small enough.
         largest_step: of each variable in an iteration.
-        plain: number of iterations before the first preconditioner.
         patience: largest number of iterations.
-        report: called every 30 iterations with their number.
+        report: called every 20 iterations with their number.
+        preconditioner: makes an approximate inverse of the Hessian at a point.
 
     Returns:
         The last point, and whether it is relaxed.
@@ -61,16 +58,16 @@ def minimize(
     Source: Nocedal and Wright, Numerical Optimization (2006), chapter 7.
     """
     steps: deque[tuple[Floats, Floats, float]] = deque(maxlen=_MEMORY)
-    precondition: Callable[[Floats], Floats] | None = None
+    precondition: Inverse | None = None
     value, gradient = function(z)
-    renewal, failures = plain, 0
+    renewal = failures = 0
     for iteration in range(patience):
         if relaxed(gradient):
             return z, True
         if iteration % _LIFETIME == _LIFETIME - 1:
             report(_LIFETIME)
-        if iteration >= renewal:
-            precondition, renewal = function.preconditioner(z), iteration + _LIFETIME
+        if preconditioner and iteration >= renewal:
+            precondition, renewal = preconditioner(z), iteration + _LIFETIME
             steps.clear()
         direction = _direction(gradient, steps, precondition)
         direction *= min(1.0, largest_step / float(np.abs(direction).max(initial=1e-300)))
@@ -95,23 +92,25 @@ def minimize(
 def _direction(
     gradient: Floats,
     steps: deque[tuple[Floats, Floats, float]],
-    precondition: Callable[[Floats], Floats] | None,
+    precondition: Inverse | None,
 ) -> Floats:
     """Minus the gradient times the inverse Hessian that the steps and preconditioner tell."""
-    q, weights = gradient.copy(), []
+    from scipy.linalg.blas import daxpy, ddot
+
+    q, weights = -gradient, []
     for step, change, inverse in reversed(steps):
-        weights.append(inverse * float(step @ q))
-        q -= weights[-1] * change
+        weights.append(inverse * ddot(step, q))
+        daxpy(change, q, a=-weights[-1])
     if precondition is not None:
         q = precondition(q)
     elif steps:
         _, change, inverse = steps[-1]
-        q /= inverse * float(change @ change)
+        q /= inverse * ddot(change, change)
     else:
         q *= _FIRST
     for (step, change, inverse), weight in zip(steps, reversed(weights), strict=True):
-        q += (weight - inverse * float(change @ q)) * step
-    return -q
+        daxpy(step, q, a=weight - inverse * ddot(change, q))
+    return q
 
 
 def _search(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -13,10 +14,10 @@ from .enthalpy import Enthalpy
 from .lbfgs import minimize
 from .relaxation import force_rounding
 
-# Iterations before a preconditioner pays in a box that is kept: loose packings are relaxed by then.
-_PLAIN = 100
+# Called every 20 iterations with their number, phi and the pressure.
+Report = Callable[[int, float, float], object]
 
-# Iterations after which a relaxation counts as stalled, and largest step in smallest radii.
+# Iterations after which a relaxation in a box counts as stalled; largest step in smallest radii.
 _PATIENCE, _LARGEST_STEP = 20_000, 0.1
 
 
@@ -41,7 +42,7 @@ def relax_in_box(
     packing: Packing,
     tolerance: float,
     loose: float,
-    report: Callable[[int, float, float], object],
+    report: Report,
 ) -> RelaxedDisks:
     """Relax soft disks in their box, until the pressure is low or the forces are small.
 
@@ -49,19 +50,23 @@ def relax_in_box(
         packing: no two centers at one place.
         tolerance: largest residual.
         loose: pressure at which the packing is relaxed enough [k].
-        report: called every 30 iterations with their number, phi and the pressure.
+        report: see `Report`.
     """
-    return _relax(packing, None, tolerance, loose, report)
+    return _relax(packing, None, tolerance, loose, _PATIENCE, report)
 
 
 def relax_at_pressure(
     packing: Packing,
     pressure: float,
     tolerance: float,
-    report: Callable[[int, float, float], object],
+    patience: int,
+    report: Report,
 ) -> RelaxedDisks:
-    """Relax soft disks and the size of their box at a pressure [k], see `relax_in_box`."""
-    return _relax(packing, pressure, tolerance, -np.inf, report)
+    """Relax soft disks and the size of their box at a pressure [k], in so many iterations.
+
+    See `relax_in_box`.
+    """
+    return _relax(packing, pressure, tolerance, -np.inf, patience, report)
 
 
 def _relax(
@@ -69,14 +74,16 @@ def _relax(
     applied: float | None,
     tolerance: float,
     loose: float,
-    report: Callable[[int, float, float], object],
+    patience: int,
+    report: Report,
 ) -> RelaxedDisks:
     enthalpy = Enthalpy(packing, applied)
     smallest = float(packing.radius.min())
     rounding = force_rounding(packing.box, stiffness=1.0)
 
     def residual(gradient: NDArray[np.float64]) -> float:
-        on_particles = float(np.hypot(*gradient[:-1].reshape(-1, 2).T).max())
+        forces = gradient[:-1].reshape(-1, 2)
+        on_particles = math.sqrt(np.einsum("ij,ij->i", forces, forces).max())
         largest = max(on_particles, abs(float(gradient[-1])))
         scale = smallest * (enthalpy.pressure if applied is None else applied)
         return largest / scale if largest > rounding and scale > 0.0 else 0.0
@@ -86,9 +93,9 @@ def _relax(
         enthalpy.start,
         lambda gradient: enthalpy.pressure <= loose or residual(gradient) <= tolerance,
         _LARGEST_STEP * smallest,
-        _PLAIN if applied is None else 0,
-        _PATIENCE,
+        patience,
         lambda count: report(count, enthalpy.phi, enthalpy.pressure),
+        None if applied is None else enthalpy.preconditioner,
     )
     _, gradient = enthalpy(z)
     return RelaxedDisks(enthalpy.packing(z), enthalpy.pressure, residual(gradient), not relaxed)

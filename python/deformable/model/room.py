@@ -201,8 +201,19 @@ class Distances:
             Unit vectors, shape (number of walls, N, 2), and distances, shape (number of walls, N)
             [length]; negative beyond a plane or circle and inside of an obstacle.
         """
-        found = self._scene.nearest(*positions.T).reshape(self._count, len(positions), 3)
+        found = self._nearest(positions)
         return found[..., :2], found[..., 2]
+
+    def turns(self, positions: Floats) -> Floats:
+        """Angle by which each direction turns for a sideways step, (number of walls, N) [1/length].
+
+        It is 0 on a side, 1/h at a corner, 1/(rho + h) outside of a disk of radius rho, and
+        -1/(rho - h) inside of a circle.
+        """
+        return self._nearest(positions)[..., 3]
+
+    def _nearest(self, positions: Floats) -> Floats:
+        return self._scene.nearest(*positions.T).reshape(self._count, len(positions), 4)
 
 
 def check_fit(walls: Sequence[Wall], box: Floats, cutoff: float) -> None:
@@ -290,3 +301,12 @@ def free_motions(walls: Sequence[Wall]) -> int:
     return int(
         all(isinstance(wall, Circle) and wall.center == walls[0].values[:2] for wall in walls)
     )
+
+
+def motions(walls: Sequence[Wall], positions: Floats) -> Floats:
+    """These motions, of particles at N positions, shape (`free_motions`, N, 2)."""
+    if free_motions(walls) and any(closed(walls)) and isinstance(walls[0], Circle):
+        x, y = (positions - walls[0].center).T
+        return np.stack([-y, x], axis=1)[None]
+    along = np.eye(2)[~np.array(closed(walls))] if free_motions(walls) else np.empty((0, 2))
+    return np.repeat(along[:, None], len(positions), axis=1)

@@ -14,7 +14,7 @@ from ..common.progress import progress
 from ..common.renamed import former_arguments
 from ..common.validate import expect, positive
 from ..engine.disks import Disks, separated
-from ..engine.relaxed_disks import RelaxedDisks, relax_at_pressure, relax_in_box
+from ..engine.relaxed_disks import RelaxedDisks, Report, relax_at_pressure, relax_in_box
 from ..engine.simulation import Simulation
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing
@@ -27,6 +27,10 @@ _LOOSE, _FINEST = 1e-4, 0.0025
 # Compression only has to tell loose packings from rigid ones: forces on particles may be this part
 # of those of contacts. The pressure is lowered in steps by a factor, each relaxed to a part.
 _ROUGH, _FACTOR, _PART = 0.1, 0.3, 0.1
+
+# Iterations at a pressure before the disks are compressed again, by so many of these steps; the
+# number doubles each time.
+_PATIENCE, _LONGEST, _BACK = 1000, 30_000, 4
 
 # The pressure of the packing lies between the threshold and twice that.
 _ABOVE = 1.4
@@ -137,11 +141,27 @@ def _jammed_disks(
             step /= 2.0
         else:
             break
-    applied = disks.pressure
-    while applied > pressure / _FACTOR:
-        applied *= _FACTOR
-        disks = relax_at_pressure(disks.packing, applied, _PART, report)
-    return relax_at_pressure(disks.packing, pressure, tolerance, report)
+    return _decompressed(disks, pressure, tolerance, report)
+
+
+def _decompressed(
+    disks: RelaxedDisks, pressure: float, tolerance: float, report: Report
+) -> RelaxedDisks:
+    """Rigid disks at a lower pressure.
+
+    A packing that rearranges at a low pressure does so in tiny steps, as small as its overlaps. It
+    is compressed again, to rearrange there, and gets more time after each attempt.
+    """
+    highest, patience = disks.pressure, _PATIENCE
+    applied = highest
+    while True:
+        applied = max(_FACTOR * applied, pressure)
+        part = tolerance if applied == pressure else _PART
+        disks = relax_at_pressure(disks.packing, applied, part, patience, report)
+        if disks.stalled and patience < _LONGEST:
+            applied, patience = min(applied / _FACTOR**_BACK, highest), 2 * patience
+        elif applied == pressure:
+            return disks
 
 
 def _jammed_particles(

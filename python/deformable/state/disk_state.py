@@ -7,12 +7,20 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core import disk_blocks
+from ..model.neighbors import near_pairs
 from ..model.packing import Packing
 from .contact_network import ContactNetwork
+from .hessian import Hessian
+from .linear_response import LinearResponse
+from .sides import bearing, between, by_centers, by_strains, joined, with_walls
+
+# Points of an outline.
+_POINTS = 60
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DiskState(ContactNetwork):
+class DiskState(ContactNetwork, LinearResponse):
     """A snapshot of soft disks of contact stiffness k. Particles are numbered from 0.
 
     Attributes:
@@ -45,6 +53,37 @@ class DiskState(ContactNetwork):
     def pressure(self) -> float:
         """Pressure of the packing, half the trace of `stress` [k]."""
         return float(np.trace(self.stress) / 2.0)
+
+    @property
+    def outlines(self) -> list[NDArray[np.float64]]:
+        """Circles, closed polygons of shape (m, 2) [length]."""
+        turn = np.linspace(0.0, 2.0 * np.pi, _POINTS)
+        circle = np.column_stack([np.cos(turn), np.sin(turn)])
+        return list(self.packing.positions[:, None] + self.packing.radius[:, None, None] * circle)
+
+    def hessian(self, rattlers: bool = True) -> Hessian:
+        """Second derivatives of the energy by the centers, and by strains.
+
+        Each contact adds n n^T - (o/d) t t^T for its direction n and overlap o. The second part is
+        the prestress.
+
+        Args:
+            rattlers: False leaves out the contacts of rattlers, which bear nothing; a contact that
+                bears a thousandth of the mean contact force or more stays.
+        """
+        packing, radius = self.packing, self.packing.radius
+        i, j, shift = near_pairs(packing, 0.0)
+        pairs = between(i, j, packing.positions[j] + shift - packing.positions[i])
+        sides = joined(pairs, with_walls(packing, 0.0))
+        contact = radius[sides.i] + np.where(sides.j < 0, 0.0, radius[sides.j])
+        if not rattlers:
+            overlap, count = contact - sides.distance, len(i)
+            both = np.append(overlap, overlap[:count])
+            kept = bearing(np.append(sides.i, j), np.append(sides.j, i), both, len(packing))
+            sides, contact = sides.part(kept[: len(contact)]), contact[kept[: len(contact)]]
+        x, y = sides.vector.T
+        blocks = disk_blocks(x, y, sides.turn, contact)
+        return Hessian(packing, blocks, by_centers(sides, len(packing)), by_strains(sides))
 
     @property
     def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

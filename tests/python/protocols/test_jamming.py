@@ -5,6 +5,8 @@ import warnings
 import deformable
 import numpy as np
 import pytest
+from deformable.engine.relaxed_disks import RelaxedDisks, Report, relax_at_pressure
+from deformable.protocols import jamming
 from deformable.protocols.jamming import natural_pressure, simulate
 
 RADICAL, BALANCED = (deformable.Ring(contact=contact) for contact in ("radical", "balanced"))
@@ -123,6 +125,29 @@ def test_rattlers_fall_one_after_another() -> None:
     assert state.rattlers.tolist() == [False] * 4 + [True] * 3
     assert (state.network_contacts, state.isostatic_contacts) == (6, 7)
     assert state.coordination == 3.0
+
+
+def test_disks_that_rearrange_slowly_are_compressed_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With 30 iterations at a pressure at first, they go back up, and still come to rest."""
+    asked: list[tuple[float, int]] = []
+
+    def relax(
+        packing: deformable.Packing, pressure: float, part: float, patience: int, report: Report
+    ) -> RelaxedDisks:
+        asked.append((pressure, patience))
+        return relax_at_pressure(packing, pressure, part, patience, report)
+
+    monkeypatch.setattr(jamming, "_PATIENCE", 30)
+    monkeypatch.setattr(jamming, "relax_at_pressure", relax)
+    jammed = deformable.jam(deformable.bidisperse(64, seed=1), pressure=1e-7, tolerance=1e-6)
+    pressures, patience = np.transpose(asked)
+    assert (np.diff(pressures) > 0.0).any()
+    assert pressures.max() == pressures[0]
+    assert patience[0] == 30
+    assert patience[-1] > 30
+    state = onset(jammed, None)
+    assert state.pressure == pytest.approx(1.4e-7, rel=1e-6)
+    assert state.residual <= 1.5e-6
 
 
 def test_rigid_start_is_refused() -> None:

@@ -7,8 +7,8 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.packing import Packing
-from ..model.room import closed
+from .packing import Packing
+from .room import closed
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

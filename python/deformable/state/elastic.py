@@ -1,0 +1,81 @@
+"""Elastic moduli of a packing by linear response."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import ParameterError
+from .hessian import Hessian
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticModuli:
+    """Elastic moduli of a packing at rest, at the pressure that it has.
+
+        C_abcd = d(stress_ab)/d(du_c/dx_d)
+
+    is the change of the stress (tension positive, minus `State.stress`) with the displacement
+    gradient, at rest: particles follow the strain affinely, and then relax.
+
+    Attributes:
+        tensor: C, shape (2, 2, 2, 2) [energy/length^2]. At zero stress it has all symmetries of
+            an elastic tensor.
+        affine: the same if centers only follow the strain (lines of contacts are at rest).
+        relaxing: what the relaxation of centers takes away, `affine - tensor`.
+    """
+
+    tensor: Floats
+    affine: Floats
+    relaxing: Floats
+
+    @property
+    def shear_modulus(self) -> float:
+        """Of simple shear along x, C_xyxy, as `deformable.shear_modulus` [energy/length^2]."""
+        return float(self.tensor[0, 1, 0, 1])
+
+    @property
+    def pure_shear_modulus(self) -> float:
+        """Of a stretch along x and a shrinkage along y [energy/length^2].
+
+        (C_xxxx - C_xxyy - C_yyxx + C_yyyy)/4; the mean of both moduli is that of all directions.
+        """
+        (xx_xx, xx_yy), (yy_xx, yy_yy) = np.einsum("aacc->ac", self.tensor)
+        return float(xx_xx - xx_yy - yy_xx + yy_yy) / 4.0
+
+    @property
+    def bulk_modulus(self) -> float:
+        """K = - V dp/dV, the sum of all C_aacc over 4 [energy/length^2].
+
+        With lengths l it is (1/4V) d^2E/d(ln l)^2 + p.
+        """
+        return float(np.einsum("aacc", self.tensor)) / 4.0
+
+
+def moduli_of(hessian: Hessian) -> ElasticModuli:
+    """See `LinearResponse.elastic_moduli`.
+
+    With E'' = d^2E/de de at fixed centers and lines, its coupling B to them, and M of `Hessian`,
+    the second derivatives of the relaxed energy are E'' - B^T M^-1 B. Per area V,
+
+        C_abcd = E''_ab,cd / V + sigma_ad delta_bc - sigma_ab delta_cd,    sigma = -stress
+    """
+    if hessian.packing.walls:
+        raise ParameterError(
+            "elastic moduli need a periodic box without walls: `bulk_modulus` strains walls too"
+        )
+    n, sigma = hessian.size, -hessian.stress
+    coupled = hessian.by_strain
+    lines = coupled[n:].T @ hessian.line_response(coupled[n:])
+    relaxed = coupled.T @ hessian.response(coupled)
+    unit = np.eye(2)
+    by_stress = np.einsum("ad,bc->abcd", sigma, unit) - np.einsum("ab,cd->abcd", sigma, unit)
+    affine, tensor = (
+        (hessian.strain - part).reshape(2, 2, 2, 2) / hessian.packing.area + by_stress
+        for part in (lines, relaxed)
+    )
+    return ElasticModuli(tensor, affine, affine - tensor)

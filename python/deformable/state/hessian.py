@@ -1,0 +1,216 @@
+"""The second derivatives of a packing's energy, and what follows from a linear system."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..common.errors import ParameterError
+from ..common.validate import numbers
+from ..core import EnergyBlocks
+from ..model.packing import Packing
+from ..model.room import motions
+
+Floats = NDArray[np.float64]
+
+# Stiffness that is added to all centers before a factorization, in mean diagonal entries: motions
+# without a stiffness would make the matrix singular. Corrections remove its effect.
+_SHIFT = 1e-9
+
+# Corrections of a solution, and the part of the forces that may remain.
+_CORRECTIONS, _REMAINDER = 20, 1e-13
+
+
+class Hessian:
+    """Second derivatives of the energy of a packing by the coordinates of its centers.
+
+    The lines of `balanced` and `tilted` contacts follow the centers. Their energy is stationary in
+    the places of the lines, which are variables of their own here: the matrix stays sparse, and
+    that of the centers alone is its Schur complement,
+
+        H = M_cc - M_cl M_ll^-1 M_lc
+
+    with the centers c and the lines l. `reduced`, `operator` and `solve` are those of H.
+
+    Attributes:
+        packing: the particles.
+        matrix: M, sparse and symmetric, shape (2N + lines, 2N + lines) [energy/length^2]. Rows
+            are x_0, y_0, x_1, y_1, ... of the centers, then the shift of each line [length], then
+            for `tilted` the direction of each line [rad]. Soft disks and `radical` have no such
+            lines: M is H.
+        energy: [energy].
+        gradient: of the energy, shape (2N + lines,); minus the forces, and what is left of the
+            balance of lines.
+        by_strain: second derivatives by the rows of `matrix` and by the components xx, xy, yx,
+            yy of a displacement gradient, shape (2N + lines, 4). Walls do not follow the strain.
+        strain: second derivatives by the displacement gradient alone, shape (4, 4) [energy].
+        stress: pressure tensor of the contacts, shape (2, 2) [energy/length^2].
+        free: particles without contacts in the matrix, shape (N,).
+        scale: mean diagonal entry of the centers that have contacts [energy/length^2].
+    """
+
+    def __init__(self, packing: Packing, blocks: EnergyBlocks, chain: Any, strains: Floats) -> None:
+        """Chain the derivatives by local variables to the global ones.
+
+        Args:
+            packing: the particles.
+            blocks: energy and its derivatives by V local variables.
+            chain: their derivatives by centers and lines, sparse, shape (V, 2N + lines).
+            strains: their derivatives by a displacement gradient, shape (V, 4).
+        """
+        from scipy.sparse import csc_matrix, csr_matrix
+
+        row, column, value = blocks.hessian()
+        local = csr_matrix((value, (row, column)), shape=(len(strains), len(strains)))
+        strained = local @ strains
+        self.packing, self.energy = packing, blocks.energy
+        self.matrix = csc_matrix(chain.T @ local @ chain)
+        self.gradient = chain.T @ blocks.gradient
+        self.by_strain, self.strain = chain.T @ strained, strains.T @ strained
+        self.stress = -(strains.T @ blocks.gradient).reshape(2, 2) / packing.area
+        diagonal = self.matrix.diagonal()[: self.size].reshape(-1, 2)
+        self.free = ~diagonal.any(axis=1)
+        self.scale = (
+            float(np.abs(diagonal).mean(where=~self.free[:, None])) if diagonal.any() else 1.0
+        )
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates 2N."""
+        return 2 * len(self.packing)
+
+    @cached_property
+    def motions(self) -> Floats:
+        """Motions of all particles with contacts together that no wall resists.
+
+        Orthonormal, shape (2N, m): two translations in a periodic box, one along a channel, a
+        rotation in a round container.
+        """
+        found = np.where(
+            self.free[:, None], 0.0, motions(self.packing.walls, self.packing.positions)
+        )
+        if self.free.all() or not len(found):
+            return np.empty((self.size, 0))
+        return np.linalg.qr(found.reshape(len(found), -1).T)[0]
+
+    @property
+    def zero_modes(self) -> int:
+        """Number of motions without a stiffness: `motions`, and two of each free particle."""
+        return self.motions.shape[1] + 2 * int(self.free.sum())
+
+    def project(self, vectors: Floats) -> Floats:
+        """The part of vectors, shape (2N, ...), that contains no motion without a stiffness."""
+        kept = np.where(
+            np.repeat(self.free, 2).reshape(-1, *[1] * (vectors.ndim - 1)), 0.0, vectors
+        )
+        return kept - self.motions @ (self.motions.T @ kept)
+
+    @cached_property
+    def operator(self) -> Any:
+        """H as a `scipy.sparse.linalg.LinearOperator`, shape (2N, 2N)."""
+        from scipy.sparse.linalg import LinearOperator
+
+        n, centers, response = self.size, self.matrix[: self.size, : self.size], self._lines
+
+        def product(vector: Floats) -> Floats:
+            if response is None:
+                return np.asarray(centers @ vector)
+            coupled = self.matrix[n:, :n] @ vector
+            return np.asarray(centers @ vector - self.matrix[:n, n:] @ response(coupled))
+
+        return LinearOperator((n, n), matvec=product, rmatvec=product, matmat=product, dtype=float)
+
+    def reduced(self) -> Floats:
+        """H as a dense array, shape (2N, 2N) [energy/length^2]; symmetric to the last bit."""
+        dense = self.matrix[: self.size, : self.size].toarray()
+        if self._lines is not None:
+            coupling = self.matrix[self.size :, : self.size].toarray()
+            dense -= self.matrix[: self.size, self.size :] @ self._lines(coupling)
+        return np.asarray(0.5 * (dense + dense.T))
+
+    def solve(self, forces: ArrayLike) -> Floats:
+        """Displacements u with H u = f, without motions that have no stiffness.
+
+        Args:
+            forces: f, shape (2N,) or (2N, k) [energy/length]. Their parts along motions without a
+                stiffness are left out.
+
+        Returns:
+            u, of the same shape [length].
+
+        Raises:
+            ParameterError: wrong shape; or another motion has no stiffness, so that nothing holds
+                against the forces.
+        """
+        given = numbers("forces", forces)
+        if given.ndim not in (1, 2) or len(given) != self.size:
+            raise ParameterError(
+                f"forces must have shape ({self.size},) or ({self.size}, k), not {given.shape}"
+            )
+        padded = np.zeros((len(self.gradient), *given.shape[1:]))
+        padded[: self.size] = given
+        return self.response(padded)[: self.size]
+
+    def response(self, right: Floats) -> Floats:
+        """Change z of centers and lines with M z = b, see `solve`; shape (2N + lines, ...)."""
+        right = right.copy()
+        right[: self.size] = self.project(right[: self.size])
+        solution, remainder = np.zeros_like(right), right
+        size = before = float(np.abs(right).max(initial=0.0))
+        inverse = self.factored(_SHIFT * self.scale)
+        for _ in range(_CORRECTIONS):
+            if before <= _REMAINDER * size:
+                return solution
+            solution = solution + inverse(remainder)
+            solution[: self.size] = self.project(solution[: self.size])
+            remainder = right - self.matrix @ solution
+            remainder[: self.size] = self.project(remainder[: self.size])
+            now = float(np.abs(remainder).max())
+            if not now < 0.5 * before:
+                break
+            before = now
+        if not before <= 1e-6 * size:
+            raise ParameterError(
+                "the packing does not resist these forces: a motion that moves its particles "
+                "against each other has no stiffness, as below jamming"
+            )
+        return solution
+
+    def factored(self, shift: float) -> Callable[[Floats], Floats]:
+        """Product with the inverse of M, after a stiffness is added to all centers.
+
+        Args:
+            shift: this stiffness [energy/length^2].
+        """
+        from scipy.sparse import diags
+
+        added = np.zeros(len(self.gradient))
+        added[: self.size] = shift
+        return _factored(self.matrix + diags(added))
+
+    def line_response(self, right: Floats) -> Floats:
+        """Change y of lines with M_ll y = b while centers stay, shape (lines, ...)."""
+        return right if self._lines is None else self._lines(right)
+
+    @cached_property
+    def _lines(self) -> Callable[[Floats], Floats] | None:
+        """Product with M_ll^-1; None without lines."""
+        lines = self.matrix[self.size :, self.size :]
+        return _factored(lines) if lines.shape[0] else None
+
+
+def _factored(matrix: Any) -> Callable[[Floats], Floats]:
+    from scipy.sparse import csc_matrix
+    from scipy.sparse.linalg import splu
+
+    solve: Callable[[Floats], Floats] = splu(
+        csc_matrix(matrix),
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=1e-3,
+        options={"SymmetricMode": True},
+    ).solve
+    return solve

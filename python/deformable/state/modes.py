@@ -1,0 +1,215 @@
+"""Normal modes of a packing: frequencies, displacements, and how many particles take part."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import ParameterError
+from ..common.optional import optional
+from ..common.validate import count, positive, whole
+from ..model.packing import Packing
+from ..model.room import closed
+from .contact_table import COLUMNS
+from .hessian import Hessian
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Floats = NDArray[np.float64]
+
+# Stiffness at which modes are sought, in mean diagonal entries of the Hessian: below those of all
+# modes of a stable packing, and close to the softest of them.
+_SHIFT = 1e-8
+
+# All modes of packings up to so many coordinates are computed, and if more than this part of them
+# is asked for.
+_SMALL, _MANY = 300, 0.2
+
+# Length of the longest arrow, in mean radii.
+_ARROW = 2.0
+
+# Label of the colors in a picture.
+_LABEL = "displacement over the largest one"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Modes:
+    """Normal modes, by increasing stiffness, without those that have none.
+
+    Attributes:
+        packing: the particles; their masses are 1.
+        stiffness: eigenvalues of the Hessian, shape (k,) [energy/length^2].
+        vectors: displacements of each mode, orthonormal, shape (k, N, 2); None if not asked for.
+        zero_modes: number of motions without stiffness, which are left out: of all particles
+            together (two translations in a periodic box), and two of each free particle.
+        free: particles without contacts, shape (N,).
+        outlines: of the particles, for pictures.
+    """
+
+    packing: Packing
+    stiffness: Floats
+    vectors: Floats | None
+    zero_modes: int
+    free: NDArray[np.bool_]
+    outlines: Sequence[Floats]
+
+    def __len__(self) -> int:
+        return len(self.stiffness)
+
+    def __repr__(self) -> str:
+        ends = "" if len(self) == 0 else f", frequencies {self.frequencies[0]:.3g}"
+        ends += "" if len(self) == 0 else f" to {self.frequencies[-1]:.3g}"
+        return f"<Modes: {len(self)} of {len(self.packing)} particles{ends}>"
+
+    @property
+    def frequencies(self) -> Floats:
+        """Angular frequencies, the roots of `stiffness`, shape (k,) [1/time].
+
+        Those of unstable modes, which are imaginary, have a negative sign here.
+        """
+        return np.copysign(np.sqrt(np.abs(self.stiffness)), self.stiffness)
+
+    @property
+    def participation(self) -> Floats:
+        """Participation ratio of each mode, (sum e_i^2)^2 / (N sum e_i^4), shape (k,).
+
+        It is 1 if all particles move equally far, and 1/N if one moves alone.
+
+        Raises:
+            ParameterError: the modes were computed without vectors.
+        """
+        square = np.sum(self._vectors**2, axis=2)
+        ratio: Floats = square.sum(axis=1) ** 2 / (square.shape[1] * np.sum(square**2, axis=1))
+        return ratio
+
+    def density(self, bins: int = 50) -> tuple[Floats, Floats]:
+        """Density of states: part of these modes per frequency.
+
+        Args:
+            bins: number of intervals of equal width between the lowest and the highest frequency.
+
+        Returns:
+            Middle of each interval, shape (bins,) [1/time], and density, shape (bins,) [time].
+        """
+        density, edges = np.histogram(self.frequencies, count("bins", bins), density=True)
+        return 0.5 * (edges[1:] + edges[:-1]), density
+
+    def plot(self, index: int = 0, ax: Axes | None = None, arrow: float = _ARROW) -> Axes:
+        """Draw a mode as arrows over the outlines; returns the axes.
+
+        Args:
+            index: of the mode.
+            ax: axes to draw into; a new figure if not given.
+            arrow: length of the longest arrow, in mean radii.
+
+        Raises:
+            ParameterError: there is no such mode, or no vectors.
+            ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
+        """
+        number = whole("index", index)
+        if not -len(self) <= number < len(self):
+            raise ParameterError(f"there are {len(self)} modes: index must not be {number}")
+        vector = self._vectors[number]
+        length = positive("arrow", arrow) * float(self.packing.radius.mean())
+        optional("matplotlib", "plot")
+        from . import plot
+
+        size = np.hypot(*vector.T)
+        part, nothing = size / size.max(), [np.empty(0, COLUMNS)] * len(size)
+        title = f"$\\omega$ = {self.frequencies[number]:.3g},  "
+        title += f"participation {self.participation[number]:.2g}"
+        on, packing = plot.scale([part], [np.zeros(1)], _LABEL), self.packing
+        ax = plot.draw(packing, self.outlines, nothing, part, _LABEL, title, on, ax)
+        fraction = packing.positions @ np.linalg.inv(packing.box)
+        cell = np.where(closed(packing.walls), 0.0, np.floor(fraction))
+        places = (fraction - cell) @ packing.box
+        arrows = length / size.max() * vector
+        ax.quiver(*places.T, *arrows.T, angles="xy", scale_units="xy", scale=1.0, color="tab:red")
+        return ax
+
+    @property
+    def _vectors(self) -> Floats:
+        if self.vectors is None:
+            raise ParameterError("these modes have no vectors: compute them with vectors=True")
+        return self.vectors
+
+
+def modes_of(
+    hessian: Hessian, outlines: Sequence[Floats], number: int | None, vectors: bool
+) -> Modes:
+    """The modes of lowest stiffness, see `LinearResponse.modes`."""
+    most = hessian.size - hessian.zero_modes
+    wanted = most if number is None else count("number", number)
+    if wanted > most:
+        raise ParameterError(
+            f"{len(hessian.packing)} particles have {most} modes besides {hessian.zero_modes} "
+            f"without stiffness: number must not be {wanted}"
+        )
+    if most <= _SMALL or wanted > _MANY * most:
+        stiffness, found = _all(hessian, wanted, vectors)
+    else:
+        stiffness, found = _softest(hessian, wanted)
+    shaped = (
+        found.T.reshape(wanted, len(hessian.packing), 2) if vectors and found is not None else None
+    )
+    return Modes(
+        hessian.packing, stiffness, shaped, hessian.zero_modes, hessian.free.copy(), outlines
+    )
+
+
+def _all(hessian: Hessian, number: int, vectors: bool) -> tuple[Floats, Floats | None]:
+    """Eigenvalues, and eigenvectors as columns, of the dense matrix.
+
+    Motions without a stiffness get one above all others, and free particles are left out.
+    """
+    from scipy.linalg import eigh
+
+    kept = np.flatnonzero(~np.repeat(hessian.free, 2))
+    if number == 0:
+        return np.empty(0), np.empty((hessian.size, 0))
+    dense = hessian.reduced()[np.ix_(kept, kept)]
+    together = hessian.motions[kept]
+    high = 2.0 * float(np.abs(dense).sum(axis=0).max())
+    pushed = dense @ together
+    dense -= together @ pushed.T + pushed @ together.T
+    dense += together @ ((together.T @ pushed) + high * np.eye(together.shape[1])) @ together.T
+    # LAPACK is faster for all modes than for many of them
+    subset = None if number == len(kept) - together.shape[1] else (0, number - 1)
+    driver = "evd" if subset is None else "evr"
+    options = {"overwrite_a": True, "check_finite": False, "subset_by_index": subset}
+    if not vectors:
+        driver = "ev" if subset is None else "evr"
+        return eigh(dense, eigvals_only=True, driver=driver, **options)[:number], None
+    stiffness, found = eigh(dense, driver=driver, **options)
+    full = np.zeros((hessian.size, number))
+    full[kept] = found[:, :number]
+    return stiffness[:number], full
+
+
+def _softest(hessian: Hessian, number: int) -> tuple[Floats, Floats]:
+    """The same by Lanczos' method with the inverse of the sparse matrix."""
+    from scipy.sparse.linalg import LinearOperator, eigsh
+
+    shift = _SHIFT * hessian.scale
+    inverse, padded = hessian.factored(shift), np.zeros(len(hessian.gradient))
+
+    def product(vector: Floats) -> Floats:
+        padded[: hessian.size] = hessian.project(vector.ravel())
+        return hessian.project(inverse(padded)[: hessian.size])
+
+    shape = (hessian.size, hessian.size)
+    start = hessian.project(np.random.default_rng(1).standard_normal(hessian.size))
+    stiffness, found = eigsh(
+        hessian.operator,
+        number,
+        sigma=-shift,
+        OPinv=LinearOperator(shape, matvec=product, dtype=float),
+        v0=start,
+    )
+    order = np.argsort(stiffness)
+    return stiffness[order], found[:, order]

@@ -1,0 +1,44 @@
+"""Soft disks: energy, virial and gradient of listed pairs."""
+
+import deformable
+import numpy as np
+import pytest
+
+FIRST, SECOND = np.array([0, 0, 1]), np.array([1, 2, 1])
+SHIFT, CONTACT = np.array([[0.0, 0.0], [0.0, 0.0], [0.8, 0.0]]), np.array([1.0, 1.2, 1.0])
+X = np.array([[0.0, 0.0], [0.3, 0.4], [3.0, 0.0]])
+
+
+def test_values_of_three_pairs() -> None:
+    """d = 0.6 and an image at 0.96 at a scale of 1.2; the third pair does not touch."""
+    energy, virial, gradient = deformable.core.SoftDisks(3, FIRST, SECOND, SHIFT, CONTACT)(X, 1.2)
+    assert energy == pytest.approx(0.5 * (0.4**2 + 0.04**2), rel=1e-14)
+    assert virial == pytest.approx(0.4 * 0.6 + 0.04 * 0.96, rel=1e-14)
+    # -1.2 (0.4) (0.6, 0.8) on disk 1; its image pushes itself from both sides
+    assert gradient == pytest.approx([0.288, 0.384, -0.288, -0.384, 0.0, 0.0], rel=1e-14)
+
+
+def test_gradient_is_that_of_finite_differences() -> None:
+    rng, step = np.random.default_rng(1), 1e-6
+    i, j = np.triu_indices(20, 1)
+    disks = deformable.core.SoftDisks(20, i, j, np.zeros((190, 2)), np.full(190, 0.4))
+    x, way = rng.random((20, 2)), rng.normal(size=(20, 2))
+    above, below = (disks(x + sign * step * way, 1.3)[0] for sign in (1.0, -1.0))
+    slope = float(disks(x, 1.3)[2] @ way.ravel())
+    assert slope == pytest.approx((above - below) / (2.0 * step), rel=1e-6)
+
+
+def test_disks_at_one_place_push_in_no_direction() -> None:
+    energy, virial, gradient = deformable.core.SoftDisks(
+        2, np.array([0]), np.array([1]), np.zeros((1, 2)), np.array([1.0])
+    )(np.zeros((2, 2)), 1.0)
+    assert (energy, virial, gradient.tolist()) == (0.5, 0.0, [0.0] * 4)
+
+
+def test_wrong_pairs_are_refused() -> None:
+    with pytest.raises(ValueError, match="each of 3 pairs"):
+        deformable.core.SoftDisks(3, FIRST, SECOND, SHIFT[:2], CONTACT)
+    with pytest.raises(ValueError, match="pair 1 has the disk 2 of 2"):
+        deformable.core.SoftDisks(2, FIRST, SECOND, SHIFT, CONTACT)
+    with pytest.raises(ValueError, match="x has 2 rows"):
+        deformable.core.SoftDisks(3, FIRST, SECOND, SHIFT, CONTACT)(X[:2], 1.0)

@@ -1,0 +1,199 @@
+"""Second derivatives of soft disks: Hessian, modes and moduli."""
+
+import dataclasses
+
+import deformable
+import numpy as np
+import pytest
+from deformable.state.hessian import Hessian
+
+SCENE = (deformable.Circle((0, 0), 4), deformable.Disk((1, 0.5), 0.6))
+CHANNEL = (deformable.Plane((0, 0), (0, 1)), deformable.Plane((0, 5), (0, -1)))
+TRIANGLE = (*CHANNEL, deformable.Polygon(((1, 1), (3, 1), (2, 3))))
+PACKINGS = {
+    "rectangle": deformable.bidisperse(30, phi=1.0, aspect=1.4, seed=1),
+    "tilted": deformable.bidisperse(30, phi=1.0, tilt=-0.7, seed=2),
+    "one": deformable.bidisperse(1, phi=0.9, tilt=0.3),
+    "sizes": deformable.polydisperse(20, np.linspace(0.1, 1.0, 20), phi=0.95, tilt=2.2),
+    "circle": deformable.bidisperse(40).between(SCENE),
+    "corners": deformable.bidisperse(20, phi=0.9).between(TRIANGLE),
+}
+
+
+def state_of(packing: deformable.Packing) -> deformable.DiskState:
+    with deformable.Disks(packing) as disks:
+        return disks.state()
+
+
+def moved(packing: deformable.Packing, step: np.ndarray) -> deformable.Packing:
+    return dataclasses.replace(packing, positions=packing.positions + step.reshape(-1, 2))
+
+
+def difference(packing: deformable.Packing, direction: np.ndarray) -> np.ndarray:
+    """Change of the gradient per step along a direction: Richardson's of two central ones."""
+    values = []
+    for size in (1e-5, 2e-5):
+        ends = [state_of(moved(packing, sign * size * direction)) for sign in (1.0, -1.0)]
+        up, down = (end.hessian().gradient for end in ends)
+        values.append((up - down) / (2.0 * size))
+    return (4.0 * values[0] - values[1]) / 3.0
+
+
+@pytest.fixture(params=PACKINGS)
+def packing(request: pytest.FixtureRequest) -> deformable.Packing:
+    return PACKINGS[request.param]
+
+
+def test_energy_gradient_and_stress_are_those_of_lammps(packing: deformable.Packing) -> None:
+    with deformable.Disks(packing) as disks:
+        state = disks.state()
+        forces = np.array(disks.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
+    hessian = state.hessian()
+    assert hessian.energy == pytest.approx(state.energy, rel=1e-12)
+    scale = np.abs(forces).max() + 1e-3
+    assert hessian.gradient.reshape(-1, 2) == pytest.approx(-forces, abs=1e-12 * scale)
+    if not packing.walls:
+        assert hessian.stress == pytest.approx(state.stress, abs=1e-12)
+
+
+def test_hessian_is_the_derivative_of_the_gradient(packing: deformable.Packing) -> None:
+    hessian = state_of(packing).hessian()
+    rng = np.random.default_rng(3)
+    for _ in range(3):
+        direction = rng.standard_normal(hessian.size)
+        exact, found = difference(packing, direction), hessian.operator @ direction
+        assert found == pytest.approx(exact, abs=1e-6 * np.abs(exact).max())
+        assert hessian.matrix @ direction == pytest.approx(found, abs=1e-14)
+
+
+def test_hessian_is_symmetric(packing: deformable.Packing) -> None:
+    matrix = state_of(packing).hessian().matrix
+    assert abs(matrix - matrix.T).max() <= 4e-16 * abs(matrix).max()
+
+
+@pytest.fixture(scope="module")
+def state() -> deformable.DiskState:
+    jammed = deformable.jam(deformable.bidisperse(64, seed=2))
+    with deformable.Disks(jammed.at(jammed.phi + 0.01)) as disks:
+        return disks.relax(1e-10)
+
+
+def test_zero_modes_are_translations_and_two_of_each_rattler(state: deformable.DiskState) -> None:
+    assert state.rattlers.sum() == 2
+    hessian = state.hessian(rattlers=False)
+    assert (hessian.free == state.rattlers).all()
+    assert hessian.zero_modes == 2 + 2 * 2
+    stiffness = np.linalg.eigvalsh(hessian.reduced())
+    assert np.sum(np.abs(stiffness) < 1e-12) == hessian.zero_modes
+    assert np.abs(hessian.operator @ hessian.motions).max() < 1e-13
+    modes = state.modes()
+    assert len(modes) == 128 - hessian.zero_modes
+    assert modes.zero_modes == hessian.zero_modes
+    left = stiffness[np.abs(stiffness) > 1e-12]
+    assert modes.stiffness == pytest.approx(left, rel=1e-10)
+
+
+def test_modes_are_eigenvectors(state: deformable.DiskState) -> None:
+    modes, operator = state.modes(), state.hessian(rattlers=False).operator
+    vectors = modes.vectors.reshape(len(modes), -1)
+    assert vectors @ vectors.T == pytest.approx(np.eye(len(modes)), abs=1e-12)
+    assert operator @ vectors.T == pytest.approx(vectors.T * modes.stiffness, abs=1e-12)
+    assert modes.frequencies**2 == pytest.approx(modes.stiffness)
+    alone = modes.participation
+    assert ((alone > 1.0 / 64) & (alone < 1.0)).all()
+    assert not modes.vectors[:, state.rattlers].any()
+    middle, density = modes.density(10)
+    assert np.sum(density) * (middle[1] - middle[0]) == pytest.approx(1.0)
+    values = state.modes(vectors=False)
+    assert values.stiffness == pytest.approx(modes.stiffness, rel=1e-10)
+    with pytest.raises(deformable.ParameterError, match="vectors"):
+        values.plot(0)
+    with pytest.raises(deformable.ParameterError, match="123"):
+        state.modes(123)
+
+
+def test_the_softest_modes_of_a_larger_packing() -> None:
+    """By Lanczos' method as by the dense matrix."""
+    jammed = deformable.jam(deformable.bidisperse(256, seed=4))
+    with deformable.Disks(jammed.at(jammed.phi + 0.02)) as disks:
+        state = disks.relax(1e-10)
+    few, every = state.modes(12), state.modes()
+    assert few.stiffness == pytest.approx(every.stiffness[:12], rel=1e-9)
+    vectors = few.vectors, every.vectors[:12]
+    overlap = np.einsum("kia,kia->k", *vectors)
+    assert np.abs(overlap) == pytest.approx(np.ones(12), abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("walls", "zero"), [((deformable.Circle((0, 0), 4),), 1), (CHANNEL, 1), (TRIANGLE, 0)]
+)
+def test_motions_between_walls(walls: tuple[deformable.model.wall_shapes.Wall, ...], zero: int):
+    """A rotation in a circle, a translation along a channel, none around an obstacle."""
+    packing = deformable.bidisperse(40, radii=(0.4, 0.56), seed=5).between(walls)
+    with deformable.Disks(packing.at(0.95)) as disks:
+        state = disks.relax(1e-10)
+    hessian = state.hessian(rattlers=False)
+    assert hessian.motions.shape == (80, zero)
+    assert np.abs(hessian.operator @ hessian.motions).max(initial=0.0) < 1e-8
+    with pytest.raises(deformable.ParameterError, match="walls"):
+        state.elastic_moduli()
+
+
+def test_response_to_forces(state: deformable.DiskState) -> None:
+    hessian = state.hessian(rattlers=False)
+    forces = hessian.project(np.random.default_rng(1).standard_normal((128, 3)))
+    moved = hessian.solve(forces)
+    assert hessian.operator @ moved == pytest.approx(forces, abs=1e-10)
+    assert hessian.project(moved) == pytest.approx(moved, abs=1e-12)
+    with pytest.raises(deformable.ParameterError, match=r"\(5,\)"):
+        hessian.solve(np.zeros(5))
+
+
+def test_loose_disks_do_not_resist() -> None:
+    with deformable.Disks(deformable.bidisperse(16, phi=0.5)) as disks:
+        state = disks.relax(1e-6)
+    assert (state.modes().zero_modes, len(state.modes())) == (32, 0)
+    assert state.elastic_moduli().bulk_modulus == 0.0
+
+
+def test_moduli_are_those_of_finite_strains(state: deformable.DiskState) -> None:
+    moduli = state.elastic_moduli()
+    shear = deformable.shear_modulus(state, 1e-5, 1e-10)
+    pure = deformable.shear_modulus(state, 1e-5, 1e-10, pure=True)
+    bulk = deformable.bulk_modulus(state, 1e-5, 1e-10)
+    assert moduli.shear_modulus == pytest.approx(shear.value, rel=1e-5)
+    assert moduli.pure_shear_modulus == pytest.approx(pure.value, rel=1e-5)
+    assert moduli.bulk_modulus == pytest.approx(bulk.value, rel=1e-5)
+    assert moduli.affine - moduli.relaxing == pytest.approx(moduli.tensor, abs=1e-14)
+    assert moduli.relaxing[0, 1, 0, 1] > 0.0
+
+
+def test_moduli_of_a_triangular_lattice() -> None:
+    """Springs without prestress: both of Lame's constants are sqrt(3)/4."""
+    box = np.array([[6.0, 0.0], [3.0, 3.0 * np.sqrt(3.0)]])
+    steps = np.array([(a, b) for a in range(6) for b in range(6)]) / 6.0
+    start = deformable.Packing(steps @ box, np.zeros(36, int), [0.5 + 1e-9], box)
+    moduli = state_of(start).elastic_moduli()
+    lame = np.sqrt(3.0) / 4.0
+    assert moduli.shear_modulus == pytest.approx(lame, rel=1e-7)
+    assert moduli.pure_shear_modulus == pytest.approx(lame, rel=1e-7)
+    assert moduli.bulk_modulus == pytest.approx(2.0 * lame, rel=1e-7)
+    assert np.abs(moduli.relaxing).max() < 1e-9
+
+
+def test_moduli_need_a_state_at_rest() -> None:
+    state = state_of(PACKINGS["rectangle"])
+    with pytest.raises(deformable.ParameterError, match="at rest"):
+        state.elastic_moduli()
+    assert isinstance(state.hessian(), Hessian)
+
+
+def test_picture(state: deformable.DiskState) -> None:
+    modes = state.modes(3)
+    ax = modes.plot(0)
+    (arrows,) = [each for each in ax.collections if type(each).__name__ == "Quiver"]
+    length = np.hypot(arrows.U, arrows.V)
+    assert length.max() == pytest.approx(2.0 * state.packing.radius.mean())
+    assert "participation" in ax.get_title()
+    with pytest.raises(deformable.ParameterError, match="3"):
+        modes.plot(3)
