@@ -1,6 +1,6 @@
 """Fits with errors, the table and the picture of a result of emulsion.py.
 
-python fits.py balanced_512.json
+python fits.py emulsion_512.json
 """
 
 import json
@@ -119,7 +119,7 @@ def with_error(value, error):
 
 
 def show(result):
-    print("{} packings of {number} droplets, {contact}".format(len(result["packings"]), **result))
+    print(f"{len(result['packings'])} packings of {result['number']} droplets")
     print("| phi | phi - phi_J | pressure | z - z_iso | shear modulus | bulk modulus | shape |")
     print("|---|---|---|---|---|---|---|")
     print(*table(result), sep="\n")
@@ -179,5 +179,4 @@ if __name__ == "__main__":
     with open(name) as file:
         result = json.load(file)
     show(result)
-    run = name.removesuffix(".json")
-    draw(result, f"{run}_packing", f"{run}.png")
+    draw(result, f"packing_{result['number']}", name.replace(".json", ".png"))
