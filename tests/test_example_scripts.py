@@ -196,3 +196,25 @@ def test_ensemble_has_the_same_digits_on_ranks(tmp_path: Path) -> None:
     (line,) = printed
     pressure = float(line.split()[1])
     assert 1e-6 < pressure < 1e-2
+
+
+def test_emulsion_jams_and_becomes_dense(tmp_path: Path) -> None:
+    """Pressures rise to those of hexagonal arrays, and droplets have six neighbors in the end."""
+    pytest.importorskip("matplotlib")
+    for script in ("emulsion.py", "fits.py"):
+        shutil.copy(EXAMPLES / "emulsion" / script, tmp_path)
+    command = ("python", "emulsion.py", "--number", "16", "--seeds", "3", "--workers", "1")
+    printed = text(*command, cwd=tmp_path)
+    (onset,) = re.findall(r"^phi_J: (\S+) ± \S+$", printed, re.M)
+    assert float(onset) == pytest.approx(0.83, abs=0.03)
+    result = json.loads((tmp_path / "emulsion_16.json").read_text())
+    for packing in result["packings"]:
+        pressure, phi = packing["pressure"][-3:], np.array(packing["phi"][-3:])
+        hexagonal = np.sqrt(phi / 0.9069) * (np.sqrt(0.0931 / (1.0 - phi)) - 1.0)
+        assert pressure == pytest.approx(hexagonal, rel=0.1)
+        assert packing["coordination"][-1] == pytest.approx(6.0, abs=1e-9)
+        assert max(packing["residual"]) < 1e-8
+        assert not any(packing["beyond"])
+    assert (tmp_path / "emulsion_16.png").stat().st_size > 10_000
+    again = text(*command, cwd=tmp_path)  # from the packings that are kept
+    assert again == printed

@@ -98,7 +98,7 @@ int BalancedForces::without_room() const
     if (!std::isinf(batches.kA[ring]) && batches.tension[ring] == 0.0) continue;
     const double q = batches.radius[ring] + batches.expansion[ring] -
                      batches.total[ring] * batches.per_pressure[ring] * (0.5 / PI);
-    if (q < NONE * batches.radius[ring]) return batches.particle[ring];
+    if (!(q >= NONE * batches.radius[ring])) return batches.particle[ring];    // also if nan
   }
   return collapsed();
 }

@@ -71,7 +71,7 @@ bool ForceSolver::solve(RemoteSides &r)
   kernels.remember(arrays(), 0, p.size);
   if (p.tilts) tilts.remember(p);
   imbalance = now.relative();
-  return now.worst() <= target * now.largest;
+  return std::isfinite(now.largest) && now.worst() <= target * now.largest;
 }
 
 // Torques count only where forces balance: before, they are not worth their evaluation.

@@ -17,6 +17,7 @@ from ..common.files import make_folder
 from ..common.progress import print_once
 from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
+from ..io.frames import frames_in
 from ..io.run_folder import refuse
 from ..model.laws import LAWS
 from ..protocols.jamming import jam
@@ -121,7 +122,7 @@ def compress_command(
     else:
         check_together(settings, given)
         states = _begin(folder, settings, overwrite)
-    last = print_states(states, folder, _COLUMNS)
+    last = print_states(states, frames_in(folder), _COLUMNS)
     if last is None:
         print_once(f"the compression in '{folder}' is complete")
     else:

@@ -7,19 +7,18 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from ..common.progress import print_once
-from ..io.frames import frames_in
 from ..state.state import State
 
 
-def print_states(states: Iterator[State], folder: Path, columns: Sequence[str]) -> State | None:
+def print_states(states: Iterator[State], done: int, columns: Sequence[str]) -> State | None:
     """Print a line for each state as it comes, and return the last one if there is any.
 
     Args:
         states: of a run.
-        folder: of the run; lines are numbered after the frames that it has.
+        done: number of steps before; the lines are numbered from there on.
         columns: names of `State.numbers`.
     """
-    first, state = frames_in(folder) + 1, None
+    first, state = done + 1, None
     for step, state in enumerate(states, start=first):
         if step == first:
             print_once("step " + " ".join(f"{name:>12}" for name in columns))

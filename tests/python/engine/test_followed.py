@@ -43,6 +43,10 @@ REFUSED = {
         "pair_coeff * * deformable/ring {species} a b\npair_coeff * * lj/cut 1e-9 0.1",
         "pair_style",
     ),
+    "ramp": (
+        "variable k equal 2.0\nfix ramp all adapt 1 pair deformable/ring kA 1 1 v_k\nrun 1",
+        "fix adapt",
+    ),
     "clear": ("clear", "no particles"),
     "delete_atoms": ("delete_atoms group all", "no particles"),
     "uncompute": ("uncompute deformable_virial", "deformable_virial"),

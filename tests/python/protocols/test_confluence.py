@@ -1,5 +1,7 @@
 """Equal particles on a triangular lattice, from their onset to confluence."""
 
+from typing import Literal
+
 import deformable
 import numpy as np
 import pytest
@@ -63,3 +65,31 @@ def test_pressure_up_to_confluence_is_the_closed_form(part: float) -> None:
     pressure = 2.0 * stiffness**2 * a**3 / (2.0 * A6 * (RADIUS - a))
     assert state.stress == pytest.approx(pressure * np.eye(2), rel=1e-9, abs=1e-9 * pressure)
     assert (state.coordination, state.network_contacts) == (6.0, 48)
+
+
+@pytest.mark.parametrize("contact", ["radical", "balanced", "tilted"])
+@pytest.mark.parametrize("constants", [{"kP": 0.0, "tension": 1.0}, {"kP": 1.0}], ids=str)
+def test_particles_that_keep_their_area_need_room(
+    constants: dict[str, float], contact: Literal["radical", "balanced", "tilted"]
+) -> None:
+    """They fill the plane at phi = 1: no forces balance there, and beyond they have no shape."""
+    law = deformable.Ring(kA=np.inf, contact=contact, **constants)
+    for phi, refused in ((0.99, False), (1.0 + 1e-9, True), (1.1, True)):
+        with deformable.Simulation(crystal(0.0).at(phi), law) as sim:
+            if refused:
+                with pytest.raises(deformable.LammpsError, match="no shape that keeps its area"):
+                    sim.state()
+            else:
+                assert np.isfinite(sim.state().pressure)
+
+
+def test_mixtures_of_droplets_need_room() -> None:
+    law = deformable.Ring(kA=np.inf, kP=0.0, tension=1.0)
+    jammed = deformable.jam(deformable.bidisperse(16, seed=1))
+    with deformable.Simulation(jammed, law) as sim:
+        for phi in (0.95, 0.99, 0.999):
+            sim.deform(jammed.at(phi).box)
+            assert np.isfinite(sim.relax().pressure)
+        sim.deform(jammed.at(1.0).box)
+        with pytest.raises(deformable.LammpsError, match="no shape that keeps its area"):
+            sim.relax()

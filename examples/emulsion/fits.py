@@ -1,0 +1,182 @@
+"""Fits with errors, the table and the picture of a result of emulsion.py.
+
+python fits.py emulsion_512.json
+"""
+
+import json
+import math
+import sys
+
+import deformable
+import matplotlib.pyplot as plt
+import numpy as np
+from scipy.optimize import curve_fit
+
+CLOSE = 0.0065  # phi - phi_J up to which powers are fitted
+WIDE = 0.052
+
+# z - z_iso over phi - phi_J: of soft disks, of foam with films, and the sum of both, which is that
+# of deformable polygons (see the README)
+SHAPES = {
+    "square root": lambda x, a: a * np.sqrt(x),
+    "linear": lambda x, a: a * x,
+    "both": lambda x, a, b: a * np.sqrt(x) + b * x,
+}
+
+
+def column(packings, name):
+    """One quantity, shape (packings, phi)."""
+    return np.array([packing[name] for packing in packings])
+
+
+def mean(values):
+    """Mean over packings and its standard error."""
+    return values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(len(values))
+
+
+def jackknife(packings, fit):
+    """A fit of all packings and its standard error, from leaving out one packing after another.
+
+    The points of a fit are means over the same packings, so their errors are not independent.
+    """
+    without = [fit(packings[:n] + packings[n + 1 :]) for n in range(len(packings))]
+    spread = np.sum((without - np.mean(without, axis=0)) ** 2, axis=0)
+    return fit(packings), np.sqrt((len(packings) - 1) / len(packings) * spread)
+
+
+def points(packings, name, widest):
+    """phi - phi_J, mean and error of a quantity, where the mean is well above zero."""
+    x, (y, error) = column(packings, "excess_phi")[0], mean(column(packings, name))
+    kept = (x <= widest) & (y > 2.0 * error) & (error > 0.0)
+    return x[kept], y[kept], error[kept]
+
+
+def exponent(packings, name, widest):
+    """Slope of a straight line through the logarithms, and its error."""
+    x, _, _ = points(packings, name, widest)
+    if len(x) < 3:
+        return np.nan, np.nan
+    kept = np.isin(column(packings, "excess_phi")[0], x)
+
+    def slope(some):
+        return np.polyfit(np.log(x), np.log(column(some, name).mean(axis=0)[kept]), 1)[0]
+
+    return jackknife(packings, slope)
+
+
+def contacts(packings, shape, widest):
+    """Coefficients of z - z_iso with their errors, and chi^2 over the degrees of freedom."""
+    x, y, error = points(packings, "excess_coordination", widest)
+    kept = np.isin(column(packings, "excess_phi")[0], x)
+    start = np.ones(shape.__code__.co_argcount - 1)
+    if len(x) <= len(start):
+        return np.nan * start, np.nan * start, np.nan
+
+    def fit(some):
+        z = column(some, "excess_coordination").mean(axis=0)[kept]
+        return curve_fit(shape, x, z, p0=start, sigma=error)[0]
+
+    best, errors = jackknife(packings, fit)
+    chi2 = np.sum(((shape(x, *best) - y) / error) ** 2) / (len(x) - len(best))
+    return best, errors, chi2
+
+
+def summary(result):
+    """All fits of a result, as a dictionary."""
+    packings = result["packings"]
+    onset, error = mean(column(packings, "phi_J"))
+    found = {"phi_J": [onset, error]}
+    for name in ("pressure", "bulk_modulus", "shear_modulus", "excess_coordination"):
+        found[f"exponent of {name}"] = list(exponent(packings, name, CLOSE))
+    for name, shape in SHAPES.items():
+        for widest in (CLOSE, WIDE):
+            best, errors, chi2 = contacts(packings, shape, widest)
+            found[f"contacts, {name}, up to {widest}"] = {
+                "coefficients": best.tolist(),
+                "errors": errors.tolist(),
+                "chi2": chi2,
+            }
+    return found
+
+
+def table(result):
+    """Lines of means over the packings with standard errors."""
+    packings = result["packings"]
+    names = ("pressure", "excess_coordination", "shear_modulus", "bulk_modulus", "shape_parameter")
+    columns = [mean(column(packings, name)) for name in ("phi", "excess_phi", *names)]
+    for rows in zip(*(np.transpose(both) for both in columns), strict=True):
+        yield "| " + " | ".join(with_error(*row) for row in rows) + " |"
+
+
+def with_error(value, error):
+    """Both with as many decimals as the error has with two digits."""
+    if not np.isfinite(error):
+        return "too few points above zero"
+    if error <= 1e-9 * abs(value):
+        return f"{value:.4g}"
+    decimals = max(0, 1 - math.floor(math.log10(error)))
+    return f"{value:.{decimals}f} ± {error:.{decimals}f}"
+
+
+def show(result):
+    print(f"{len(result['packings'])} packings of {result['number']} droplets")
+    print("| phi | phi - phi_J | pressure | z - z_iso | shear modulus | bulk modulus | shape |")
+    print("|---|---|---|---|---|---|---|")
+    print(*table(result), sep="\n")
+    for name, value in summary(result).items():
+        if isinstance(value, dict):
+            terms = zip(value["coefficients"], value["errors"], strict=True)
+            print(f"{name}:", ", ".join(with_error(*term) for term in terms), end=", ")
+            print(f"chi^2 {value['chi2']:.3g}")
+        else:
+            print(f"{name}: {with_error(*value)}")
+
+
+def princen(phi):
+    """Osmotic pressure of a hexagonal array of equal droplets [tension/R]."""
+    onset = np.pi / np.sqrt(12.0)
+    return np.sqrt(phi / onset) * (np.sqrt((1.0 - onset) / (1.0 - phi)) - 1.0)
+
+
+def draw(result, packing, file):
+    """The packing, and pressure, contacts and moduli over phi."""
+    packings = result["packings"]
+    x, phi = (column(packings, name).mean(axis=0) for name in ("excess_phi", "phi"))
+    figure, ((one, two), (three, four)) = plt.subplots(2, 2, figsize=(9, 7.6), layout="constrained")
+    with deformable.load(packing) as sim:
+        sim.state().plot(one)
+
+    def bars(axes, name, **style):
+        y, error = mean(column(packings, name))
+        axes.errorbar(x, y, error, fmt="o", ms=4, **style)
+        return y
+
+    two.errorbar(phi, *mean(column(packings, "pressure")), fmt="o", ms=4, label="droplets")
+    dense = np.linspace(0.907, 0.996, 200)[1:]
+    two.semilogy(dense, princen(dense), "k--", lw=1, label="hexagonal array (Princen)")
+    two.set(xlabel=r"$\phi$", ylabel=r"pressure [$\gamma/R_0$]", ylim=(1e-4, None))
+    two.legend(frameon=False)
+
+    bars(three, "excess_coordination", color="k")
+    line = np.geomspace(x.min(), WIDE, 100)
+    for (name, shape), style in zip(SHAPES.items(), ("--", ":", "-"), strict=True):
+        best, _, _ = contacts(packings, shape, WIDE)
+        three.loglog(line, shape(line, *best), style, label=name)
+    three.set(xlabel=r"$\phi - \phi_J$", ylabel=r"$z - z_\mathrm{iso}$", ylim=(8e-3, 4.0))
+    three.legend(frameon=False)
+
+    bars(four, "bulk_modulus", label="bulk modulus")
+    bars(four, "shear_modulus", label="shear modulus")
+    bars(four, "pressure", label="pressure")
+    four.set(xscale="log", yscale="log", xlabel=r"$\phi - \phi_J$", ylabel=r"[$\gamma/R_0$]")
+    four.set_ylim(1e-4, None)
+    four.legend(frameon=False)
+    figure.savefig(file, dpi=80)
+
+
+if __name__ == "__main__":
+    (name,) = sys.argv[1:]
+    with open(name) as file:
+        result = json.load(file)
+    show(result)
+    draw(result, f"packing_{result['number']}", name.replace(".json", ".png"))
