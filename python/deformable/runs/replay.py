@@ -74,6 +74,8 @@ def _read_frame(frame: str, last: Packing) -> tuple[Packing, NDArray[np.float64]
     box = np.array([[x[1] - x[0] - abs(xy), 0.0], [xy, y[1] - y[0]]])
     names = lines[7].split()[2:]
     values = dict(zip(names, np.loadtxt(lines[8:], ndmin=2).T, strict=True))
+    if len(values["x"]) != int(lines[2]):
+        raise ValueError(f"it has {len(values['x'])} of {lines[2]} particles")
     species, radii, particle_radii = values["type"].astype(np.int64) - 1, last.radii.copy(), None
     if last.particle_radii is not None:
         particle_radii = values["radius"]
