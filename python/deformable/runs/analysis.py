@@ -40,7 +40,8 @@ def universe(folder: str | Path) -> Universe:
         folder: of `record`, `compress_in` or `deformable compress`.
 
     Raises:
-        FileError: a file is missing or cannot be read.
+        FileError: a file is missing or cannot be read, or the number of particles changes, which
+            MDAnalysis does not know: `replay` does.
     """
     expect("folder", folder, str, Path)
     import MDAnalysis
@@ -52,7 +53,13 @@ def universe(folder: str | Path) -> Universe:
     check_frames(folder)
     if not (folder / TRAJECTORY).exists():
         raise FileError(f"no recorded run in '{folder}': {folder / TRAJECTORY} is missing")
-    start, step = _clock(_times(folder / SERIES))
+    times, counts = _times_and_counts(folder / SERIES)
+    if len(set(counts)) > 1:
+        raise FileError(
+            f"the run in '{folder}' has {min(counts)} to {max(counts)} particles, but those of a "
+            "Universe of MDAnalysis are always the same: take replay"
+        )
+    start, step = _clock(times)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # masses are 1: that is no guess
         found = MDAnalysis.Universe(
@@ -75,10 +82,13 @@ def _columns(trajectory: Path) -> list[str]:
     return head.split()[7:]
 
 
-def _times(path: Path) -> NDArray[np.float64]:
-    """Times in a series, shape (number of frames,)."""
+def _times_and_counts(path: Path) -> tuple[NDArray[np.float64], list[int]]:
+    """Times and numbers of particles in a series, one of each for a frame."""
     with path.open(newline="") as file:
-        return np.array([float(row.get("time") or 0.0) for row in csv.DictReader(file)])
+        rows = list(csv.DictReader(file))
+    return np.array([float(row.get("time") or 0.0) for row in rows]), [
+        int(row.get("particles") or 0) for row in rows
+    ]
 
 
 def _clock(times: NDArray[np.float64]) -> tuple[float, float]:

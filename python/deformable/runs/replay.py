@@ -14,6 +14,7 @@ from ..common.progress import progress
 from ..common.validate import whole
 from ..engine.simulation import Simulation
 from ..io.run_folder import TRAJECTORY
+from ..model.packing import Packing
 from ..model.room import stretched
 from ..state.state import State
 from .record import load
@@ -43,9 +44,7 @@ def replay(folder: str | Path, frame: int | None = None) -> Iterator[State]:
     with progress("replaying", unit="state", total=len(chosen)) as bar:
         for number in chosen:
             try:
-                box, positions, velocities = _read_frame(frames[number])
-                walls = stretched(packing.walls, packing.box, box)
-                recorded = replace(packing, positions=positions, box=box, walls=walls)
+                recorded, velocities = _read_frame(frames[number], packing)
             except (ValueError, LookupError) as error:
                 raise FileError(f"frame {number} of {path} cannot be read: {error}") from None
             with Simulation(recorded, law) as sim:
@@ -60,19 +59,34 @@ def _number(frame: int, count: int) -> int:
     return int(frame) % count
 
 
-def _read_frame(
-    frame: str,
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Box, positions and velocities of a frame as `record` writes it."""
+def _read_frame(frame: str, last: Packing) -> tuple[Packing, NDArray[np.float64]]:
+    """Packing and velocities of a frame as `record` writes it.
+
+    Particles may have been added or deleted and their radii and species changed since.
+
+    Args:
+        frame: its text, without the first line.
+        last: packing of the last state, which gives the radii of the species and the walls.
+    """
     lines = frame.splitlines()
     x, y, _ = (np.array(line.split(), dtype=float) for line in lines[4:7])
     xy = x[2] if len(x) == 3 else 0.0
     box = np.array([[x[1] - x[0] - abs(xy), 0.0], [xy, y[1] - y[0]]])
     names = lines[7].split()[2:]
     values = dict(zip(names, np.loadtxt(lines[8:], ndmin=2).T, strict=True))
-    at_rest = np.zeros(len(values["x"]))  # runs of version 0.1 lack velocities
-    return (
-        box,
+    if len(values["x"]) != int(lines[2]):
+        raise ValueError(f"it has {len(values['x'])} of {lines[2]} particles")
+    species, radii, particle_radii = values["type"].astype(np.int64) - 1, last.radii.copy(), None
+    if last.particle_radii is not None:
+        particle_radii = values["radius"]
+        np.maximum.at(radii, species, particle_radii)
+    packing = Packing(
         np.column_stack([values["x"], values["y"]]),
-        np.column_stack([values.get("vx", at_rest), values.get("vy", at_rest)]),
+        species,
+        radii,
+        box,
+        particle_radii,
+        stretched(last.walls, last.box, box),
     )
+    at_rest = np.zeros(len(packing))  # runs of version 0.1 lack velocities
+    return packing, np.column_stack([values.get("vx", at_rest), values.get("vy", at_rest)])

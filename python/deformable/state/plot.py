@@ -101,6 +101,7 @@ def draw(
     flat: bool = False,
     forces: bool = False,
     colormap: str = "YlGnBu",
+    colorbar: bool = True,
 ) -> Axes:
     """Draw outlines and walls with all periodic images that reach into the box.
 
@@ -116,6 +117,7 @@ def draw(
         flat: draw the contacts, the straight parts of either outline, on top.
         forces: draw the force chains on top.
         colormap: name of one of matplotlib's.
+        colorbar: draw a bar of the colors beside the axes.
 
     Raises:
         ParameterError: there is no such color map.
@@ -131,12 +133,6 @@ def draw(
     corners = _frame(packing)
     frame = Polygon(corners, closed=True, fill=False, edgecolor="0.25", linewidth=1.0, zorder=3)
     ax.add_patch(frame)
-    if packing.walls:
-        walls = PolyCollection(
-            _obstacles(packing), facecolors="0.75", edgecolors="0.25", linewidths=1.0
-        )
-        ax.add_collection(walls)
-        walls.set_clip_path(frame)
 
     images, colors, flats, halves, widths = [], [], [], [], []
     to_fraction = np.linalg.inv(box)
@@ -166,8 +162,14 @@ def draw(
     )
     one_value = on.high == on.low
     particles.set_clim(on.low, on.low + 1.0 if one_value else on.high)
-    ax.add_collection(particles)
+    ax.add_collection(particles)  # the first of the collections, of which users make color bars
     particles.set_clip_path(frame)
+    if packing.walls:
+        walls = PolyCollection(
+            _obstacles(packing), facecolors="0.75", edgecolors="0.25", linewidths=1.0, zorder=0.9
+        )
+        ax.add_collection(walls)
+        walls.set_clip_path(frame)
     for lines in (
         *([LineCollection(flats, colors="tab:red", linewidths=1.8, capstyle="butt")] * flat),
         *(
@@ -182,9 +184,11 @@ def draw(
         ax.add_collection(lines)
         lines.set_clip_path(frame)
 
-    bar = ax.figure.colorbar(particles, ax=ax, label=_LABELS.get(color_by, color_by), shrink=0.85)
-    if one_value:  # the first color is all there is: no numbers that no particle has
-        bar.set_ticks([on.low])
+    if colorbar:
+        label = _LABELS.get(color_by, color_by)
+        bar = ax.figure.colorbar(particles, ax=ax, label=label, shrink=0.85)
+        if one_value:  # the first color is all there is: no numbers that no particle has
+            bar.set_ticks([on.low])
     ax.set_title(title, fontsize=11)
     margin = 0.01 * np.ptp(corners, axis=0)
     ax.set(

@@ -189,6 +189,7 @@ class State(ContactNetwork, Exports):
         colormap: str = "YlGnBu",
         limits: tuple[float, float] | None = None,
         title: str | None = None,
+        colorbar: bool = True,
     ) -> Axes:
         """Draw the outlines, colored by a value of each particle; returns the axes.
 
@@ -203,6 +204,8 @@ class State(ContactNetwork, Exports):
             colormap: name of one of matplotlib's color maps.
             limits: values of the first and the last color; those of `scale` if not given.
             title: of the picture; phi and pressure if not given.
+            colorbar: draw a bar of the colors. One bar of several pictures is
+                `figure.colorbar(axes.collections[0], ax=all_axes)`.
 
         Raises:
             ParameterError: `color_by` is no such attribute, there is no such color map, or the
@@ -227,6 +230,7 @@ class State(ContactNetwork, Exports):
             contacts,
             forces,
             colormap,
+            colorbar,
         )
 
     def values(self, name: str) -> NDArray[np.float64]:

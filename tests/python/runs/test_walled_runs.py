@@ -137,7 +137,7 @@ def test_damaged_walls_in_a_summary(run, tmp_path: Path, text: str) -> None:
 def artists(state: deformable.State) -> tuple[int, int]:
     """Shapes of obstacles and their corners, and corners of the frame, in a picture."""
     axes = state.plot(forces=True)
-    walls = axes.collections[0].get_paths() if state.packing.walls else []
+    walls = axes.collections[1].get_paths() if state.packing.walls else []
     (frame,) = axes.patches
     matplotlib.pyplot.close(axes.figure)
     return len(walls), len(frame.get_xy())

@@ -124,6 +124,19 @@ def test_unloaded_packings_have_one_color_and_one_tick(color_by: str, value: flo
     matplotlib.pyplot.close("all")
 
 
+def test_pictures_with_one_bar(state: deformable.State) -> None:
+    from matplotlib.figure import Figure
+
+    figure = Figure()
+    axes = figure.subplots(1, 2)
+    for ax in axes:
+        assert state.plot(ax, colorbar=False, limits=(0.0, 1.0), forces=True) is ax
+    assert len(figure.axes) == 2
+    bar = figure.colorbar(axes[0].collections[0], ax=axes)
+    assert bar.mappable.get_clim() == (0.0, 1.0)
+    assert np.array_equal(np.unique(bar.mappable.get_array()), np.unique(state.particle_pressure))
+
+
 @pytest.mark.parametrize("source", ["folder", "states"])
 def test_movie_has_a_picture_a_state(
     run: tuple[Path, list[deformable.State]], tmp_path: Path, source: str

@@ -1,0 +1,92 @@
+"""Materials of the examples: the physics that their pages claim."""
+
+import re
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_example_scripts import EXAMPLES, text
+
+
+def part_of(script: Path, folder: Path, **values: float) -> None:
+    """A copy of a script with other values of its constants."""
+    lines = script.read_text()
+    for name, value in values.items():
+        lines, count = re.subn(rf"^{name} = \S+", f"{name} = {value}", lines, flags=re.MULTILINE)
+        assert count == 1, name
+    (folder / script.name).write_text(lines)
+
+
+def check_foam(printed: str, first: int) -> None:
+    rows = np.array(
+        [re.findall(r"\d[\d.]*", line) for line in re.findall("^time .*", printed, re.M)], float
+    )
+    _, bubbles, radius, spread, pressure, gas = rows.T
+    assert bubbles[0] == first
+    assert (np.diff(bubbles) <= 0).all()
+    assert gas == pytest.approx(gas[0], rel=1e-6)  # printed with so many digits
+    assert radius[-1] > 1.25 * radius[0]
+    (left,) = re.findall(r"^square .* to (\S+)% of the last", printed, re.M)
+    assert float(left) < 8
+    assert (spread[len(spread) // 2 :] > 0.3).all()
+    # pressures scale with tension over radius
+    assert 0 < pressure[-1] < 0.8 * pressure[0]
+    growth = re.findall(r"^phi (\S+)  growth (\S+) \(n - (\S+)\)", printed, re.M)
+    phi, steepness, zero = np.array(growth, float).T
+    assert len(phi) == 4
+    assert (np.diff(steepness) > 0).all()
+    assert steepness[0] < 0.5
+    assert ((zero > 4.5) & (zero < 6.3)).all()
+    assert zero[-1] == pytest.approx(6, abs=0.2)
+    ((limit, exact),) = re.findall(r"without liquid (\S+), von Neumann (\S+)", printed)
+    assert float(exact) == pytest.approx(2 * np.pi / 3, abs=1e-3)
+    assert float(limit) == pytest.approx(float(exact), rel=0.1)
+
+
+def test_foam(tmp_path: Path) -> None:
+    """Gas is conserved, bubbles vanish and grow; von Neumann's law is the limit of dry foams."""
+    pytest.importorskip("matplotlib")
+    folder = EXAMPLES / "foam"
+    check_foam((folder / "foam.log").read_text(), 400)
+    part_of(folder / "foam.py", tmp_path, NUMBER=100, LAST=40)
+    check_foam(text("python", "foam.py", cwd=tmp_path), 100)
+    assert (tmp_path / "foam.png").stat().st_size > 10_000
+
+
+def check_tissue(printed: str) -> None:
+    rows: dict[str, list[list[float]]] = {}
+    for name, values in re.findall(r"^(\S.*?) +time +(.*)$", printed, re.M):
+        rows.setdefault(name, []).append([float(n) for n in re.findall(r"[\d.]+", values)])
+    both, crawl, grow = (np.array(each).T for each in rows.values())
+    for time, cells, uncovered, phi in (both, crawl, grow):
+        assert len(time) >= 6
+        assert cells[0] == crawl[1, 0] > 150
+        assert uncovered[0] > 0.9
+        assert phi[0] == pytest.approx(0.55, abs=0.03)
+    # cells that only crawl spread until the scratch is as empty as all the rest, 1 - phi
+    assert (crawl[1] == crawl[1, 0]).all()
+    assert crawl[2, -3:].mean() == pytest.approx(1 - crawl[3, -1], abs=0.15)
+    # growth closes it, and ends by itself
+    for _, cells, uncovered, phi in (both, grow):
+        assert cells[-1] > 1.5 * cells[0]
+        assert cells[-1] - cells[-3] < 0.25 * (cells[-3] - cells[0])
+        assert uncovered[-1] < 0.2
+        assert 0.85 < phi[-1] < 0.97
+
+
+def test_tissue(tmp_path: Path) -> None:
+    """Crawling spreads cells, growth and division close the scratch."""
+    pytest.importorskip("matplotlib")
+    folder = EXAMPLES / "tissue"
+    check_tissue((folder / "tissue.log").read_text())
+    for name in ("in.tissue", "tissue.deformable"):
+        shutil.copy(folder / name, tmp_path)
+    part_of(folder / "tissue.py", tmp_path, ROUNDS=30)
+    check_tissue(text("python", "tissue.py", cwd=tmp_path))
+    assert (tmp_path / "tissue.png").stat().st_size > 10_000
+    log = text("lmp", "-in", "in.tissue", "-log", "none", cwd=tmp_path)
+    inside = re.findall(r"^ +\d+ +171 +(\d+) ", log, re.M)
+    assert len(inside) == 11
+    assert int(inside[0]) == 0
+    assert int(inside[-1]) > 30
