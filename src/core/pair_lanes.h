@@ -97,48 +97,6 @@ static Largest find_residuals(const PairArrays &p, int begin, int end)
   return {last_worst, last_largest};
 }
 
-static double begin_gradients(const PairArrays &p, int begin, int end)
-{
-  return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
-    using T = decltype(kind);
-    const T r = load<T>(p.residual + k), x = load<T>(p.weight + k) * r;
-    store(p.left + k, r);
-    store(p.direction + k, x);
-    store(p.step + k, T{});
-    return x * r;
-  });
-}
-
-static double add_products(const PairArrays &p, int begin, int end)
-{
-  return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
-    using T = decltype(kind);
-    const T y = of_both<T>(p.contact_product, p, k);
-    store(p.product + k, y);
-    return y * load<T>(p.direction + k);
-  });
-}
-
-static double advance(const PairArrays &p, double length, int begin, int end)
-{
-  return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
-    using T = decltype(kind);
-    const T r = load<T>(p.left + k) - length * load<T>(p.product + k);
-    store(p.step + k, load<T>(p.step + k) + length * load<T>(p.direction + k));
-    store(p.left + k, r);
-    return r * r * load<T>(p.weight + k);
-  });
-}
-
-static void turn(const PairArrays &p, double conjugation, int begin, int end)
-{
-  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
-    using T = decltype(kind);
-    store(p.direction + k,
-          load<T>(p.weight + k) * load<T>(p.left + k) + conjugation * load<T>(p.direction + k));
-  });
-}
-
 static void extrapolate(const PairArrays &p, const double *c, int begin, int end)
 {
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
@@ -157,7 +115,11 @@ static double take_step(const PairArrays &p, bool alone, int begin, int end)
     const T zero = T{}, f = load<T>(p.force + k), r = load<T>(p.residual + k);
     const T error = load<T>(p.error + k);
     T change = ALONE * error;
-    if (!alone) change = select(load<T>(p.weight + k) > 0.0, load<T>(p.step + k) / p.scale, error);
+    if (!alone) {
+      const T correction =
+          gather<T>(p.correction, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.first[k + w]; });
+      change = select(load<T>(p.weight + k) > 0.0, correction / p.scale, error);
+    }
     const T least = select(r > 0.0, load<T>(p.stiffening + k) * r * r * r, zero);
     const T next = larger(f + change, least), step = next - f;
     store(p.begin + k, f);
@@ -224,13 +186,6 @@ static void turn_lines(const LineArrays &p, int begin, int end)
     store(p.ny + k, y);
     store(p.angle + k, angle_of_lanes(x, y));
     store(p.overlap + k, load<T>(p.overlap + k) + (c - cosine) / load<T>(p.per_distance + k));
-  });
-}
-
-static double sum(const float *x, int begin, int end)
-{
-  return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
-    return load<decltype(kind)>(x + k);
   });
 }
 

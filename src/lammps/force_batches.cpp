@@ -33,8 +33,9 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
                      [this](int a, int b) { return count[a] < count[b]; });
 
   for (std::vector<double> *v :
-       {&pressure, &expansion, &work, &total, &per_pressure, &mixed, &square, &rate})
+       {&pressure, &expansion, &work, &total, &per_pressure})
     v->assign(lanes_in_all, 0.0);
+  for (std::vector<float> *v : {&mixed, &square, &rate}) v->assign(lanes_in_all, 0.0F);
   for (std::vector<double> *v : {&radius, &kA, &kP, &tension}) v->assign(lanes_in_all, 1.0);
   place.assign(particles, -1);
   for (std::vector<int> *v : {&size, &first, &first_green}) v->resize(batches);
@@ -67,7 +68,11 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   const int remote = pairs.wall - pairs.remote;
   for (std::vector<double> *v : {&indentation, &compliance, &slope})
     v->assign(contacts + remote + 1, 0.0);
-  product.assign(contacts + remote + 1, 0.0F);
+  product.assign(contacts + remote, 0.0F);
+  for (std::vector<float> *v : {&share, &weight, &left, &direction, &step})
+    v->assign(contacts, 0.0F);
+  partner.resize(contacts);
+  for (int c = 0; c < contacts; ++c) partner[c] = c;
 
   std::fill(count.begin(), count.end(), 0);
   const auto sit = [this](int i, int of) {
@@ -76,10 +81,12 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
     return c;
   };
   for (int k = 0; k < pairs.size; ++k) {
-    pairs.side[0][k] = sit(pairs.i[k], 2 * k);
-    pairs.side[1][k] = pairs.second[k] >= 0 ? sit(pairs.second[k], 2 * k + 1)
+    const int first = pairs.side[0][k] = sit(pairs.i[k], 2 * k);
+    const int second = pairs.side[1][k] = pairs.second[k] >= 0 ? sit(pairs.second[k], 2 * k + 1)
                        : k < pairs.wall     ? contacts + k - pairs.remote
                                             : contacts + remote;
+    if (k < pairs.wall) partner[first] = second;
+    if (pairs.second[k] >= 0) partner[second] = first;
   }
 }
 
@@ -90,6 +97,7 @@ deformable::RingBatches ForceBatches::arrays()
   constexpr std::uintptr_t SIZE = LANES * sizeof(double);
   double *const aligned = scratch.data() + (SIZE - address % SIZE) % SIZE / sizeof(double);
   return {batches,
+          contacts,
           size.data(),
           first.data(),
           first_green.data(),
@@ -97,13 +105,16 @@ deformable::RingBatches ForceBatches::arrays()
           {radius.data(), kA.data(), kP.data(), tense ? tension.data() : nullptr, pressure.data(),
            expansion.data(), work.data(), total.data(), per_pressure.data(), mixed.data(),
            square.data(), rate.data()},
-          {seat.data(), indentation.data(), compliance.data(), slope.data(), product.data(),
-           green.data(), aligned}};
+          {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(),
+           green.data(), aligned},
+          {partner.data(), weight.data(), left.data(), direction.data(), step.data(),
+           product.data()}};
 }
 
 double ForceBatches::bytes() const
 {
   return bytes_of(size, first, first_green, particle, radius, kA, kP, tension, pressure, expansion,
                   work, total, per_pressure, mixed, square, rate, seat, indentation, compliance,
-                  slope, product, green, scratch, place, count);
+                  slope, share, partner, weight, left, direction, step, product, green, scratch,
+                  place, count);
 }

@@ -23,14 +23,18 @@ struct ForceBatches {
   // of rings: batch x LANES + lane
   std::vector<int> particle;    // or -1
   bool tense = false;           // some ring has a tension
-  std::vector<double> radius, kA, kP, tension, pressure, expansion, work, total, per_pressure,
-      mixed, square, rate;
+  std::vector<double> radius, kA, kP, tension, pressure, expansion, work, total, per_pressure;
+  std::vector<float> mixed, square, rate;
 
   // of contacts
   std::vector<int> seat;
   std::vector<double> indentation, compliance;
-  std::vector<double> slope;     // of the outlines, at the end
-  std::vector<float> product;    // C x
+  std::vector<double> slope;    // of the outlines, at the end
+  std::vector<float> share;
+
+  // for conjugate gradients
+  std::vector<int> partner;
+  std::vector<float> weight, left, direction, step, product;
 
   std::vector<float> green;
   std::vector<double> scratch;

@@ -46,7 +46,7 @@ bool ForceSolver::solve(RemoteSides &r)
   const auto make_room = [one_more](auto &...v) {
     ((v.size() == one_more ? void() : v.assign(one_more, 0)), ...);
   };
-  make_room(residual, error, begin, weight, step, left, direction, product);
+  make_room(residual, error, begin, weight, step);
   if (comm->nprocs > 1) agree();
   for (int k = 0; k < p.size; ++k) p.force[k] = std::max(p.past[0][k], 0.0);
   if (p.tilts) tilts.start(p, *batches, kernels);
@@ -111,12 +111,11 @@ PairArrays ForceSolver::arrays()
   return {p.overlap.data(),     p.stiffening.data(),
           p.side[0].data(),     p.side[1].data(),
           b.indentation.data(), b.compliance.data(),
-          b.product.data(),     p.force.data(),
+          b.step.data(),        p.force.data(),
           residual.data(),      error.data(),
           weight.data(),        step.data(),
-          left.data(),          direction.data(),
-          product.data(),       p.scale,
-          begin.data(),         {p.past[0].data(), p.past[1].data(), p.past[2].data()}};
+          p.scale,              begin.data(),
+          {p.past[0].data(), p.past[1].data(), p.past[2].data()}};
 }
 
 /* ----------------------------------------------------------------------
@@ -153,8 +152,12 @@ void ForceSolver::agree()
 // Pairs that two ranks share count half on each.
 template <class Sum> double ForceSolver::sum_over_pairs(Sum &&sum) const
 {
-  double part =
-      sum(0, pairs->remote) + 0.5 * sum(pairs->remote, pairs->wall) + sum(pairs->wall, pairs->size);
+  return sum_over_ranks(sum(0, pairs->remote) + 0.5 * sum(pairs->remote, pairs->wall) +
+                        sum(pairs->wall, pairs->size));
+}
+
+double ForceSolver::sum_over_ranks(double part) const
+{
   if (comm->nprocs == 1) return part;
   double all;
   MPI_Allreduce(&part, &all, 1, MPI_DOUBLE, MPI_SUM, world);
@@ -195,10 +198,10 @@ void ForceSolver::newton_step(const Evaluation &from)
 {
   constexpr int MAX_ITERATIONS = 500;
   constexpr double COARSE = 0.03, FIRST = 0.003, MARGIN = 0.3, SQUARE = 10.0;
-  const PairArrays loop = arrays();
-  double norm2 = sum_over_pairs([&](int a, int z) { return kernels.begin_gradients(loop, a, z); });
-  const double weights =
-      sum_over_pairs([&](int a, int z) { return kernels.sum(loop.weight, a, z); });
+  const deformable::RingBatches rings = batches->arrays();
+  const deformable::GradientStart start = kernels.begin(rings, arrays());
+  double norm2 = sum_over_ranks(start.norm2);
+  const double weights = sum_over_ranks(start.weights);
   if (!(norm2 > 0.0)) return;
   // of r, times the mean weight
   const double typical = std::sqrt(norm2 * weights) / (pairs_of_all * pairs->scale);
@@ -206,17 +209,15 @@ void ForceSolver::newton_step(const Evaluation &from)
   const double accuracy =
       std::min(COARSE, std::max(MARGIN * target * from.largest / from.forces, most));
   const double enough = accuracy * accuracy * norm2;
+  double conjugation = 0.0;
   for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
-    kernels.multiply(batches->arrays(), direction.data(), pairs->scale);
+    const double part = kernels.multiply(rings, conjugation, pairs->scale);
     remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                      batches->product.data());
-    const double curvature =
-        sum_over_pairs([&](int a, int z) { return kernels.add_products(loop, a, z); });
+    const double curvature = sum_over_ranks(part);
     if (!(curvature > 0.0)) break;
-    const double length = norm2 / curvature;
-    const double next =
-        sum_over_pairs([&](int a, int z) { return kernels.advance(loop, length, a, z); });
-    kernels.turn(loop, next / norm2, 0, pairs->size);
+    const double next = sum_over_ranks(kernels.advance(rings, norm2 / curvature));
+    conjugation = next / norm2;
     norm2 = next;
   }
 }
@@ -276,5 +277,5 @@ ForceSolver::Evaluation ForceSolver::line_search(double slope, double imbalance,
 
 double ForceSolver::memory_usage() const
 {
-  return bytes_of(residual, error, weight, begin, step, left, direction, product) + tilts.bytes();
+  return bytes_of(residual, error, weight, begin, step) + tilts.bytes();
 }

@@ -79,7 +79,7 @@ class ForceSolver : protected Pointers {
   std::vector<double> residual, error;    // r, imbalance
   std::vector<double> begin;              // of a line search
   std::vector<float> weight;              // 1/(C_i + C_j) of pairs that take part
-  std::vector<float> step, left, direction, product;
+  std::vector<float> step;
 
   bigint last_step = -2;
   int consecutive_calls = 0;     // at successive steps before this one, up to 3
@@ -100,6 +100,7 @@ class ForceSolver : protected Pointers {
   Evaluation correct(const Evaluation &);
   Evaluation line_search(double slope, double imbalance, bool turned);
   template <class Sum> double sum_over_pairs(Sum &&sum) const;
+  double sum_over_ranks(double part) const;
 };
 
 }    // namespace LAMMPS_NS
