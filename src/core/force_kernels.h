@@ -30,10 +30,11 @@ struct RingArrays {
 // RingCompliance in units in which nothing is large or small: v_c = (a_c + expansion)/(sum of contact lengths), and
 //   p C_ck = G(theta_c - theta_k) + rate - mixed (v_c + v_k) - square v_c v_k.
 struct ContactArrays {
-  const int *seat;                     // 2 x the index of the pair, + 1 for its second ring
-  double *indentation, *compliance;    // a and da_c/df_c
-  double *slope;                       // of the outline
-  float *share;                        // v
+  const int *seat;        // 2 x the index of the pair, + 1 for its second ring
+  double *indentation;    // a
+  float *compliance;      // da_c/df_c
+  double *slope;          // of the outline
+  float *share;           // v
   float *green;
   double *scratch;    // for the rings that have more contacts than any kernel knows, aligned
 };
@@ -41,7 +42,8 @@ struct ContactArrays {
 // Conjugate gradients, by contact: both contacts of a pair have the same numbers, except products. So each ring finds
 // its own side by side, and only products have to be fetched from the other ring.
 struct GradientArrays {
-  const int *partner;    // the other contact of the pair; of a wall, and of an empty place, the contact itself
+  const int *
+      partner;    // the other contact of the pair; of a wall, and of an empty place, the contact itself
   float *weight, *left, *direction, *step, *product;
 };
 
@@ -57,13 +59,14 @@ struct RingBatches {
 // Pairs as ForceSolver sees them.
 struct PairArrays {
   const double *overlap, *stiffening;
-  const int *first, *second;                 // contacts of the pairs
-  const double *indentation, *compliance;    // by contact
-  const float *correction;                   // the step of conjugate gradients, by contact
-  double *force, *residual, *error;
-  float *weight, *step;
-  double scale;       // weights and steps are in units of 1/scale, for the range of single precision
-  double *begin;      // forces before the step
+  const int *first, *second;    // contacts of the pairs
+  const double *indentation;    // by contact
+  const float *compliance;
+  const float *correction;    // the step of conjugate gradients, by contact
+  double *force, *residual;
+  float *weight, *step;    // 1/(C_i + C_j), negative where the pair takes no part
+  double scale;     // weights and steps are in units of 1/scale, for the range of single precision
+  double *begin;    // forces before the step
   double *past[3];    // forces of the last calls, the latest first
 };
 
@@ -102,10 +105,11 @@ struct ForceKernels {
 
   // Conjugate gradients for C x = r of the pairs that have a weight. Sums are over the contacts of this rank; contacts
   // of pairs count half, since each pair has two, but for the curvature. begin: takes residuals and weights. multiply:
-  // turns the direction, and finds its product and its curvature. advance: a step along the direction; left.w.left.
+  // turns the direction, and finds its product and its curvature; 0 for the first one. advance: a step along the
+  // direction, maybe the first one; left.w.left.
   GradientStart (*begin)(const RingBatches &, const PairArrays &);
   double (*multiply)(const RingBatches &, double conjugation, double scale);
-  double (*advance)(const RingBatches &, double length);
+  double (*advance)(const RingBatches &, double length, bool first);
 
   // Loops over pairs, from `begin` to before `end`.
 

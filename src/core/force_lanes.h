@@ -26,8 +26,8 @@ DEFORMABLE_LANE_FUNCTION RingArrays rings_of(RingArrays r, int ring)
 DEFORMABLE_LANE_FUNCTION ContactArrays contacts_of(ContactArrays c, int contact, int green)
 {
   c.seat += contact;
-  for (double **p : {&c.indentation, &c.compliance, &c.slope}) *p += contact;
-  c.share += contact;
+  for (double **p : {&c.indentation, &c.slope}) *p += contact;
+  for (float **p : {&c.compliance, &c.share}) *p += contact;
   c.green += green;
   return c;
 }

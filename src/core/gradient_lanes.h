@@ -9,17 +9,19 @@
 
 namespace deformable::DEFORMABLE_LEVEL {
 
-// A sum of many numbers in single precision: each term is itself a sum of few.
-struct PartialSums {
-  double part[LANES] = {};
+// A sum of many numbers in single precision: its rounding would depend on how ranks share the contacts.
+struct Sum {
+  typedef double Parts __attribute__((vector_size(8 * FLOATS)));
+  Parts part[LANES / FLOATS] = {};
   DEFORMABLE_LANE_LAMBDA void add(int first, Floats term)
   {
-    for (int w = 0; w < FLOATS; ++w) part[first + w] += static_cast<double>(term[w]);
+    part[first / FLOATS] += __builtin_convertvector(term, Parts);
   }
-  double total() const
+  DEFORMABLE_LANE_LAMBDA double total() const
   {
     double sum = 0.0;
-    for (const double p : part) sum += p;
+    for (const Parts &p : part)
+      for (int w = 0; w < FLOATS; ++w) sum += p[w];
     return sum;
   }
 };
@@ -27,35 +29,28 @@ struct PartialSums {
 // term(c) over all contacts, vector by vector.
 template <class Term> DEFORMABLE_LANE_FUNCTION double sum_of_contacts(int contacts, Term &&term)
 {
-  constexpr int BLOCK = 16 * LANES, PARTS = LANES / FLOATS;
-  PartialSums sums;
-  for (int begin = 0; begin < contacts; begin += BLOCK) {
-    const int end = begin + BLOCK < contacts ? begin + BLOCK : contacts;
-    Floats part[PARTS] = {};
-    for (int c = begin; c < end; c += LANES)
-      for (int n = 0; n < PARTS; ++n) part[n] += term(c + n * FLOATS);
-    for (int n = 0; n < PARTS; ++n) sums.add(n * FLOATS, part[n]);
-  }
-  return sums.total();
+  Sum sum;
+  for (int c = 0; c < contacts; c += LANES)
+#pragma GCC unroll 2
+    for (int n = 0; n < LANES; n += FLOATS) sum.add(n, term(c + n));
+  return sum.total();
 }
 
 // A wall has one contact: twice its residual and half of its weight make it a pair of two that are the same.
 static GradientStart begin_gradients(const RingBatches &b, const PairArrays &pairs)
 {
   const GradientArrays &g = b.gradients;
-  PartialSums weights;
+  Sum weights;
   const double norm2 = sum_of_contacts(b.contacts_in_all, [&](int c) DEFORMABLE_LANE_LAMBDA {
     Floats left, weight;
     for (int w = 0; w < FLOATS; ++w) {
       const int k = b.contacts.seat[c + w] >> 1;
       const float sides = g.partner[c + w] == c + w ? 2.0F : 1.0F;
       left[w] = sides * static_cast<float>(pairs.residual[k]);
-      weight[w] = pairs.weight[k] / sides;
+      weight[w] = pairs.weight[k] > 0.0F ? pairs.weight[k] / sides : 0.0F;
     }
     store_floats(g.left + c, left);
     store_floats(g.weight + c, weight);
-    store_floats(g.direction + c, Floats{});
-    store_floats(g.step + c, Floats{});
     weights.add(c % LANES, weight);
     return weight * left * left;
   });
@@ -63,7 +58,7 @@ static GradientStart begin_gradients(const RingBatches &b, const PairArrays &pai
 }
 
 // d = w r + conjugation d; C d/scale of each ring. Returns the parts of d C d/scale.
-template <int SIZE, bool SOFT>
+template <int SIZE, bool SOFT, bool FIRST>
 DEFORMABLE_LANE_FUNCTION Floats multiply_lanes(float conjugation, double scale, int contacts,
                                                const ContactArrays &c, const GradientArrays &g,
                                                const RingArrays &rings)
@@ -75,8 +70,8 @@ DEFORMABLE_LANE_FUNCTION Floats multiply_lanes(float conjugation, double scale, 
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
     const int at = m * LANES;
-    own[m] = load<Floats>(g.weight + at) * load<Floats>(g.left + at) +
-             conjugation * load<Floats>(g.direction + at);
+    own[m] = load<Floats>(g.weight + at) * load<Floats>(g.left + at);
+    if constexpr (!FIRST) own[m] += conjugation * load<Floats>(g.direction + at);
     store_floats(g.direction + at, own[m]);
     share[m] = load<Floats>(c.share + at);
     product[m] = static_cast<float>(GREEN_AT_ZERO) * own[m];
@@ -115,28 +110,30 @@ DEFORMABLE_LANE_FUNCTION GradientArrays gradients_of(GradientArrays g, int conta
   return g;
 }
 
-template <bool SOFT>
+template <bool SOFT, bool FIRST>
 static double multiply_all(const RingBatches &b, double conjugation, double scale)
 {
-  PartialSums sums;
-  for_all<FLOATS>(b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
-                         DEFORMABLE_LANE_LAMBDA {
-                           const int first = static_cast<int>(c.seat - b.contacts.seat);
-                           const Floats curvature = multiply_lanes<decltype(size)::value, SOFT>(
-                               static_cast<float>(conjugation), scale, n, c,
-                               gradients_of(b.gradients, first), r);
-                           sums.add(first % LANES, curvature);
-                         });
-  return sums.total();
+  Sum sum;
+  for_all<FLOATS>(
+      b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
+        const int first = static_cast<int>(c.seat - b.contacts.seat);
+        const Floats curvature = multiply_lanes<decltype(size)::value, SOFT, FIRST>(
+            static_cast<float>(conjugation), scale, n, c, gradients_of(b.gradients, first), r);
+        sum.add(first % LANES, curvature);
+      });
+  return sum.total();
 }
 
 static double multiply_rings(const RingBatches &b, double conjugation, double scale)
 {
-  return b.soft ? multiply_all<true>(b, conjugation, scale)
-                : multiply_all<false>(b, conjugation, scale);
+  if (conjugation == 0.0)
+    return b.soft ? multiply_all<true, true>(b, 0.0, scale)
+                  : multiply_all<false, true>(b, 0.0, scale);
+  return b.soft ? multiply_all<true, false>(b, conjugation, scale)
+                : multiply_all<false, false>(b, conjugation, scale);
 }
 
-static double advance(const RingBatches &b, double length)
+template <bool FIRST> static double advance_all(const RingBatches &b, double length)
 {
   const GradientArrays &g = b.gradients;
   const float along = static_cast<float>(length);
@@ -145,9 +142,16 @@ static double advance(const RingBatches &b, double length)
                load<Floats>(g.product + c) + gather_floats(g.product, g.partner + c);
            const Floats left = load<Floats>(g.left + c) - along * product;
            store_floats(g.left + c, left);
-           store_floats(g.step + c, load<Floats>(g.step + c) + along * load<Floats>(g.direction + c));
+           Floats step = along * load<Floats>(g.direction + c);
+           if constexpr (!FIRST) step += load<Floats>(g.step + c);
+           store_floats(g.step + c, step);
            return load<Floats>(g.weight + c) * left * left;
          });
+}
+
+static double advance(const RingBatches &b, double length, bool first)
+{
+  return first ? advance_all<true>(b, length) : advance_all<false>(b, length);
 }
 
 }    // namespace deformable::DEFORMABLE_LEVEL

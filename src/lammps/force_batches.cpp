@@ -32,8 +32,7 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
     std::stable_sort(particle.begin() + begin, particle.begin() + std::min(begin + BLOCK, rings),
                      [this](int a, int b) { return count[a] < count[b]; });
 
-  for (std::vector<double> *v :
-       {&pressure, &expansion, &work, &total, &per_pressure})
+  for (std::vector<double> *v : {&pressure, &expansion, &work, &total, &per_pressure})
     v->assign(lanes_in_all, 0.0);
   for (std::vector<float> *v : {&mixed, &square, &rate}) v->assign(lanes_in_all, 0.0F);
   for (std::vector<double> *v : {&radius, &kA, &kP, &tension}) v->assign(lanes_in_all, 1.0);
@@ -66,8 +65,8 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   scratch.resize(5 * longest * LANES + LANES);
   seat.assign(contacts, 2 * pairs.size);
   const int remote = pairs.wall - pairs.remote;
-  for (std::vector<double> *v : {&indentation, &compliance, &slope})
-    v->assign(contacts + remote + 1, 0.0);
+  for (std::vector<double> *v : {&indentation, &slope}) v->assign(contacts + remote + 1, 0.0);
+  compliance.assign(contacts + remote + 1, 0.0F);
   product.assign(contacts + remote, 0.0F);
   for (std::vector<float> *v : {&share, &weight, &left, &direction, &step})
     v->assign(contacts, 0.0F);
@@ -83,8 +82,8 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   for (int k = 0; k < pairs.size; ++k) {
     const int first = pairs.side[0][k] = sit(pairs.i[k], 2 * k);
     const int second = pairs.side[1][k] = pairs.second[k] >= 0 ? sit(pairs.second[k], 2 * k + 1)
-                       : k < pairs.wall     ? contacts + k - pairs.remote
-                                            : contacts + remote;
+                                          : k < pairs.wall     ? contacts + k - pairs.remote
+                                                               : contacts + remote;
     if (k < pairs.wall) partner[first] = second;
     if (pairs.second[k] >= 0) partner[second] = first;
   }
@@ -96,19 +95,19 @@ deformable::RingBatches ForceBatches::arrays()
   const auto address = reinterpret_cast<std::uintptr_t>(scratch.data());
   constexpr std::uintptr_t SIZE = LANES * sizeof(double);
   double *const aligned = scratch.data() + (SIZE - address % SIZE) % SIZE / sizeof(double);
-  return {batches,
-          contacts,
-          size.data(),
-          first.data(),
-          first_green.data(),
-          soft,
-          {radius.data(), kA.data(), kP.data(), tense ? tension.data() : nullptr, pressure.data(),
-           expansion.data(), work.data(), total.data(), per_pressure.data(), mixed.data(),
-           square.data(), rate.data()},
-          {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(),
-           green.data(), aligned},
-          {partner.data(), weight.data(), left.data(), direction.data(), step.data(),
-           product.data()}};
+  return {
+      batches,
+      contacts,
+      size.data(),
+      first.data(),
+      first_green.data(),
+      soft,
+      {radius.data(), kA.data(), kP.data(), tense ? tension.data() : nullptr, pressure.data(),
+       expansion.data(), work.data(), total.data(), per_pressure.data(), mixed.data(),
+       square.data(), rate.data()},
+      {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(), green.data(),
+       aligned},
+      {partner.data(), weight.data(), left.data(), direction.data(), step.data(), product.data()}};
 }
 
 double ForceBatches::bytes() const

@@ -28,9 +28,9 @@ struct ForceBatches {
 
   // of contacts
   std::vector<int> seat;
-  std::vector<double> indentation, compliance;
+  std::vector<double> indentation;
   std::vector<double> slope;    // of the outlines, at the end
-  std::vector<float> share;
+  std::vector<float> compliance, share;
 
   // for conjugate gradients
   std::vector<int> partner;

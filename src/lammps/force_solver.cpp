@@ -46,7 +46,7 @@ bool ForceSolver::solve(RemoteSides &r)
   const auto make_room = [one_more](auto &...v) {
     ((v.size() == one_more ? void() : v.assign(one_more, 0)), ...);
   };
-  make_room(residual, error, begin, weight, step);
+  make_room(residual, begin, weight, step);
   if (comm->nprocs > 1) agree();
   for (int k = 0; k < p.size; ++k) p.force[k] = std::max(p.past[0][k], 0.0);
   if (p.tilts) tilts.start(p, *batches, kernels);
@@ -112,10 +112,9 @@ PairArrays ForceSolver::arrays()
           p.side[0].data(),     p.side[1].data(),
           b.indentation.data(), b.compliance.data(),
           b.step.data(),        p.force.data(),
-          residual.data(),      error.data(),
-          weight.data(),        step.data(),
-          p.scale,              begin.data(),
-          {p.past[0].data(), p.past[1].data(), p.past[2].data()}};
+          residual.data(),      weight.data(),
+          step.data(),          p.scale,
+          begin.data(),         {p.past[0].data(), p.past[1].data(), p.past[2].data()}};
 }
 
 /* ----------------------------------------------------------------------
@@ -131,7 +130,7 @@ void ForceSolver::agree()
   const int own = batches->contacts, *const side = p.side[0].data() + p.remote;
   double *const overlap = p.overlap.data() + p.remote, *const force = p.past[0].data() + p.remote;
   // evaluate replaces them
-  double *const overlaps = batches->indentation.data(), *const forces = batches->compliance.data();
+  double *const overlaps = batches->indentation.data(), *const forces = batches->slope.data();
   const int count = p.wall - p.remote;
   for (int c = 0; c < count; ++c) {
     overlaps[side[c]] = overlap[c];
@@ -202,7 +201,10 @@ void ForceSolver::newton_step(const Evaluation &from)
   const deformable::GradientStart start = kernels.begin(rings, arrays());
   double norm2 = sum_over_ranks(start.norm2);
   const double weights = sum_over_ranks(start.weights);
-  if (!(norm2 > 0.0)) return;
+  if (!(norm2 > 0.0)) {
+    std::fill(batches->step.begin(), batches->step.end(), 0.0F);
+    return;
+  }
   // of r, times the mean weight
   const double typical = std::sqrt(norm2 * weights) / (pairs_of_all * pairs->scale);
   const double most = evaluations == 1 ? FIRST : SQUARE * typical / from.largest;
@@ -215,8 +217,11 @@ void ForceSolver::newton_step(const Evaluation &from)
     remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                      batches->product.data());
     const double curvature = sum_over_ranks(part);
-    if (!(curvature > 0.0)) break;
-    const double next = sum_over_ranks(kernels.advance(rings, norm2 / curvature));
+    if (!(curvature > 0.0)) {
+      if (iteration == 0) std::fill(batches->step.begin(), batches->step.end(), 0.0F);
+      break;
+    }
+    const double next = sum_over_ranks(kernels.advance(rings, norm2 / curvature, iteration == 0));
     conjugation = next / norm2;
     norm2 = next;
   }
@@ -277,5 +282,5 @@ ForceSolver::Evaluation ForceSolver::line_search(double slope, double imbalance,
 
 double ForceSolver::memory_usage() const
 {
-  return bytes_of(residual, error, weight, begin, step) + tilts.bytes();
+  return bytes_of(residual, weight, begin, step) + tilts.bytes();
 }

@@ -76,9 +76,9 @@ class ForceSolver : protected Pointers {
   RemoteSides *remote = nullptr;
 
   // by pair
-  std::vector<double> residual, error;    // r, imbalance
-  std::vector<double> begin;              // of a line search
-  std::vector<float> weight;              // 1/(C_i + C_j) of pairs that take part
+  std::vector<double> residual;    // r
+  std::vector<double> begin;       // of a line search
+  std::vector<float> weight;       // 1/(C_i + C_j), negative for pairs that take no part
   std::vector<float> step;
 
   bigint last_step = -2;
