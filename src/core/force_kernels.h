@@ -100,6 +100,8 @@ struct LineArrays {
 struct ForceKernels {
   // Shapes rings by the forces of pairs. False: a ring does not exist.
   bool (*shape)(const RingBatches &, const PairDirections &);
+  // The same after small changes of the forces, in units of `scale`: they have the precision of single numbers.
+  bool (*adapt)(const RingBatches &, const double *forces, const float *changes, double scale);
   // Slopes of outlines; also how they change as contacts turn (tilt.h), by contact, unless null.
   void (*slopes)(const RingBatches &, const PairDirections &, double *slope_rate);
 

@@ -72,33 +72,34 @@ DEFORMABLE_LANE_FUNCTION SeenLanes seen_from_ring(const PairDirections &pairs, c
           select(sign > 0.0, angle, select(angle > 0.0, angle - PI, angle + PI))};
 }
 
-// Shapes the rings for the forces of their pairs.
-template <int SIZE, bool SOFT>
-DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int contacts,
-                                          const ContactArrays &c, const RingArrays &rings)
+// begin(m) for each contact of the rings and, after it, pair(m, k, angles between them) for those before. of[0] are the
+// forces; of[2], of[3] and of[4] are taken too.
+template <int SIZE, class Begin, class Pair>
+DEFORMABLE_LANE_FUNCTION void for_contacts(const PairDirections &pairs, int n, const int *seats,
+                                           OfContacts<Lanes, SIZE, 5> &of, Begin &&begin,
+                                           Pair &&pair)
 {
-  const int n = SIZE > 0 ? SIZE : contacts;
-  OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
-  Lanes *const force = of[0], *const product = of[1], *const angle = of[2];
-  Lanes *const nx = of[3], *const ny = of[4];
+  Lanes *const force = of[0], *const angle = of[2], *const nx = of[3], *const ny = of[4];
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    const int *const seat = c.seat + m * LANES;
+    const int *const seat = seats + m * LANES;
     const SeenLanes seen = seen_from_ring(pairs, seat);
     angle[m] = seen.angle;
     nx[m] = seen.nx;
     ny[m] = seen.ny;
     force[m] = of_pairs(pairs.force, seat);
-    product[m] = GREEN_AT_ZERO * force[m];
+    begin(m);
 #pragma GCC unroll 8
-    for (int k = 0; k < m; ++k) {
-      const AngleLanes t = angles_between(angle[k], {nx[k], ny[k]}, angle[m], seen);
-      const Lanes between = green(t.magnitude, t.sine, t.cosine);
-      store(entry(c.green, m, k), between);
-      product[m] += between * force[k];
-      product[k] += between * force[m];
-    }
+    for (int k = 0; k < m; ++k)
+      pair(m, k, angles_between(angle[k], {nx[k], ny[k]}, angle[m], seen));
   }
+}
+
+// Shapes from forces and their sums with G.
+template <bool SOFT>
+DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const Lanes *force, const Lanes *product,
+                                            const ContactArrays &c, const RingArrays &rings)
+{
   Lanes work = Lanes{}, total = Lanes{};
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
@@ -133,6 +134,55 @@ DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int conta
   return exist;
 }
 
+// Shapes the rings for the forces of their pairs.
+template <int SIZE, bool SOFT>
+DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int contacts,
+                                          const ContactArrays &c, const RingArrays &rings)
+{
+  const int n = SIZE > 0 ? SIZE : contacts;
+  OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
+  Lanes *const force = of[0], *const product = of[1];
+  for_contacts<SIZE>(
+      pairs, n, c.seat, of,
+      [&](int m) DEFORMABLE_LANE_LAMBDA { product[m] = GREEN_AT_ZERO * force[m]; },
+      [&](int m, int k, const AngleLanes &t) DEFORMABLE_LANE_LAMBDA {
+        const Lanes between = green(t.magnitude, t.sine, t.cosine);
+        store(entry(c.green, m, k), between);
+        product[m] += between * force[k];
+        product[k] += between * force[m];
+      });
+  return finish_shapes<SOFT>(n, force, product, c, rings);
+}
+
+// Shapes the rings anew after their forces have changed a little, in the same directions, with the last G in single
+// precision for the changes.
+template <int SIZE, bool SOFT>
+DEFORMABLE_LANE_FUNCTION bool adapt_lanes(const double *forces, const float *changes, double scale,
+                                          int contacts, const ContactArrays &c,
+                                          const RingArrays &rings)
+{
+  const int n = SIZE > 0 ? SIZE : contacts;
+  OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
+  Lanes *const force = of[0], *const product = of[1], *const change = of[2];
+  const Lanes p = load<Lanes>(rings.pressure);
+  Lanes delta = Lanes{};
+  if constexpr (SOFT) delta = load<Lanes>(rings.expansion);
+#pragma GCC unroll 8
+  for (int m = 0; m < n; ++m) {
+    const int *const seat = c.seat + m * LANES;
+    force[m] = of_pairs(forces, seat);
+    change[m] = of_pairs(changes, seat) * scale;
+    product[m] = (load<Lanes>(c.indentation + m * LANES) + delta) * p + GREEN_AT_ZERO * change[m];
+#pragma GCC unroll 8
+    for (int k = 0; k < m; ++k) {
+      const Lanes between = load<Lanes>(entry(c.green, m, k));
+      product[m] += between * change[k];
+      product[k] += between * change[m];
+    }
+  }
+  return finish_shapes<SOFT>(n, force, product, c, rings);
+}
+
 // The slope of the outline at each contact, sum_k L_k G'(theta_c - theta_k); -f_c times that is dU/dtheta_c.
 // And its rate at contacts that turn, unless `rate` is null, for rings at rest.
 template <int SIZE>
@@ -142,26 +192,15 @@ DEFORMABLE_LANE_FUNCTION void slope_lanes(const PairDirections &pairs, int conta
 {
   const int n = SIZE > 0 ? SIZE : contacts;
   OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
-  Lanes *const force = of[0], *const slope = of[1], *const angle = of[2];
-  Lanes *const nx = of[3], *const ny = of[4];
-#pragma GCC unroll 8
-  for (int m = 0; m < n; ++m) {
-    const int *const seat = c.seat + m * LANES;
-    const SeenLanes seen = seen_from_ring(pairs, seat);
-    angle[m] = seen.angle;
-    nx[m] = seen.nx;
-    ny[m] = seen.ny;
-    force[m] = of_pairs(pairs.force, seat);
-    slope[m] = Lanes{};
-#pragma GCC unroll 8
-    for (int k = 0; k < m; ++k) {
-      const AngleLanes t = angles_between(angle[k], {nx[k], ny[k]}, angle[m], seen);
-      const Lanes size = d_green(t.magnitude, t.sine, t.cosine);
-      const Lanes between = select(t.negative, -size, size);
-      slope[m] += between * force[k];
-      slope[k] -= between * force[m];
-    }
-  }
+  Lanes *const force = of[0], *const slope = of[1];
+  for_contacts<SIZE>(
+      pairs, n, c.seat, of, [&](int m) DEFORMABLE_LANE_LAMBDA { slope[m] = Lanes{}; },
+      [&](int m, int k, const AngleLanes &t) DEFORMABLE_LANE_LAMBDA {
+        const Lanes size = d_green(t.magnitude, t.sine, t.cosine);
+        const Lanes between = select(t.negative, -size, size);
+        slope[m] += between * force[k];
+        slope[k] -= between * force[m];
+      });
   const Lanes per_p = load<Lanes>(rings.per_pressure);
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) store(c.slope + m * LANES, per_p * slope[m]);
@@ -208,6 +247,25 @@ template <bool SOFT> static bool shape_all(const RingBatches &b, const PairDirec
 static bool shape_rings(const RingBatches &b, const PairDirections &pairs)
 {
   return b.soft ? shape_all<true>(b, pairs) : shape_all<false>(b, pairs);
+}
+
+template <bool SOFT>
+static bool adapt_all(const RingBatches &b, const double *forces, const float *changes,
+                      double scale)
+{
+  bool exist = true;
+  for_all(
+      b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
+        exist &= adapt_lanes<decltype(size)::value, SOFT>(forces, changes, scale, n, c, r);
+      });
+  return exist;
+}
+
+static bool adapt_rings(const RingBatches &b, const double *forces, const float *changes,
+                        double scale)
+{
+  return b.soft ? adapt_all<true>(b, forces, changes, scale)
+                : adapt_all<false>(b, forces, changes, scale);
 }
 
 static void slopes_of_rings(const RingBatches &b, const PairDirections &pairs, double *rate)

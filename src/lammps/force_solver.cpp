@@ -95,11 +95,12 @@ ForceSolver::Evaluation ForceSolver::correct(const Evaluation &from)
   must_correct = false;
   const double slope = take_step();
   const bool turns = pairs->tilts && from.forces <= CLOSE * from.largest;
-  if (!turns) return line_search(slope, from.forces, false);
-  const double torques = find_torques();
-  tilts.adapt(torques);
+  if (!turns) return line_search(slope, from, false);
+  Evaluation before = from;
+  before.torques = find_torques();
+  tilts.adapt(before.torques);
   tilts.turn(*pairs, *batches, kernels);
-  return line_search(slope, std::max(from.forces, torques), true);
+  return line_search(slope, before, true);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -163,10 +164,13 @@ double ForceSolver::sum_over_ranks(double part) const
   return all;
 }
 
-ForceSolver::Evaluation ForceSolver::evaluate()
+ForceSolver::Evaluation ForceSolver::evaluate(bool adapt)
 {
   ++evaluations;
-  const bool exist = kernels.shape(batches->arrays(), pairs->directions());
+  const deformable::RingBatches rings = batches->arrays();
+  const bool exist =
+      adapt ? kernels.adapt(rings, pairs->force.data(), step.data(), 1.0 / pairs->scale)
+            : kernels.shape(rings, pairs->directions());
   remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                    batches->indentation.data(), batches->compliance.data());
   const deformable::Largest here = kernels.find_residuals(arrays(), 0, pairs->size);
@@ -244,15 +248,18 @@ double ForceSolver::take_step()
 /* ----------------------------------------------------------------------
    The dual energy is concave along the step. A step that is much too long
    has a negative slope at its end, and the search looks for the place where
-   the slope vanishes.
+   the slope vanishes. What single precision leaves of a small step is far
+   below the target.
 ------------------------------------------------------------------------- */
 
-ForceSolver::Evaluation ForceSolver::line_search(double slope, double imbalance, bool turned)
+ForceSolver::Evaluation ForceSolver::line_search(double slope, const Evaluation &from, bool turned)
 {
-  constexpr double BETTER = 0.5, NO_WORSE = 2.0, SMALL_SLOPE = 0.5;
+  constexpr double BETTER = 0.5, NO_WORSE = 2.0, SMALL_SLOPE = 0.5, SMALL_STEP = 1e5;
+  const double imbalance = from.worst();
+  const bool is_small = !turned && imbalance <= SMALL_STEP * target * from.largest;
   double low = 0.0, low_slope = slope, high = 1.0, at = 1.0;
   for (;;) {
-    const Evaluation now = evaluate();
+    const Evaluation now = evaluate(at == 1.0 && is_small);
     const double good = std::max((turned ? NO_WORSE : BETTER) * imbalance, target * now.largest);
     if (now.exists && now.forces <= good) return now;
     double here = -std::numeric_limits<double>::infinity();

@@ -92,13 +92,13 @@ class ForceSolver : protected Pointers {
 
   void agree();
   deformable::PairArrays arrays();
-  Evaluation evaluate();
+  Evaluation evaluate(bool adapt = false);
   double find_torques();
   void newton_step(const Evaluation &);
   double take_step();
   bool is_balanced(Evaluation &);
   Evaluation correct(const Evaluation &);
-  Evaluation line_search(double slope, double imbalance, bool turned);
+  Evaluation line_search(double slope, const Evaluation &from, bool turned);
   template <class Sum> double sum_over_pairs(Sum &&sum) const;
   double sum_over_ranks(double part) const;
 };
