@@ -8,7 +8,8 @@ using deformable::LANES;
 
 // Rings with equal numbers of contacts share a batch. They are sorted within blocks only, so that neighbors stay
 // close in memory.
-void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs &pairs)
+void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs &pairs,
+                           const tagint *tags)
 {
   constexpr int BLOCK = 256;
   count.assign(particles, 0);
@@ -74,18 +75,41 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   for (int c = 0; c < contacts; ++c) partner[c] = c;
 
   std::fill(count.begin(), count.end(), 0);
-  const auto sit = [this](int i, int of) {
-    const int c = contact(place[i], count[i]++);
-    seat[c] = of;
-    return c;
-  };
+  const auto sit = [this](int i, int of) { seat[contact(place[i], count[i]++)] = of; };
   for (int k = 0; k < pairs.size; ++k) {
-    const int first = pairs.side[0][k] = sit(pairs.i[k], 2 * k);
-    const int second = pairs.side[1][k] = pairs.second[k] >= 0 ? sit(pairs.second[k], 2 * k + 1)
-                                          : k < pairs.wall     ? contacts + k - pairs.remote
-                                                               : contacts + remote;
+    sit(pairs.i[k], 2 * k);
+    if (pairs.second[k] >= 0) sit(pairs.second[k], 2 * k + 1);
+  }
+  for (int i = 0; i < particles; ++i)
+    if (place[i] >= 0) sort_contacts(i, pairs, tags);
+  for (int c = 0; c < contacts; ++c)
+    if (seat[c] < 2 * pairs.size) pairs.side[seat[c] & 1][seat[c] >> 1] = c;
+  for (int k = 0; k < pairs.size; ++k) {
+    const int first = pairs.side[0][k];
+    int &second = pairs.side[1][k];
+    if (pairs.second[k] < 0) second = contacts + (k < pairs.wall ? k - pairs.remote : remote);
     if (k < pairs.wall) partner[first] = second;
     if (pairs.second[k] >= 0) partner[second] = first;
+  }
+}
+
+// By the partners' tags: then a ring adds up the same numbers in the same order on any number of ranks.
+void ForceBatches::sort_contacts(int i, const NearPairs &pairs, const tagint *tags)
+{
+  const auto partner_of = [&](int s) -> tagint {
+    const int k = s >> 1;
+    return s & 1 ? tags[pairs.i[k]] : k < pairs.wall ? tags[pairs.j[k]] : pairs.j[k];
+  };
+  for (int m = 1; m < count[i]; ++m) {
+    const int s = seat[contact(place[i], m)];
+    const tagint tag = partner_of(s);
+    int to = m;
+    for (; to > 0; --to) {
+      const int before = seat[contact(place[i], to - 1)];
+      if (partner_of(before) <= tag) break;
+      seat[contact(place[i], to)] = before;
+    }
+    seat[contact(place[i], to)] = s;
   }
 }
 

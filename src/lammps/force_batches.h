@@ -6,6 +6,8 @@
 #include "force_kernels.h"
 #include "near_pairs.h"
 
+#include "lmptype.h"
+
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -43,7 +45,7 @@ struct ForceBatches {
   std::vector<int> count;    // contacts of each particle
 
   // Seats all contacts, and tells pairs their places. order: the particles, near ones close to each other.
-  void arrange(const int *order, int rings, int particles, NearPairs &);
+  void arrange(const int *order, int rings, int particles, NearPairs &, const tagint *tags);
 
   // of contact m of a ring
   int contact(int ring, int m) const
@@ -54,6 +56,9 @@ struct ForceBatches {
   deformable::RingBatches arrays();
 
   double bytes() const;
+
+ private:
+  void sort_contacts(int i, const NearPairs &, const tagint *tags);
 };
 
 }    // namespace LAMMPS_NS
