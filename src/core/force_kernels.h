@@ -23,6 +23,7 @@ struct RingArrays {
   double *pressure, *expansion, *work, *total;
   double *per_pressure;
   float *mixed, *square, *rate;    // see ContactArrays
+  double scale;    // compliances are in units of it, for the range of single precision
 };
 
 // Contacts, and G of each two contacts of a ring: the lower triangle by rows. Numbers in single precision are for
@@ -65,9 +66,9 @@ struct PairArrays {
   const float *correction;    // the step of conjugate gradients, by contact
   double *force, *residual;
   float *weight, *step;    // 1/(C_i + C_j), negative where the pair takes no part
-  double scale;     // weights and steps are in units of 1/scale, for the range of single precision
-  double *begin;    // forces before the step
-  double *past[3];    // forces of the last calls, the latest first
+  double scale;            // weights and steps are in units of 1/scale
+  double *begin;           // forces before the step
+  double *past[3];         // forces of the last calls, the latest first
 };
 
 constexpr double UNKNOWN_FORCE = -1e300;
@@ -100,8 +101,8 @@ struct LineArrays {
 struct ForceKernels {
   // Shapes rings by the forces of pairs. False: a ring does not exist.
   bool (*shape)(const RingBatches &, const PairDirections &);
-  // The same after small changes of the forces, in units of `scale`: they have the precision of single numbers.
-  bool (*adapt)(const RingBatches &, const double *forces, const float *changes, double scale);
+  // The same after small changes of the forces, in units of 1/scale: they have the precision of single numbers.
+  bool (*adapt)(const RingBatches &, const double *forces, const float *changes);
   // Slopes of outlines; also how they change as contacts turn (tilt.h), by contact, unless null.
   void (*slopes)(const RingBatches &, const PairDirections &, double *slope_rate);
 
@@ -110,7 +111,7 @@ struct ForceKernels {
   // turns the direction, and finds its product and its curvature; 0 for the first one. advance: a step along the
   // direction, maybe the first one; left.w.left.
   GradientStart (*begin)(const RingBatches &, const PairArrays &);
-  double (*multiply)(const RingBatches &, double conjugation, double scale);
+  double (*multiply)(const RingBatches &, double conjugation);
   double (*advance)(const RingBatches &, double length, bool first);
 
   // Loops over pairs, from `begin` to before `end`.

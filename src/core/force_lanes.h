@@ -117,6 +117,7 @@ DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const Lanes *force, const Lan
     store(rings.mixed, by.mixed * lengths * p);
     store(rings.rate, by.rate * p);
   }
+  const double per_scale = 1.0 / rings.scale;
   const Lanes per_total = select(total > 0.0, 1.0 / select(total > 0.0, total, all(1.0)), Lanes{});
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
@@ -129,7 +130,8 @@ DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const Lanes *force, const Lan
     diagonal -= by.square * b * b;
     store(c.share + m * LANES, product[m] * per_total);
     store(c.indentation + m * LANES, a);
-    store(c.compliance + m * LANES, select(per_p > 0.0, diagonal, all(__builtin_inf())));
+    store(c.compliance + m * LANES,
+          select(per_p > 0.0, diagonal * per_scale, all(__builtin_inf())));
   }
   return exist;
 }
@@ -157,21 +159,21 @@ DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int conta
 // Shapes the rings anew after their forces have changed a little, in the same directions, with the last G in single
 // precision for the changes.
 template <int SIZE, bool SOFT>
-DEFORMABLE_LANE_FUNCTION bool adapt_lanes(const double *forces, const float *changes, double scale,
-                                          int contacts, const ContactArrays &c,
-                                          const RingArrays &rings)
+DEFORMABLE_LANE_FUNCTION bool adapt_lanes(const double *forces, const float *changes, int contacts,
+                                          const ContactArrays &c, const RingArrays &rings)
 {
   const int n = SIZE > 0 ? SIZE : contacts;
   OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
   Lanes *const force = of[0], *const product = of[1], *const change = of[2];
   const Lanes p = load<Lanes>(rings.pressure);
+  const double per_scale = 1.0 / rings.scale;
   Lanes delta = Lanes{};
   if constexpr (SOFT) delta = load<Lanes>(rings.expansion);
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
     const int *const seat = c.seat + m * LANES;
     force[m] = of_pairs(forces, seat);
-    change[m] = of_pairs(changes, seat) * scale;
+    change[m] = of_pairs(changes, seat) * per_scale;
     product[m] = (load<Lanes>(c.indentation + m * LANES) + delta) * p + GREEN_AT_ZERO * change[m];
 #pragma GCC unroll 8
     for (int k = 0; k < m; ++k) {
@@ -250,22 +252,19 @@ static bool shape_rings(const RingBatches &b, const PairDirections &pairs)
 }
 
 template <bool SOFT>
-static bool adapt_all(const RingBatches &b, const double *forces, const float *changes,
-                      double scale)
+static bool adapt_all(const RingBatches &b, const double *forces, const float *changes)
 {
   bool exist = true;
-  for_all(
-      b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
-        exist &= adapt_lanes<decltype(size)::value, SOFT>(forces, changes, scale, n, c, r);
-      });
+  for_all(b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
+                 DEFORMABLE_LANE_LAMBDA {
+                   exist &= adapt_lanes<decltype(size)::value, SOFT>(forces, changes, n, c, r);
+                 });
   return exist;
 }
 
-static bool adapt_rings(const RingBatches &b, const double *forces, const float *changes,
-                        double scale)
+static bool adapt_rings(const RingBatches &b, const double *forces, const float *changes)
 {
-  return b.soft ? adapt_all<true>(b, forces, changes, scale)
-                : adapt_all<false>(b, forces, changes, scale);
+  return b.soft ? adapt_all<true>(b, forces, changes) : adapt_all<false>(b, forces, changes);
 }
 
 static void slopes_of_rings(const RingBatches &b, const PairDirections &pairs, double *rate)

@@ -59,7 +59,7 @@ static GradientStart begin_gradients(const RingBatches &b, const PairArrays &pai
 
 // d = w r + conjugation d; C d/scale of each ring. Returns the parts of d C d/scale.
 template <int SIZE, bool SOFT, bool FIRST>
-DEFORMABLE_LANE_FUNCTION Floats multiply_lanes(float conjugation, double scale, int contacts,
+DEFORMABLE_LANE_FUNCTION Floats multiply_lanes(float conjugation, int contacts,
                                                const ContactArrays &c, const GradientArrays &g,
                                                const RingArrays &rings)
 {
@@ -90,7 +90,8 @@ DEFORMABLE_LANE_FUNCTION Floats multiply_lanes(float conjugation, double scale, 
     of_share += mixed * sum;
     constant = load<Floats>(rings.rate) * sum - mixed * along;
   }
-  for (int w = 0; w < FLOATS; ++w) per_p[w] = static_cast<float>(rings.per_pressure[w] / scale);
+  for (int w = 0; w < FLOATS; ++w)
+    per_p[w] = static_cast<float>(rings.per_pressure[w] / rings.scale);
   Floats curvature = Floats{};
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
@@ -111,26 +112,25 @@ DEFORMABLE_LANE_FUNCTION GradientArrays gradients_of(GradientArrays g, int conta
 }
 
 template <bool SOFT, bool FIRST>
-static double multiply_all(const RingBatches &b, double conjugation, double scale)
+static double multiply_all(const RingBatches &b, double conjugation)
 {
   Sum sum;
   for_all<FLOATS>(
       b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
         const int first = static_cast<int>(c.seat - b.contacts.seat);
         const Floats curvature = multiply_lanes<decltype(size)::value, SOFT, FIRST>(
-            static_cast<float>(conjugation), scale, n, c, gradients_of(b.gradients, first), r);
+            static_cast<float>(conjugation), n, c, gradients_of(b.gradients, first), r);
         sum.add(first % LANES, curvature);
       });
   return sum.total();
 }
 
-static double multiply_rings(const RingBatches &b, double conjugation, double scale)
+static double multiply_rings(const RingBatches &b, double conjugation)
 {
   if (conjugation == 0.0)
-    return b.soft ? multiply_all<true, true>(b, 0.0, scale)
-                  : multiply_all<false, true>(b, 0.0, scale);
-  return b.soft ? multiply_all<true, false>(b, conjugation, scale)
-                : multiply_all<false, false>(b, conjugation, scale);
+    return b.soft ? multiply_all<true, true>(b, 0.0) : multiply_all<false, true>(b, 0.0);
+  return b.soft ? multiply_all<true, false>(b, conjugation)
+                : multiply_all<false, false>(b, conjugation);
 }
 
 template <bool FIRST> static double advance_all(const RingBatches &b, double length)

@@ -89,7 +89,7 @@ static Largest find_residuals(const PairArrays &p, int begin, int end)
     using T = decltype(kind);
     const T f = load<T>(p.force + k), zero = T{};
     const T r = load<T>(p.overlap + k) - of_both<T>(p.indentation, p, k);
-    const T w = 1.0 / of_both<T>(p.compliance, p, k), scaled = p.scale * w;
+    const T scaled = 1.0 / of_both<T>(p.compliance, p, k), w = scaled * (1.0 / p.scale);
     const T error = imbalance_of(r, w, load<T>(p.stiffening + k), f);
     store(p.residual + k, r);
     store(p.weight + k, select(f + r * w > 0.0, scaled, -scaled));

@@ -128,7 +128,7 @@ deformable::RingBatches ForceBatches::arrays()
       soft,
       {radius.data(), kA.data(), kP.data(), tense ? tension.data() : nullptr, pressure.data(),
        expansion.data(), work.data(), total.data(), per_pressure.data(), mixed.data(),
-       square.data(), rate.data()},
+       square.data(), rate.data(), scale},
       {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(), green.data(),
        aligned},
       {partner.data(), weight.data(), left.data(), direction.data(), step.data(), product.data()}};

@@ -28,6 +28,8 @@ struct ForceBatches {
   std::vector<double> radius, kA, kP, tension, pressure, expansion, work, total, per_pressure;
   std::vector<float> mixed, square, rate;
 
+  double scale = 1.0;    // see NearPairs
+
   // of contacts
   std::vector<int> seat;
   std::vector<double> indentation;

@@ -42,6 +42,7 @@ bool ForceSolver::solve(RemoteSides &r)
 {
   NearPairs &p = *pairs;
   remote = &r;
+  batches->scale = p.scale;
   const std::size_t one_more = p.size + 1;    // nothing happens in the last one, which stays zero
   const auto make_room = [one_more](auto &...v) {
     ((v.size() == one_more ? void() : v.assign(one_more, 0)), ...);
@@ -168,9 +169,8 @@ ForceSolver::Evaluation ForceSolver::evaluate(bool adapt)
 {
   ++evaluations;
   const deformable::RingBatches rings = batches->arrays();
-  const bool exist =
-      adapt ? kernels.adapt(rings, pairs->force.data(), step.data(), 1.0 / pairs->scale)
-            : kernels.shape(rings, pairs->directions());
+  const bool exist = adapt ? kernels.adapt(rings, pairs->force.data(), step.data())
+                           : kernels.shape(rings, pairs->directions());
   remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                    batches->indentation.data(), batches->compliance.data());
   const deformable::Largest here = kernels.find_residuals(arrays(), 0, pairs->size);
@@ -217,7 +217,7 @@ void ForceSolver::newton_step(const Evaluation &from)
   const double enough = accuracy * accuracy * norm2;
   double conjugation = 0.0;
   for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
-    const double part = kernels.multiply(rings, conjugation, pairs->scale);
+    const double part = kernels.multiply(rings, conjugation);
     remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                      batches->product.data());
     const double curvature = sum_over_ranks(part);
