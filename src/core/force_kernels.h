@@ -21,46 +21,64 @@ struct RingArrays {
   const double *radius, *kA, *kP;    // of the ring without skin
   const double *tension;             // null where no ring has any; then rings are soft
   double *pressure, *expansion, *work, *total;
-  double *per_pressure, *mixed, *square, *rate;    // compliance, see RingCompliance
+  double *per_pressure;
+  float *mixed, *square, *rate;    // see ContactArrays
+  double scale;    // compliances are in units of it, for the range of single precision
 };
 
-// Contacts, and G of each two contacts of a ring: the lower triangle by rows. What is in single precision is for
-// conjugate gradients, which only correct forces and mostly wait for memory.
+// Contacts, and G of each two contacts of a ring: the lower triangle by rows. Numbers in single precision are for
+// conjugate gradients, which only correct forces and mostly wait for memory. They have the compliances of
+// RingCompliance in units in which nothing is large or small: v_c = (a_c + expansion)/(sum of contact lengths), and
+//   p C_ck = G(theta_c - theta_k) + rate - mixed (v_c + v_k) - square v_c v_k.
 struct ContactArrays {
-  const int *seat;                     // 2 x the index of the pair, + 1 for its second ring
-  double *indentation, *compliance;    // a and da_c/df_c
-  double *slope;                       // of the outline
-  float *product;                      // C x
+  const int *seat;        // 2 x the index of the pair, + 1 for its second ring
+  double *indentation;    // a
+  float *compliance;      // da_c/df_c
+  double *slope;          // of the outline
+  float *share;           // v
   float *green;
   double *scratch;    // for the rings that have more contacts than any kernel knows, aligned
 };
 
+// Conjugate gradients, by contact: both contacts of a pair have the same numbers, except products. So each ring finds
+// its own side by side, and only products have to be fetched from the other ring.
+struct GradientArrays {
+  const int *
+      partner;    // the other contact of the pair; of a wall, and of an empty place, the contact itself
+  float *weight, *left, *direction, *step, *product;
+};
+
 struct RingBatches {
-  int batches;
+  int batches, contacts_in_all;
   const int *size, *first, *first_green;    // contacts of a ring; begin of a batch in ContactArrays
   bool soft;                                // some ring does not conserve its perimeter
   RingArrays rings;
   ContactArrays contacts;
+  GradientArrays gradients;
 };
 
 // Pairs as ForceSolver sees them.
 struct PairArrays {
   const double *overlap, *stiffening;
-  const int *first, *second;                 // contacts of the pairs
-  const double *indentation, *compliance;    // by contact
-  const float *contact_product;              // C x, by contact
-  double *force, *residual, *error;
-  float *weight, *step, *left, *direction, *product;
-  double
-      scale;    // weights, steps and directions are in units of 1/scale, for the range of single precision
-  double *begin;      // forces before the step
-  double *past[3];    // forces of the last calls, the latest first
+  const int *first, *second;    // contacts of the pairs
+  const double *indentation;    // by contact
+  const float *compliance;
+  const float *correction;    // the step of conjugate gradients, by contact
+  double *force, *residual;
+  float *weight, *step;    // 1/(C_i + C_j), negative where the pair takes no part
+  double scale;            // weights and steps are in units of 1/scale
+  double *begin;           // forces before the step
+  double *past[3];         // forces of the last calls, the latest first
 };
 
 constexpr double UNKNOWN_FORCE = -1e300;
 
 struct Largest {
   double error, force;
+};
+
+struct GradientStart {
+  double norm2, weights;    // r.w.r, and the sum of the weights
 };
 
 // What follows from positions, and what is needed for that.
@@ -83,9 +101,18 @@ struct LineArrays {
 struct ForceKernels {
   // Shapes rings by the forces of pairs. False: a ring does not exist.
   bool (*shape)(const RingBatches &, const PairDirections &);
-  void (*multiply)(const RingBatches &, const float *x, double scale);    // C x/scale, x by pair
+  // The same after small changes of the forces, in units of 1/scale: they have the precision of single numbers.
+  bool (*adapt)(const RingBatches &, const double *forces, const float *changes);
   // Slopes of outlines; also how they change as contacts turn (tilt.h), by contact, unless null.
   void (*slopes)(const RingBatches &, const PairDirections &, double *slope_rate);
+
+  // Conjugate gradients for C x = r of the pairs that have a weight. Sums are over the contacts of this rank; contacts
+  // of pairs count half, since each pair has two, but for the curvature. begin: takes residuals and weights. multiply:
+  // turns the direction, and finds its product and its curvature; 0 for the first one. advance: a step along the
+  // direction, maybe the first one; left.w.left.
+  GradientStart (*begin)(const RingBatches &, const PairArrays &);
+  double (*multiply)(const RingBatches &, double conjugation);
+  double (*advance)(const RingBatches &, double length, bool first);
 
   // Loops over pairs, from `begin` to before `end`.
 
@@ -95,13 +122,6 @@ struct ForceKernels {
 
   // r, imbalances and weights from the indentations. The largest imbalance and force.
   Largest (*find_residuals)(const PairArrays &, int begin, int end);
-
-  // Conjugate gradients: the first direction, the product of both rings, the step along the direction, the next
-  // direction. Sums of products, in this order: r.w.r, the curvature, left.w.left.
-  double (*begin_gradients)(const PairArrays &, int begin, int end);
-  double (*add_products)(const PairArrays &, int begin, int end);
-  double (*advance)(const PairArrays &, double length, int begin, int end);
-  void (*turn)(const PairArrays &, double conjugation, int begin, int end);
 
   // Replaces the oldest of the past forces by the extrapolation c[0] past[0] + c[1] past[1] + c[2] past[2].
   void (*extrapolate)(const PairArrays &, const double *c, int begin, int end);
@@ -117,7 +137,6 @@ struct ForceKernels {
   double (*find_tilts)(const LineArrays &, int begin, int end);
   void (*turn_lines)(const LineArrays &, int begin, int end);
 
-  double (*sum)(const float *, int begin, int end);
   double (*dot)(const double *, const float *, int begin, int end);
 };
 

@@ -18,33 +18,32 @@ DEFORMABLE_LANE_FUNCTION RingArrays rings_of(RingArrays r, int ring)
 {
   for (const double **p : {&r.radius, &r.kA, &r.kP}) *p += ring;
   if (r.tension) r.tension += ring;
-  for (double **p : {&r.pressure, &r.expansion, &r.work, &r.total, &r.per_pressure, &r.mixed,
-                     &r.square, &r.rate})
-    *p += ring;
+  for (double **p : {&r.pressure, &r.expansion, &r.work, &r.total, &r.per_pressure}) *p += ring;
+  for (float **p : {&r.mixed, &r.square, &r.rate}) *p += ring;
   return r;
 }
 
 DEFORMABLE_LANE_FUNCTION ContactArrays contacts_of(ContactArrays c, int contact, int green)
 {
   c.seat += contact;
-  for (double **p : {&c.indentation, &c.compliance, &c.slope}) *p += contact;
-  c.product += contact;
+  for (double **p : {&c.indentation, &c.slope}) *p += contact;
+  for (float **p : {&c.compliance, &c.share}) *p += contact;
   c.green += green;
   return c;
 }
 
-// COUNT numbers for each of n contacts.
-template <int SIZE, int COUNT> struct OfContacts {
-  Lanes memory[COUNT][SIZE];
+// COUNT vectors for each of n contacts.
+template <class Vector, int SIZE, int COUNT> struct OfContacts {
+  Vector memory[COUNT][SIZE];
   OfContacts(int, double *) {}
-  Lanes *operator[](int k) { return memory[k]; }
+  Vector *operator[](int k) { return memory[k]; }
 };
 
-template <int COUNT> struct OfContacts<0, COUNT> {
+template <class Vector, int COUNT> struct OfContacts<Vector, 0, COUNT> {
   int n;
-  Lanes *memory;
-  OfContacts(int n, double *scratch) : n(n), memory(reinterpret_cast<Lanes *>(scratch)) {}
-  Lanes *operator[](int k) { return memory + k * n; }
+  Vector *memory;
+  OfContacts(int n, double *scratch) : n(n), memory(reinterpret_cast<Vector *>(scratch)) {}
+  Vector *operator[](int k) { return memory + k * n; }
 };
 
 // The entry of the lower triangle for the contacts m and k < m.
@@ -73,33 +72,34 @@ DEFORMABLE_LANE_FUNCTION SeenLanes seen_from_ring(const PairDirections &pairs, c
           select(sign > 0.0, angle, select(angle > 0.0, angle - PI, angle + PI))};
 }
 
-// Shapes the rings for the forces of their pairs.
-template <int SIZE, bool SOFT>
-DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int contacts,
-                                          const ContactArrays &c, const RingArrays &rings)
+// begin(m) for each contact of the rings and, after it, pair(m, k, angles between them) for those before. of[0] are the
+// forces; of[2], of[3] and of[4] are taken too.
+template <int SIZE, class Begin, class Pair>
+DEFORMABLE_LANE_FUNCTION void for_contacts(const PairDirections &pairs, int n, const int *seats,
+                                           OfContacts<Lanes, SIZE, 5> &of, Begin &&begin,
+                                           Pair &&pair)
 {
-  const int n = SIZE > 0 ? SIZE : contacts;
-  OfContacts<SIZE, 5> of(n, c.scratch);
-  Lanes *const force = of[0], *const product = of[1], *const angle = of[2];
-  Lanes *const nx = of[3], *const ny = of[4];
+  Lanes *const force = of[0], *const angle = of[2], *const nx = of[3], *const ny = of[4];
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    const int *const seat = c.seat + m * LANES;
+    const int *const seat = seats + m * LANES;
     const SeenLanes seen = seen_from_ring(pairs, seat);
     angle[m] = seen.angle;
     nx[m] = seen.nx;
     ny[m] = seen.ny;
     force[m] = of_pairs(pairs.force, seat);
-    product[m] = GREEN_AT_ZERO * force[m];
+    begin(m);
 #pragma GCC unroll 8
-    for (int k = 0; k < m; ++k) {
-      const AngleLanes t = angles_between(angle[k], {nx[k], ny[k]}, angle[m], seen);
-      const Lanes between = green(t.magnitude, t.sine, t.cosine);
-      store(entry(c.green, m, k), between);
-      product[m] += between * force[k];
-      product[k] += between * force[m];
-    }
+    for (int k = 0; k < m; ++k)
+      pair(m, k, angles_between(angle[k], {nx[k], ny[k]}, angle[m], seen));
   }
+}
+
+// Shapes from forces and their sums with G.
+template <bool SOFT>
+DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const Lanes *force, const Lanes *product,
+                                            const ContactArrays &c, const RingArrays &rings)
+{
   Lanes work = Lanes{}, total = Lanes{};
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
@@ -108,62 +108,81 @@ DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int conta
   }
   store(rings.work, 0.5 * work);
   store(rings.total, total);
-  const bool exist = press<SOFT>(rings);
-  const Lanes per_p = load<Lanes>(rings.per_pressure), square = load<Lanes>(rings.square);
+  ComplianceLanes by;
+  const bool exist = press<SOFT>(rings, by);
+  const Lanes per_p = by.per_pressure, lengths = total * per_p;
+  const Lanes p = load<Lanes>(rings.pressure);
+  store(rings.square, by.square * lengths * lengths * p);
+  if constexpr (SOFT) {
+    store(rings.mixed, by.mixed * lengths * p);
+    store(rings.rate, by.rate * p);
+  }
+  const double per_scale = 1.0 / rings.scale;
+  const Lanes per_total = select(total > 0.0, 1.0 / select(total > 0.0, total, all(1.0)), Lanes{});
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
     const Lanes b = product[m] * per_p;
     Lanes a = b, diagonal = GREEN_AT_ZERO * per_p;
     if constexpr (SOFT) {
       a -= load<Lanes>(rings.expansion);
-      diagonal += load<Lanes>(rings.rate) - 2.0 * load<Lanes>(rings.mixed) * b;
+      diagonal += by.rate - 2.0 * by.mixed * b;
     }
-    diagonal -= square * b * b;
+    diagonal -= by.square * b * b;
+    store(c.share + m * LANES, product[m] * per_total);
     store(c.indentation + m * LANES, a);
-    store(c.compliance + m * LANES, select(per_p > 0.0, diagonal, all(__builtin_inf())));
+    store(c.compliance + m * LANES,
+          select(per_p > 0.0, diagonal * per_scale, all(__builtin_inf())));
   }
   return exist;
 }
 
-// C x/scale of each ring, x by pair, the product by contact.
+// Shapes the rings for the forces of their pairs.
 template <int SIZE, bool SOFT>
-DEFORMABLE_LANE_FUNCTION void multiply_lanes(const float *x, double scale, int contacts,
-                                             const ContactArrays &c, const RingArrays &rings)
+DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int contacts,
+                                          const ContactArrays &c, const RingArrays &rings)
 {
   const int n = SIZE > 0 ? SIZE : contacts;
-  OfContacts<SIZE, 2> of(n, c.scratch);
-  Lanes *const own = of[0], *const product = of[1];
-  const double per_scale = 1.0 / scale;
-  Lanes along = Lanes{}, sum = Lanes{}, delta = Lanes{};
+  OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
+  Lanes *const force = of[0], *const product = of[1];
+  for_contacts<SIZE>(
+      pairs, n, c.seat, of,
+      [&](int m) DEFORMABLE_LANE_LAMBDA { product[m] = GREEN_AT_ZERO * force[m]; },
+      [&](int m, int k, const AngleLanes &t) DEFORMABLE_LANE_LAMBDA {
+        const Lanes between = green(t.magnitude, t.sine, t.cosine);
+        store(entry(c.green, m, k), between);
+        product[m] += between * force[k];
+        product[k] += between * force[m];
+      });
+  return finish_shapes<SOFT>(n, force, product, c, rings);
+}
+
+// Shapes the rings anew after their forces have changed a little, in the same directions, with the last G in single
+// precision for the changes.
+template <int SIZE, bool SOFT>
+DEFORMABLE_LANE_FUNCTION bool adapt_lanes(const double *forces, const float *changes, int contacts,
+                                          const ContactArrays &c, const RingArrays &rings)
+{
+  const int n = SIZE > 0 ? SIZE : contacts;
+  OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
+  Lanes *const force = of[0], *const product = of[1], *const change = of[2];
+  const Lanes p = load<Lanes>(rings.pressure);
+  const double per_scale = 1.0 / rings.scale;
+  Lanes delta = Lanes{};
   if constexpr (SOFT) delta = load<Lanes>(rings.expansion);
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    own[m] = of_pairs(x, c.seat + m * LANES) * per_scale;
-    product[m] = GREEN_AT_ZERO * own[m];
-    const Lanes a = load<Lanes>(c.indentation + m * LANES);
-    along += (SOFT ? a + delta : a) * own[m];
-    if constexpr (SOFT) sum += own[m];
+    const int *const seat = c.seat + m * LANES;
+    force[m] = of_pairs(forces, seat);
+    change[m] = of_pairs(changes, seat) * per_scale;
+    product[m] = (load<Lanes>(c.indentation + m * LANES) + delta) * p + GREEN_AT_ZERO * change[m];
 #pragma GCC unroll 8
     for (int k = 0; k < m; ++k) {
       const Lanes between = load<Lanes>(entry(c.green, m, k));
-      product[m] += between * own[k];
-      product[k] += between * own[m];
+      product[m] += between * change[k];
+      product[k] += between * change[m];
     }
   }
-  const Lanes per_p = load<Lanes>(rings.per_pressure);
-  Lanes of_b = load<Lanes>(rings.square) * along, constant = Lanes{};
-  if constexpr (SOFT) {
-    const Lanes mixed = load<Lanes>(rings.mixed);
-    of_b += mixed * sum;
-    constant = load<Lanes>(rings.rate) * sum - mixed * along;
-  }
-#pragma GCC unroll 8
-  for (int m = 0; m < n; ++m) {
-    const Lanes a = load<Lanes>(c.indentation + m * LANES);
-    Lanes y = per_p * product[m] - of_b * (SOFT ? a + delta : a);
-    if constexpr (SOFT) y += constant;
-    store(c.product + m * LANES, y);
-  }
+  return finish_shapes<SOFT>(n, force, product, c, rings);
 }
 
 // The slope of the outline at each contact, sum_k L_k G'(theta_c - theta_k); -f_c times that is dU/dtheta_c.
@@ -174,27 +193,16 @@ DEFORMABLE_LANE_FUNCTION void slope_lanes(const PairDirections &pairs, int conta
                                           double *rate)
 {
   const int n = SIZE > 0 ? SIZE : contacts;
-  OfContacts<SIZE, 5> of(n, c.scratch);
-  Lanes *const force = of[0], *const slope = of[1], *const angle = of[2];
-  Lanes *const nx = of[3], *const ny = of[4];
-#pragma GCC unroll 8
-  for (int m = 0; m < n; ++m) {
-    const int *const seat = c.seat + m * LANES;
-    const SeenLanes seen = seen_from_ring(pairs, seat);
-    angle[m] = seen.angle;
-    nx[m] = seen.nx;
-    ny[m] = seen.ny;
-    force[m] = of_pairs(pairs.force, seat);
-    slope[m] = Lanes{};
-#pragma GCC unroll 8
-    for (int k = 0; k < m; ++k) {
-      const AngleLanes t = angles_between(angle[k], {nx[k], ny[k]}, angle[m], seen);
-      const Lanes size = d_green(t.magnitude, t.sine, t.cosine);
-      const Lanes between = select(t.negative, -size, size);
-      slope[m] += between * force[k];
-      slope[k] -= between * force[m];
-    }
-  }
+  OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
+  Lanes *const force = of[0], *const slope = of[1];
+  for_contacts<SIZE>(
+      pairs, n, c.seat, of, [&](int m) DEFORMABLE_LANE_LAMBDA { slope[m] = Lanes{}; },
+      [&](int m, int k, const AngleLanes &t) DEFORMABLE_LANE_LAMBDA {
+        const Lanes size = d_green(t.magnitude, t.sine, t.cosine);
+        const Lanes between = select(t.negative, -size, size);
+        slope[m] += between * force[k];
+        slope[k] -= between * force[m];
+      });
   const Lanes per_p = load<Lanes>(rings.per_pressure);
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) store(c.slope + m * LANES, per_p * slope[m]);
@@ -208,10 +216,11 @@ DEFORMABLE_LANE_FUNCTION void slope_lanes(const PairDirections &pairs, int conta
 }
 
 // kernel(n, number of contacts, contacts, rings) for each vector of rings, n a constant for the usual numbers.
-template <class Kernel> DEFORMABLE_LANE_FUNCTION void for_all(const RingBatches &b, Kernel &&kernel)
+template <int STEP = W, class Kernel>
+DEFORMABLE_LANE_FUNCTION void for_all(const RingBatches &b, Kernel &&kernel)
 {
   for (int batch = 0; batch < b.batches; ++batch)
-    for (int w = 0; w < LANES; w += W) {
+    for (int w = 0; w < LANES; w += STEP) {
       const int n = b.size[batch];
       const RingArrays r = rings_of(b.rings, batch * LANES + w);
       const ContactArrays c = contacts_of(b.contacts, b.first[batch] + w, b.first_green[batch] + w);
@@ -242,17 +251,20 @@ static bool shape_rings(const RingBatches &b, const PairDirections &pairs)
   return b.soft ? shape_all<true>(b, pairs) : shape_all<false>(b, pairs);
 }
 
-template <bool SOFT> static void multiply_all(const RingBatches &b, const float *x, double scale)
+template <bool SOFT>
+static bool adapt_all(const RingBatches &b, const double *forces, const float *changes)
 {
+  bool exist = true;
   for_all(b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
                  DEFORMABLE_LANE_LAMBDA {
-                   multiply_lanes<decltype(size)::value, SOFT>(x, scale, n, c, r);
+                   exist &= adapt_lanes<decltype(size)::value, SOFT>(forces, changes, n, c, r);
                  });
+  return exist;
 }
 
-static void multiply_rings(const RingBatches &b, const float *x, double scale)
+static bool adapt_rings(const RingBatches &b, const double *forces, const float *changes)
 {
-  b.soft ? multiply_all<true>(b, x, scale) : multiply_all<false>(b, x, scale);
+  return b.soft ? adapt_all<true>(b, forces, changes) : adapt_all<false>(b, forces, changes);
 }
 
 static void slopes_of_rings(const RingBatches &b, const PairDirections &pairs, double *rate)

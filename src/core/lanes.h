@@ -8,6 +8,7 @@
 #ifndef DEFORMABLE_LANES_H
 #define DEFORMABLE_LANES_H
 
+#include <type_traits>
 #include <utility>
 
 #define DEFORMABLE_LANE_LAMBDA __attribute__((always_inline))
@@ -95,6 +96,10 @@ DEFORMABLE_LANE_FUNCTION Singles singles_of(Value &&value, std::integer_sequence
   return Singles{value(LANE)...};
 }
 
+// Numbers for arithmetic in single precision: twice as many, and not more than 8, the rings of a batch.
+constexpr int FLOATS = W < 4 ? 2 * W : 8;
+typedef float Floats __attribute__((vector_size(4 * FLOATS)));
+
 // One or several numbers, T is double or Lanes.
 
 template <class T> DEFORMABLE_LANE_FUNCTION T load(const double *from)
@@ -108,6 +113,10 @@ template <class T> DEFORMABLE_LANE_FUNCTION T load(const float *from)
 {
   if constexpr (sizeof(T) == sizeof(double)) {
     return *from;
+  } else if constexpr (std::is_same_v<T, Floats>) {
+    Floats x;
+    __builtin_memcpy(&x, from, sizeof x);
+    return x;
   } else {
     Singles x;
     __builtin_memcpy(&x, from, sizeof x);
@@ -129,6 +138,24 @@ DEFORMABLE_LANE_FUNCTION void store(float *to, Lanes x)
 {
   const Singles rounded = __builtin_convertvector(x, Singles);
   __builtin_memcpy(to, &rounded, sizeof rounded);
+}
+
+DEFORMABLE_LANE_FUNCTION void store_floats(float *to, Floats x)
+{
+  __builtin_memcpy(to, &x, sizeof x);
+}
+
+template <class Value, int... LANE>
+DEFORMABLE_LANE_FUNCTION Floats floats_of(Value &&value, std::integer_sequence<int, LANE...>)
+{
+  return Floats{value(LANE)...};
+}
+
+// x[index[w]]
+DEFORMABLE_LANE_FUNCTION Floats gather_floats(const float *x, const int *index)
+{
+  return floats_of([&](int w) DEFORMABLE_LANE_LAMBDA { return x[index[w]]; },
+                   std::make_integer_sequence<int, FLOATS>());
 }
 
 // x[index(w)]

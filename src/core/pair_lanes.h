@@ -65,22 +65,34 @@ DEFORMABLE_LANE_FUNCTION T of_both(const Number *x, const Arrays &p, int k)
          gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.second[k + w]; });
 }
 
+// The imbalance of a pair, see ForceSolver: r, 1/(C_i + C_j), k and f.
+template <class T>
+DEFORMABLE_LANE_FUNCTION T imbalance_of(T residual, T weight, T stiffening, T force)
+{
+  const T linear = residual * weight, cubic = stiffening * residual * residual * residual;
+  const T loss = larger(linear, -force), less = smaller(linear, cubic);    // f > 0, f = 0
+  return select(residual > 0.0, larger(linear, cubic), select(force > 0.0, loss, less));
+}
+
+template <class T> DEFORMABLE_LANE_FUNCTION T imbalance_at(const PairArrays &p, int k)
+{
+  const T weight = magnitude(load<T>(p.weight + k)) * (1.0 / p.scale);
+  return imbalance_of(load<T>(p.residual + k), weight, load<T>(p.stiffening + k),
+                      load<T>(p.force + k));
+}
+
 static Largest find_residuals(const PairArrays &p, int begin, int end)
 {
   Lanes worst = Lanes{}, largest = Lanes{};
   double last_worst = 0.0, last_largest = 0.0;
   const auto look = [&](auto kind, int k, auto &worst, auto &largest) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
-    const T overlap = load<T>(p.overlap + k), stiffening = load<T>(p.stiffening + k);
-    const T f = load<T>(p.force + k);
-    const T r = overlap - of_both<T>(p.indentation, p, k);
-    const T w = 1.0 / of_both<T>(p.compliance, p, k);
-    const T linear = r * w, cubic = stiffening * r * r * r, zero = T{};
-    const T loss = larger(linear, -f), less = smaller(linear, cubic);    // f > 0, f = 0
-    const T error = select(r > 0.0, larger(linear, cubic), select(f > 0.0, loss, less));
+    const T f = load<T>(p.force + k), zero = T{};
+    const T r = load<T>(p.overlap + k) - of_both<T>(p.indentation, p, k);
+    const T scaled = 1.0 / of_both<T>(p.compliance, p, k), w = scaled * (1.0 / p.scale);
+    const T error = imbalance_of(r, w, load<T>(p.stiffening + k), f);
     store(p.residual + k, r);
-    store(p.weight + k, select(f + linear > 0.0, p.scale * w, zero));
-    store(p.error + k, error);
+    store(p.weight + k, select(f + r * w > 0.0, scaled, -scaled));
     worst = larger(worst, select((f > 0.0) | (r > 0.0), magnitude(error), zero));
     largest = larger(largest, f);
   };
@@ -95,48 +107,6 @@ static Largest find_residuals(const PairArrays &p, int begin, int end)
     last_largest = larger(last_largest, largest[w]);
   }
   return {last_worst, last_largest};
-}
-
-static double begin_gradients(const PairArrays &p, int begin, int end)
-{
-  return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
-    using T = decltype(kind);
-    const T r = load<T>(p.residual + k), x = load<T>(p.weight + k) * r;
-    store(p.left + k, r);
-    store(p.direction + k, x);
-    store(p.step + k, T{});
-    return x * r;
-  });
-}
-
-static double add_products(const PairArrays &p, int begin, int end)
-{
-  return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
-    using T = decltype(kind);
-    const T y = of_both<T>(p.contact_product, p, k);
-    store(p.product + k, y);
-    return y * load<T>(p.direction + k);
-  });
-}
-
-static double advance(const PairArrays &p, double length, int begin, int end)
-{
-  return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
-    using T = decltype(kind);
-    const T r = load<T>(p.left + k) - length * load<T>(p.product + k);
-    store(p.step + k, load<T>(p.step + k) + length * load<T>(p.direction + k));
-    store(p.left + k, r);
-    return r * r * load<T>(p.weight + k);
-  });
-}
-
-static void turn(const PairArrays &p, double conjugation, int begin, int end)
-{
-  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
-    using T = decltype(kind);
-    store(p.direction + k,
-          load<T>(p.weight + k) * load<T>(p.left + k) + conjugation * load<T>(p.direction + k));
-  });
 }
 
 static void extrapolate(const PairArrays &p, const double *c, int begin, int end)
@@ -155,9 +125,13 @@ static double take_step(const PairArrays &p, bool alone, int begin, int end)
   return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
     const T zero = T{}, f = load<T>(p.force + k), r = load<T>(p.residual + k);
-    const T error = load<T>(p.error + k);
+    const T error = imbalance_at<T>(p, k);
     T change = ALONE * error;
-    if (!alone) change = select(load<T>(p.weight + k) > 0.0, load<T>(p.step + k) / p.scale, error);
+    if (!alone) {
+      const T correction =
+          gather<T>(p.correction, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.first[k + w]; });
+      change = select(load<T>(p.weight + k) > 0.0, correction / p.scale, error);
+    }
     const T least = select(r > 0.0, load<T>(p.stiffening + k) * r * r * r, zero);
     const T next = larger(f + change, least), step = next - f;
     store(p.begin + k, f);
@@ -172,7 +146,7 @@ static void remember(const PairArrays &p, int begin, int end)
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
     const T zero = T{}, force = load<T>(p.force + k);
-    const T f = select(force > 0.0, force, smaller(load<T>(p.error + k), zero));
+    const T f = select(force > 0.0, force, smaller(imbalance_at<T>(p, k), zero));
     const auto is_new = load<T>(p.past[0] + k) == UNKNOWN_FORCE;
     store(p.past[0] + k, f);
     for (int n = 1; n < 3; ++n) {
@@ -224,13 +198,6 @@ static void turn_lines(const LineArrays &p, int begin, int end)
     store(p.ny + k, y);
     store(p.angle + k, angle_of_lanes(x, y));
     store(p.overlap + k, load<T>(p.overlap + k) + (c - cosine) / load<T>(p.per_distance + k));
-  });
-}
-
-static double sum(const float *x, int begin, int end)
-{
-  return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
-    return load<decltype(kind)>(x + k);
   });
 }
 

@@ -27,15 +27,20 @@ DEFORMABLE_LANE_FUNCTION Lanes cube_root(Lanes cube, Lanes guess)
   return select(cube > NOTHING, guess, Lanes{});
 }
 
+// RingCompliance of W rings.
+struct ComplianceLanes {
+  Lanes per_pressure, mixed, square, rate;
+};
+
 // Pressure and compliance of rings that conserve their perimeter.
-DEFORMABLE_LANE_FUNCTION void press_rigid(const RingArrays &r)
+DEFORMABLE_LANE_FUNCTION ComplianceLanes press_rigid(const RingArrays &r)
 {
   const Lanes kA = load<Lanes>(r.kA);
   const Lanes p = cube_root(kA * load<Lanes>(r.work), load<Lanes>(r.pressure));
   const Lanes per_p = select(p > 0.0, 1.0 / select(p > 0.0, p, all(1.0)), Lanes{});
   store(r.pressure, p);
   store(r.per_pressure, per_p);
-  store(r.square, kA * per_p * per_p * (1.0 / 3.0));
+  return {per_p, Lanes{}, kA * per_p * per_p * (1.0 / 3.0), Lanes{}};
 }
 
 // find_expansion of ring_forces.h from the expansion of the last call, as long as Newton's method stays between its
@@ -103,10 +108,10 @@ DEFORMABLE_LANE_FUNCTION Mask expand(const RingArrays &r, Lanes &pressure, Lanes
 }
 
 // Pressure, expansion and compliance of W rings; returns false where a ring does not exist.
-template <bool SOFT> DEFORMABLE_LANE_FUNCTION bool press(const RingArrays &r)
+template <bool SOFT> DEFORMABLE_LANE_FUNCTION bool press(const RingArrays &r, ComplianceLanes &c)
 {
   if constexpr (!SOFT) {
-    press_rigid(r);
+    c = press_rigid(r);
     return true;
   } else {
     Lanes p, delta;
@@ -131,11 +136,12 @@ template <bool SOFT> DEFORMABLE_LANE_FUNCTION bool press(const RingArrays &r)
     const Mask changes = loaded & ~rigid;
     store(r.pressure, p);
     store(r.expansion, delta);
-    store(r.per_pressure, select(loaded, per_p, zero));
-    store(r.mixed, select(changes, E * per_p * per_D, zero));
-    store(r.square, select(changes, excess * per_p * per_D * per_p,
-                           select(loaded, kA * per_p * per_p * (1.0 / 3.0), zero)));
-    store(r.rate, select(changes, e * per_D * (0.5 / PI), zero));
+    c.per_pressure = select(loaded, per_p, zero);
+    c.mixed = select(changes, E * per_p * per_D, zero);
+    c.square = select(changes, excess * per_p * per_D * per_p,
+                      select(loaded, kA * per_p * per_p * (1.0 / 3.0), zero));
+    c.rate = select(changes, e * per_D * (0.5 / PI), zero);
+    store(r.per_pressure, c.per_pressure);
     return exist;
   }
 }

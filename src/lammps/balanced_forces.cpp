@@ -54,7 +54,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
 
 void BalancedForces::arrange(const DeformableParticles &p)
 {
-  batches.arrange(p.list->ilist, p.list->inum, atom->nlocal, near.pairs);
+  batches.arrange(p.list->ilist, p.list->inum, atom->nlocal, near.pairs, atom->tag);
   set_material(p);
 }
 

@@ -8,7 +8,8 @@ using deformable::LANES;
 
 // Rings with equal numbers of contacts share a batch. They are sorted within blocks only, so that neighbors stay
 // close in memory.
-void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs &pairs)
+void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs &pairs,
+                           const tagint *tags)
 {
   constexpr int BLOCK = 256;
   count.assign(particles, 0);
@@ -32,9 +33,9 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
     std::stable_sort(particle.begin() + begin, particle.begin() + std::min(begin + BLOCK, rings),
                      [this](int a, int b) { return count[a] < count[b]; });
 
-  for (std::vector<double> *v :
-       {&pressure, &expansion, &work, &total, &per_pressure, &mixed, &square, &rate})
+  for (std::vector<double> *v : {&pressure, &expansion, &work, &total, &per_pressure})
     v->assign(lanes_in_all, 0.0);
+  for (std::vector<float> *v : {&mixed, &square, &rate}) v->assign(lanes_in_all, 0.0F);
   for (std::vector<double> *v : {&radius, &kA, &kP, &tension}) v->assign(lanes_in_all, 1.0);
   place.assign(particles, -1);
   for (std::vector<int> *v : {&size, &first, &first_green}) v->resize(batches);
@@ -65,21 +66,50 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   scratch.resize(5 * longest * LANES + LANES);
   seat.assign(contacts, 2 * pairs.size);
   const int remote = pairs.wall - pairs.remote;
-  for (std::vector<double> *v : {&indentation, &compliance, &slope})
-    v->assign(contacts + remote + 1, 0.0);
-  product.assign(contacts + remote + 1, 0.0F);
+  for (std::vector<double> *v : {&indentation, &slope}) v->assign(contacts + remote + 1, 0.0);
+  compliance.assign(contacts + remote + 1, 0.0F);
+  product.assign(contacts + remote, 0.0F);
+  for (std::vector<float> *v : {&share, &weight, &left, &direction, &step})
+    v->assign(contacts, 0.0F);
+  partner.resize(contacts);
+  for (int c = 0; c < contacts; ++c) partner[c] = c;
 
   std::fill(count.begin(), count.end(), 0);
-  const auto sit = [this](int i, int of) {
-    const int c = contact(place[i], count[i]++);
-    seat[c] = of;
-    return c;
-  };
+  const auto sit = [this](int i, int of) { seat[contact(place[i], count[i]++)] = of; };
   for (int k = 0; k < pairs.size; ++k) {
-    pairs.side[0][k] = sit(pairs.i[k], 2 * k);
-    pairs.side[1][k] = pairs.second[k] >= 0 ? sit(pairs.second[k], 2 * k + 1)
-                       : k < pairs.wall     ? contacts + k - pairs.remote
-                                            : contacts + remote;
+    sit(pairs.i[k], 2 * k);
+    if (pairs.second[k] >= 0) sit(pairs.second[k], 2 * k + 1);
+  }
+  for (int i = 0; i < particles; ++i)
+    if (place[i] >= 0) sort_contacts(i, pairs, tags);
+  for (int c = 0; c < contacts; ++c)
+    if (seat[c] < 2 * pairs.size) pairs.side[seat[c] & 1][seat[c] >> 1] = c;
+  for (int k = 0; k < pairs.size; ++k) {
+    const int first = pairs.side[0][k];
+    int &second = pairs.side[1][k];
+    if (pairs.second[k] < 0) second = contacts + (k < pairs.wall ? k - pairs.remote : remote);
+    if (k < pairs.wall) partner[first] = second;
+    if (pairs.second[k] >= 0) partner[second] = first;
+  }
+}
+
+// By the partners' tags: then a ring adds up the same numbers in the same order on any number of ranks.
+void ForceBatches::sort_contacts(int i, const NearPairs &pairs, const tagint *tags)
+{
+  const auto partner_of = [&](int s) -> tagint {
+    const int k = s >> 1;
+    return s & 1 ? tags[pairs.i[k]] : k < pairs.wall ? tags[pairs.j[k]] : pairs.j[k];
+  };
+  for (int m = 1; m < count[i]; ++m) {
+    const int s = seat[contact(place[i], m)];
+    const tagint tag = partner_of(s);
+    int to = m;
+    for (; to > 0; --to) {
+      const int before = seat[contact(place[i], to - 1)];
+      if (partner_of(before) <= tag) break;
+      seat[contact(place[i], to)] = before;
+    }
+    seat[contact(place[i], to)] = s;
   }
 }
 
@@ -89,21 +119,25 @@ deformable::RingBatches ForceBatches::arrays()
   const auto address = reinterpret_cast<std::uintptr_t>(scratch.data());
   constexpr std::uintptr_t SIZE = LANES * sizeof(double);
   double *const aligned = scratch.data() + (SIZE - address % SIZE) % SIZE / sizeof(double);
-  return {batches,
-          size.data(),
-          first.data(),
-          first_green.data(),
-          soft,
-          {radius.data(), kA.data(), kP.data(), tense ? tension.data() : nullptr, pressure.data(),
-           expansion.data(), work.data(), total.data(), per_pressure.data(), mixed.data(),
-           square.data(), rate.data()},
-          {seat.data(), indentation.data(), compliance.data(), slope.data(), product.data(),
-           green.data(), aligned}};
+  return {
+      batches,
+      contacts,
+      size.data(),
+      first.data(),
+      first_green.data(),
+      soft,
+      {radius.data(), kA.data(), kP.data(), tense ? tension.data() : nullptr, pressure.data(),
+       expansion.data(), work.data(), total.data(), per_pressure.data(), mixed.data(),
+       square.data(), rate.data(), scale},
+      {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(), green.data(),
+       aligned},
+      {partner.data(), weight.data(), left.data(), direction.data(), step.data(), product.data()}};
 }
 
 double ForceBatches::bytes() const
 {
   return bytes_of(size, first, first_green, particle, radius, kA, kP, tension, pressure, expansion,
                   work, total, per_pressure, mixed, square, rate, seat, indentation, compliance,
-                  slope, product, green, scratch, place, count);
+                  slope, share, partner, weight, left, direction, step, product, green, scratch,
+                  place, count);
 }

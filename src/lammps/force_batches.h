@@ -6,6 +6,8 @@
 #include "force_kernels.h"
 #include "near_pairs.h"
 
+#include "lmptype.h"
+
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -23,14 +25,20 @@ struct ForceBatches {
   // of rings: batch x LANES + lane
   std::vector<int> particle;    // or -1
   bool tense = false;           // some ring has a tension
-  std::vector<double> radius, kA, kP, tension, pressure, expansion, work, total, per_pressure,
-      mixed, square, rate;
+  std::vector<double> radius, kA, kP, tension, pressure, expansion, work, total, per_pressure;
+  std::vector<float> mixed, square, rate;
+
+  double scale = 1.0;    // see NearPairs
 
   // of contacts
   std::vector<int> seat;
-  std::vector<double> indentation, compliance;
-  std::vector<double> slope;     // of the outlines, at the end
-  std::vector<float> product;    // C x
+  std::vector<double> indentation;
+  std::vector<double> slope;    // of the outlines, at the end
+  std::vector<float> compliance, share;
+
+  // for conjugate gradients
+  std::vector<int> partner;
+  std::vector<float> weight, left, direction, step, product;
 
   std::vector<float> green;
   std::vector<double> scratch;
@@ -39,7 +47,7 @@ struct ForceBatches {
   std::vector<int> count;    // contacts of each particle
 
   // Seats all contacts, and tells pairs their places. order: the particles, near ones close to each other.
-  void arrange(const int *order, int rings, int particles, NearPairs &);
+  void arrange(const int *order, int rings, int particles, NearPairs &, const tagint *tags);
 
   // of contact m of a ring
   int contact(int ring, int m) const
@@ -50,6 +58,9 @@ struct ForceBatches {
   deformable::RingBatches arrays();
 
   double bytes() const;
+
+ private:
+  void sort_contacts(int i, const NearPairs &, const tagint *tags);
 };
 
 }    // namespace LAMMPS_NS

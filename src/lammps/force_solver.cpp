@@ -42,11 +42,12 @@ bool ForceSolver::solve(RemoteSides &r)
 {
   NearPairs &p = *pairs;
   remote = &r;
+  batches->scale = p.scale;
   const std::size_t one_more = p.size + 1;    // nothing happens in the last one, which stays zero
   const auto make_room = [one_more](auto &...v) {
     ((v.size() == one_more ? void() : v.assign(one_more, 0)), ...);
   };
-  make_room(residual, error, begin, weight, step, left, direction, product);
+  make_room(residual, begin, weight, step);
   if (comm->nprocs > 1) agree();
   for (int k = 0; k < p.size; ++k) p.force[k] = std::max(p.past[0][k], 0.0);
   if (p.tilts) tilts.start(p, *batches, kernels);
@@ -95,11 +96,12 @@ ForceSolver::Evaluation ForceSolver::correct(const Evaluation &from)
   must_correct = false;
   const double slope = take_step();
   const bool turns = pairs->tilts && from.forces <= CLOSE * from.largest;
-  if (!turns) return line_search(slope, from.forces, false);
-  const double torques = find_torques();
-  tilts.adapt(torques);
+  if (!turns) return line_search(slope, from, false);
+  Evaluation before = from;
+  before.torques = find_torques();
+  tilts.adapt(before.torques);
   tilts.turn(*pairs, *batches, kernels);
-  return line_search(slope, std::max(from.forces, torques), true);
+  return line_search(slope, before, true);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -111,11 +113,9 @@ PairArrays ForceSolver::arrays()
   return {p.overlap.data(),     p.stiffening.data(),
           p.side[0].data(),     p.side[1].data(),
           b.indentation.data(), b.compliance.data(),
-          b.product.data(),     p.force.data(),
-          residual.data(),      error.data(),
-          weight.data(),        step.data(),
-          left.data(),          direction.data(),
-          product.data(),       p.scale,
+          b.step.data(),        p.force.data(),
+          residual.data(),      weight.data(),
+          step.data(),          p.scale,
           begin.data(),         {p.past[0].data(), p.past[1].data(), p.past[2].data()}};
 }
 
@@ -132,7 +132,7 @@ void ForceSolver::agree()
   const int own = batches->contacts, *const side = p.side[0].data() + p.remote;
   double *const overlap = p.overlap.data() + p.remote, *const force = p.past[0].data() + p.remote;
   // evaluate replaces them
-  double *const overlaps = batches->indentation.data(), *const forces = batches->compliance.data();
+  double *const overlaps = batches->indentation.data(), *const forces = batches->slope.data();
   const int count = p.wall - p.remote;
   for (int c = 0; c < count; ++c) {
     overlaps[side[c]] = overlap[c];
@@ -153,18 +153,24 @@ void ForceSolver::agree()
 // Pairs that two ranks share count half on each.
 template <class Sum> double ForceSolver::sum_over_pairs(Sum &&sum) const
 {
-  double part =
-      sum(0, pairs->remote) + 0.5 * sum(pairs->remote, pairs->wall) + sum(pairs->wall, pairs->size);
+  return sum_over_ranks(sum(0, pairs->remote) + 0.5 * sum(pairs->remote, pairs->wall) +
+                        sum(pairs->wall, pairs->size));
+}
+
+double ForceSolver::sum_over_ranks(double part) const
+{
   if (comm->nprocs == 1) return part;
   double all;
   MPI_Allreduce(&part, &all, 1, MPI_DOUBLE, MPI_SUM, world);
   return all;
 }
 
-ForceSolver::Evaluation ForceSolver::evaluate()
+ForceSolver::Evaluation ForceSolver::evaluate(bool adapt)
 {
   ++evaluations;
-  const bool exist = kernels.shape(batches->arrays(), pairs->directions());
+  const deformable::RingBatches rings = batches->arrays();
+  const bool exist = adapt ? kernels.adapt(rings, pairs->force.data(), step.data())
+                           : kernels.shape(rings, pairs->directions());
   remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                    batches->indentation.data(), batches->compliance.data());
   const deformable::Largest here = kernels.find_residuals(arrays(), 0, pairs->size);
@@ -195,28 +201,32 @@ void ForceSolver::newton_step(const Evaluation &from)
 {
   constexpr int MAX_ITERATIONS = 500;
   constexpr double COARSE = 0.03, FIRST = 0.003, MARGIN = 0.3, SQUARE = 10.0;
-  const PairArrays loop = arrays();
-  double norm2 = sum_over_pairs([&](int a, int z) { return kernels.begin_gradients(loop, a, z); });
-  const double weights =
-      sum_over_pairs([&](int a, int z) { return kernels.sum(loop.weight, a, z); });
-  if (!(norm2 > 0.0)) return;
+  const deformable::RingBatches rings = batches->arrays();
+  const deformable::GradientStart start = kernels.begin(rings, arrays());
+  double norm2 = sum_over_ranks(start.norm2);
+  const double weights = sum_over_ranks(start.weights);
+  if (!(norm2 > 0.0)) {
+    std::fill(batches->step.begin(), batches->step.end(), 0.0F);
+    return;
+  }
   // of r, times the mean weight
   const double typical = std::sqrt(norm2 * weights) / (pairs_of_all * pairs->scale);
   const double most = evaluations == 1 ? FIRST : SQUARE * typical / from.largest;
   const double accuracy =
       std::min(COARSE, std::max(MARGIN * target * from.largest / from.forces, most));
   const double enough = accuracy * accuracy * norm2;
+  double conjugation = 0.0;
   for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
-    kernels.multiply(batches->arrays(), direction.data(), pairs->scale);
+    const double part = kernels.multiply(rings, conjugation);
     remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                      batches->product.data());
-    const double curvature =
-        sum_over_pairs([&](int a, int z) { return kernels.add_products(loop, a, z); });
-    if (!(curvature > 0.0)) break;
-    const double length = norm2 / curvature;
-    const double next =
-        sum_over_pairs([&](int a, int z) { return kernels.advance(loop, length, a, z); });
-    kernels.turn(loop, next / norm2, 0, pairs->size);
+    const double curvature = sum_over_ranks(part);
+    if (!(curvature > 0.0)) {
+      if (iteration == 0) std::fill(batches->step.begin(), batches->step.end(), 0.0F);
+      break;
+    }
+    const double next = sum_over_ranks(kernels.advance(rings, norm2 / curvature, iteration == 0));
+    conjugation = next / norm2;
     norm2 = next;
   }
 }
@@ -238,15 +248,18 @@ double ForceSolver::take_step()
 /* ----------------------------------------------------------------------
    The dual energy is concave along the step. A step that is much too long
    has a negative slope at its end, and the search looks for the place where
-   the slope vanishes.
+   the slope vanishes. What single precision leaves of a small step is far
+   below the target.
 ------------------------------------------------------------------------- */
 
-ForceSolver::Evaluation ForceSolver::line_search(double slope, double imbalance, bool turned)
+ForceSolver::Evaluation ForceSolver::line_search(double slope, const Evaluation &from, bool turned)
 {
-  constexpr double BETTER = 0.5, NO_WORSE = 2.0, SMALL_SLOPE = 0.5;
+  constexpr double BETTER = 0.5, NO_WORSE = 2.0, SMALL_SLOPE = 0.5, SMALL_STEP = 1e5;
+  const double imbalance = from.worst();
+  const bool is_small = !turned && imbalance <= SMALL_STEP * target * from.largest;
   double low = 0.0, low_slope = slope, high = 1.0, at = 1.0;
   for (;;) {
-    const Evaluation now = evaluate();
+    const Evaluation now = evaluate(at == 1.0 && is_small);
     const double good = std::max((turned ? NO_WORSE : BETTER) * imbalance, target * now.largest);
     if (now.exists && now.forces <= good) return now;
     double here = -std::numeric_limits<double>::infinity();
@@ -276,5 +289,5 @@ ForceSolver::Evaluation ForceSolver::line_search(double slope, double imbalance,
 
 double ForceSolver::memory_usage() const
 {
-  return bytes_of(residual, error, weight, begin, step, left, direction, product) + tilts.bytes();
+  return bytes_of(residual, weight, begin, step) + tilts.bytes();
 }

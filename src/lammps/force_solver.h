@@ -76,10 +76,10 @@ class ForceSolver : protected Pointers {
   RemoteSides *remote = nullptr;
 
   // by pair
-  std::vector<double> residual, error;    // r, imbalance
-  std::vector<double> begin;              // of a line search
-  std::vector<float> weight;              // 1/(C_i + C_j) of pairs that take part
-  std::vector<float> step, left, direction, product;
+  std::vector<double> residual;    // r
+  std::vector<double> begin;       // of a line search
+  std::vector<float> weight;       // 1/(C_i + C_j), negative for pairs that take no part
+  std::vector<float> step;
 
   bigint last_step = -2;
   int consecutive_calls = 0;     // at successive steps before this one, up to 3
@@ -92,14 +92,15 @@ class ForceSolver : protected Pointers {
 
   void agree();
   deformable::PairArrays arrays();
-  Evaluation evaluate();
+  Evaluation evaluate(bool adapt = false);
   double find_torques();
   void newton_step(const Evaluation &);
   double take_step();
   bool is_balanced(Evaluation &);
   Evaluation correct(const Evaluation &);
-  Evaluation line_search(double slope, double imbalance, bool turned);
+  Evaluation line_search(double slope, const Evaluation &from, bool turned);
   template <class Sum> double sum_over_pairs(Sum &&sum) const;
+  double sum_over_ranks(double part) const;
 };
 
 }    // namespace LAMMPS_NS

@@ -59,7 +59,21 @@ void PairDeformableRing::push_pairs()
   const NearPairs &p = balanced->pairs();
   if (p.size == 0) return;
   double *const f = atom->f[0];
-  for (int k = 0; k < p.size; ++k) {
+  const bool plain = !p.tilts && !eflag_either && !vflag_either;
+  const int begin = plain ? p.remote : 0;
+  for (int k = 0; k < begin;
+       ++k) {    // the usual pairs and nothing to add up: the same sums as below
+    const double force = p.force[k], nx = p.nx[k], ny = p.ny[k];
+    const double slope = balanced->outline_slope(k, 0) + balanced->outline_slope(k, 1);
+    const double across = force * slope * p.per_distance[k];
+    const double px = -force * nx + across * ny, py = -force * ny - across * nx;
+    double *const of_i = f + 3 * p.i[k], *const of_j = f + 3 * p.j[k];
+    of_i[0] += px;
+    of_i[1] += py;
+    of_j[0] -= px;
+    of_j[1] -= py;
+  }
+  for (int k = begin; k < p.size; ++k) {
     const double force = p.force[k];
     const int i = p.i[k], j = p.j[k];
     const NearPairs::Centers centers = p.centers(k);

@@ -85,8 +85,8 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool tilts)
   set_rows(2);
 }
 
-template <class Number>
-void RemoteSides::exchange(const int *side, int own, Number *values, Number *more)
+template <class Number, class Other>
+void RemoteSides::exchange(const int *side, int own, Number *values, Other *more)
 {
   if (comm->nprocs == 1) return;
   const int count = static_cast<int>(sent.size());
@@ -97,9 +97,10 @@ void RemoteSides::exchange(const int *side, int own, Number *values, Number *mor
   comm->forward_comm_array(more ? 2 * slots : slots, rows.data());
   for (int c = 0; c < count; ++c) {
     values[own + c] = static_cast<Number>(at(received[c], 0));
-    if (more) more[own + c] = static_cast<Number>(at(received[c], 1));
+    if (more) more[own + c] = static_cast<Other>(at(received[c], 1));
   }
 }
 
 template void RemoteSides::exchange(const int *, int, double *, double *);
+template void RemoteSides::exchange(const int *, int, double *, float *);
 template void RemoteSides::exchange(const int *, int, float *, float *);

@@ -29,8 +29,8 @@ class RemoteSides : protected Pointers {
 
   // Appends the values of the other ranks' contacts to those of this rank's, from `own` on, in the order of match.
   // side: this rank's contacts of the pairs.
-  template <class Number>
-  void exchange(const int *side, int own, Number *values, Number *more = nullptr);
+  template <class Number, class Other = Number>
+  void exchange(const int *side, int own, Number *values, Other *more = nullptr);
 
   // From each particle to its ghosts.
   void to_ghosts(std::vector<double> &by_particle);

@@ -3,7 +3,7 @@
 
 #define DEFORMABLE_LEVEL level
 
-#include "force_lanes.h"
+#include "gradient_lanes.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -32,10 +32,9 @@ enum class Tensions { NONE, SOME, DROPLETS };
 struct Batch {
   int n;
   std::vector<double> force, angle, nx, ny;    // of pairs: the last one is empty
-  std::vector<float> x;
   std::vector<int> seat;
-  std::vector<double> radius, kA, kP, tension, ring[8], indentation, compliance, slope, rate;
-  std::vector<float> green, product;
+  std::vector<double> radius, kA, kP, tension, ring[5], indentation, slope, rate;
+  std::vector<float> response[3], compliance, share, green, weight, left, direction, product;
   std::vector<double> memory;
   double *scratch;
   bool is_tense;
@@ -53,11 +52,9 @@ struct Batch {
       angle.push_back(theta);
       nx.push_back(std::cos(theta));
       ny.push_back(std::sin(theta));
-      x.push_back(static_cast<float>(uniform(random) - 0.5));
       seat.push_back(2 * k + (uniform(random) < 0.5));
     }
     for (std::vector<double> *v : {&force, &angle, &nx, &ny}) v->push_back(0.0);
-    x.push_back(0.0F);
     for (int m = n / 2; m < n; ++m)
       seat[m * LANES] = 2 * pairs;    // fewer contacts in the first lane
     for (int w = 0; w < LANES; ++w) {
@@ -74,8 +71,15 @@ struct Batch {
       kP[w] = 0.0;
     }
     for (std::vector<double> &v : ring) v.assign(LANES, 0.0);
-    for (std::vector<double> *v : {&indentation, &compliance, &slope, &rate}) v->assign(pairs, 0.0);
-    product.assign(pairs, 0.0F);
+    for (std::vector<float> &v : response) v.assign(LANES, 0.0F);
+    for (std::vector<double> *v : {&indentation, &slope, &rate}) v->assign(pairs, 0.0);
+    for (std::vector<float> *v : {&compliance, &share, &product}) v->assign(pairs, 0.0F);
+    for (int c = 0; c < pairs; ++c) {
+      const bool is_empty = seat[c] == 2 * pairs;
+      weight.push_back(is_empty ? 0.0F : static_cast<float>(uniform(random)));
+      left.push_back(static_cast<float>(uniform(random) - 0.5));
+      direction.push_back(is_empty ? 0.0F : static_cast<float>(uniform(random) - 0.5));
+    }
     green.assign(pairs * n, 0.0F);
     memory.assign(5 * pairs + 2 * LANES, 0.0);
     const auto address = reinterpret_cast<std::size_t>(memory.data());
@@ -85,14 +89,19 @@ struct Batch {
   ContactArrays contacts(int w)
   {
     return contacts_of({seat.data(), indentation.data(), compliance.data(), slope.data(),
-                        product.data(), green.data(), scratch},
+                        share.data(), green.data(), scratch},
                        w, w);
+  }
+  GradientArrays gradients(int w)
+  {
+    return gradients_of(
+        {seat.data(), weight.data(), left.data(), direction.data(), nullptr, product.data()}, w);
   }
   RingArrays rings(int w)
   {
     return rings_of({radius.data(), kA.data(), kP.data(), is_tense ? tension.data() : nullptr,
                      ring[0].data(), ring[1].data(), ring[2].data(), ring[3].data(), ring[4].data(),
-                     ring[5].data(), ring[6].data(), ring[7].data()},
+                     response[0].data(), response[1].data(), response[2].data(), 0.25},
                     w);
   }
 };
@@ -108,19 +117,33 @@ void check(int n, std::mt19937 &random, Tensions tensions = Tensions::NONE)
     for (int w = 0; w < LANES; w += W)
       if (!shape_lanes<SIZE, SOFT>(pairs, n, b.contacts(w), b.rings(w))) std::exit(2);
   }
+  const std::vector<float> before = b.direction;
+  for (int w = 0; w < LANES; w += FLOATS) {
+    const Floats curvature =
+        multiply_lanes<SIZE, SOFT, false>(0.5F, n, b.contacts(w), b.gradients(w), b.rings(w));
+    for (int lane = 0; lane < FLOATS; ++lane) {
+      double sum = 0.0, size = 0.0;
+      for (int m = 0; m < n; ++m) {
+        const int place = m * LANES + w + lane;
+        sum += b.direction[place] * b.product[place];
+        size += std::fabs(b.direction[place] * b.product[place]);
+      }
+      require_equal(curvature[lane], sum, size, "curvature", n, 1e-6);
+    }
+  }
+  for (int w = 0; w < LANES; w += W)
+    slope_lanes<SIZE>(pairs, n, b.contacts(w), b.rings(w), &b.rate[w]);
   for (const bool slopes : {false, true}) {
-    for (int w = 0; w < LANES; w += W)
-      if (slopes)
-        slope_lanes<SIZE>(pairs, n, b.contacts(w), b.rings(w), &b.rate[w]);
-      else
-        multiply_lanes<SIZE, SOFT>(b.x.data(), 0.25, n, b.contacts(w), b.rings(w));
     for (int w = 0; w < LANES; ++w) {
       std::vector<double> f(n), x(n), t(n), gf(n, 0.0), gx(n, 0.0), slope(n, 0.0);
       RingLoad load = {0.0, 0.0};
       for (int m = 0; m < n; ++m) {
         const int seat = b.seat[m * LANES + w], k = seat >> 1;
         f[m] = b.force[k];
-        x[m] = 4.0 * b.x[k];
+        const int place = m * LANES + w;
+        x[m] = 4.0 * b.direction[place];
+        require_equal(b.direction[place], b.weight[place] * b.left[place] + 0.5F * before[place],
+                      1.0, "direction", n, 1e-7);
         t[m] = b.angle[k] + (seat & 1 ? PI : 0.0);
         load.total += f[m];
       }
@@ -161,7 +184,7 @@ void check(int n, std::mt19937 &random, Tensions tensions = Tensions::NONE)
         if (ring.pressure == 0.0) continue;
         const double scale = n * (c.per_pressure + c.rate +
                                   largest * (2.0 * c.mixed + largest * std::fabs(c.square)));
-        require_equal(b.compliance[place], c.diagonal(a), scale, "compliance", n);
+        require_equal(0.25 * b.compliance[place], c.diagonal(a), scale, "compliance", n, 1e-7);
         const double product = c.per_pressure * gx[m] - c.mixed * (a * sum + along) -
                                c.square * a * along + c.rate * sum;
         // in single precision
