@@ -90,3 +90,54 @@ def test_tissue(tmp_path: Path) -> None:
     assert len(inside) == 11
     assert int(inside[0]) == 0
     assert int(inside[-1]) > 30
+
+
+def check_clogging(printed: str, trials: int) -> None:
+    pattern = r"^weight (\S+)  width (\S+)  clogged (\d+) of (\d+)  passed (\S+)$"
+    weight, width, clogged, of, passed = np.array(re.findall(pattern, printed, re.M), float).T
+    assert (of == trials).all()
+    # no droplet passes or hangs by chance: all have passed where nothing clogs
+    assert (passed[clogged == 0] == 80).all()
+    assert (passed[clogged == trials] < 70).all()
+    light, heavy = weight == weight.min(), weight == weight.max()
+    narrow, wide = width == width.min(), width == width.max()
+    assert (clogged[light & narrow] == trials).all()
+    assert (clogged[heavy & wide] == 0).all()
+    assert clogged[light].sum() > clogged[heavy].sum() + 1
+    halves = re.findall(r"^weight (\S+)  half of the trials clog at (\S+) ", printed, re.M)
+    at = [float(width) for _, width in halves]
+    assert at == sorted(at, reverse=True)
+    assert len(at) == len(set(weight))
+
+
+def test_clogging(tmp_path: Path) -> None:
+    """Light droplets, which are stiff, clog slits that heavy ones pass."""
+    pytest.importorskip("matplotlib")
+    folder = EXAMPLES / "clogging"
+    check_clogging((folder / "clogging.log").read_text(), 12)
+    lines = (folder / "clogging.py").read_text()
+    for whole, part in (
+        ("WEIGHTS = (0.01, 0.03, 0.1)", "WEIGHTS = (0.01, 0.1)"),
+        ("WIDTHS = (0.8, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0)", "WIDTHS = (0.8, 1.4, 2.0)"),
+        ("SEEDS = 12", "SEEDS = 5"),
+    ):
+        assert whole in lines
+        lines = lines.replace(whole, part)
+    (tmp_path / "clogging.py").write_text(lines)
+    check_clogging(text("python", "clogging.py", cwd=tmp_path), 5)
+    assert (tmp_path / "clogging.png").stat().st_size > 10_000
+
+
+def test_pages_have_the_numbers_of_the_logs() -> None:
+    page, log = (
+        (EXAMPLES / "clogging" / name).read_text() for name in ("README.md", "clogging.log")
+    )
+    found = re.findall(r"^weight (\S+)  half of the trials clog at (.*)$", log, re.M)
+    assert re.findall(r"^\| (\d\S*) \| (.*) \|$", page, re.M) == found
+    page, log = ((EXAMPLES / "foam" / name).read_text() for name in ("README.md", "foam.log"))
+    growth = [float(n) for n in re.findall(r"  growth (\S+) ", log)]
+    limits = re.findall(r"without liquid (\S+), von Neumann (\S+)", log)[0]
+    (left,) = re.findall(r", to (\S+)% of the last", log)
+    for number in (growth[0], growth[-1], *map(float, limits)):
+        assert f"{number:.2f}" in page
+    assert f"{left} %" in page

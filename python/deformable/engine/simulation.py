@@ -151,7 +151,8 @@ class Simulation(FormerAttributes, Engine):
         other last digits may lead to another packing. Commands given to `lmp` are lost.
 
         Args:
-            packing: of a state of this simulation.
+            packing: that of a state of this simulation, or another one: particles may be added,
+                removed or have other radii.
         """
         expect("packing", packing, Packing)
         species_file(self.law, packing.radii)  # or fail before the old LAMMPS is gone
