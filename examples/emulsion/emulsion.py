@@ -14,8 +14,8 @@ import fits
 import numpy as np
 
 # Droplets keep their area and have a line tension of 1. Pressures and moduli are given in units
-# of tension/R0, with R0 the mean radius. Outlines near phi = 1 bulge beyond the default reach.
-DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, reach=0.6)
+# of tension/R0, with R0 the mean radius.
+DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
 RADII = (0.5, 0.7)
 UNIT = 1.0 / np.mean(RADII)
 

@@ -10,6 +10,7 @@ import sys
 import deformable
 import matplotlib.pyplot as plt
 import numpy as np
+from deformable.studies.ensemble import before_rearrangement
 from scipy.optimize import curve_fit
 
 CLOSE = 0.0065  # phi - phi_J up to which powers are fitted
@@ -29,9 +30,30 @@ def column(packings, name):
     return np.array([packing[name] for packing in packings])
 
 
+def unbroken(packing):
+    """Number of states until a packing rearranges: then its pressure leaves its bulk modulus."""
+    names = ("phi", "excess_phi", "pressure", "bulk_modulus")
+    states = zip(*(packing[name] for name in names), strict=True)
+    rows = [dict(zip(names, state, strict=True), seed=packing["seed"]) for state in states]
+    return len(before_rearrangement(rows))
+
+
+def near(packings, name, widest):
+    """As `column`, up to a phi - phi_J; close to the onset nan once a packing has rearranged.
+
+    It has another onset then. Farther above, the difference does not matter.
+    """
+    found = column(packings, name)[:, column(packings, "excess_phi")[0] <= widest]
+    if widest <= CLOSE:
+        for values, packing in zip(found, packings, strict=True):
+            values[unbroken(packing) :] = np.nan
+    return found
+
+
 def mean(values):
     """Mean over packings and its standard error."""
-    return values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(len(values))
+    count = np.isfinite(values).sum(axis=0)
+    return np.nanmean(values, axis=0), np.nanstd(values, axis=0, ddof=1) / np.sqrt(count)
 
 
 def jackknife(packings, fit):
@@ -45,35 +67,34 @@ def jackknife(packings, fit):
 
 
 def points(packings, name, widest):
-    """phi - phi_J, mean and error of a quantity, where the mean is well above zero."""
-    x, (y, error) = column(packings, "excess_phi")[0], mean(column(packings, name))
-    kept = (x <= widest) & (y > 2.0 * error) & (error > 0.0)
-    return x[kept], y[kept], error[kept]
+    """phi - phi_J, mean, error, and which of them are over three packings and well above zero."""
+    values = near(packings, name, widest)
+    y, error = mean(values)
+    kept = (np.isfinite(values).sum(axis=0) >= 3) & (y > 2.0 * error) & (error > 0.0)
+    return column(packings, "excess_phi")[0][: len(y)][kept], y[kept], error[kept], kept
 
 
 def exponent(packings, name, widest):
     """Slope of a straight line through the logarithms, and its error."""
-    x, _, _ = points(packings, name, widest)
+    x, _, _, kept = points(packings, name, widest)
     if len(x) < 3:
         return np.nan, np.nan
-    kept = np.isin(column(packings, "excess_phi")[0], x)
 
     def slope(some):
-        return np.polyfit(np.log(x), np.log(column(some, name).mean(axis=0)[kept]), 1)[0]
+        return np.polyfit(np.log(x), np.log(mean(near(some, name, widest)[:, kept])[0]), 1)[0]
 
     return jackknife(packings, slope)
 
 
 def contacts(packings, shape, widest):
     """Coefficients of z - z_iso with their errors, and chi^2 over the degrees of freedom."""
-    x, y, error = points(packings, "excess_coordination", widest)
-    kept = np.isin(column(packings, "excess_phi")[0], x)
+    x, y, error, kept = points(packings, "excess_coordination", widest)
     start = np.ones(shape.__code__.co_argcount - 1)
     if len(x) <= len(start):
         return np.nan * start, np.nan * start, np.nan
 
     def fit(some):
-        z = column(some, "excess_coordination").mean(axis=0)[kept]
+        z, _ = mean(near(some, "excess_coordination", widest)[:, kept])
         return curve_fit(shape, x, z, p0=start, sigma=error)[0]
 
     best, errors = jackknife(packings, fit)
@@ -127,7 +148,7 @@ def show(result):
         if isinstance(value, dict):
             terms = zip(value["coefficients"], value["errors"], strict=True)
             print(f"{name}:", ", ".join(with_error(*term) for term in terms), end=", ")
-            print(f"chi^2 {value['chi2']:.3g}")
+            print(f"chi^2 per degree of freedom {value['chi2']:.3g}")
         else:
             print(f"{name}: {with_error(*value)}")
 

@@ -30,7 +30,7 @@ void PairDeformableRing::settings(int narg, char **arg)
   std::string law = "balanced";
   int balance_keyword = -1;
   double tolerance = 1e-8;
-  int max_evaluations = 100;
+  int max_evaluations = 1000;
   for (int iarg = 0; iarg < narg;) {
     const std::string keyword = arg[iarg];
     const int values = keyword == "balance" ? 2 : 1;

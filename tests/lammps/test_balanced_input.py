@@ -8,9 +8,9 @@ from test_refusals import refuses
 from test_soft_rings import mixture, pushed
 
 
-@pytest.mark.parametrize("words", ["contact balanced", "reach 0.3", "balance 1e-8 100"])
+@pytest.mark.parametrize("words", ["contact balanced", "reach 0.3", "balance 1e-8 1000"])
 def test_default(words):
-    """Without keywords: contact balanced, balance 1e-8 100, reach 0.3."""
+    """Without keywords: contact balanced, balance 1e-8 1000, reach 0.3."""
     states = [
         mixture(PACKINGS[0], style)[0].evaluate()
         for style in ("deformable/ring", f"deformable/ring {words}", DEFAULT)

