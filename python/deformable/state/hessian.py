@@ -48,7 +48,7 @@ class Hessian:
         by_strain: second derivatives by the rows of `matrix` and by the components xx, xy, yx,
             yy of a displacement gradient, shape (2N + lines, 4). Walls do not follow the strain.
         strain: second derivatives by the displacement gradient alone, shape (4, 4) [energy].
-        stress: pressure tensor of the contacts, shape (2, 2) [energy/length^2].
+        stress: pressure tensor of the contacts between particles, shape (2, 2) [energy/length^2].
         free: particles without contacts in the matrix, shape (N,).
         scale: mean diagonal entry of the centers that have contacts [energy/length^2].
     """

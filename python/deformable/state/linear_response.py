@@ -43,9 +43,10 @@ class LinearResponse(ABC):
     def modes(self, number: int | None = None, vectors: bool = True) -> Modes:
         """The normal modes of lowest stiffness, without those that have none.
 
-        Few modes of many particles are found by Lanczos' method with a sparse factorization.
-        Otherwise the matrix is dense: all modes of 4000 particles take 1 GB and minutes. Contacts
-        of rattlers are left out, so that each rattler has two modes without stiffness.
+        Few modes of many particles are found by Lanczos' method with a sparse factorization; in an
+        unstable state they are those with a stiffness closest to zero. Otherwise the matrix is
+        dense: all modes of 4000 particles take 1 GB and minutes. Contacts of rattlers are left out,
+        so that each rattler has two modes without stiffness.
 
         Args:
             number: of modes; all if not given.
