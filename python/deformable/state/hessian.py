@@ -48,7 +48,7 @@ class Hessian:
         by_strain: second derivatives by the rows of `matrix` and by the components xx, xy, yx,
             yy of a displacement gradient, shape (2N + lines, 4). Walls do not follow the strain.
         strain: second derivatives by the displacement gradient alone, shape (4, 4) [energy].
-        stress: pressure tensor of the contacts, shape (2, 2) [energy/length^2].
+        stress: pressure tensor of the contacts between particles, shape (2, 2) [energy/length^2].
         free: particles without contacts in the matrix, shape (N,).
         scale: mean diagonal entry of the centers that have contacts [energy/length^2].
     """
@@ -125,12 +125,12 @@ class Hessian:
         return LinearOperator((n, n), matvec=product, rmatvec=product, matmat=product, dtype=float)
 
     def reduced(self) -> Floats:
-        """H as a dense array, shape (2N, 2N) [energy/length^2]; symmetric to the last bit."""
-        dense = self.matrix[: self.size, : self.size].toarray()
+        """H as a dense array, shape (2N, 2N) [energy/length^2]."""
+        dense: Floats = self.matrix[: self.size, : self.size].toarray()
         if self._lines is not None:
             coupling = self.matrix[self.size :, : self.size].toarray()
             dense -= self.matrix[: self.size, self.size :] @ self._lines(coupling)
-        return np.asarray(0.5 * (dense + dense.T))
+        return dense
 
     def solve(self, forces: ArrayLike) -> Floats:
         """Displacements u with H u = f, without motions that have no stiffness.
@@ -190,7 +190,7 @@ class Hessian:
 
         added = np.zeros(len(self.gradient))
         added[: self.size] = shift
-        return _factored(self.matrix + diags(added))
+        return factored(self.matrix + diags(added))
 
     def line_response(self, right: Floats) -> Floats:
         """Change y of lines with M_ll y = b while centers stay, shape (lines, ...)."""
@@ -200,10 +200,11 @@ class Hessian:
     def _lines(self) -> Callable[[Floats], Floats] | None:
         """Product with M_ll^-1; None without lines."""
         lines = self.matrix[self.size :, self.size :]
-        return _factored(lines) if lines.shape[0] else None
+        return factored(lines) if lines.shape[0] else None
 
 
-def _factored(matrix: Any) -> Callable[[Floats], Floats]:
+def factored(matrix: Any) -> Callable[[Floats], Floats]:
+    """Product with the inverse of a sparse symmetric matrix."""
     from scipy.sparse import csc_matrix
     from scipy.sparse.linalg import splu
 

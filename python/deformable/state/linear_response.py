@@ -12,6 +12,7 @@ from ..common.errors import ParameterError
 from .elastic import ElasticModuli, moduli_of
 from .hessian import Hessian
 from .modes import Modes, modes_of
+from .sides import Sides
 
 # Forces that remain in a state at rest, over the mean contact force.
 _AT_REST = 1e-2
@@ -26,6 +27,14 @@ class LinearResponse(ABC):
     def hessian(self, rattlers: bool = True) -> Hessian:
         """Second derivatives of the energy, see `Hessian`."""
 
+    @abstractmethod
+    def rattler_contacts(self) -> tuple[Sides, NDArray[np.float64]]:
+        """Contacts that `hessian(rattlers=False)` leaves out, and how far they are to open.
+
+        Returns:
+            Sides of S contacts, and distances (S,) by which they are to become longer [length].
+        """
+
     @property
     @abstractmethod
     def outlines(self) -> Sequence[NDArray[np.float64]]:
@@ -34,9 +43,10 @@ class LinearResponse(ABC):
     def modes(self, number: int | None = None, vectors: bool = True) -> Modes:
         """The normal modes of lowest stiffness, without those that have none.
 
-        Few modes of many particles are found by Lanczos' method with a sparse factorization.
-        Otherwise the matrix is dense: all modes of 4000 particles take 1 GB and minutes. Contacts
-        of rattlers are left out, so that each rattler has two modes without stiffness.
+        Few modes of many particles are found by Lanczos' method with a sparse factorization; in an
+        unstable state they are those with a stiffness closest to zero. Otherwise the matrix is
+        dense: all modes of 4000 particles take 1 GB and minutes. Contacts of rattlers are left out,
+        so that each rattler has two modes without stiffness.
 
         Args:
             number: of modes; all if not given.

@@ -22,6 +22,7 @@ from ..model.timestep import accurate_step
 from .contact_network import ContactNetwork
 from .contact_table import ContactTable
 from .exports import Exports
+from .ring_response import RingResponse
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,7 +34,7 @@ _VALUES = ("area_deficit", "particle_pressure", "rattlers", "shape_parameter")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class State(ContactNetwork, Exports):
+class State(ContactNetwork, RingResponse, Exports):
     """A snapshot, the same on every rank. Particles are numbered from 0.
 
     Attributes:

@@ -1,0 +1,118 @@
+"""The last digits of a relaxation, by Newton's method."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import ParameterError, StalledWarning
+from ..common.validate import expect, positive
+from ..engine.close_balance import closely_balanced
+from ..engine.disks import Disks
+from ..engine.lammps import place_particles
+from ..engine.simulation import Simulation
+from ..state.disk_state import DiskState
+from ..state.state import State
+
+S = TypeVar("S", State, DiskState)
+
+# Steps at most. A packing is the same one as long as no particle moves farther than this part of
+# the smallest radius.
+_STEPS, _FARTHEST = 8, 0.01
+
+# Rattlers move away from what they touch by so much more than needed, and than others move.
+_FURTHER = 1.1
+
+
+def polish(state: S, tolerance: float = 1e-10) -> S:
+    """Relax a relaxed state further, in the same packing: Newton's method, a few steps.
+
+    A step solves H u = f with the Hessian of the contact network. Rattlers are moved away from what
+    they touch. Contacts that hardly bear may open or close. `balanced` and `tilted` contacts are
+    balanced to rounding meanwhile.
+
+        fine = deformable.polish(sim.relax())
+        sim.restart(fine.packing)
+
+    Args:
+        state: of a `Simulation` or of `Disks`, relaxed, e.g. to the default tolerance; it does not
+            change.
+        tolerance: largest force on a particle over the mean contact force. Close to the onset
+            of jamming rounding may keep forces of rings at 1e-9, as they are cubes of tiny
+            indentations.
+
+    Returns:
+        The polished state. If a particle would move by more than a hundredth of the smallest
+        radius, or the forces do not fall to the tolerance, it is the state of the smallest forces
+        on the way, and `stalled` is true.
+
+    Raises:
+        ParameterError: a value is out of range, or the state has no Hessian, see `State.hessian`.
+
+    Warns:
+        StalledWarning: the tolerance was not reached.
+    """
+    expect("state", state, State, DiskState)
+    positive("tolerance", tolerance)
+    state.hessian()  # or refuse the state
+    with closely_balanced(state.packing, state.law) as sim:
+        best: Any = _newton(sim, sim.state(), tolerance)
+    root = getattr(state, "root", True)
+    if isinstance(best, State):
+        best = replace(best, root=root, velocities=state.velocities, time=state.time)
+    if best.residual <= tolerance:
+        return best  # type: ignore[no-any-return]
+    if root:
+        warnings.warn(
+            f"Newton's method ended at {best.residual:.2g} of the mean contact force, not "
+            f"{tolerance:.2g}: relax to a smaller tolerance first",
+            StalledWarning,
+            stacklevel=2,
+        )
+    return replace(best, stalled=True)  # type: ignore[no-any-return]
+
+
+def _newton(sim: Simulation | Disks, start: State | DiskState, tolerance: float) -> Any:
+    """The state of the smallest forces."""
+    farthest = _FARTHEST * float(start.packing.radius.min())
+    best, state, moved = start, start, np.zeros((len(start.packing), 2))
+    for _ in range(_STEPS):
+        step = None if best.residual <= tolerance else _step(state)
+        if step is None:
+            break
+        moved += step
+        if np.hypot(*moved.T).max() > farthest:
+            break
+        place_particles(sim.lmp, state.packing.positions + step)
+        state = sim.state()
+        best = min(best, state, key=lambda each: each.residual)
+    return best
+
+
+def _step(state: State | DiskState) -> NDArray[np.float64] | None:
+    """Displacements, shape (N, 2) [length]; None if there is no resistance to the forces."""
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.linalg import lsqr
+
+    hessian = state.hessian(rattlers=False)
+    try:
+        step = -hessian.response(hessian.gradient)[: hessian.size]
+    except ParameterError:
+        return None
+    sides, needed = state.rattler_contacts()
+    direction = sides.vector / sides.distance[:, None]
+    entries = [
+        (sign * direction[kept, axis], np.flatnonzero(kept), 2 * particle[kept] + axis)
+        for particle, sign in ((sides.i, -1.0), (sides.j, 1.0))
+        for kept in [(particle >= 0) & hessian.free[particle]]
+        for axis in (0, 1)
+    ]
+    values, rows, columns = map(np.concatenate, zip(*entries, strict=True))
+    opening = csr_matrix((values, (rows, columns)), shape=(len(needed), hessian.size))
+    needed = _FURTHER * (needed + 2.0 * np.abs(step).max(initial=0.0))
+    step += lsqr(opening, needed, atol=1e-6, btol=1e-6)[0]
+    return step.reshape(-1, 2)
