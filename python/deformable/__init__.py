@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from .protocols.moduli import bulk_modulus as bulk_modulus
     from .protocols.moduli import shear_modulus as shear_modulus
     from .protocols.motion import move as move
+    from .protocols.polish import polish as polish
     from .protocols.shear import shear as shear
     from .runs.analysis import export as export
     from .runs.analysis import series as series
@@ -109,6 +110,7 @@ _HOMES = {
     "move": "protocols.motion",
     "movie": "runs.movie",
     "parallel_map": "common.parallel",
+    "polish": "protocols.polish",
     "polydisperse": "model.packing",
     "predict": "studies.comparison",
     "push_off": "protocols.jamming",

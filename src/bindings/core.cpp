@@ -20,4 +20,5 @@ NB_MODULE(core, m)
   deformable::bind_batches(m);
   deformable::bind_disk_pairs(m);
   deformable::bind_energy_blocks(m);
+  deformable::bind_ring_blocks(m);
 }

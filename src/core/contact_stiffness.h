@@ -96,35 +96,42 @@ inline void green_inverse(const Contacts &contacts, int n, const int *active, Ri
     for (int m = 0; m < n; ++m) inverse[m * n + m] = 1.0 / GREEN_AT_ZERO;
 }
 
-// K = dF/da, F_c = p L_c, of the n active contacts. With the area deficit D, dD/da = L and r = G^-1 1 =
-// d^2D/da ddelta,
-//   K = kA L L^T + p G^-1 - f f^T/u,   f = dF/ddelta = p r - 2 pi q kA L,
+// Second derivatives of the energy by any variables y of the area deficit D, with s = dD/dy and r = d^2D/dy ddelta:
+//   d^2U/dy dy = p d^2D/dy dy + kA s s^T - f f^T/u,   f = d^2U/dy ddelta = p r - 2 pi q kA s,
 //   u = d^2U/ddelta^2 = 4 pi^2 q^2 kA + w,   w = p (1.G^-1.1 - 2 pi) + 4 pi^2 kP,
-// where the last term is that of the radial expansion. The code collects the factors of L L^T, L r^T and r r^T,
-// which are finite for kA = inf too. `rate` is memory for r.
+// where the last term is that of the radial expansion. These are the factors of s s^T, s r^T + r s^T and -r r^T, which
+// are finite for kA = inf too; `lengths` is the sum of L, `rates` 1.G^-1.1.
+struct ExpansionTerms {
+  double square, mixed, rates;
+};
+
+inline ExpansionTerms expansion_terms(const RingState &ring, double lengths, double rates)
+{
+  const double p = ring.pressure, kA = ring.stiffness.kA;
+  if (ring.stiffness.conserves_perimeter()) return {kA, 0.0, 0.0};
+  const double two_pi_q = 2.0 * PI * (ring.radius + ring.expansion) - lengths;
+  const double w = p * (rates - 2.0 * PI) + 4.0 * PI * PI * ring.stiffness.kP;
+  const double per = 1.0 / (two_pi_q * two_pi_q + w / kA);
+  return {w * per, two_pi_q * p * per, p / kA * p * per};
+}
+
+// K = dF/da, F_c = p L_c, of the n active contacts: dD/da = L, d^2D/da da = G^-1, r = G^-1 1. `rate` is memory for r.
 inline void contact_stiffness(const RingState &ring, int n, const int *active,
                               const double *inverse, std::vector<double> &rate, double *stiffness)
 {
-  const double p = ring.pressure, kA = ring.stiffness.kA;
-  double square = kA, mixed = 0.0, rates = 0.0;    // of L L^T, L r^T + r L^T, -r r^T
+  const double p = ring.pressure;
+  double lengths = 0.0, rates = 0.0;
   rate.assign(n, 0.0);
-  if (!ring.stiffness.conserves_perimeter()) {
-    double two_pi_q = 2.0 * PI * (ring.radius + ring.expansion), sum = 0.0;
-    for (int m = 0; m < n; ++m) {
-      for (int k = 0; k < n; ++k) rate[m] += inverse[m * n + k];
-      sum += rate[m];
-      two_pi_q -= ring.response[active[m]].length;
-    }
-    const double w = p * (sum - 2.0 * PI) + 4.0 * PI * PI * ring.stiffness.kP;
-    const double per = 1.0 / (two_pi_q * two_pi_q + w / kA);
-    square = w * per;
-    mixed = two_pi_q * p * per;
-    rates = p / kA * p * per;
+  for (int m = 0; m < n; ++m) {
+    for (int k = 0; k < n; ++k) rate[m] += inverse[m * n + k];
+    rates += rate[m];
+    lengths += ring.response[active[m]].length;
   }
+  const ExpansionTerms terms = expansion_terms(ring, lengths, rates);
   for (int m = 0; m < n; ++m) {
     const double length = ring.response[active[m]].length;
-    const double by_length = square * length + mixed * rate[m];
-    const double by_rate = mixed * length - rates * rate[m];
+    const double by_length = terms.square * length + terms.mixed * rate[m];
+    const double by_rate = terms.mixed * length - terms.rates * rate[m];
     for (int k = 0; k < n; ++k)
       stiffness[m * n + k] =
           p * inverse[m * n + k] + by_length * ring.response[active[k]].length + by_rate * rate[k];

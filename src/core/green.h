@@ -22,6 +22,12 @@ template <class T> DEFORMABLE_INLINE T d_green(T t, T sine, T cosine)
   return (0.25 * sine - 0.5 * (PI - t) * cosine) * (1.0 / PI);
 }
 
+// d^2G/dt^2, 0 < t < 2 pi; even
+template <class T> DEFORMABLE_INLINE T dd_green(T t, T sine, T cosine)
+{
+  return (0.75 * cosine + 0.5 * (PI - t) * sine) * (1.0 / PI);
+}
+
 constexpr double GREEN_AT_ZERO = 0.75 / PI;
 
 // A quartic in cos t that nowhere exceeds G and is within 0.02 of it for |t| > 0.6. It is cheaper than G and

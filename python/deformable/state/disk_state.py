@@ -13,7 +13,7 @@ from ..model.packing import Packing
 from .contact_network import ContactNetwork
 from .hessian import Hessian
 from .linear_response import LinearResponse
-from .sides import bearing, between, by_centers, by_strains, joined, with_walls
+from .sides import Sides, bearing, between, by_centers, by_strains, joined, with_walls
 
 # Points of an outline.
 _POINTS = 60
@@ -71,19 +71,31 @@ class DiskState(ContactNetwork, LinearResponse):
             rattlers: False leaves out the contacts of rattlers, which bear nothing; a contact that
                 bears a thousandth of the mean contact force or more stays.
         """
+        sides, contact, kept = self._overlaps()
+        if not rattlers:
+            sides, contact = sides.part(kept), contact[kept]
+        x, y = sides.vector.T
+        blocks = disk_blocks(x, y, sides.turn, contact)
+        return Hessian(
+            self.packing, blocks, by_centers(sides, len(self.packing)), by_strains(sides)
+        )
+
+    def rattler_contacts(self) -> tuple[Sides, NDArray[np.float64]]:
+        """Contacts that `hessian(rattlers=False)` leaves out, and their overlaps."""
+        sides, contact, kept = self._overlaps()
+        return sides.part(~kept), (contact - sides.distance)[~kept]
+
+    def _overlaps(self) -> tuple[Sides, NDArray[np.float64], NDArray[np.bool_]]:
+        """Contacts, the distances at which they open, and whether they bear, all of them once."""
         packing, radius = self.packing, self.packing.radius
         i, j, shift = near_pairs(packing, 0.0)
         pairs = between(i, j, packing.positions[j] + shift - packing.positions[i])
         sides = joined(pairs, with_walls(packing, 0.0))
         contact = radius[sides.i] + np.where(sides.j < 0, 0.0, radius[sides.j])
-        if not rattlers:
-            overlap, count = contact - sides.distance, len(i)
-            both = np.append(overlap, overlap[:count])
-            kept = bearing(np.append(sides.i, j), np.append(sides.j, i), both, len(packing))
-            sides, contact = sides.part(kept[: len(contact)]), contact[kept[: len(contact)]]
-        x, y = sides.vector.T
-        blocks = disk_blocks(x, y, sides.turn, contact)
-        return Hessian(packing, blocks, by_centers(sides, len(packing)), by_strains(sides))
+        overlap, count = contact - sides.distance, len(i)
+        both = np.append(overlap, overlap[:count])
+        kept = bearing(np.append(sides.i, j), np.append(sides.j, i), both, len(packing))
+        return sides, contact, kept[: len(contact)]
 
     @property
     def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -190,7 +190,7 @@ class Hessian:
 
         added = np.zeros(len(self.gradient))
         added[: self.size] = shift
-        return _factored(self.matrix + diags(added))
+        return factored(self.matrix + diags(added))
 
     def line_response(self, right: Floats) -> Floats:
         """Change y of lines with M_ll y = b while centers stay, shape (lines, ...)."""
@@ -200,10 +200,11 @@ class Hessian:
     def _lines(self) -> Callable[[Floats], Floats] | None:
         """Product with M_ll^-1; None without lines."""
         lines = self.matrix[self.size :, self.size :]
-        return _factored(lines) if lines.shape[0] else None
+        return factored(lines) if lines.shape[0] else None
 
 
-def _factored(matrix: Any) -> Callable[[Floats], Floats]:
+def factored(matrix: Any) -> Callable[[Floats], Floats]:
+    """Product with the inverse of a sparse symmetric matrix."""
     from scipy.sparse import csc_matrix
     from scipy.sparse.linalg import splu
 

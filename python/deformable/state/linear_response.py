@@ -12,6 +12,7 @@ from ..common.errors import ParameterError
 from .elastic import ElasticModuli, moduli_of
 from .hessian import Hessian
 from .modes import Modes, modes_of
+from .sides import Sides
 
 # Forces that remain in a state at rest, over the mean contact force.
 _AT_REST = 1e-2
@@ -25,6 +26,14 @@ class LinearResponse(ABC):
     @abstractmethod
     def hessian(self, rattlers: bool = True) -> Hessian:
         """Second derivatives of the energy, see `Hessian`."""
+
+    @abstractmethod
+    def rattler_contacts(self) -> tuple[Sides, NDArray[np.float64]]:
+        """Contacts that `hessian(rattlers=False)` leaves out, and how far they are to open.
+
+        Returns:
+            Sides of S contacts, and distances (S,) by which they are to become longer [length].
+        """
 
     @property
     @abstractmethod

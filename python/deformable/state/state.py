@@ -22,6 +22,10 @@ from ..model.timestep import accurate_step
 from .contact_network import ContactNetwork
 from .contact_table import ContactTable
 from .exports import Exports
+from .hessian import Hessian
+from .linear_response import LinearResponse
+from .lines import balanced, lines_of, rattler_contacts
+from .sides import Sides
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,7 +37,7 @@ _VALUES = ("area_deficit", "particle_pressure", "rattlers", "shape_parameter")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class State(ContactNetwork, Exports):
+class State(ContactNetwork, LinearResponse, Exports):
     """A snapshot, the same on every rank. Particles are numbered from 0.
 
     Attributes:
@@ -143,6 +147,24 @@ class State(ContactNetwork, Exports):
             center + outline
             for center, outline in zip(self.packing.positions, self.parallels(), strict=True)
         ]
+
+    def hessian(self, rattlers: bool = True) -> Hessian:
+        """Second derivatives of the energy of the ring laws, see `DiskState.hessian`.
+
+        Raises:
+            ParameterError: the law is `Sector`, walls were given to `lmp`, or a line is held at
+                the largest tilt.
+        """
+        if self.unsaved:
+            raise ParameterError(
+                f"second derivatives do not know the {self.unsaved} that were given to lmp"
+            )
+        lines = lines_of(self.packing, self.law, self.contact_table, rattlers)
+        return balanced(lines).hessian()
+
+    def rattler_contacts(self) -> tuple[Sides, NDArray[np.float64]]:
+        """Contacts that `hessian(rattlers=False)` leaves out, and lengths by which they open."""
+        return rattler_contacts(self.packing, self.contact_table)
 
     def parallels(
         self, inset: NDArray[np.float64] | None = None, points: int = 180

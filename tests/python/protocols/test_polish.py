@@ -1,0 +1,71 @@
+"""The last digits of a relaxation."""
+
+import math
+from importlib import import_module
+
+import deformable
+import numpy as np
+import pytest
+
+LAWS = {
+    "disks": None,
+    "radical": deformable.Ring(contact="radical"),
+    "balanced": deformable.Ring(kP=0.5, skin=0.02),
+    "tilted": deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="tilted"),
+}
+
+
+@pytest.fixture(params=LAWS)
+def state(request: pytest.FixtureRequest) -> deformable.State | deformable.DiskState:
+    law, jammed = LAWS[request.param], deformable.jam(deformable.bidisperse(64, seed=5))
+    packing = jammed.at(jammed.phi + 0.02)
+    with deformable.Simulation(packing, law) if law else deformable.Disks(packing) as sim:
+        return sim.relax(1e-5)
+
+
+def test_few_steps_of_newton(state: deformable.State, monkeypatch: pytest.MonkeyPatch) -> None:
+    module, steps = import_module("deformable.protocols.polish"), []
+    place = module.place_particles
+    monkeypatch.setattr(module, "place_particles", lambda *a: (steps.append(1), place(*a)))
+    fine = deformable.polish(state)
+    assert 0.0 <= fine.residual <= 1e-10
+    assert not fine.stalled
+    assert 1 <= len(steps) <= 3
+    assert fine.network_contacts == state.network_contacts
+    assert fine.energy == pytest.approx(state.energy, rel=1e-6)
+    rigid = ~state.rattlers
+    moved = fine.packing.positions - state.packing.positions
+    assert np.abs(moved[rigid]).max() < 1e-3
+    assert fine.hessian().gradient == pytest.approx(0.0, abs=1e-10 * scale(fine))
+
+
+def scale(state: deformable.State | deformable.DiskState) -> float:
+    """About the mean contact force."""
+    return 2.0 * state.pressure
+
+
+def test_a_state_far_from_rest_stays() -> None:
+    start = deformable.bidisperse(20, phi=0.9, seed=2)
+    with deformable.Disks(start) as disks:
+        state = disks.state()
+    with pytest.warns(deformable.StalledWarning, match="relax"):
+        fine = deformable.polish(state)
+    assert fine.stalled
+    assert fine.residual <= state.residual
+
+
+def test_loose_packings_are_at_rest() -> None:
+    with deformable.Disks(deformable.bidisperse(16, phi=0.5)) as disks:
+        state = disks.relax(1e-6)
+    assert deformable.polish(state).residual == 0.0
+
+
+def test_errors() -> None:
+    with deformable.Simulation(deformable.bidisperse(1), deformable.Sector()) as sim:
+        state = sim.relax()
+    with pytest.raises(deformable.ParameterError, match="sector"):
+        deformable.polish(state)
+    with pytest.raises(deformable.ParameterError, match="tolerance"):
+        deformable.polish(state, tolerance=0.0)
+    with pytest.raises(deformable.ParameterError, match="State"):
+        deformable.polish(8)

@@ -1,0 +1,230 @@
+"""Second derivatives of states of the ring laws: Hessian, modes and moduli."""
+
+import dataclasses
+import json
+import math
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from ranks import python
+
+pytestmark = pytest.mark.usefixtures("exact_balance")
+
+STIFFNESS = {
+    "perimeter": {"kA": 2.0},
+    "finite": {"kA": 1.0, "kP": 0.3, "skin": 0.02},
+    "area": {"kA": math.inf, "kP": 1.0},
+    "droplets": {"kA": math.inf, "kP": 0.0, "tension": 1.0},
+    "mixture": {"kA": [1.0, 3.0], "kP": [0.5, math.inf], "skin": [0.0, 0.05]},
+}
+CONTACTS = ("radical", "balanced", "tilted")
+LAWS = {
+    f"{contact}-{name}": deformable.Ring(contact=contact, **values)
+    for contact in CONTACTS
+    for name, values in STIFFNESS.items()
+}
+SCENES = {
+    "circle": (deformable.Circle((0, 0), 4), deformable.Disk((1, 0.5), 0.6)),
+    "corners": (
+        *(deformable.Plane((0, y), (0, sign)) for y, sign in ((0, 1), (5, -1))),
+        deformable.Polygon(((1, 1.5), (3, 1.5), (2, 3.5))),
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def packing() -> deformable.Packing:
+    jammed = deformable.jam(deformable.bidisperse(20, seed=3))
+    return jammed.at(jammed.phi + 0.03)
+
+
+@pytest.fixture(params=LAWS)
+def law(request: pytest.FixtureRequest) -> deformable.Ring:
+    return LAWS[request.param]
+
+
+def evaluated(
+    packing: deformable.Packing, law: deformable.Ring
+) -> tuple[deformable.State, np.ndarray]:
+    """State of a packing as it is, and the gradient of the energy that LAMMPS finds, (2N,)."""
+    with deformable.Simulation(packing, law) as sim:
+        state = sim.state()
+        forces = np.array(sim.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
+    return state, -forces.ravel()
+
+
+def difference(packing: deformable.Packing, law: deformable.Ring, direction: np.ndarray):
+    """Change of the gradient per step along a direction, with an error of the fourth order."""
+
+    def gradient(step: float) -> np.ndarray:
+        positions = packing.positions + step * direction.reshape(-1, 2)
+        return evaluated(dataclasses.replace(packing, positions=positions), law)[1]
+
+    near, far = ((gradient(h) - gradient(-h)) / (2.0 * h) for h in (2e-6, 4e-6))
+    return (4.0 * near - far) / 3.0
+
+
+def agrees(packing: deformable.Packing, law: deformable.Ring) -> deformable.State:
+    """Compare energy, gradient, stress and Hessian with those of LAMMPS."""
+    state, gradient = evaluated(packing, law)
+    hessian = state.hessian()
+    force = float(state.contact_table["force"].max())
+    assert hessian.energy == pytest.approx(state.energy, rel=1e-11)
+    assert hessian.gradient[: hessian.size] == pytest.approx(gradient, abs=1e-11 * force)
+    assert hessian.gradient[hessian.size :] == pytest.approx(0.0, abs=1e-11 * force)
+    if not packing.walls:
+        scale = np.abs(state.stress).max()
+        assert hessian.stress == pytest.approx(state.stress, abs=1e-11 * scale)
+    matrix = hessian.matrix
+    assert abs(matrix - matrix.T).max() <= 1e-15 * abs(matrix).max()
+    direction = np.random.default_rng(1).standard_normal(hessian.size)
+    exact = difference(packing, law, direction)
+    found = hessian.operator @ direction
+    assert found == pytest.approx(exact, abs=1e-6 * np.abs(exact).max())
+    assert hessian.reduced() @ direction == pytest.approx(found, abs=1e-12 * np.abs(found).max())
+    return state
+
+
+def test_every_law_and_stiffness(packing: deformable.Packing, law: deformable.Ring) -> None:
+    state = agrees(packing, law)
+    lines = state.hessian().matrix.shape[0] - 2 * len(packing)
+    pairs = len({tuple(sorted((row["i"], row["j"]))) for row in state.contact_table})
+    assert lines == CONTACTS.index(law.contact) * pairs
+
+
+@pytest.mark.parametrize("contact", CONTACTS)
+@pytest.mark.parametrize("scene", SCENES)
+def test_walls(scene: str, contact: str) -> None:
+    """Flat and round ones, from inside and outside, and corners."""
+    law = deformable.Ring(kA=1.0, kP=0.5, contact=contact)
+    start = deformable.bidisperse(40, seed=1).between(SCENES[scene]).at(0.9)
+    with deformable.Simulation(deformable.push_off(start), law) as sim:
+        state = sim.relax(1e-3)
+    assert (state.contact_table["j"] < 0).sum() > 5
+    agrees(state.packing, law)
+
+
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_a_particle_and_its_own_images(contact: str) -> None:
+    """A crystal of one particle: nothing moves, and the moduli are those of four."""
+    law = deformable.Ring(kA=1.0, kP=0.4, contact=contact)
+    one = deformable.bidisperse(1, phi=0.94, tilt=0.54, aspect=0.88)
+    steps = np.array([(a, b) for a in (0, 1) for b in (0, 1)]) @ one.box
+    four = deformable.Packing(one.positions + steps, np.zeros(4, int), one.radii[:1], 2 * one.box)
+    one = dataclasses.replace(one, species=[0], radii=one.radii[:1])
+    states = [evaluated(packing, law)[0] for packing in (one, four)]
+    assert np.abs(states[0].hessian().reduced()).max() < 1e-14
+    left, right = (state.elastic_moduli() for state in states)
+    assert left.tensor == pytest.approx(right.tensor, abs=1e-12)
+    assert right.shear_modulus > 1e-4
+
+
+@pytest.fixture(scope="module", params=["radical-perimeter", "balanced-finite", "tilted-droplets"])
+def relaxed(request: pytest.FixtureRequest) -> deformable.State:
+    jammed = deformable.jam(deformable.bidisperse(64, seed=5))
+    with deformable.Simulation(jammed.at(jammed.phi + 0.03), LAWS[request.param]) as sim:
+        return deformable.polish(sim.relax(1e-6))
+
+
+def test_zero_modes(relaxed: deformable.State) -> None:
+    """Two translations and two of each rattler, and no other."""
+    hessian = relaxed.hessian(rattlers=False)
+    assert (hessian.free == relaxed.rattlers).all()
+    assert hessian.free.any()
+    assert hessian.zero_modes == 2 + 2 * int(relaxed.rattlers.sum())
+    stiffness = np.linalg.eigvalsh(hessian.reduced())
+    zero = np.abs(stiffness) < 1e-11 * stiffness.max()
+    assert zero.sum() == hessian.zero_modes
+    modes = relaxed.modes()
+    assert modes.stiffness == pytest.approx(stiffness[~zero], abs=1e-12 * stiffness.max())
+    assert len(modes) + modes.zero_modes == 128
+
+
+def test_softest_modes(relaxed: deformable.State, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By Lanczos' method with the lines as variables, as from the dense matrix."""
+    every = relaxed.modes()
+    monkeypatch.setattr(deformable.state.modes, "_SMALL", 0)
+    few = relaxed.modes(6)
+    assert few.stiffness == pytest.approx(every.stiffness[:6], rel=1e-7)
+    overlap = np.einsum("kia,kia->k", few.vectors, every.vectors[:6])
+    assert np.abs(overlap) == pytest.approx(np.ones(6), abs=1e-6)
+    assert few.plot(0).get_title() == every.plot(0).get_title()
+
+
+def test_moduli_are_those_of_finite_strains(relaxed: deformable.State) -> None:
+    moduli = relaxed.elastic_moduli()
+    found = [
+        (moduli.shear_modulus, deformable.shear_modulus(relaxed, 1e-5, 1e-10)),
+        (moduli.pure_shear_modulus, deformable.shear_modulus(relaxed, 1e-5, 1e-10, pure=True)),
+        (moduli.bulk_modulus, deformable.bulk_modulus(relaxed, 1e-5, 1e-10)),
+    ]
+    for exact, finite in found:
+        assert finite.linear
+        assert exact == pytest.approx(finite.value, abs=2e-5 * moduli.bulk_modulus, rel=1e-5)
+
+
+def test_affine_moduli_leave_the_lines_free(relaxed: deformable.State) -> None:
+    """Stress of packings whose centers follow a strain, with lines that LAMMPS balances."""
+    moduli, packing, h = relaxed.elastic_moduli(), relaxed.packing, 5e-8
+
+    def stress(strain: float) -> float:
+        gradient = np.array([[1.0, strain], [0.0, 1.0]])
+        moved = dataclasses.replace(
+            packing, positions=packing.positions @ gradient.T, box=packing.box @ gradient.T
+        )
+        return -float(evaluated(moved, relaxed.law)[0].stress[0, 1])
+
+    near, far = ((stress(s) - stress(-s)) / (2.0 * s) for s in (h, 2.0 * h))
+    affine = (4.0 * near - far) / 3.0
+    assert moduli.affine[0, 1, 0, 1] == pytest.approx(affine, rel=1e-6)
+
+
+def test_errors(packing: deformable.Packing) -> None:
+    with deformable.Simulation(packing, deformable.Sector()) as sim:
+        state = sim.state()
+    with pytest.raises(deformable.ParameterError, match="sector"):
+        state.hessian()
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        sim.lmp.command("fix other all deformable/wall plane -50 0 1 0")
+        state = sim.state()
+    with pytest.raises(deformable.ParameterError, match="walls"):
+        state.modes()
+
+
+SCRIPT = """
+import json, math, sys
+sys.path[:0] = [{tests!r}]
+from mpi4py import MPI
+import deformable
+from exact_balance import exactly_balanced
+
+packing = deformable.load({folder!r}).state().packing
+found = []
+for contact in ("radical", "balanced", "tilted"):
+    law = deformable.Ring(kA=1.0, kP=0.3, contact=contact)
+    with exactly_balanced(), deformable.Simulation(packing, law) as sim:
+        state = sim.state()
+    hessian = state.hessian()
+    matrices = hessian.reduced(), hessian.by_strain[: hessian.size], hessian.strain
+    numbers = [matrix.ravel().tolist() for matrix in matrices]
+    assert MPI.COMM_WORLD.allgather(numbers) == [numbers] * MPI.COMM_WORLD.size
+    found.append(numbers)
+if MPI.COMM_WORLD.rank == 0:
+    print(json.dumps(found))
+"""
+
+
+def test_any_number_of_ranks_has_the_same_answer(
+    packing: deformable.Packing, tmp_path: Path
+) -> None:
+    with deformable.Simulation(packing, deformable.Ring(kA=1.0, kP=0.3)) as sim:
+        sim.relax(1e-4).save(tmp_path / "start")
+    tests = str(Path(__file__).parents[1])
+    script = SCRIPT.format(tests=tests, folder=str(tmp_path / "start"))
+    one, two, four = (json.loads(python(script, tmp_path, ranks)) for ranks in (1, 2, 4))
+    for shared in (two, four):
+        for mine, theirs in zip(one, shared, strict=True):
+            for first, second in zip(mine, theirs, strict=True):
+                assert second == pytest.approx(first, abs=1e-11 * np.abs(first).max())
