@@ -53,9 +53,10 @@ def measure(
         modes: how many of the lowest modes are counted; all if not given.
 
     Returns:
-        A row for each value, up to where the packing loses its rigidity, if it does. Pressures and moduli are in natural units, frequencies in units of
-        sqrt(k/m), k = tr M/(2 N_c) with the Hessian M and N_c contacts; `counts` are modes between
-        the `EDGES`, complete up to the frequency `complete`, of `modes` in all.
+        A row for each value, up to where the packing loses its rigidity, if it does. Pressures and
+        moduli are in natural units, frequencies in units of sqrt(k/m), k = tr M/(2 N_c) with the
+        Hessian M and N_c contacts; `counts` are modes between the `EDGES`, complete up to the
+        frequency `complete`, of `modes` in all.
     """
     disks = jam(bidisperse(number, seed=seed), pressure=_ONSET, tolerance=_TOLERANCE)
     with Disks(disks) as soft:

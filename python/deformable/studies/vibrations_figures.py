@@ -42,9 +42,9 @@ def vibrations(rows: Sequence[Row]) -> Figure:
         at = [row["excess_phi"] for row in chosen]
         label = f"{law}, $N$ = {number}"
         for name, marker in (("omega_star", "o"), ("boson_peak", "x")):
-            y, error = ([row[f"{name}{end}"] for row in chosen] for end in ("", "_error"))
+            y, bars = ([row[f"{name}{end}"] for row in chosen] for end in ("", "_error"))
             shown = {"omega_star": r"$\omega^*$", "boson_peak": "boson peak"}[name]
-            frequencies.errorbar(at, y, error, fmt=marker, label=f"{shown}, {label}")
+            frequencies.errorbar(at, y, bars, fmt=marker, label=f"{shown}, {label}")
         ratio = [row["shear_modulus"] / row["bulk_modulus"] for row in chosen]
         moduli.plot(at, ratio, "o", label=label)
     reached = [row["excess_phi"] for row in summary]
