@@ -34,6 +34,10 @@ _PATIENCE = 20_000
 # the density falls below this part of it.
 _PLATEAU, _PART = (0.4, 1.0), 0.5
 
+# Fewest modes in three intervals side by side from which a frequency is read: a packing near an
+# instability has single modes of any frequency.
+_FEWEST = 10
+
 # Quantities with a power law in phi - phi_J.
 QUANTITIES = ("pressure", "excess_coordination", "shear_modulus", "bulk_modulus")
 
@@ -154,9 +158,7 @@ def onset_frequency(rows: Sequence[Row], level: float) -> float:
         rows: of packings at the same phi - phi_J.
         level: the plateau.
     """
-    found, _ = density(rows)
-    middle = np.sqrt(EDGES[1:] * EDGES[:-1])
-    smooth = _smoothed(found)
+    smooth, middle = _smoothed(rows), np.sqrt(EDGES[1:] * EDGES[:-1])
     above = np.flatnonzero(smooth >= _PART * level)
     if not above.size or above[0] == 0 or not smooth[above[0] - 1] > 0.0:
         return float("nan")
@@ -172,9 +174,10 @@ def boson_peak(rows: Sequence[Row]) -> float:
     A parabola through the three intervals around the maximum, in logarithms; nan if it is at an
     end.
     """
-    found, _ = density(rows)
     middle = np.log(np.sqrt(EDGES[1:] * EDGES[:-1]))
-    reduced = _smoothed(found) / np.exp(middle)
+    reduced = _smoothed(rows) / np.exp(middle)
+    if np.isnan(reduced).all():
+        return float("nan")
     top = int(np.nanargmax(reduced))
     if top in (0, len(reduced) - 1) or not (reduced[top - 1 : top + 2] > 0.0).all():
         return float("nan")
@@ -183,10 +186,15 @@ def boson_peak(rows: Sequence[Row]) -> float:
     return float(np.exp(middle[top] + shift * (middle[1] - middle[0])))
 
 
-def _smoothed(values: Floats) -> Floats:
-    """Mean of three neighbors."""
-    padded = np.pad(values, 1, mode="edge")
+def _smoothed(rows: Sequence[Row]) -> Floats:
+    """Density of states over three intervals; nan where they have too few modes."""
+    found, error = density(rows)
+    padded = np.pad(found, 1, mode="edge")
     mean: Floats = (padded[:-2] + padded[1:-1] + padded[2:]) / 3.0
+    with np.errstate(invalid="ignore", divide="ignore"):
+        modes = np.pad(np.rint((found / error) ** 2), 1)
+    modes = np.where(np.isnan(modes), 0.0, modes)
+    mean[modes[:-2] + modes[1:-1] + modes[2:] < _FEWEST] = np.nan
     return mean
 
 
@@ -244,9 +252,12 @@ def _error(values: Floats) -> float:
 
 
 def _jackknife(value: Callable[[list[Row]], float], rows: list[Row]) -> tuple[float, float]:
-    """A value of all packings, and its standard error from leaving out one after another."""
+    """A value of all packings, and its standard error from leaving out one after another.
+
+    The error is nan where one of the values is.
+    """
     if len(rows) < 3:
         return value(rows), float("nan")
     without = np.array([value(rows[:n] + rows[n + 1 :]) for n in range(len(rows))])
-    spread = np.nanmean((without - np.nanmean(without)) ** 2) * (len(rows) - 1)
+    spread = np.mean((without - without.mean()) ** 2) * (len(rows) - 1)
     return value(rows), float(np.sqrt(spread))

@@ -8,6 +8,7 @@ import pytest
 from deformable.engine.relaxed_disks import RelaxedDisks, Report, relax_at_pressure
 from deformable.protocols import jamming
 from deformable.protocols.jamming import natural_pressure, simulate
+from mpi4py import MPI
 
 RADICAL, BALANCED = (deformable.Ring(contact=contact) for contact in ("radical", "balanced"))
 ONSETS = [
@@ -147,6 +148,24 @@ def test_disks_that_rearrange_slowly_are_compressed_again(monkeypatch: pytest.Mo
     assert patience[-1] > 30
     state = onset(jammed, None)
     assert state.pressure == pytest.approx(1.4e-7, rel=1e-6)
+    assert state.residual <= 1.5e-6
+
+
+@pytest.mark.parametrize("kind", ["species", "particle radii", "walls"])
+def test_conjugate_gradients_jam_disks_too(kind: str) -> None:
+    """What LAMMPS has no energy for is relaxed as without a communicator."""
+    packing = deformable.bidisperse(40, phi=0.4, seed=2)
+    if kind == "particle radii":
+        packing = deformable.polydisperse(40, np.linspace(0.4, 0.6, 40), phi=0.4)
+    if kind == "walls":
+        packing = packing.between([deformable.Circle((0, 0), 6)])
+    alone, shared = (
+        deformable.jam(packing, pressure=1e-7, tolerance=1e-6, comm=comm)
+        for comm in (None, MPI.COMM_SELF)
+    )
+    assert (kind == "species") != np.array_equal(alone.positions, shared.positions)
+    state = onset(shared, None)
+    assert state.pressure == pytest.approx(1.4e-7, rel=1e-4)
     assert state.residual <= 1.5e-6
 
 
