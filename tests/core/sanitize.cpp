@@ -6,6 +6,7 @@
 #include "contact_stiffness.h"
 #include "outline.h"
 #include "ring.h"
+#include "ring_hessian.h"
 #include "sector.h"
 #include "soft_ring.h"
 
@@ -53,6 +54,7 @@ struct Kernels {
   RingLCP lcp;
   std::vector<int> order;
   std::vector<char> is_active;
+  RingHessian hessian;
 
   void ring(double radius, const std::vector<Contact> &memory)
   {
@@ -109,6 +111,8 @@ struct Kernels {
                             contacts,  shape.contact.data()};
     contact_stiffness(ring, n, active.data(), inverse.data(), rate, matrix.data());
     for (const double k : matrix) require(std::isfinite(k), "contact stiffness", memory);
+    ring_hessian(ring, n, active.data(), hessian);
+    for (const double k : hessian.block) require(std::isfinite(k), "ring Hessian", memory);
     for (int c = 0; c < contacts.size; ++c)
       require(std::isfinite(gap_to_line(ring, c)), "gap to a line", memory);
   }

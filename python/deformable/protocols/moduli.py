@@ -46,7 +46,7 @@ def shear_modulus(
 
     The packing is sheared by the strain and by its opposite, each time from the state, and relaxed:
     half the difference of the stresses does not contain the stress of the state. The strain is
-    halved until two values agree.
+    halved until two values agree. `state.elastic_moduli` has the limit of small strains at once.
 
     Args:
         state: of a `Simulation` or of `Disks`, relaxed, with a pressure above zero.

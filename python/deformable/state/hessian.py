@@ -125,12 +125,12 @@ class Hessian:
         return LinearOperator((n, n), matvec=product, rmatvec=product, matmat=product, dtype=float)
 
     def reduced(self) -> Floats:
-        """H as a dense array, shape (2N, 2N) [energy/length^2]; symmetric to the last bit."""
-        dense = self.matrix[: self.size, : self.size].toarray()
+        """H as a dense array, shape (2N, 2N) [energy/length^2]."""
+        dense: Floats = self.matrix[: self.size, : self.size].toarray()
         if self._lines is not None:
             coupling = self.matrix[self.size :, : self.size].toarray()
             dense -= self.matrix[: self.size, self.size :] @ self._lines(coupling)
-        return np.asarray(0.5 * (dense + dense.T))
+        return dense
 
     def solve(self, forces: ArrayLike) -> Floats:
         """Displacements u with H u = f, without motions that have no stiffness.

@@ -172,12 +172,11 @@ def _all(hessian: Hessian, number: int, vectors: bool) -> tuple[Floats, Floats |
     kept = np.flatnonzero(~np.repeat(hessian.free, 2))
     if number == 0:
         return np.empty(0), np.empty((hessian.size, 0))
-    dense = hessian.reduced()[np.ix_(kept, kept)]
+    dense = hessian.reduced()
+    if len(kept) < hessian.size:
+        dense = dense[np.ix_(kept, kept)]
     together = hessian.motions[kept]
-    high = 2.0 * float(np.abs(dense).sum(axis=0).max())
-    pushed = dense @ together
-    dense -= together @ pushed.T + pushed @ together.T
-    dense += together @ ((together.T @ pushed) + high * np.eye(together.shape[1])) @ together.T
+    dense += (2.0 * float(np.abs(dense).sum(axis=0).max()) * together) @ together.T
     # LAPACK is faster for all modes than for many of them
     subset = None if number == len(kept) - together.shape[1] else (0, number - 1)
     driver = "evd" if subset is None else "evr"

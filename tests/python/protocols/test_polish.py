@@ -44,6 +44,16 @@ def scale(state: deformable.State | deformable.DiskState) -> float:
     return 2.0 * state.pressure
 
 
+@pytest.mark.parametrize("law", [None, deformable.Ring(kP=0.4)])
+def test_between_walls(law: deformable.Ring | None) -> None:
+    walls = deformable.Circle((0, 0), 4), deformable.Disk((1, 0.5), 0.6)
+    jammed = deformable.jam(deformable.bidisperse(40, seed=1).between(walls).at(0.6))
+    packing = jammed.at(jammed.phi + 0.02)
+    with deformable.Simulation(packing, law) if law else deformable.Disks(packing) as sim:
+        state = sim.relax(1e-5)
+    assert deformable.polish(state).residual <= 1e-10
+
+
 def test_a_state_far_from_rest_stays() -> None:
     start = deformable.bidisperse(20, phi=0.9, seed=2)
     with deformable.Disks(start) as disks:

@@ -149,6 +149,12 @@ def test_response_to_forces(state: deformable.DiskState) -> None:
         hessian.solve(np.zeros(5))
 
 
+def test_disks_that_resist_no_force() -> None:
+    state = state_of(deformable.bidisperse(30, phi=0.7, seed=2))
+    with pytest.raises(deformable.ParameterError, match="resist"):
+        state.hessian().solve(np.random.default_rng(1).standard_normal(60))
+
+
 def test_loose_disks_do_not_resist() -> None:
     with deformable.Disks(deformable.bidisperse(16, phi=0.5)) as disks:
         state = disks.relax(1e-6)

@@ -95,6 +95,15 @@ def test_every_law_and_stiffness(packing: deformable.Packing, law: deformable.Ri
 
 
 @pytest.mark.parametrize("contact", CONTACTS)
+def test_any_sizes(contact: str) -> None:
+    """Radii from 0.3 to 0.7 in a tilted box."""
+    start = deformable.polydisperse(20, np.linspace(0.3, 0.7, 20), tilt=0.4, seed=2)
+    jammed = deformable.jam(start)
+    law = deformable.Ring(kA=1.0, kP=0.5, contact=contact)
+    agrees(jammed.at(jammed.phi + 0.03), law)
+
+
+@pytest.mark.parametrize("contact", CONTACTS)
 @pytest.mark.parametrize("scene", SCENES)
 def test_walls(scene: str, contact: str) -> None:
     """Flat and round ones, from inside and outside, and corners."""
@@ -191,6 +200,24 @@ def test_errors(packing: deformable.Packing) -> None:
         state = sim.state()
     with pytest.raises(deformable.ParameterError, match="walls"):
         state.modes()
+
+
+def test_lines_at_the_largest_tilt() -> None:
+    packing = deformable.bidisperse(1, phi=1.9, tilt=0.54, aspect=0.88)
+    with deformable.Simulation(packing, deformable.Ring(kP=0.4, contact="tilted")) as sim:
+        state = sim.state()
+    assert np.abs(state.contact_table["tilt"]).max() == pytest.approx(0.3)
+    with pytest.raises(deformable.ParameterError, match=r"particle 0.*0\.3"):
+        state.hessian()
+
+
+def test_loose_rings() -> None:
+    start = deformable.push_off(deformable.bidisperse(16, phi=0.4))
+    with deformable.Simulation(start, deformable.Ring(kP=0.4)) as sim:
+        state = sim.relax()
+    assert state.hessian().matrix.nnz == 0
+    assert (len(state.modes()), state.modes().zero_modes) == (0, 32)
+    assert not state.elastic_moduli().tensor.any()
 
 
 SCRIPT = """
