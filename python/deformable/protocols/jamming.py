@@ -48,6 +48,9 @@ _STAGES = (1000.0, 100.0, 10.0, 1.0)
 # smallest radius, far below those of disks at random positions.
 _PUSHED_OFF = 1e-3
 
+# Relaxations of deformable particles in a row that stall: at another phi they may not.
+_STALLS = 3
+
 # A rearrangement may leave no packing between one and two thresholds: the search ends at this step.
 _SMALLEST_STEP = 1e-10
 
@@ -194,13 +197,16 @@ def _jammed_particles(
     """
     unit = natural_pressure(packing, law)
     target, longest, last = _excess_phi(_ABOVE * pressure, packing, law), np.inf, 0.0
+    stalls = 0
     while True:
         state = _relaxed(packing, law, pressure * unit, tolerance, comm)
         bar.set_postfix(phi=f"{state.phi:.6f}", pressure=f"{state.pressure:.1e}")
         bar.update()
         found = state.pressure / unit
         rigid = found > pressure
-        if state.stalled or (rigid and (found <= 2.0 * pressure or longest < _SMALLEST_STEP)):
+        stalls = stalls + 1 if state.stalled else 0
+        at_rest = rigid and not state.stalled
+        if stalls == _STALLS or (at_rest and (found <= 2.0 * pressure or longest < _SMALLEST_STEP)):
             return state
         change = target - _excess_phi(found, packing, law)
         if last:

@@ -57,10 +57,10 @@ def measure(
         modes: how many of the lowest modes are counted; all if not given.
 
     Returns:
-        A row for each value, up to where the packing loses its rigidity, if it does. Pressures and
-        moduli are in natural units, frequencies in units of sqrt(k/m), k = tr M/(2 N_c) with the
-        Hessian M and N_c contacts; `counts` are modes between the `EDGES`, complete up to the
-        frequency `complete`, of `modes` in all.
+        A row for each value at which the packing has not lost its rigidity. Pressures and moduli
+        are in natural units, frequencies in units of sqrt(k/m), k = tr M/(2 N_c) with the Hessian M
+        and N_c contacts; `counts` are modes between the `EDGES`, complete up to the frequency
+        `complete`, of `modes` in all.
     """
     disks = jam(bidisperse(number, seed=seed), pressure=_ONSET, tolerance=_TOLERANCE)
     with Disks(disks) as soft:
@@ -70,9 +70,9 @@ def measure(
     unit = natural_pressure(disks, contact_law(law))
     key = {"law": law, "number": number, "seed": seed, "onset_phi": onset}
     rows = []
-    for wanted, found in zip(excess_phi, _states(law, disks, onset, excess_phi), strict=False):
-        if not found.network_contacts:
-            break  # it rearranged, and is loose
+    for wanted, found in zip(excess_phi, _states(law, disks, onset, excess_phi), strict=True):
+        if found.pressure < _ONSET * unit * wanted:
+            continue  # it has rearranged, and is loose
         row = key | {"wanted": wanted, "excess_phi": found.phi - onset}
         rows.append(row | _response(found, unit) | _spectrum(found, modes))
     return rows
