@@ -1,6 +1,8 @@
 """Jamming: the onset of rigidity of soft disks and of deformable particles."""
 
+import dataclasses
 import warnings
+from typing import Any
 
 import deformable
 import numpy as np
@@ -113,6 +115,23 @@ def test_natural_pressure() -> None:
 def test_sector_warns_that_it_has_no_onset() -> None:
     with pytest.warns(deformable.StalledWarning, match="the onset of jamming is uncertain"):
         deformable.jam(deformable.bidisperse(8, seed=2), deformable.Sector(), pressure=1e-4)
+
+
+def test_a_relaxation_that_stalls_does_not_end_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At the next step of phi the rings may come to rest; after three in a row `jam` warns."""
+    relaxed, stalls = jamming._relaxed, [True, True]
+
+    def stalling(*arguments: Any) -> deformable.State:
+        state = relaxed(*arguments)
+        return dataclasses.replace(state, stalled=stalls.pop()) if stalls else state
+
+    monkeypatch.setattr(jamming, "_relaxed", stalling)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        deformable.jam(deformable.bidisperse(16, seed=1), RADICAL, pressure=1e-7)
+    stalls += [True] * 3
+    with pytest.warns(deformable.StalledWarning):
+        deformable.jam(deformable.bidisperse(16, seed=1), RADICAL, pressure=1e-7)
 
 
 def test_rattlers_fall_one_after_another() -> None:
