@@ -22,7 +22,7 @@ from ..model.packing import Packing
 from ..state.state import State
 
 # Pressure of soft disks up to which a packing counts as loose while it is compressed, and step of
-# packing fraction at which that ends. From there on the pressure only falls.
+# packing fraction at which that ends. From there on the pressure falls.
 _LOOSE, _FINEST = 1e-4, 0.0025
 
 # Compression only has to tell loose packings from rigid ones: forces on particles may be this part
