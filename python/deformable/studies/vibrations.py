@@ -1,0 +1,263 @@
+"""Normal modes and moduli of packings above jamming: density of states, omega*, boson peak."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from ..engine.disks import Disks
+from ..engine.relaxed_disks import relax_at_pressure
+from ..engine.simulation import Simulation
+from ..model.packing import Packing, bidisperse
+from ..protocols.jamming import jam, natural_pressure
+from ..state.disk_state import DiskState
+from ..state.state import State
+from .ensemble import Row, contact_law
+
+Floats = NDArray[np.float64]
+
+# Intervals of frequency, ten a decade, in units of sqrt(k/m) with the mean stiffness k of contacts.
+EDGES: Floats = 10.0 ** np.linspace(-4.0, 0.7, 48)
+
+# Disks are jammed at this pressure, and relaxed to this part of a contact force. At a pressure P
+# they are about P/0.4 above phi_J.
+_ONSET, _TOLERANCE, _SLOPE = 1e-7, 1e-6, 0.4
+
+# Iterations of a relaxation.
+_PATIENCE = 20_000
+
+# The plateau of the density of states is taken between these frequencies. It ends at omega*, where
+# the density falls below this part of it.
+_PLATEAU, _PART = (0.4, 1.0), 0.5
+
+# Fewest modes in three intervals side by side from which a frequency is read: a packing near an
+# instability has single modes of any frequency.
+_FEWEST = 10
+
+# Quantities with a power law in phi - phi_J.
+QUANTITIES = ("pressure", "excess_coordination", "shear_modulus", "bulk_modulus")
+
+
+def measure(
+    law: str, number: int, seed: int, excess_phi: Sequence[float], modes: int | None = None
+) -> list[Row]:
+    """Modes and moduli of a packing that is compressed from its onset.
+
+    Rings have the onset of soft disks, so that all laws start from these.
+
+    Args:
+        law: name in `ensemble.LAWS` with a Hessian.
+        number: of particles, an equal mixture of sizes 1 : 1.4.
+        seed: of the random start.
+        excess_phi: values of phi - phi_J, rising; disks come close to them.
+        modes: how many of the lowest modes are counted; all if not given.
+
+    Returns:
+        A row for each value at which the packing has not lost its rigidity. Pressures and moduli
+        are in natural units, frequencies in units of sqrt(k/m), k = tr M/(2 N_c) with the Hessian M
+        and N_c contacts; `counts` are modes between the `EDGES`, complete up to the frequency
+        `complete`, of `modes` in all.
+    """
+    disks = jam(bidisperse(number, seed=seed), pressure=_ONSET, tolerance=_TOLERANCE)
+    with Disks(disks) as soft:
+        state = soft.state()
+    # dp/dphi = K/phi
+    onset = state.phi * (1.0 - state.pressure / state.elastic_moduli().bulk_modulus)
+    unit = natural_pressure(disks, contact_law(law))
+    key = {"law": law, "number": number, "seed": seed, "onset_phi": onset}
+    rows = []
+    for wanted, found in zip(excess_phi, _states(law, disks, onset, excess_phi), strict=True):
+        if found.pressure < _ONSET * unit * wanted:
+            continue  # it has rearranged, and is loose
+        row = key | {"wanted": wanted, "excess_phi": found.phi - onset}
+        rows.append(row | _response(found, unit) | _spectrum(found, modes))
+    return rows
+
+
+def _states(
+    law: str, disks: Packing, onset: float, excess_phi: Sequence[float]
+) -> Iterator[State | DiskState]:
+    """The packing, relaxed near each phi - phi_J."""
+    settings = contact_law(law)
+    if settings is None:
+        for excess in excess_phi:
+            relaxed = relax_at_pressure(
+                disks, _SLOPE * excess, _TOLERANCE, _PATIENCE, lambda *values: None
+            )
+            disks = relaxed.packing
+            with Disks(disks) as soft:
+                yield soft.state()
+        return
+    with Simulation(disks, settings, MPI.COMM_SELF) as sim:
+        for excess in excess_phi:
+            sim.deform(disks.at(onset + excess).box)
+            yield sim.relax(_TOLERANCE)
+
+
+def _response(state: State | DiskState, unit: float) -> Row:
+    moduli = state.elastic_moduli()
+    free = int(np.sum(~state.rattlers))
+    return {
+        "phi": state.phi,
+        "pressure": state.pressure / unit,
+        "excess_coordination": 2.0 * (state.network_contacts - state.isostatic_contacts) / free,
+        # the mean over all directions of shear
+        "shear_modulus": 0.5 * (moduli.shear_modulus + moduli.pure_shear_modulus) / unit,
+        "bulk_modulus": moduli.bulk_modulus / unit,
+        "residual": state.residual,
+    }
+
+
+def _spectrum(state: State | DiskState, modes: int | None) -> Row:
+    hessian = state.hessian(rattlers=False)
+    stiffness = hessian.matrix.trace() / (2.0 * state.network_contacts)
+    frequencies = state.modes(modes, vectors=False).frequencies / np.sqrt(stiffness)
+    complete = np.inf if modes is None else float(frequencies[-1])
+    return {
+        "stiffness": float(stiffness),
+        "modes": hessian.size - hessian.zero_modes,
+        "complete": complete if np.isfinite(complete) else None,
+        "lowest": float(frequencies[0]),
+        "unstable": int(np.sum(frequencies < 0.0)),
+        "counts": np.histogram(frequencies, EDGES)[0].tolist(),
+    }
+
+
+def density(rows: Sequence[Row]) -> tuple[Floats, Floats]:
+    """Density of states over packings, and its standard error by the number of modes.
+
+    Returns:
+        Both for each interval of `EDGES`; nan where no packing has counted all modes.
+    """
+    counts, modes = np.zeros(len(EDGES) - 1), np.zeros(len(EDGES) - 1)
+    for row in rows:
+        whole = EDGES[1:] <= (row["complete"] or np.inf)
+        counts += np.where(whole, row["counts"], 0)
+        modes += np.where(whole, row["modes"], 0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        per_count = 1.0 / (modes * np.diff(EDGES))
+        return counts * per_count, np.sqrt(counts) * per_count
+
+
+def plateau(rows: Sequence[Row]) -> float:
+    """Mean density of states between 0.4 and 1 sqrt(k/m); nan if those modes were not counted."""
+    found, _ = density(rows)
+    inside = (EDGES[:-1] >= 0.999 * _PLATEAU[0]) & (EDGES[1:] <= 1.001 * _PLATEAU[1])
+    width = np.diff(EDGES)[inside]
+    return float(np.sum(found[inside] * width) / np.sum(width))
+
+
+def onset_frequency(rows: Sequence[Row], level: float) -> float:
+    """omega*, where the density of states rises above half of its plateau; nan if it does not.
+
+    Args:
+        rows: of packings at the same phi - phi_J.
+        level: the plateau.
+    """
+    smooth, middle = _smoothed(rows), np.sqrt(EDGES[1:] * EDGES[:-1])
+    above = np.flatnonzero(smooth >= _PART * level)
+    if not above.size or above[0] == 0 or not smooth[above[0] - 1] > 0.0:
+        return float("nan")
+    low, high = above[0] - 1, above[0]
+    steps = np.log(smooth[[low, high]] / (_PART * level))
+    part = -steps[0] / (steps[1] - steps[0])
+    return float(middle[low] * (middle[high] / middle[low]) ** part)
+
+
+def boson_peak(rows: Sequence[Row]) -> float:
+    """The frequency at which D(omega)/omega is largest; omega is Debye's D in two dimensions.
+
+    A parabola through the three intervals around the maximum, in logarithms; nan if it is at an
+    end.
+    """
+    middle = np.log(np.sqrt(EDGES[1:] * EDGES[:-1]))
+    reduced = _smoothed(rows) / np.exp(middle)
+    if np.isnan(reduced).all():
+        return float("nan")
+    top = int(np.nanargmax(reduced))
+    if top in (0, len(reduced) - 1) or not (reduced[top - 1 : top + 2] > 0.0).all():
+        return float("nan")
+    below, at, above = np.log(reduced[top - 1 : top + 2])
+    shift = 0.5 * (below - above) / (below - 2.0 * at + above)
+    return float(np.exp(middle[top] + shift * (middle[1] - middle[0])))
+
+
+def _smoothed(rows: Sequence[Row]) -> Floats:
+    """Density of states over three intervals; nan where they have too few modes."""
+    found, error = density(rows)
+    padded = np.pad(found, 1, mode="edge")
+    mean: Floats = (padded[:-2] + padded[1:-1] + padded[2:]) / 3.0
+    with np.errstate(invalid="ignore", divide="ignore"):
+        modes = np.pad(np.rint((found / error) ** 2), 1)
+    modes = np.where(np.isnan(modes), 0.0, modes)
+    mean[modes[:-2] + modes[1:-1] + modes[2:] < _FEWEST] = np.nan
+    return mean
+
+
+def summarize(rows: Sequence[Row]) -> list[Row]:
+    """Means over packings of each law, size and phi - phi_J, with standard errors."""
+    summary = []
+    for (law, number, wanted), group in grouped(rows).items():
+        of_law = [row for row in rows if row["law"] == law and row["complete"] is None]
+        level = plateau([row for row in of_law if row["wanted"] == wanted]) if of_law else np.nan
+        found: Row = {"law": law, "number": number, "wanted": wanted, "packings": len(group)}
+        for name in ("excess_phi", "stiffness", *QUANTITIES):
+            values = np.array([row[name] for row in group])
+            found[name] = float(values.mean())
+            found[f"{name}_error"] = _error(values)
+        found["plateau"] = level
+        for name, frequency in (
+            ("omega_star", lambda these, level=level: onset_frequency(these, level)),
+            ("boson_peak", boson_peak),
+        ):
+            found[name], found[f"{name}_error"] = _jackknife(frequency, group)
+        found["unstable"] = sum(row["unstable"] for row in group)
+        summary.append(found)
+    return summary
+
+
+def grouped(rows: Sequence[Row]) -> dict[tuple[Any, ...], list[Row]]:
+    """Rows of packings that differ only in their seed."""
+    found: dict[tuple[Any, ...], list[Row]] = {}
+    for row in rows:
+        found.setdefault((row["law"], row["number"], row["wanted"]), []).append(row)
+    return dict(sorted(found.items()))
+
+
+def exponent(summary: Sequence[Row], name: str, lowest: float, highest: float) -> float:
+    """Slope of a quantity over phi - phi_J in logarithms, between these values.
+
+    Args:
+        summary: rows of one law and size.
+        name: of the quantity.
+        lowest, highest: phi - phi_J.
+    """
+    points = [
+        (row["excess_phi"], row[name])
+        for row in summary
+        if lowest <= row["wanted"] <= highest and row[name] > 0.0
+    ]
+    if len(points) < 2:
+        return float("nan")
+    x, y = np.log(np.array(points)).T
+    return float(np.polyfit(x, y, 1)[0])
+
+
+def _error(values: Floats) -> float:
+    return float(np.std(values, ddof=1) / np.sqrt(len(values))) if len(values) > 1 else np.nan
+
+
+def _jackknife(value: Callable[[list[Row]], float], rows: list[Row]) -> tuple[float, float]:
+    """A value of all packings, and its standard error from leaving out one after another.
+
+    The error is nan where one of the values is.
+    """
+    if len(rows) < 3:
+        return value(rows), float("nan")
+    without = np.array([value(rows[:n] + rows[n + 1 :]) for n in range(len(rows))])
+    spread = np.mean((without - without.mean()) ** 2) * (len(rows) - 1)
+    return value(rows), float(np.sqrt(spread))
