@@ -89,11 +89,10 @@ def test_soft_and_stiff_share_their_contacts(tmp_path: Path) -> None:
     printed = text("python", "soft_and_stiff.py", cwd=folder)
     _, pressure, _ = numbers(printed).T
     summary = printed[printed.rindex("phi") :].partition("\n")[2]
-    count, uneven, share, radical, longer, p_soft, lost_soft, p_stiff, lost_stiff = map(
+    count, share, radical, longer, p_soft, lost_soft, p_stiff, lost_stiff = map(
         float, re.findall(r"\d[\d.]*(?:e[-+]\d+)?", summary)
     )
     assert count > 30
-    assert uneven < 1e-7  # forces are balanced to 1e-8 of the largest one
     assert share > radical + 0.05
     # the force p L is the same on both sides
     assert longer > 1.5

@@ -29,8 +29,7 @@ other = other[np.lexsort((*-other["image"].T, other["i"], other["j"]))]
 radius = state.packing.radius
 overlap = np.sum(soft["indentation"] + other["indentation"])
 radical = deformable.core.contact_line(soft["distance"], radius[soft["i"]], radius[soft["j"]])
-uneven = np.abs(soft["force"] - other["force"]).max() / soft["force"].max()
-print(f"{len(soft)} contacts of soft and stiff, forces of their two sides the same to {uneven:.0e}")
+print(f"{len(soft)} contacts of soft and stiff particles")
 print(f"soft share of the overlaps {soft['indentation'].sum() / overlap:.3f}", end=", ")
 print(f"on the radical axes {radical.sum() / overlap:.3f}")
 print(f"contacts longer on the soft side {soft['length'].sum() / other['length'].sum():.3f} times")

@@ -36,6 +36,12 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
+# Exit code after Ctrl-C.
+_INTERRUPTED = 130
+_GOES_ON = (
+    "interrupted: add --resume to finish a run or a report; `deformable jam` goes on when repeated"
+)
+
 STYLES = (
     ("pair", "deformable/ring"),
     ("pair", "deformable/sector"),
@@ -60,6 +66,10 @@ def main() -> None:
     try:
         with one_rank_prints():
             app()
+    except SystemExit as end:
+        if end.code == _INTERRUPTED and MPI.COMM_WORLD.rank == 0:
+            print(_GOES_ON, file=sys.stderr)
+        raise
     except (
         ParameterError,
         FileError,

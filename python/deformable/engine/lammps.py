@@ -70,7 +70,7 @@ class Engine:
 
     def close(self) -> None:
         """Free the LAMMPS instance."""
-        self._lmp.close()
+        close_lammps(self._lmp)
 
     def __enter__(self: E) -> E:
         return self
@@ -179,6 +179,16 @@ def silent_lammps(comm: MPI.Comm, style: str = "atomic", boundary: str = "p p") 
     lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"], comm=comm)
     run(lmp, SETUP.format(style=style, boundary=boundary))
     return lmp
+
+
+def close_lammps(lmp: lammps) -> None:
+    """Free a LAMMPS instance once.
+
+    If Ctrl-C comes meanwhile, LAMMPS' own `close` frees it again at the end, and crashes.
+    """
+    instance, lmp.lmp, lmp.opened = lmp.lmp, None, 0
+    if instance:
+        lmp.lib.lammps_close(instance)
 
 
 def run(lmp: lammps, commands: str) -> None:

@@ -156,7 +156,7 @@ class Simulation(FormerAttributes, Engine):
         """
         expect("packing", packing, Packing)
         species_file(self.law, packing.radii)  # or fail before the old LAMMPS is gone
-        self.lmp.close()
+        self.close()
         self._open(packing)
 
     def _open(self, packing: Packing) -> None:

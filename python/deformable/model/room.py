@@ -160,14 +160,20 @@ def free_area(walls: Sequence[Wall], box: Floats) -> float:
     Exact to rounding; only where a round wall crosses another one, to 1e-5 of the disk.
 
     Raises:
-        ParameterError: see `bounds`, or obstacles fill the room.
+        ParameterError: see `bounds`, or obstacles fill the room, or are too large to compute with.
     """
     if not walls:
         return float(np.prod(box.diagonal()))
     import shapely
 
-    with np.errstate(all="ignore"):  # of numbers so large that areas overflow
-        free = container(walls, box).difference(shapely.union_all(obstacles(walls, box)))
+    try:
+        with np.errstate(all="ignore"):  # of numbers so large that areas overflow
+            free = container(walls, box).difference(shapely.union_all(obstacles(walls, box)))
+    except shapely.errors.GEOSException:
+        largest = max(abs(value) for wall in walls for value in wall.values)
+        raise ParameterError(
+            f"walls are too large to compute the area between them: one has the value {largest:g}"
+        ) from None
     if not 0.0 < free.area < np.inf:
         raise ParameterError("obstacles fill the room: they leave no area to particles")
     return float(free.area)

@@ -241,6 +241,23 @@ def test_ranks_print_once_what_is_wrong(arguments: list[str], line: str, tmp_pat
     assert not list(tmp_path.iterdir())
 
 
+def test_an_interruption_tells_how_to_go_on(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "draw_movie", interrupted)
+    monkeypatch.setattr("sys.argv", ["deformable", "movie", "run"])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    assert end.value.code == 130
+    found = capsys.readouterr().err
+    assert found.startswith("interrupted: ")
+    assert "--resume" in found
+    assert found.count("\n") == 1
+
+
 def test_warnings_of_a_command_come_from_any_rank(tmp_path: Path) -> None:
     """Packings are measured on any rank, and only that rank knows of what went wrong there."""
     script = """

@@ -205,3 +205,24 @@ def test_states_without_area_are_refused(number: int) -> None:
         pytest.raises(deformable.LammpsError, match=r"\A[^\n]*tom \d[^\n]* no area[^\n]*\Z"),
     ):
         sim.state()
+
+
+def test_an_interrupted_close_frees_lammps_once(
+    jammed: deformable.Packing, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ctrl-C while LAMMPS ends: a second time would crash."""
+    sim = deformable.Simulation(jammed, deformable.Ring())
+    library, freed = sim.lmp.lib, []
+    close = library.lammps_close
+
+    def interrupted(instance: object) -> None:
+        freed.append(instance)
+        close(instance)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(library, "lammps_close", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        sim.close()
+    sim._lmp.close()  # as when the instance is deleted
+    assert len(freed) == 1
+    assert sim.closed

@@ -82,6 +82,9 @@ WRONG = {
         (*rectangle(5, 5), Disk((2.5, 2.5), 3.5354)),
         "obstacles fill the room|too little room",
     ),
+    "huge disk": (Disk((0, 0), 1e300), r"too large .* 1e\+300"),
+    "huge circles": ((Circle((0, 0), 1e300),) * 2, r"too large .* 1e\+300"),
+    "huge both": ((Disk((0, 0), 1e300), Circle((0, 0), 1e300)), r"too large .* 1e\+300"),
 }
 
 
