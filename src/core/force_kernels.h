@@ -67,6 +67,7 @@ struct PairArrays {
   double *force, *residual;
   float *weight, *step;    // 1/(C_i + C_j), negative where the pair takes no part
   double scale;            // weights and steps are in units of 1/scale
+  double length;           // conjugate gradients have residuals in units of it
   double *begin;           // forces before the step
   double *past[3];         // forces of the last calls, the latest first
 };

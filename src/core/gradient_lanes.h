@@ -9,13 +9,14 @@
 
 namespace deformable::DEFORMABLE_LEVEL {
 
-// A sum of many numbers in single precision: its rounding would depend on how ranks share the contacts.
+// A sum of products of many numbers in single precision. Near the onset of jamming products are beyond its range, and its
+// rounding would depend on how ranks share the contacts.
 struct Sum {
   typedef double Parts __attribute__((vector_size(8 * FLOATS)));
   Parts part[LANES / FLOATS] = {};
-  DEFORMABLE_LANE_LAMBDA void add(int first, Floats term)
+  DEFORMABLE_LANE_LAMBDA void add(int first, Floats a, Floats b)
   {
-    part[first / FLOATS] += __builtin_convertvector(term, Parts);
+    part[first / FLOATS] += __builtin_convertvector(a, Parts) * __builtin_convertvector(b, Parts);
   }
   DEFORMABLE_LANE_LAMBDA double total() const
   {
@@ -26,42 +27,42 @@ struct Sum {
   }
 };
 
-// term(c) over all contacts, vector by vector.
-template <class Term> DEFORMABLE_LANE_FUNCTION double sum_of_contacts(int contacts, Term &&term)
+// body(c) for all contacts, vector by vector.
+template <class Body> DEFORMABLE_LANE_FUNCTION void for_contacts_in_all(int contacts, Body &&body)
 {
-  Sum sum;
   for (int c = 0; c < contacts; c += LANES)
 #pragma GCC unroll 2
-    for (int n = 0; n < LANES; n += FLOATS) sum.add(n, term(c + n));
-  return sum.total();
+    for (int n = 0; n < LANES; n += FLOATS) body(c + n);
 }
 
 // A wall has one contact: twice its residual and half of its weight make it a pair of two that are the same.
 static GradientStart begin_gradients(const RingBatches &b, const PairArrays &pairs)
 {
   const GradientArrays &g = b.gradients;
-  Sum weights;
-  const double norm2 = sum_of_contacts(b.contacts_in_all, [&](int c) DEFORMABLE_LANE_LAMBDA {
+  const double per_length = 1.0 / pairs.length;
+  const Floats one = Floats{} + 1.0F;
+  Sum norm2, weights;
+  for_contacts_in_all(b.contacts_in_all, [&](int c) DEFORMABLE_LANE_LAMBDA {
     Floats left, weight;
     for (int w = 0; w < FLOATS; ++w) {
       const int k = b.contacts.seat[c + w] >> 1;
       const float sides = g.partner[c + w] == c + w ? 2.0F : 1.0F;
-      left[w] = sides * static_cast<float>(pairs.residual[k]);
+      left[w] = sides * static_cast<float>(pairs.residual[k] * per_length);
       weight[w] = pairs.weight[k] > 0.0F ? pairs.weight[k] / sides : 0.0F;
     }
     store_floats(g.left + c, left);
     store_floats(g.weight + c, weight);
-    weights.add(c % LANES, weight);
-    return weight * left * left;
+    weights.add(c % LANES, weight, one);
+    norm2.add(c % LANES, weight * left, left);
   });
-  return {0.5 * norm2, 0.5 * weights.total()};
+  return {0.5 * norm2.total(), 0.5 * weights.total()};
 }
 
-// d = w r + conjugation d; C d/scale of each ring. Returns the parts of d C d/scale.
+// d = w r + conjugation d; C d/scale of each ring, and the sum of d C d/scale.
 template <int SIZE, bool SOFT, bool FIRST>
-DEFORMABLE_LANE_FUNCTION Floats multiply_lanes(float conjugation, int contacts,
-                                               const ContactArrays &c, const GradientArrays &g,
-                                               const RingArrays &rings)
+DEFORMABLE_LANE_FUNCTION void multiply_lanes(float conjugation, int contacts,
+                                             const ContactArrays &c, const GradientArrays &g,
+                                             const RingArrays &rings, Sum &curvature, int first)
 {
   const int n = SIZE > 0 ? SIZE : contacts;
   OfContacts<Floats, SIZE, 3> of(n, c.scratch);
@@ -92,16 +93,14 @@ DEFORMABLE_LANE_FUNCTION Floats multiply_lanes(float conjugation, int contacts,
   }
   for (int w = 0; w < FLOATS; ++w)
     per_p[w] = static_cast<float>(rings.per_pressure[w] / rings.scale);
-  Floats curvature = Floats{};
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
     Floats y = product[m] - of_share * share[m];
     if constexpr (SOFT) y += constant;
     y *= per_p;
     store_floats(g.product + m * LANES, y);
-    curvature += own[m] * y;
+    curvature.add(first, own[m], y);
   }
-  return curvature;
 }
 
 DEFORMABLE_LANE_FUNCTION GradientArrays gradients_of(GradientArrays g, int contact)
@@ -118,9 +117,9 @@ static double multiply_all(const RingBatches &b, double conjugation)
   for_all<FLOATS>(
       b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
         const int first = static_cast<int>(c.seat - b.contacts.seat);
-        const Floats curvature = multiply_lanes<decltype(size)::value, SOFT, FIRST>(
-            static_cast<float>(conjugation), n, c, gradients_of(b.gradients, first), r);
-        sum.add(first % LANES, curvature);
+        multiply_lanes<decltype(size)::value, SOFT, FIRST>(static_cast<float>(conjugation), n, c,
+                                                           gradients_of(b.gradients, first), r, sum,
+                                                           first % LANES);
       });
   return sum.total();
 }
@@ -137,16 +136,17 @@ template <bool FIRST> static double advance_all(const RingBatches &b, double len
 {
   const GradientArrays &g = b.gradients;
   const float along = static_cast<float>(length);
-  return 0.5 * sum_of_contacts(b.contacts_in_all, [&](int c) DEFORMABLE_LANE_LAMBDA {
-           const Floats product =
-               load<Floats>(g.product + c) + gather_floats(g.product, g.partner + c);
-           const Floats left = load<Floats>(g.left + c) - along * product;
-           store_floats(g.left + c, left);
-           Floats step = along * load<Floats>(g.direction + c);
-           if constexpr (!FIRST) step += load<Floats>(g.step + c);
-           store_floats(g.step + c, step);
-           return load<Floats>(g.weight + c) * left * left;
-         });
+  Sum norm2;
+  for_contacts_in_all(b.contacts_in_all, [&](int c) DEFORMABLE_LANE_LAMBDA {
+    const Floats product = load<Floats>(g.product + c) + gather_floats(g.product, g.partner + c);
+    const Floats left = load<Floats>(g.left + c) - along * product;
+    store_floats(g.left + c, left);
+    Floats step = along * load<Floats>(g.direction + c);
+    if constexpr (!FIRST) step += load<Floats>(g.step + c);
+    store_floats(g.step + c, step);
+    norm2.add(c % LANES, load<Floats>(g.weight + c) * left, left);
+  });
+  return 0.5 * norm2.total();
 }
 
 static double advance(const RingBatches &b, double length, bool first)

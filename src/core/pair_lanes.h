@@ -122,6 +122,7 @@ static void extrapolate(const PairArrays &p, const double *c, int begin, int end
 static double take_step(const PairArrays &p, bool alone, int begin, int end)
 {
   constexpr double ALONE = 0.5;
+  const double of_correction = p.length / p.scale;
   return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
     const T zero = T{}, f = load<T>(p.force + k), r = load<T>(p.residual + k);
@@ -130,7 +131,7 @@ static double take_step(const PairArrays &p, bool alone, int begin, int end)
     if (!alone) {
       const T correction =
           gather<T>(p.correction, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.first[k + w]; });
-      change = select(load<T>(p.weight + k) > 0.0, correction / p.scale, error);
+      change = select(load<T>(p.weight + k) > 0.0, correction * of_correction, error);
     }
     const T least = select(r > 0.0, load<T>(p.stiffening + k) * r * r * r, zero);
     const T next = larger(f + change, least), step = next - f;

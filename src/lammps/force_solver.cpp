@@ -110,13 +110,21 @@ PairArrays ForceSolver::arrays()
 {
   NearPairs &p = *pairs;
   const ForceBatches &b = *batches;
-  return {p.overlap.data(),     p.stiffening.data(),
-          p.side[0].data(),     p.side[1].data(),
-          b.indentation.data(), b.compliance.data(),
-          b.step.data(),        p.force.data(),
-          residual.data(),      weight.data(),
-          step.data(),          p.scale,
-          begin.data(),         {p.past[0].data(), p.past[1].data(), p.past[2].data()}};
+  return {p.overlap.data(),
+          p.stiffening.data(),
+          p.side[0].data(),
+          p.side[1].data(),
+          b.indentation.data(),
+          b.compliance.data(),
+          b.step.data(),
+          p.force.data(),
+          residual.data(),
+          weight.data(),
+          step.data(),
+          p.scale,
+          p.length,
+          begin.data(),
+          {p.past[0].data(), p.past[1].data(), p.past[2].data()}};
 }
 
 /* ----------------------------------------------------------------------
@@ -210,7 +218,7 @@ void ForceSolver::newton_step(const Evaluation &from)
     return;
   }
   // of r, times the mean weight
-  const double typical = std::sqrt(norm2 * weights) / (pairs_of_all * pairs->scale);
+  const double typical = std::sqrt(norm2 * weights) / pairs_of_all * (pairs->length / pairs->scale);
   const double most = evaluations == 1 ? FIRST : SQUARE * typical / from.largest;
   const double accuracy =
       std::min(COARSE, std::max(MARGIN * target * from.largest / from.forces, most));

@@ -223,6 +223,7 @@ void NearList::set_constants(const DeformableParticles &p)
   double of_all = most;    // the same on all ranks, which sum up what is scaled
   if (comm->nprocs > 1) MPI_Allreduce(&most, &of_all, 1, MPI_DOUBLE, MPI_MAX, world);
   of_all *= p.smallest * p.smallest;
+  pairs.length = std::ldexp(1.0, std::ilogb(p.smallest));
   pairs.scale = of_all > 0.0 ? std::ldexp(1.0, -std::ilogb(of_all)) : 1.0;
 }
 

@@ -118,19 +118,17 @@ void check(int n, std::mt19937 &random, Tensions tensions = Tensions::NONE)
       if (!shape_lanes<SIZE, SOFT>(pairs, n, b.contacts(w), b.rings(w))) std::exit(2);
   }
   const std::vector<float> before = b.direction;
-  for (int w = 0; w < LANES; w += FLOATS) {
-    const Floats curvature =
-        multiply_lanes<SIZE, SOFT, false>(0.5F, n, b.contacts(w), b.gradients(w), b.rings(w));
-    for (int lane = 0; lane < FLOATS; ++lane) {
-      double sum = 0.0, size = 0.0;
-      for (int m = 0; m < n; ++m) {
-        const int place = m * LANES + w + lane;
-        sum += b.direction[place] * b.product[place];
-        size += std::fabs(b.direction[place] * b.product[place]);
-      }
-      require_equal(curvature[lane], sum, size, "curvature", n, 1e-6);
-    }
+  Sum curvature;
+  for (int w = 0; w < LANES; w += FLOATS)
+    multiply_lanes<SIZE, SOFT, false>(0.5F, n, b.contacts(w), b.gradients(w), b.rings(w), curvature,
+                                      w);
+  double curvatures = 0.0, size = 0.0;
+  for (int place = 0; place < n * LANES; ++place) {
+    const double product = static_cast<double>(b.direction[place]) * b.product[place];
+    curvatures += product;
+    size += std::fabs(product);
   }
+  require_equal(curvature.total(), curvatures, size, "curvature", n);
   for (int w = 0; w < LANES; w += W)
     slope_lanes<SIZE>(pairs, n, b.contacts(w), b.rings(w), &b.rate[w]);
   for (const bool slopes : {false, true}) {
