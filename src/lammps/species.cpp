@@ -17,6 +17,7 @@
 #include <cstdlib>
 #include <dlfcn.h>
 #include <limits>
+#include <set>
 
 using namespace LAMMPS_NS;
 
@@ -64,13 +65,13 @@ std::string shipped_file(const std::string &name)
 // The species files of the package, as the end of an error.
 std::string shipped_names()
 {
-  std::vector<std::string> names;
+  std::set<std::string> names;
   for (const std::string &folder : shipped_folders())
     for (const std::string &name : platform::list_directory(folder))
-      if (utils::strmatch(name, "\\.deformable$")) names.push_back(name);
-  std::sort(names.begin(), names.end());
-  names.erase(std::unique(names.begin(), names.end()), names.end());
-  return names.empty() ? "" : ". The package has " + utils::join_words(names, ", ");
+      if (utils::strmatch(name, "\\.deformable$")) names.insert(name);
+  std::string text;
+  for (const std::string &name : names) text += (text.empty() ? ". The package has " : ", ") + name;
+  return text;
 }
 
 std::string read_text(LAMMPS *lmp, const std::string &file)
