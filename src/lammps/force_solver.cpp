@@ -262,7 +262,7 @@ double ForceSolver::take_step()
 
 ForceSolver::Evaluation ForceSolver::line_search(double slope, const Evaluation &from, bool turned)
 {
-  constexpr double BETTER = 0.5, NO_WORSE = 2.0, SMALL_SLOPE = 0.5, SMALL_STEP = 1e5;
+  constexpr double BETTER = 0.5, NO_WORSE = 2.0, SMALL_SLOPE = 0.5, SMALL_STEP = 1e3;
   const double imbalance = from.worst();
   const bool is_small = !turned && imbalance <= SMALL_STEP * target * from.largest;
   double low = 0.0, low_slope = slope, high = 1.0, at = 1.0;

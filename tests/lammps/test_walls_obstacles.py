@@ -116,7 +116,7 @@ def test_round_container_in_words(law):
     same(region, words, law, np.array([[-0.8, -0.6], [0.4, 1.6]]))
 
 
-@laws
+@pytest.mark.parametrize("law", [RING_LAWS[0], f"{RING_LAWS[1]} balance 1e-12 100"])
 def test_scene_as_one_region_or_as_several_fixes(law):
     parts = """
         region room block -2.6 9 -8 8 INF INF
