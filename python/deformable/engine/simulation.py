@@ -26,6 +26,7 @@ from ..state.state import State
 from .followed import refuse_other, setup, unsaved
 from .lammps import (
     Engine,
+    close_lammps,
     communicator,
     gather,
     local_array,
@@ -156,7 +157,7 @@ class Simulation(FormerAttributes, Engine):
         """
         expect("packing", packing, Packing)
         species_file(self.law, packing.radii)  # or fail before the old LAMMPS is gone
-        self.close()
+        close_lammps(self.lmp)
         self._open(packing)
 
     def _open(self, packing: Packing) -> None:
