@@ -3,7 +3,7 @@
 import deformable
 import matplotlib.pyplot as plt
 
-packing = deformable.bidisperse(128, radii=(0.5, 0.7), seed=3)
+packing = deformable.bidisperse(128, radii=(0.5, 0.7), seed=5)
 jammed = deformable.jam(packing)
 print(f"jammed at phi = {jammed.phi:.5f}")
 
