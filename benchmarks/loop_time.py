@@ -3,11 +3,11 @@
     python benchmarks/loop_time.py [--out benchmarks/results/loop_time.json]
 
 One packing (bidisperse, 1:1.4, relaxed as soft disks at phi = 0.90), replicated to N = 1e3, 1e4 and
-1e5, is run by NVE from the same velocities with each style in turn, on one core: in slow motion
-(temperature 1e-7, time step 0.05) and in a fast one (1e-5). The styles take turns in one process,
-and the results are medians of processor time, so that the ratios are right on a busy machine too.
-The sections are LAMMPS' own breakdown. Ring laws have reach 0.1. Each law runs at the levels of
-SIMD instructions that `--simd` names; the first one is this processor's default.
+1e5 (and 1e6 by `--sizes`), is run by NVE from the same velocities with each style in turn, on one
+core: in slow motion (temperature 1e-7, time step 0.05) and in a fast one (1e-5). The styles take
+turns in one process, and the results are medians of processor time, so that the ratios are right on
+a busy machine too. The sections are LAMMPS' own breakdown. Ring laws have reach 0.1. Each law runs
+at the levels of SIMD instructions that `--simd` names; the first one is this processor's default.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from sections import timed_run
 RADII = (0.5, 0.7)
 PHI = 0.90
 CELL = 1000
-SIZES = {1000: (1, 1), 10_000: (5, 2), 100_000: (10, 10)}
+SIZES = {1000: (1, 1), 10_000: (5, 2), 100_000: (10, 10), 1_000_000: (40, 25)}
 TEMPERATURES = {"slow": 1e-7, "fast": 1e-5}
 TIMESTEP = 0.05
 PARTICLE_STEPS = 2_000_000
@@ -113,16 +113,19 @@ def profile(law: str, motion: str) -> None:
         run(relaxed_cell(folder), style, SIZES[10_000], 10 * PARTICLE_STEPS, motion=motion)
 
 
-def measure(repeats: int, levels: list[str], particle_steps: int) -> list[dict]:
+def measure(
+    repeats: int, sizes: list[int], laws: list[str], levels: list[str], particle_steps: int
+) -> list[dict]:
     rows = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "species").write_text(SPECIES)
         data = relaxed_cell(folder)
-        for n, motion in itertools.product(SIZES, TEMPERATURES):
+        for n, motion in itertools.product(sizes, TEMPERATURES):
             samples: dict[tuple[str, str], list[dict[str, float]]] = {}
             for _ in range(repeats):
-                for law, style in styles(folder / "species").items():
+                for law in laws:
+                    style = styles(folder / "species")[law]
                     for level in levels if law != "disk" else levels[:1]:
                         samples.setdefault((law, level), []).append(
                             run(data, style, SIZES[n], particle_steps, level, motion)
@@ -160,19 +163,22 @@ def main() -> None:
     )
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--steps", type=int, default=PARTICLE_STEPS, help="particle-steps of a run")
+    parser.add_argument("--sizes", nargs="+", type=int, choices=SIZES, default=list(SIZES)[:3])
+    parser.add_argument("--laws", nargs="+", choices=LAWS, default=LAWS, help="with disk")
     parser.add_argument("--simd", nargs="+", choices=LEVELS, default=LEVELS)
     parser.add_argument("--law", choices=LAWS, help="run only this law, for a profiler")
     parser.add_argument("--motion", choices=TEMPERATURES, default="slow", help="with --law")
     options = parser.parse_args()
     if options.law:
         return profile(options.law, options.motion)
-    rows = measure(options.repeats, options.simd, options.steps)
+    rows = measure(options.repeats, options.sizes, options.laws, options.simd, options.steps)
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.write_text(
         json.dumps(
             {
                 "command": f"python benchmarks/loop_time.py --repeats {options.repeats} "
-                f"--steps {options.steps} --simd {' '.join(options.simd)}",
+                f"--steps {options.steps} --sizes {' '.join(map(str, options.sizes))} "
+                f"--laws {' '.join(options.laws)} --simd {' '.join(options.simd)}",
                 "date": date.today().isoformat(),
                 "machine": machine()["processor"],
                 "packing": {"phi": PHI, "radii": RADII, "cell": CELL},
