@@ -114,7 +114,7 @@ class PairDeformable : public Pair {
               double distance, double tilt = 0.0);
 
   bool tells_error = false;    // the law estimates its own error
-  bool needs_errors() const { return tells_error && (results.requested || eflag_global); }
+  bool needs_errors() const;
   void store_model_error(int i, double error)
   {
     if (results.requested) results.store_model_error(i, error);

@@ -3,7 +3,11 @@
 #include "pair_deformable_ring.h"
 
 #include "comm.h"
+#include "compute.h"
+#include "modify.h"
 #include "neighbor.h"
+#include "output.h"
+#include "update.h"
 
 using namespace LAMMPS_NS;
 using namespace deformable;
@@ -59,10 +63,11 @@ void PairDeformableRing::push_pairs()
   const NearPairs &p = balanced->pairs();
   if (p.size == 0) return;
   double *const f = atom->f[0];
-  const bool plain = !p.tilts && !eflag_either && !vflag_either;
+  const bool plain = !p.tilts && !eflag_atom && !vflag_either;
   const int begin = plain ? p.remote : 0;
-  for (int k = 0; k < begin;
-       ++k) {    // the usual pairs and nothing to add up: the same sums as below
+  for (int k = 0; k < begin && eflag_global; ++k) eng_vdwl += p.force[k] * balanced->residual(k);
+  // usual pairs of which only forces count: the same sums as below
+  for (int k = 0; k < begin; ++k) {
     const double force = p.force[k], nx = p.nx[k], ny = p.ny[k];
     const double slope = balanced->outline_slope(k, 0) + balanced->outline_slope(k, 1);
     const double across = force * slope * p.per_distance[k];
@@ -109,6 +114,23 @@ void PairDeformableRing::push_pairs()
       ev_tally_xyz(i, j, atom->nlocal, 1, 0.0, 0.0, px, py, 0.0, -nx * d, -ny * d, 0.0);
     }
   }
+}
+
+/* ----------------------------------------------------------------------
+   A minimization asks for energies at each step, but for the error of the
+   model only when it prints, at its end, or if a compute has asked for it.
+------------------------------------------------------------------------- */
+
+bool PairDeformable::needs_errors() const
+{
+  if (!tells_error) return false;
+  if (results.requested) return true;
+  if (!eflag_global) return false;
+  const bigint now = update->ntimestep;
+  if (update->whichflag != 2 || now == update->laststep || now == output->next_thermo) return true;
+  for (Compute *const compute : modify->get_compute_by_style("^pair$"))
+    if (compute->matchstep(now)) return true;
+  return false;
 }
 
 /* ---------------------------------------------------------------------- */
