@@ -68,7 +68,7 @@ class Ring:
         contact: place of the contact lines: `balanced`, where the forces of both sides are equal,
             `tilted`, where also their torques are, or `radical`, the radical axis of the
             undeformed circles. Compared with smooth rings, `balanced` is right to 1.4 % up to
-            3 % strain, where `radical` is wrong by factors; it takes about 1.6 times as long to
+            3 % strain, where `radical` is wrong by factors; it takes about 1.4 times as long to
             relax. The lines of `balanced` are perpendicular to the line of centers; those of
             `tilted` turn, which removes most of the error that is left (docs/theory.md).
 
