@@ -18,6 +18,7 @@ from typing import Any
 
 import deformable
 import numpy as np
+from motion import energies
 
 HERE = Path(__file__).parent
 PHIS = (0.85, 0.90)
@@ -35,11 +36,7 @@ def run(packing: deformable.Packing, temperature: float, dt: float, steps: int) 
             "fix nve all nve\nthermo_style custom step ke etotal\nthermo_modify norm no\n"
             "run 2000 post no"
         )
-        rows = []
-        for _ in range(SAMPLES):
-            sim.lmp.command(f"run {steps // SAMPLES} post no")
-            rows.append([sim.lmp.get_thermo(name) for name in ("ke", "etotal")])
-    kinetic, total = np.array(rows).T
+        kinetic, total = energies(sim, SAMPLES, steps // SAMPLES)
     time = np.linspace(0.0, 1.0, SAMPLES)
     slope, start = np.polyfit(time, total, 1)
     return {

@@ -7,6 +7,7 @@ import time
 
 import deformable
 import numpy as np
+from numpy.typing import NDArray
 
 SKIN = 0.3  # LAMMPS' default
 
@@ -59,9 +60,17 @@ def energy_error(
             "fix nve all nve\nthermo_style custom step ke etotal\nthermo_modify norm no\n"
             "run 0 post no"
         )
-        rows = []
-        for _ in range(samples):
-            sim.lmp.command(f"run {round(duration / dt / samples)} post no")
-            rows.append([sim.lmp.get_thermo(name) for name in ("ke", "etotal")])
-    kinetic, total = np.array(rows).T
+        kinetic, total = energies(sim, samples, round(duration / dt / samples))
     return float(total.std() / kinetic.mean())
+
+
+def energies(
+    sim: deformable.Simulation, samples: int, steps: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Kinetic and total energies of a simulation in motion, after each of its runs of `steps`."""
+    rows = []
+    for _ in range(samples):
+        sim.lmp.command(f"run {steps} post no")
+        rows.append([sim.lmp.get_thermo(name) for name in ("ke", "etotal")])
+    kinetic, total = np.array(rows).T
+    return kinetic, total

@@ -5,32 +5,17 @@ import json
 import math
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import deformable
 import numpy as np
 import pytest
+from test_example_scripts import text
 
 pytest.importorskip("matplotlib")
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "flow_curve"
-BIN = Path(sys.executable).parent
 DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
-
-
-def output(folder: Path, *command: str) -> str:
-    result = subprocess.run(
-        [str(BIN / command[0]), *command[1:]],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=240,
-        check=False,
-    )
-    assert result.returncode == 0, result.stdout + result.stderr
-    return result.stdout
 
 
 def test_droplets_without_contacts_follow_the_mean_flow(tmp_path: Path) -> None:
@@ -44,7 +29,7 @@ def test_droplets_without_contacts_follow_the_mean_flow(tmp_path: Path) -> None:
         sim.state().save(tmp_path / "start")
     script = (tmp_path / "in.flow").read_text()
     (tmp_path / "in.flow").write_text(f"{script}\nwrite_data end.data nocoeff\n")
-    output(tmp_path, "lmp", "-in", "in.flow", "-var", "rate", "0.05", "-var", "strain", "1.5")
+    text("lmp", "-in", "in.flow", "-var", "rate", "0.05", "-var", "strain", "1.5", cwd=tmp_path)
     strain, stress, pressure, relative = np.loadtxt(tmp_path / "stress.txt").T[1:]
     assert strain[-1] == pytest.approx(1.5, abs=0.02)
     assert np.abs([stress, pressure]).max() == 0.0
@@ -67,7 +52,7 @@ def test_drag_brings_droplets_back_to_the_mean_flow(tmp_path: Path) -> None:
     (tmp_path / "in.flow").write_text(script)
     values = {"rate": "0.01", "drag": "0.5", "mass": "2", "strain": "0.1", "dt": "0.01"}
     words = [word for name, value in values.items() for word in ("-var", name, value)]
-    output(tmp_path, "lmp", "-in", "in.flow", *words)
+    text("lmp", "-in", "in.flow", *words, cwd=tmp_path)
     strain, *_, relative = np.loadtxt(tmp_path / "stress.txt").T[1:]
     time = strain / 0.01
     rate, _ = np.polyfit(time, np.log(relative), 1)
@@ -82,7 +67,7 @@ def test_script(tmp_path: Path) -> None:
     assert len(rates) == 1
     script = script.replace(rates[0], "RATES = (2e-3, 5e-3, 1e-2, 2e-2)")
     (tmp_path / "flow_curve.py").write_text(script)
-    output(tmp_path, "python", "flow_curve.py", "--number", "16", "--strain", "3")
+    text("python", "flow_curve.py", "--number", "16", "--strain", "3", cwd=tmp_path)
     data = json.loads((tmp_path / "flow_curve.json").read_text())
     stress = [np.mean(row["blocks"]) for row in data["runs"]]
     assert stress[3] > 1.5 * stress[0] > 0.0
