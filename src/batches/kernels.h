@@ -2,8 +2,8 @@
 // this file and is compiled with the options of its level.
 
 #include "batch_kernels.h"
+#include "correction_lanes.h"
 #include "force_lanes.h"
-#include "gradient_lanes.h"
 #include "pair_lanes.h"
 #include "ring_batch.h"
 #include "sector_batch.h"
@@ -40,7 +40,8 @@ const BatchKernels kernels = {
      soft_rings<2>,  soft_rings<3>,  soft_rings<4>,  soft_rings<5>,  soft_rings<6>,
      soft_rings<7>,  soft_rings<8>,  tense_rings<1>, tense_rings<2>, tense_rings<3>,
      tense_rings<4>, tense_rings<5>, tense_rings<6>, tense_rings<7>, tense_rings<8>},
-    {shape_rings, adapt_rings, slopes_of_rings, begin_gradients, multiply_rings, advance,
-     locate_pairs, find_residuals, extrapolate, take_step, remember, find_tilts, turn_lines, dot}};
+    {shape_rings, adapt_rings, slopes_of_rings, begin_corrections, multiply_rings, advance,
+     advance_and_multiply, advance_twice, locate_pairs, find_residuals, extrapolate, take_step,
+     remember, find_tilts, turn_lines, dot}};
 
 }    // namespace deformable::DEFORMABLE_LEVEL

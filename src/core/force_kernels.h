@@ -27,7 +27,7 @@ struct RingArrays {
 };
 
 // Contacts, and G of each two contacts of a ring: the lower triangle by rows. Numbers in single precision are for
-// conjugate gradients, which only correct forces and mostly wait for memory. They have the compliances of
+// iterations that only correct forces and mostly wait for memory. They have the compliances of
 // RingCompliance in units in which nothing is large or small: v_c = (a_c + expansion)/(sum of contact lengths), and
 //   p C_ck = G(theta_c - theta_k) + rate - mixed (v_c + v_k) - square v_c v_k.
 struct ContactArrays {
@@ -40,21 +40,24 @@ struct ContactArrays {
   double *scratch;    // for the rings that have more contacts than any kernel knows, aligned
 };
 
-// Conjugate gradients, by contact: both contacts of a pair have the same numbers, except products. So each ring finds
+// Corrections of forces, by contact: both contacts of a pair have the same numbers, except products. So each ring finds
 // its own side by side, and only products have to be fetched from the other ring.
-struct GradientArrays {
+struct CorrectionArrays {
   const int *
       partner;    // the other contact of the pair; of a wall, and of an empty place, the contact itself
-  float *weight, *left, *direction, *step, *product;
+  float *weight, *left, *direction, *step;
+  float *product,
+      *last_product;    // the same array, unless a kernel reads the last ones and finds new ones
 };
 
 struct RingBatches {
-  int batches, contacts_in_all;
-  const int *size, *first, *first_green;    // contacts of a ring; begin of a batch in ContactArrays
-  bool soft;                                // some ring does not conserve its perimeter
+  int begin, end;    // the batches that are meant
+  const int *size, *first,
+      *first_green;    // contacts of a ring; begin of a batch in ContactArrays, also of `end`
+  bool soft;           // some ring does not conserve its perimeter
   RingArrays rings;
   ContactArrays contacts;
-  GradientArrays gradients;
+  CorrectionArrays corrections;
 };
 
 // Pairs as ForceSolver sees them.
@@ -63,23 +66,20 @@ struct PairArrays {
   const int *first, *second;    // contacts of the pairs
   const double *indentation;    // by contact
   const float *compliance;
-  const float *correction;    // the step of conjugate gradients, by contact
+  const float *correction;    // of the force, by contact
   double *force, *residual;
   float *weight, *step;    // 1/(C_i + C_j), negative where the pair takes no part
   double scale;            // weights and steps are in units of 1/scale
-  double length;           // conjugate gradients have residuals in units of it
+  double length;           // corrections have residuals in units of it
   double *begin;           // forces before the step
   double *past[3];         // forces of the last calls, the latest first
 };
 
 constexpr double UNKNOWN_FORCE = -1e300;
 
-struct Largest {
-  double error, force;
-};
-
-struct GradientStart {
-  double norm2, weights;    // r.w.r, and the sum of the weights
+// The largest imbalance and force; over the pairs with a positive weight, sums of w r^2/length^2 and of the weights.
+struct Residuals {
+  double error = 0.0, force = 0.0, norm2 = 0.0, weights = 0.0;
 };
 
 // What follows from positions, and what is needed for that.
@@ -107,13 +107,15 @@ struct ForceKernels {
   // Slopes of outlines; also how they change as contacts turn (tilt.h), by contact, unless null.
   void (*slopes)(const RingBatches &, const PairDirections &, double *slope_rate);
 
-  // Conjugate gradients for C x = r of the pairs that have a weight. Sums are over the contacts of this rank; contacts
-  // of pairs count half, since each pair has two, but for the curvature. begin: takes residuals and weights. multiply:
-  // turns the direction, and finds its product and its curvature; 0 for the first one. advance: a step along the
-  // direction, maybe the first one; left.w.left.
-  GradientStart (*begin)(const RingBatches &, const PairArrays &);
+  // Iterations for C x = r of the pairs that have a positive weight w. Sums are over the contacts of this rank; each
+  // pair has two of them. begin: takes residuals and weights. multiply: d = w r + conjugation d and C d; returns d C d.
+  // advance: a step of this length along d; returns half of the sum of w r^2.
+  void (*begin)(const RingBatches &, const PairArrays &);
   double (*multiply)(const RingBatches &, double conjugation);
-  double (*advance)(const RingBatches &, double length, bool first);
+  double (*advance)(const RingBatches &, double length);
+  // In one: advance, then multiply; and the last two steps, of which the second one needs no product.
+  void (*advance_and_multiply)(const RingBatches &, double length, double conjugation);
+  void (*advance_twice)(const RingBatches &, double length, double conjugation, double last);
 
   // Loops over pairs, from `begin` to before `end`.
 
@@ -121,8 +123,8 @@ struct ForceKernels {
   // between the centers: d^2 > |R_i^2 - R_j^2|.
   bool (*locate)(const double *x, const PairPlaces &, int begin, int end);
 
-  // r, imbalances and weights from the indentations. The largest imbalance and force.
-  Largest (*find_residuals)(const PairArrays &, int begin, int end);
+  // r and weights from the indentations.
+  Residuals (*find_residuals)(const PairArrays &, int begin, int end);
 
   // Replaces the oldest of the past forces by the extrapolation c[0] past[0] + c[1] past[1] + c[2] past[2].
   void (*extrapolate)(const PairArrays &, const double *c, int begin, int end);

@@ -219,7 +219,7 @@ DEFORMABLE_LANE_FUNCTION void slope_lanes(const PairDirections &pairs, int conta
 template <int STEP = W, class Kernel>
 DEFORMABLE_LANE_FUNCTION void for_all(const RingBatches &b, Kernel &&kernel)
 {
-  for (int batch = 0; batch < b.batches; ++batch)
+  for (int batch = b.begin; batch < b.end; ++batch)
     for (int w = 0; w < LANES; w += STEP) {
       const int n = b.size[batch];
       const RingArrays r = rings_of(b.rings, batch * LANES + w);

@@ -81,32 +81,41 @@ template <class T> DEFORMABLE_LANE_FUNCTION T imbalance_at(const PairArrays &p, 
                       load<T>(p.force + k));
 }
 
-static Largest find_residuals(const PairArrays &p, int begin, int end)
+static Residuals find_residuals(const PairArrays &p, int begin, int end)
 {
-  Lanes worst = Lanes{}, largest = Lanes{};
-  double last_worst = 0.0, last_largest = 0.0;
-  const auto look = [&](auto kind, int k, auto &worst, auto &largest) DEFORMABLE_LANE_LAMBDA {
+  const double per_length = 1.0 / p.length;
+  const auto look = [&](auto kind, int k, auto &worst, auto &largest, auto &norm2, auto &weights)
+                        DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
     const T f = load<T>(p.force + k), zero = T{};
     const T r = load<T>(p.overlap + k) - of_both<T>(p.indentation, p, k);
     const T scaled = 1.0 / of_both<T>(p.compliance, p, k), w = scaled * (1.0 / p.scale);
     const T error = imbalance_of(r, w, load<T>(p.stiffening + k), f);
+    const T part = select(f + r * w > 0.0, scaled, zero), relative = r * per_length;
     store(p.residual + k, r);
-    store(p.weight + k, select(f + r * w > 0.0, scaled, -scaled));
+    store(p.weight + k, select(part > 0.0, scaled, -scaled));
     worst = larger(worst, select((f > 0.0) | (r > 0.0), magnitude(error), zero));
     largest = larger(largest, f);
+    norm2 += part * relative * relative;
+    weights += part;
   };
-  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
-    if constexpr (sizeof(kind) == sizeof(Lanes))
-      look(kind, k, worst, largest);
-    else
-      look(kind, k, last_worst, last_largest);
-  });
+  Lanes worst = Lanes{}, largest = Lanes{}, norm2[LANES / W] = {}, weights[LANES / W] = {};
+  int k = begin;
+  for (; k + LANES <= end; k += LANES)
+#pragma GCC unroll 8
+    for (int n = 0; n < LANES / W; ++n)
+      look(Lanes{}, k + n * W, worst, largest, norm2[n], weights[n]);
+  Residuals all;
   for (int w = 0; w < W; ++w) {
-    last_worst = larger(last_worst, worst[w]);
-    last_largest = larger(last_largest, largest[w]);
+    all.error = larger(all.error, worst[w]);
+    all.force = larger(all.force, largest[w]);
   }
-  return {last_worst, last_largest};
+  for (int w = 0; w < LANES; ++w) {
+    all.norm2 += norm2[w / W][w % W];
+    all.weights += weights[w / W][w % W];
+  }
+  for (; k < end; ++k) look(0.0, k, all.error, all.force, all.norm2, all.weights);
+  return all;
 }
 
 static void extrapolate(const PairArrays &p, const double *c, int begin, int end)

@@ -11,7 +11,6 @@ using deformable::LANES;
 void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs &pairs,
                            const tagint *tags)
 {
-  constexpr int BLOCK = 256;
   count.assign(particles, 0);
   for (int k = 0; k < pairs.size; ++k) {
     ++count[pairs.i[k]];
@@ -38,7 +37,7 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   for (std::vector<float> *v : {&mixed, &square, &rate}) v->assign(lanes_in_all, 0.0F);
   for (std::vector<double> *v : {&radius, &kA, &kP, &tension}) v->assign(lanes_in_all, 1.0);
   place.assign(particles, -1);
-  for (std::vector<int> *v : {&size, &first, &first_green}) v->resize(batches);
+  for (std::vector<int> *v : {&size, &first, &first_green}) v->resize(batches + 1);
   int places = 0, two = 0, longest = 0;
   for (int b = 0; b < batches; ++b) {
     int most = 0;
@@ -57,7 +56,7 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
     two += most * (most - 1) / 2 * LANES;
     longest = std::max(longest, most);
   }
-  contacts = places;
+  contacts = first[batches] = places;
   if (static_cast<std::size_t>(two) > green.capacity()) {    // no more than needed, and no copy
     green = {};
     green.reserve(two + two / 16);
@@ -68,7 +67,7 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   const int remote = pairs.wall - pairs.remote;
   for (std::vector<double> *v : {&indentation, &slope}) v->assign(contacts + remote + 1, 0.0);
   compliance.assign(contacts + remote + 1, 0.0F);
-  product.assign(contacts + remote, 0.0F);
+  product.assign(2 * (contacts + remote), 0.0F);
   for (std::vector<float> *v : {&share, &weight, &left, &direction, &step})
     v->assign(contacts, 0.0F);
   partner.resize(contacts);
@@ -119,19 +118,19 @@ deformable::RingBatches ForceBatches::arrays()
   const auto address = reinterpret_cast<std::uintptr_t>(scratch.data());
   constexpr std::uintptr_t SIZE = LANES * sizeof(double);
   double *const aligned = scratch.data() + (SIZE - address % SIZE) % SIZE / sizeof(double);
-  return {
-      batches,
-      contacts,
-      size.data(),
-      first.data(),
-      first_green.data(),
-      soft,
-      {radius.data(), kA.data(), kP.data(), tense ? tension.data() : nullptr, pressure.data(),
-       expansion.data(), work.data(), total.data(), per_pressure.data(), mixed.data(),
-       square.data(), rate.data(), scale},
-      {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(), green.data(),
-       aligned},
-      {partner.data(), weight.data(), left.data(), direction.data(), step.data(), product.data()}};
+  return {0,
+          batches,
+          size.data(),
+          first.data(),
+          first_green.data(),
+          soft,
+          {radius.data(), kA.data(), kP.data(), tense ? tension.data() : nullptr, pressure.data(),
+           expansion.data(), work.data(), total.data(), per_pressure.data(), mixed.data(),
+           square.data(), rate.data(), scale},
+          {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(),
+           green.data(), aligned},
+          {partner.data(), weight.data(), left.data(), direction.data(), step.data(),
+           product.data(), product.data()}};
 }
 
 double ForceBatches::bytes() const

@@ -13,6 +13,9 @@
 namespace LAMMPS_NS {
 
 struct ForceBatches {
+  static constexpr int BLOCK =
+      256;    // rings are sorted by their numbers of contacts within blocks only
+
   int batches = 0;
   int contacts =
       0;    // places for contacts; remote ones follow, then one for walls, which yield nothing
@@ -36,9 +39,9 @@ struct ForceBatches {
   std::vector<double> slope;    // of the outlines, at the end
   std::vector<float> compliance, share;
 
-  // for conjugate gradients
+  // for corrections
   std::vector<int> partner;
-  std::vector<float> weight, left, direction, step, product;
+  std::vector<float> weight, left, direction, step, product;    // two products for each contact
 
   std::vector<float> green;
   std::vector<double> scratch;

@@ -159,18 +159,12 @@ void ForceSolver::agree()
 }
 
 // Pairs that two ranks share count half on each.
+constexpr double HALF = 0.5;
+
 template <class Sum> double ForceSolver::sum_over_pairs(Sum &&sum) const
 {
-  return sum_over_ranks(sum(0, pairs->remote) + 0.5 * sum(pairs->remote, pairs->wall) +
-                        sum(pairs->wall, pairs->size));
-}
-
-double ForceSolver::sum_over_ranks(double part) const
-{
-  if (comm->nprocs == 1) return part;
-  double all;
-  MPI_Allreduce(&part, &all, 1, MPI_DOUBLE, MPI_SUM, world);
-  return all;
+  return remote->sum(sum(0, pairs->remote) + HALF * sum(pairs->remote, pairs->wall) +
+                     sum(pairs->wall, pairs->size));
 }
 
 ForceSolver::Evaluation ForceSolver::evaluate(bool adapt)
@@ -181,10 +175,30 @@ ForceSolver::Evaluation ForceSolver::evaluate(bool adapt)
                            : kernels.shape(rings, pairs->directions());
   remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                    batches->indentation.data(), batches->compliance.data());
-  const deformable::Largest here = kernels.find_residuals(arrays(), 0, pairs->size);
-  double largest[3] = {here.error, here.force, exist ? 0.0 : 1.0};
-  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, largest, 3, MPI_DOUBLE, MPI_MAX, world);
-  return {largest[0], largest[1], largest[2] == 0.0};
+  const NearPairs &p = *pairs;
+  const PairArrays loop = arrays();
+  double largest[3] = {0.0, 0.0, exist ? 0.0 : 1.0}, sum[2] = {0.0, 0.0};
+  const auto look = [&](int begin, int end, double part) {
+    const deformable::Residuals here = kernels.find_residuals(loop, begin, end);
+    largest[0] = std::max(largest[0], here.error);
+    largest[1] = std::max(largest[1], here.force);
+    sum[0] += part * here.norm2;
+    sum[1] += part * here.weights;
+  };
+  look(0, p.remote, 1.0);
+  look(p.remote, p.wall, HALF);
+  look(p.wall, p.size, 1.0);
+  if (comm->nprocs > 1) {
+    MPI_Allreduce(MPI_IN_PLACE, largest, 3, MPI_DOUBLE, MPI_MAX, world);
+    MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_DOUBLE, MPI_SUM, world);
+  }
+  Evaluation found;
+  found.forces = largest[0];
+  found.largest = largest[1];
+  found.exists = largest[2] == 0.0;
+  found.norm2 = sum[0];
+  found.weights = sum[1];
+  return found;
 }
 
 // The largest imbalance of a tilt for the present forces. Also finds the next tilts.
@@ -199,44 +213,25 @@ double ForceSolver::find_torques()
 }
 
 /* ----------------------------------------------------------------------
-   Solves C x = r on the pairs that take part. Newton's method squares its
-   relative error in each step: the solution need not be better than that,
-   nor than the tolerance. The first step finds which contacts open or close:
-   more accuracy is lost on those.
+   Newton's method squares its relative error in each step: its direction need
+   not be better than that, nor than the tolerance. The first step finds which
+   contacts open or close: more accuracy is lost on those.
 ------------------------------------------------------------------------- */
 
 void ForceSolver::newton_step(const Evaluation &from)
 {
-  constexpr int MAX_ITERATIONS = 500;
   constexpr double COARSE = 0.03, FIRST = 0.003, MARGIN = 0.3, SQUARE = 10.0;
-  const deformable::RingBatches rings = batches->arrays();
-  const deformable::GradientStart start = kernels.begin(rings, arrays());
-  double norm2 = sum_over_ranks(start.norm2);
-  const double weights = sum_over_ranks(start.weights);
-  if (!(norm2 > 0.0)) {
+  if (!(from.norm2 > 0.0)) {
     std::fill(batches->step.begin(), batches->step.end(), 0.0F);
     return;
   }
   // of r, times the mean weight
-  const double typical = std::sqrt(norm2 * weights) / pairs_of_all * (pairs->length / pairs->scale);
+  const double typical =
+      std::sqrt(from.norm2 * from.weights) / pairs_of_all * (pairs->length / pairs->scale);
   const double most = evaluations == 1 ? FIRST : SQUARE * typical / from.largest;
   const double accuracy =
       std::min(COARSE, std::max(MARGIN * target * from.largest / from.forces, most));
-  const double enough = accuracy * accuracy * norm2;
-  double conjugation = 0.0;
-  for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
-    const double part = kernels.multiply(rings, conjugation);
-    remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
-                     batches->product.data());
-    const double curvature = sum_over_ranks(part);
-    if (!(curvature > 0.0)) {
-      if (iteration == 0) std::fill(batches->step.begin(), batches->step.end(), 0.0F);
-      break;
-    }
-    const double next = sum_over_ranks(kernels.advance(rings, norm2 / curvature, iteration == 0));
-    conjugation = next / norm2;
-    norm2 = next;
-  }
+  corrector.solve(*pairs, *batches, *remote, arrays(), from.norm2, accuracy);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -270,6 +265,7 @@ ForceSolver::Evaluation ForceSolver::line_search(double slope, const Evaluation 
     const Evaluation now = evaluate(at == 1.0 && is_small);
     const double good = std::max((turned ? NO_WORSE : BETTER) * imbalance, target * now.largest);
     if (now.exists && now.forces <= good) return now;
+    corrector.forget_bounds();
     double here = -std::numeric_limits<double>::infinity();
     if (now.exists)
       here = sum_over_pairs(
@@ -297,5 +293,5 @@ ForceSolver::Evaluation ForceSolver::line_search(double slope, const Evaluation 
 
 double ForceSolver::memory_usage() const
 {
-  return bytes_of(residual, weight, begin, step) + tilts.bytes();
+  return bytes_of(residual, weight, begin, step) + tilts.bytes() + corrector.memory_usage();
 }

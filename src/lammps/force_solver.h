@@ -4,8 +4,7 @@
 //   sum over pairs of f o - sum over particles of W(f),   f >= 0,
 // over one force for each pair, with W of ring_forces.h; of a wall, o = a. Its gradient is what is left of the overlap,
 //   r = o - a_ij - a_ji,   0 where f > 0, not positive where f = 0.
-// Newton's method finds the maximum; conjugate gradients solve its linear systems, with the compliances C of both
-// rings. A pair whose own force would become negative takes no part in a step: its force vanishes. All ranks do the
+// Newton's method finds the maximum; ForceCorrector solves its linear systems, with the compliances C of both rings. A pair whose own force would become negative takes no part in a step: its force vanishes. All ranks do the
 // same arithmetic in the same order of steps, from the same overlap and force of a pair, so that both ranks of a pair
 // agree to the last bits on its force.
 //
@@ -22,6 +21,7 @@
 #include "pointers.h"
 
 #include "force_batches.h"
+#include "force_corrector.h"
 #include "line_tilts.h"
 #include "near_pairs.h"
 #include "remote_sides.h"
@@ -38,7 +38,8 @@ class ForceSolver : protected Pointers {
       : Pointers(lmp),
         tolerance(tolerance),
         max_evaluations(max_evaluations),
-        kernels(kernels)
+        kernels(kernels),
+        corrector(lmp, kernels)
   {
   }
 
@@ -48,6 +49,8 @@ class ForceSolver : protected Pointers {
   // of the last call
   int evaluations = 0;
   double imbalance = 0.0;    // the largest of a pair, over the largest force
+
+  void arrange(const ForceBatches &b) { corrector.arrange(b); }    // contacts are new
 
   // A new force call: forces continue those of the last calls.
   void begin_call(NearPairs &, ForceBatches &);
@@ -63,6 +66,7 @@ class ForceSolver : protected Pointers {
  private:
   struct Evaluation {
     double forces, largest;    // imbalance, force
+    double norm2, weights;     // see Residuals
     bool exists;               // every ring has a shape
     bool knows_torques = false;
     double torques = 0.0;    // imbalance of tilts
@@ -71,6 +75,7 @@ class ForceSolver : protected Pointers {
   };
 
   const deformable::ForceKernels &kernels;
+  ForceCorrector corrector;
   NearPairs *pairs = nullptr;
   ForceBatches *batches = nullptr;
   RemoteSides *remote = nullptr;
@@ -100,7 +105,6 @@ class ForceSolver : protected Pointers {
   Evaluation correct(const Evaluation &);
   Evaluation line_search(double slope, const Evaluation &from, bool turned);
   template <class Sum> double sum_over_pairs(Sum &&sum) const;
-  double sum_over_ranks(double part) const;
 };
 
 }    // namespace LAMMPS_NS

@@ -3,7 +3,7 @@
 
 #define DEFORMABLE_LEVEL level
 
-#include "gradient_lanes.h"
+#include "correction_lanes.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -34,7 +34,9 @@ struct Batch {
   std::vector<double> force, angle, nx, ny;    // of pairs: the last one is empty
   std::vector<int> seat;
   std::vector<double> radius, kA, kP, tension, ring[5], indentation, slope, rate;
-  std::vector<float> response[3], compliance, share, green, weight, left, direction, product;
+  std::vector<int> partner;
+  std::vector<float> response[3], compliance, share, green;
+  std::vector<float> weight, left, direction, step, product, last_product;    // of corrections
   std::vector<double> memory;
   double *scratch;
   bool is_tense;
@@ -73,12 +75,14 @@ struct Batch {
     for (std::vector<double> &v : ring) v.assign(LANES, 0.0);
     for (std::vector<float> &v : response) v.assign(LANES, 0.0F);
     for (std::vector<double> *v : {&indentation, &slope, &rate}) v->assign(pairs, 0.0);
-    for (std::vector<float> *v : {&compliance, &share, &product}) v->assign(pairs, 0.0F);
+    for (std::vector<float> *v : {&compliance, &share, &step, &product}) v->assign(pairs, 0.0F);
     for (int c = 0; c < pairs; ++c) {
       const bool is_empty = seat[c] == 2 * pairs;
       weight.push_back(is_empty ? 0.0F : static_cast<float>(uniform(random)));
       left.push_back(static_cast<float>(uniform(random) - 0.5));
       direction.push_back(is_empty ? 0.0F : static_cast<float>(uniform(random) - 0.5));
+      last_product.push_back(is_empty ? 0.0F : static_cast<float>(uniform(random) - 0.5));
+      partner.push_back(is_empty ? c : pairs - 1 - c);
     }
     green.assign(pairs * n, 0.0F);
     memory.assign(5 * pairs + 2 * LANES, 0.0);
@@ -92,10 +96,11 @@ struct Batch {
                         share.data(), green.data(), scratch},
                        w, w);
   }
-  GradientArrays gradients(int w)
+  CorrectionArrays corrections(int w)
   {
-    return gradients_of(
-        {seat.data(), weight.data(), left.data(), direction.data(), nullptr, product.data()}, w);
+    return corrections_of({partner.data(), weight.data(), left.data(), direction.data(),
+                           step.data(), product.data(), last_product.data()},
+                          w);
   }
   RingArrays rings(int w)
   {
@@ -117,11 +122,24 @@ void check(int n, std::mt19937 &random, Tensions tensions = Tensions::NONE)
     for (int w = 0; w < LANES; w += W)
       if (!shape_lanes<SIZE, SOFT>(pairs, n, b.contacts(w), b.rings(w))) std::exit(2);
   }
-  const std::vector<float> before = b.direction;
-  Sum curvature;
+  // a step along the last direction, and in one with the next product
+  const std::vector<float> before = b.direction, left = b.left;
+  const TurnBy by = {0.5F, 0.25F, b.last_product.data()};
+  Sum none, curvature;
   for (int w = 0; w < LANES; w += FLOATS)
-    multiply_lanes<SIZE, SOFT, false>(0.5F, n, b.contacts(w), b.gradients(w), b.rings(w), curvature,
-                                      w);
+    multiply_lanes<SIZE, SOFT, Turn::ADVANCE>(by, n, b.contacts(w), b.corrections(w), b.rings(w),
+                                              none, w);
+  const std::vector<float> product = b.product, direction = b.direction;
+  for (int c = 0; c < n * LANES; ++c) {
+    const float both = b.last_product[c] + b.last_product[b.partner[c]];
+    require_equal(b.left[c], left[c] - 0.25F * both, 1.0, "residual", n, 1e-7);
+    require_equal(b.step[c], 0.25F * before[c], 1.0, "step", n, 1e-7);
+  }
+  b.direction = before;
+  for (int w = 0; w < LANES; w += FLOATS)
+    multiply_lanes<SIZE, SOFT, Turn::ANOTHER>(by, n, b.contacts(w), b.corrections(w), b.rings(w),
+                                              curvature, w);
+  if (b.product != product || b.direction != direction) std::exit(4);
   double curvatures = 0.0, size = 0.0;
   for (int place = 0; place < n * LANES; ++place) {
     const double product = static_cast<double>(b.direction[place]) * b.product[place];

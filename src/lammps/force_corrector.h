@@ -1,0 +1,54 @@
+// Corrections x of the forces of pairs: C x = r on those that take part, to an accuracy.
+//
+// Where the bounds of the spectrum are known, an iteration of Chebyshev, whose coefficients follow from them alone:
+// without sums over all pairs, ranks wait for their neighbors only, and each block of rings may run ahead of the
+// others (BlockLevels). Conjugate gradients find the bounds.
+
+#ifndef LMP_FORCE_CORRECTOR_H
+#define LMP_FORCE_CORRECTOR_H
+
+#include "pointers.h"
+
+#include "block_levels.h"
+#include "force_batches.h"
+#include "near_pairs.h"
+#include "remote_sides.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class ForceCorrector : protected Pointers {
+ public:
+  ForceCorrector(class LAMMPS *lmp, const deformable::ForceKernels &kernels)
+      : Pointers(lmp),
+        kernels(kernels)
+  {
+  }
+
+  void arrange(const ForceBatches &);    // contacts are new
+  void forget_bounds() { highest = 0.0; }
+
+  // norm2: the sum of w r^2/length^2. Leaves the corrections in `batches.step`.
+  void solve(const NearPairs &, ForceBatches &batches, RemoteSides &,
+             const deformable::PairArrays &, double norm2, double accuracy);
+
+  double memory_usage() const { return levels.bytes(); }
+
+ private:
+  const deformable::ForceKernels &kernels;
+  BlockLevels levels;
+  double lowest = 0.0,
+         highest = 0.0;    // eigenvalues of C, with the weights; unknown if highest = 0
+
+  void conjugate_gradients(const NearPairs &, ForceBatches &, RemoteSides &,
+                           const deformable::PairArrays &, double norm2, double accuracy);
+  void chebyshev(const NearPairs &, ForceBatches &, RemoteSides &, const deformable::PairArrays &,
+                 double accuracy);
+  double decay() const;
+  void find_bounds(const std::vector<double> &lengths, const std::vector<double> &conjugations);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
