@@ -46,8 +46,9 @@ struct CorrectionArrays {
   const int *
       partner;    // the other contact of the pair; of a wall, and of an empty place, the contact itself
   float *weight, *left, *direction, *step;
-  float *product,
-      *last_product;    // the same array, unless a kernel reads the last ones and finds new ones
+  // the same array, unless a kernel reads the last products and finds new ones
+  float *product, *last_product;
+  int products;    // with those of other ranks; there is room for two of each
 };
 
 struct RingBatches {

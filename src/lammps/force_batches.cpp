@@ -130,7 +130,7 @@ deformable::RingBatches ForceBatches::arrays()
           {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(),
            green.data(), aligned},
           {partner.data(), weight.data(), left.data(), direction.data(), step.data(),
-           product.data(), product.data()}};
+           product.data(), product.data(), static_cast<int>(product.size() / 2)}};
 }
 
 double ForceBatches::bytes() const

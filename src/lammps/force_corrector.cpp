@@ -6,19 +6,15 @@
 using namespace LAMMPS_NS;
 using deformable::PairArrays;
 
-void ForceCorrector::arrange(const ForceBatches &b)
+int ForceCorrector::begin(const NearPairs &pairs, ForceBatches &batches, RemoteSides &remote,
+                          const PairArrays &arrays, double norm2, double accuracy)
 {
-  levels.arrange(b);
-  forget_bounds();
-}
-
-void ForceCorrector::solve(const NearPairs &pairs, ForceBatches &batches, RemoteSides &remote,
-                           const PairArrays &arrays, double norm2, double accuracy)
-{
-  if (highest > 0.0)
-    chebyshev(pairs, batches, remote, arrays, accuracy);
-  else
+  if (highest == 0.0) {
     conjugate_gradients(pairs, batches, remote, arrays, norm2, accuracy);
+    return 0;
+  }
+  plan(accuracy);
+  return static_cast<int>(lengths.size()) - 1;
 }
 
 void ForceCorrector::conjugate_gradients(const NearPairs &pairs, ForceBatches &batches,
@@ -57,7 +53,7 @@ void ForceCorrector::conjugate_gradients(const NearPairs &pairs, ForceBatches &b
 void ForceCorrector::find_bounds(const std::vector<double> &lengths,
                                  const std::vector<double> &conjugations)
 {
-  constexpr int LEAST = 5, HALVINGS = 30;
+  constexpr int LEAST = 5, PARTS = 1024;
   constexpr double MARGIN = 0.1;
   const int n = static_cast<int>(lengths.size());
   if (n < LEAST) return;
@@ -71,7 +67,9 @@ void ForceCorrector::find_bounds(const std::vector<double> &lengths,
     }
     most = std::max(most, diagonal[k] + 2.0 * std::sqrt(square[k]));
   }
-  most *= 2.0;
+  // Not better than this: then rounding, which other numbers of ranks change, does not change the bounds.
+  most = std::exp2(std::ceil(std::log2(2.0 * most)));
+  const double unit = most / PARTS;
   // eigenvalues below x: negative pivots of Gauss' elimination
   const auto below = [&](double x) {
     int found = 0;
@@ -82,16 +80,11 @@ void ForceCorrector::find_bounds(const std::vector<double> &lengths,
     }
     return found;
   };
-  const auto eigenvalue = [&](int index) {
-    double low = 0.0, high = most;
-    for (int i = 0; i < HALVINGS; ++i) {
-      const double middle = 0.5 * (low + high);
-      (below(middle) > index ? high : low) = middle;
-    }
-    return 0.5 * (low + high);
-  };
-  lowest = (1.0 - MARGIN) * eigenvalue(0);
-  highest = (1.0 + MARGIN) * eigenvalue(n - 1);
+  int low = 0, high = PARTS;
+  while (low < PARTS && below((low + 1) * unit) == 0) ++low;
+  while (high > low + 1 && below((high - 1) * unit) == n) --high;
+  lowest = (1.0 - MARGIN) * low * unit;
+  highest = (1.0 + MARGIN) * high * unit;
 }
 
 double ForceCorrector::decay() const
@@ -99,14 +92,14 @@ double ForceCorrector::decay() const
   return std::acosh((highest + lowest) / (highest - lowest));
 }
 
-void ForceCorrector::chebyshev(const NearPairs &pairs, ForceBatches &batches, RemoteSides &remote,
-                               const PairArrays &arrays, double accuracy)
+// The coefficients of Chebyshev's iteration, as conjugate gradients have them.
+void ForceCorrector::plan(double accuracy)
 {
   const double center = 0.5 * (highest + lowest), radius = 0.5 * (highest - lowest);
   const double ratio = center / radius;
   const int last = std::max(2, static_cast<int>(std::ceil(std::acosh(1.0 / accuracy) / decay())));
-  std::vector<double> lengths(last + 1), conjugations(last + 1, 0.0);
-  lengths[1] = 1.0 / center;
+  lengths.assign(last + 1, 1.0 / center);
+  conjugations.assign(last + 1, 0.0);
   double rho = 1.0 / ratio;
   for (int k = 2; k <= last; ++k) {
     const double next = 1.0 / (2.0 * ratio - rho);
@@ -114,30 +107,26 @@ void ForceCorrector::chebyshev(const NearPairs &pairs, ForceBatches &batches, Re
     conjugations[k] = next * rho * lengths[k - 1] / lengths[k];
     rho = next;
   }
+}
 
-  const deformable::RingBatches all = batches.arrays();
-  const std::ptrdiff_t products = batches.product.size() / 2;
-  const auto product = [&](int iteration) {
-    return all.corrections.product + (iteration % 2) * products;
-  };
-  levels.run(
-      last,
-      [&](int block, int iteration) {
-        deformable::RingBatches b = all;
-        b.begin = block * BlockLevels::BATCHES;
-        b.end = std::min(b.begin + BlockLevels::BATCHES, all.end);
-        b.corrections.product = product(iteration);
-        b.corrections.last_product = product(iteration - 1);
-        if (iteration == 1) {
-          kernels.begin(b, arrays);
-          kernels.multiply(b, 0.0);
-        } else if (iteration < last) {
-          kernels.advance_and_multiply(b, lengths[iteration - 1], conjugations[iteration]);
-        } else {
-          kernels.advance_twice(b, lengths[last - 1], conjugations[last], lengths[last]);
-        }
-      },
-      [&](int iteration) {
-        remote.exchange(pairs.side[0].data() + pairs.remote, batches.contacts, product(iteration));
-      });
+// Two iterations that follow each other have products of their own: blocks may be one apart.
+float *ForceCorrector::products(const deformable::RingBatches &rings, int k)
+{
+  return rings.corrections.product + (k % 2) * rings.corrections.products;
+}
+
+void ForceCorrector::iterate(deformable::RingBatches b, const PairArrays &arrays, int k) const
+{
+  const int last = static_cast<int>(lengths.size()) - 1;
+  float *const product = products(b, k);
+  b.corrections.last_product = products(b, k - 1);
+  b.corrections.product = product;
+  if (k == 1) {
+    kernels.begin(b, arrays);
+    kernels.multiply(b, 0.0);
+  } else if (k < last) {
+    kernels.advance_and_multiply(b, lengths[k - 1], conjugations[k]);
+  } else {
+    kernels.advance_twice(b, lengths[last - 1], conjugations[last], lengths[last]);
+  }
 }

@@ -9,7 +9,6 @@
 
 #include "pointers.h"
 
-#include "block_levels.h"
 #include "force_batches.h"
 #include "near_pairs.h"
 #include "remote_sides.h"
@@ -26,25 +25,26 @@ class ForceCorrector : protected Pointers {
   {
   }
 
-  void arrange(const ForceBatches &);    // contacts are new
-  void forget_bounds() { highest = 0.0; }
+  void forget_bounds() { highest = 0.0; }    // also if contacts are new
 
-  // norm2: the sum of w r^2/length^2. Leaves the corrections in `batches.step`.
-  void solve(const NearPairs &, ForceBatches &batches, RemoteSides &,
-             const deformable::PairArrays &, double norm2, double accuracy);
+  // Returns 0 after conjugate gradients, or the number of iterations that are to be done. norm2: the sum of w r^2/length^2.
+  // The corrections are in `batches.step` in the end.
+  int begin(const NearPairs &, ForceBatches &batches, RemoteSides &, const deformable::PairArrays &,
+            double norm2, double accuracy);
 
-  double memory_usage() const { return levels.bytes(); }
+  // Iteration k of some rings, from 1 on, and the products that it leaves, by contact.
+  void iterate(deformable::RingBatches, const deformable::PairArrays &, int k) const;
+  static float *products(const deformable::RingBatches &, int k);
 
  private:
   const deformable::ForceKernels &kernels;
-  BlockLevels levels;
   double lowest = 0.0,
          highest = 0.0;    // eigenvalues of C, with the weights; unknown if highest = 0
+  std::vector<double> lengths, conjugations;    // of each iteration
 
   void conjugate_gradients(const NearPairs &, ForceBatches &, RemoteSides &,
                            const deformable::PairArrays &, double norm2, double accuracy);
-  void chebyshev(const NearPairs &, ForceBatches &, RemoteSides &, const deformable::PairArrays &,
-                 double accuracy);
+  void plan(double accuracy);
   double decay() const;
   void find_bounds(const std::vector<double> &lengths, const std::vector<double> &conjugations);
 };

@@ -36,6 +36,12 @@ void ForceSolver::begin_call(NearPairs &p, ForceBatches &b)
   first_solution = true;
 }
 
+void ForceSolver::arrange(const ForceBatches &b, const NearPairs &p)
+{
+  blocks.arrange(b, p);
+  corrector.forget_bounds();
+}
+
 /* ---------------------------------------------------------------------- */
 
 bool ForceSolver::solve(RemoteSides &r)
@@ -87,21 +93,37 @@ bool ForceSolver::is_balanced(Evaluation &now)
 
 ForceSolver::Evaluation ForceSolver::correct(const Evaluation &from)
 {
-  constexpr double CLOSE = 0.05;
+  constexpr double CLOSE = 0.05, SMALL_STEP = 1e3;
   if (from.knows_torques) {    // only tilts are missing
     tilts.turn(*pairs, *batches, kernels);
     return evaluate();
   }
-  newton_step(from);
   must_correct = false;
-  const double slope = take_step();
+  Stages stages;
+  stages.corrections = begin_corrections(from);
+  stages.step = true;
   const bool turns = pairs->tilts && from.forces <= CLOSE * from.largest;
-  if (!turns) return line_search(slope, from, false);
+  if (!turns) {
+    const bool is_small = from.forces <= SMALL_STEP * target * from.largest;
+    stages.shape = is_small ? Shape::ADAPT : Shape::ANEW;
+  }
+  Evaluation now = run(stages);
+  if (!(now.slope > 0.0)) {    // single precision is not enough
+    std::copy(begin.begin(), begin.end(), pairs->force.begin());
+    const double slope =
+        sum_over_pairs([this](int a, int z) { return kernels.take_step(arrays(), true, a, z); });
+    if (!turns) now = evaluate();
+    now.slope = slope;
+  }
+  if (!turns) return line_search(now, from, false);
+  const double slope = now.slope;
   Evaluation before = from;
   before.torques = find_torques();
   tilts.adapt(before.torques);
   tilts.turn(*pairs, *batches, kernels);
-  return line_search(slope, before, true);
+  now = evaluate();
+  now.slope = slope;
+  return line_search(now, before, true);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -167,38 +189,75 @@ template <class Sum> double ForceSolver::sum_over_pairs(Sum &&sum) const
                      sum(pairs->wall, pairs->size));
 }
 
-ForceSolver::Evaluation ForceSolver::evaluate(bool adapt)
+ForceSolver::Evaluation ForceSolver::evaluate()
 {
-  ++evaluations;
+  Stages stages;
+  stages.shape = Shape::ANEW;
+  return run(stages);
+}
+
+ForceSolver::Evaluation ForceSolver::run(const Stages &stages)
+{
   const deformable::RingBatches rings = batches->arrays();
-  const bool exist = adapt ? kernels.adapt(rings, pairs->force.data(), step.data())
-                           : kernels.shape(rings, pairs->directions());
-  remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
-                   batches->indentation.data(), batches->compliance.data());
-  const NearPairs &p = *pairs;
   const PairArrays loop = arrays();
-  double largest[3] = {0.0, 0.0, exist ? 0.0 : 1.0}, sum[2] = {0.0, 0.0};
-  const auto look = [&](int begin, int end, double part) {
-    const deformable::Residuals here = kernels.find_residuals(loop, begin, end);
-    largest[0] = std::max(largest[0], here.error);
-    largest[1] = std::max(largest[1], here.force);
-    sum[0] += part * here.norm2;
-    sum[1] += part * here.weights;
-  };
-  look(0, p.remote, 1.0);
-  look(p.remote, p.wall, HALF);
-  look(p.wall, p.size, 1.0);
+  const int step = stages.corrections + (stages.step ? 1 : 0), shape = step + 1, look = step + 2;
+  const bool shapes = stages.shape != Shape::NONE;
+  of_blocks.assign(blocks.count(), {});
+  bool exist = true;
+  blocks.run(
+      shapes ? look : step,
+      [&](int block, int stage) {
+        OfBlock &found = of_blocks[block];
+        const deformable::RingBatches here = BlockLevels::rings(rings, block);
+        if (stage <= stages.corrections) {
+          corrector.iterate(here, loop, stage);
+        } else if (stage == step) {
+          blocks.for_pairs(block, [&](int a, int z, double part) {
+            found.slope += part * kernels.take_step(loop, false, a, z);
+          });
+        } else if (stage == shape) {
+          exist &= stages.shape == Shape::ADAPT
+                       ? kernels.adapt(here, pairs->force.data(), this->step.data())
+                       : kernels.shape(here, pairs->directions());
+        } else {
+          blocks.for_pairs(block, [&](int a, int z, double part) {
+            const deformable::Residuals r = kernels.find_residuals(loop, a, z);
+            found.error = std::max(found.error, r.error);
+            found.force = std::max(found.force, r.force);
+            found.norm2 += part * r.norm2;
+            found.weights += part * r.weights;
+          });
+        }
+      },
+      [&](int stage) {
+        const int *const side = pairs->side[0].data() + pairs->remote;
+        if (stage < stages.corrections)
+          remote->exchange(side, batches->contacts, corrector.products(rings, stage));
+        else if (stage == shape)
+          remote->exchange(side, batches->contacts, batches->indentation.data(),
+                           batches->compliance.data());
+      });
+  if (shapes) ++evaluations;
+  double largest[3] = {0.0, 0.0, exist ? 0.0 : 1.0}, sum[3] = {0.0, 0.0, 0.0};
+  for (const OfBlock &found : of_blocks) {
+    largest[0] = std::max(largest[0], found.error);
+    largest[1] = std::max(largest[1], found.force);
+    sum[0] += found.norm2;
+    sum[1] += found.weights;
+    sum[2] += found.slope;
+  }
   if (comm->nprocs > 1) {
     MPI_Allreduce(MPI_IN_PLACE, largest, 3, MPI_DOUBLE, MPI_MAX, world);
-    MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_DOUBLE, MPI_SUM, world);
+    MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPI_DOUBLE, MPI_SUM, world);
   }
-  Evaluation found;
-  found.forces = largest[0];
-  found.largest = largest[1];
-  found.exists = largest[2] == 0.0;
-  found.norm2 = sum[0];
-  found.weights = sum[1];
-  return found;
+  Evaluation now;
+  now.forces = largest[0];
+  now.largest = largest[1];
+  now.exists = largest[2] == 0.0;
+  now.norm2 = sum[0];
+  now.weights = sum[1];
+  now.slope = sum[2];
+  return now;
 }
 
 // The largest imbalance of a tilt for the present forces. Also finds the next tilts.
@@ -213,17 +272,18 @@ double ForceSolver::find_torques()
 }
 
 /* ----------------------------------------------------------------------
+   Returns how many iterations are left to do, in run.
    Newton's method squares its relative error in each step: its direction need
    not be better than that, nor than the tolerance. The first step finds which
    contacts open or close: more accuracy is lost on those.
 ------------------------------------------------------------------------- */
 
-void ForceSolver::newton_step(const Evaluation &from)
+int ForceSolver::begin_corrections(const Evaluation &from)
 {
   constexpr double COARSE = 0.03, FIRST = 0.003, MARGIN = 0.3, SQUARE = 10.0;
   if (!(from.norm2 > 0.0)) {
     std::fill(batches->step.begin(), batches->step.end(), 0.0F);
-    return;
+    return 0;
   }
   // of r, times the mean weight
   const double typical =
@@ -231,21 +291,7 @@ void ForceSolver::newton_step(const Evaluation &from)
   const double most = evaluations == 1 ? FIRST : SQUARE * typical / from.largest;
   const double accuracy =
       std::min(COARSE, std::max(MARGIN * target * from.largest / from.forces, most));
-  corrector.solve(*pairs, *batches, *remote, arrays(), from.norm2, accuracy);
-}
-
-/* ---------------------------------------------------------------------- */
-
-double ForceSolver::take_step()
-{
-  const PairArrays loop = arrays();
-  const auto step = [&](bool alone) {
-    return sum_over_pairs([&](int a, int z) { return kernels.take_step(loop, alone, a, z); });
-  };
-  const double slope = step(false);
-  if (slope > 0.0) return slope;
-  std::copy(begin.begin(), begin.end(), pairs->force.begin());
-  return step(true);
+  return corrector.begin(*pairs, *batches, *remote, arrays(), from.norm2, accuracy);
 }
 
 /* ----------------------------------------------------------------------
@@ -255,14 +301,13 @@ double ForceSolver::take_step()
    below the target.
 ------------------------------------------------------------------------- */
 
-ForceSolver::Evaluation ForceSolver::line_search(double slope, const Evaluation &from, bool turned)
+ForceSolver::Evaluation ForceSolver::line_search(Evaluation now, const Evaluation &from,
+                                                 bool turned)
 {
-  constexpr double BETTER = 0.5, NO_WORSE = 2.0, SMALL_SLOPE = 0.5, SMALL_STEP = 1e3;
-  const double imbalance = from.worst();
-  const bool is_small = !turned && imbalance <= SMALL_STEP * target * from.largest;
+  constexpr double BETTER = 0.5, NO_WORSE = 2.0, SMALL_SLOPE = 0.5;
+  const double imbalance = from.worst(), slope = now.slope;
   double low = 0.0, low_slope = slope, high = 1.0, at = 1.0;
   for (;;) {
-    const Evaluation now = evaluate(at == 1.0 && is_small);
     const double good = std::max((turned ? NO_WORSE : BETTER) * imbalance, target * now.largest);
     if (now.exists && now.forces <= good) return now;
     corrector.forget_bounds();
@@ -288,10 +333,12 @@ ForceSolver::Evaluation ForceSolver::line_search(double slope, const Evaluation 
     at = next;
     for (int k = 0; k < pairs->size; ++k)
       pairs->force[k] = std::max(begin[k] + at * (step[k] / pairs->scale), 0.0);
+    now = evaluate();
   }
 }
 
 double ForceSolver::memory_usage() const
 {
-  return bytes_of(residual, weight, begin, step) + tilts.bytes() + corrector.memory_usage();
+  return bytes_of(residual, weight, begin, step) + tilts.bytes() + blocks.bytes() +
+         bytes_of(of_blocks);
 }

@@ -20,6 +20,7 @@
 
 #include "pointers.h"
 
+#include "block_levels.h"
 #include "force_batches.h"
 #include "force_corrector.h"
 #include "line_tilts.h"
@@ -50,7 +51,7 @@ class ForceSolver : protected Pointers {
   int evaluations = 0;
   double imbalance = 0.0;    // the largest of a pair, over the largest force
 
-  void arrange(const ForceBatches &b) { corrector.arrange(b); }    // contacts are new
+  void arrange(const ForceBatches &, const NearPairs &);    // contacts are new
 
   // A new force call: forces continue those of the last calls.
   void begin_call(NearPairs &, ForceBatches &);
@@ -67,6 +68,7 @@ class ForceSolver : protected Pointers {
   struct Evaluation {
     double forces, largest;    // imbalance, force
     double norm2, weights;     // see Residuals
+    double slope = 0.0;    // of the dual energy along the step, where it began
     bool exists;               // every ring has a shape
     bool knows_torques = false;
     double torques = 0.0;    // imbalance of tilts
@@ -97,13 +99,28 @@ class ForceSolver : protected Pointers {
 
   void agree();
   deformable::PairArrays arrays();
-  Evaluation evaluate(bool adapt = false);
+  Evaluation evaluate();
   double find_torques();
-  void newton_step(const Evaluation &);
-  double take_step();
+  int begin_corrections(const Evaluation &);
   bool is_balanced(Evaluation &);
   Evaluation correct(const Evaluation &);
-  Evaluation line_search(double slope, const Evaluation &from, bool turned);
+  Evaluation line_search(Evaluation now, const Evaluation &from, bool turned);
+
+  // What a run through the blocks does: iterations of the corrector, the step of all forces, new shapes of the rings and
+  // what is left then.
+  enum class Shape { NONE, ANEW, ADAPT };
+  struct Stages {
+    int corrections = 0;
+    bool step = false;
+    Shape shape = Shape::NONE;
+  };
+  Evaluation run(const Stages &);
+  struct OfBlock : deformable::Residuals {
+    double slope = 0.0;
+  };
+  BlockLevels blocks;
+  std::vector<OfBlock> of_blocks;
+
   template <class Sum> double sum_over_pairs(Sum &&sum) const;
 };
 

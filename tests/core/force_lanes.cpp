@@ -99,7 +99,7 @@ struct Batch {
   CorrectionArrays corrections(int w)
   {
     return corrections_of({partner.data(), weight.data(), left.data(), direction.data(),
-                           step.data(), product.data(), last_product.data()},
+                           step.data(), product.data(), last_product.data(), 0},
                           w);
   }
   RingArrays rings(int w)
