@@ -36,23 +36,10 @@ template <class Body> DEFORMABLE_LANE_FUNCTION void for_contacts_in_all(const Ri
     for (int n = 0; n < LANES; n += FLOATS) body(c + n);
 }
 
-// A wall has one contact: twice its residual and half of its weight make it a pair of two that are the same.
-static void begin_corrections(const RingBatches &b, const PairArrays &pairs)
+DEFORMABLE_LANE_FUNCTION Floats floats_of_pairs(const float *x, const int *seat)
 {
-  const CorrectionArrays &g = b.corrections;
-  const double per_length = 1.0 / pairs.length;
-  for_contacts_in_all(b, [&](int c) DEFORMABLE_LANE_LAMBDA {
-    Floats left, weight;
-    for (int w = 0; w < FLOATS; ++w) {
-      const int k = b.contacts.seat[c + w] >> 1;
-      const float sides = g.partner[c + w] == c + w ? 2.0F : 1.0F;
-      left[w] = sides * static_cast<float>(pairs.residual[k] * per_length);
-      weight[w] = pairs.weight[k] > 0.0F ? pairs.weight[k] / sides : 0.0F;
-    }
-    store_floats(g.left + c, left);
-    store_floats(g.weight + c, weight);
-    store_floats(g.step + c, Floats{});
-  });
+  return floats_of([&](int w) DEFORMABLE_LANE_LAMBDA { return x[seat[w] >> 1]; },
+                   std::make_integer_sequence<int, FLOATS>());
 }
 
 // A step of this length along the direction of a contact; r after it.
@@ -72,7 +59,8 @@ enum class Turn {
 };
 struct TurnBy {
   float conjugation, length;
-  const float *products;    // the last ones of all contacts
+  const float *products;                                 // the last ones of all contacts
+  const float *residual = nullptr, *weight = nullptr;    // of pairs
 };
 
 // C d/scale of each ring; the sum of d C d/scale is wanted where no step was taken.
@@ -88,14 +76,20 @@ DEFORMABLE_LANE_FUNCTION void multiply_lanes(const TurnBy &by, int contacts, con
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
     const int at = m * LANES;
-    Floats left;
-    if constexpr (TURN == Turn::ADVANCE) {
-      left = advance_at(g, at, by.length, by.products);
-      store_floats(g.left + at, left);
+    Floats left, weight;
+    if constexpr (TURN == Turn::FIRST) {
+      left = floats_of_pairs(by.residual, c.seat + at);
+      weight = floats_of_pairs(by.weight, c.seat + at);
+      weight = weight > 0.0F ? weight : Floats{};
+      store_floats(g.weight + at, weight);
+      store_floats(g.step + at, Floats{});
     } else {
-      left = load<Floats>(g.left + at);
+      weight = load<Floats>(g.weight + at);
+      left = TURN == Turn::ADVANCE ? advance_at(g, at, by.length, by.products)
+                                   : load<Floats>(g.left + at);
     }
-    own[m] = load<Floats>(g.weight + at) * left;
+    if constexpr (TURN != Turn::ANOTHER) store_floats(g.left + at, left);
+    own[m] = weight * left;
     if constexpr (TURN != Turn::FIRST) own[m] += by.conjugation * load<Floats>(g.direction + at);
     store_floats(g.direction + at, own[m]);
     share[m] = load<Floats>(c.share + at);
@@ -135,11 +129,8 @@ DEFORMABLE_LANE_FUNCTION CorrectionArrays corrections_of(CorrectionArrays g, int
   return g;
 }
 
-template <bool SOFT, Turn TURN>
-static double multiply_all(const RingBatches &b, double conjugation, double length)
+template <bool SOFT, Turn TURN> static double multiply_all(const RingBatches &b, const TurnBy &by)
 {
-  const TurnBy by = {static_cast<float>(conjugation), static_cast<float>(length),
-                     b.corrections.last_product};
   Sum sum;
   for_all<FLOATS>(
       b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
@@ -150,21 +141,25 @@ static double multiply_all(const RingBatches &b, double conjugation, double leng
   return sum.total();
 }
 
-static double multiply_rings(const RingBatches &b, double conjugation)
+template <Turn TURN> static double multiply_rings(const RingBatches &b, const TurnBy &by)
 {
-  if (conjugation == 0.0)
-    return b.soft ? multiply_all<true, Turn::FIRST>(b, 0.0, 0.0)
-                  : multiply_all<false, Turn::FIRST>(b, 0.0, 0.0);
-  return b.soft ? multiply_all<true, Turn::ANOTHER>(b, conjugation, 0.0)
-                : multiply_all<false, Turn::ANOTHER>(b, conjugation, 0.0);
+  return b.soft ? multiply_all<true, TURN>(b, by) : multiply_all<false, TURN>(b, by);
+}
+
+static double begin_corrections(const RingBatches &b, const PairArrays &pairs)
+{
+  return multiply_rings<Turn::FIRST>(b, {0.0F, 0.0F, nullptr, pairs.residual, pairs.weight});
+}
+
+static double multiply(const RingBatches &b, double conjugation)
+{
+  return multiply_rings<Turn::ANOTHER>(b, {static_cast<float>(conjugation), 0.0F, nullptr});
 }
 
 static void advance_and_multiply(const RingBatches &b, double length, double conjugation)
 {
-  if (b.soft)
-    multiply_all<true, Turn::ADVANCE>(b, conjugation, length);
-  else
-    multiply_all<false, Turn::ADVANCE>(b, conjugation, length);
+  multiply_rings<Turn::ADVANCE>(
+      b, {static_cast<float>(conjugation), static_cast<float>(length), b.corrections.last_product});
 }
 
 static double advance(const RingBatches &b, double length)
@@ -174,10 +169,12 @@ static double advance(const RingBatches &b, double length)
   Sum norm2;
   for_contacts_in_all(b, [&](int c) DEFORMABLE_LANE_LAMBDA {
     const Floats left = advance_at(g, c, along, g.last_product);
+    Floats part;    // of a pair: half at both contacts, or all at the only one
+    for (int w = 0; w < FLOATS; ++w) part[w] = g.partner[c + w] == g.none ? 1.0F : 0.5F;
     store_floats(g.left + c, left);
-    norm2.add(c % LANES, load<Floats>(g.weight + c) * left, left);
+    norm2.add(c % LANES, part * load<Floats>(g.weight + c) * left, left);
   });
-  return 0.5 * norm2.total();
+  return norm2.total();
 }
 
 // Nobody asks for r after the last one.

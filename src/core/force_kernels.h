@@ -43,8 +43,8 @@ struct ContactArrays {
 // Corrections of forces, by contact: both contacts of a pair have the same numbers, except products. So each ring finds
 // its own side by side, and only products have to be fetched from the other ring.
 struct CorrectionArrays {
-  const int *
-      partner;    // the other contact of the pair; of a wall, and of an empty place, the contact itself
+  const int *partner;    // the other contact of the pair, or `none`: a place that yields nothing
+  int none;
   float *weight, *left, *direction, *step;
   // the same array, unless a kernel reads the last products and finds new ones
   float *product, *last_product;
@@ -61,19 +61,21 @@ struct RingBatches {
   CorrectionArrays corrections;
 };
 
-// Pairs as ForceSolver sees them.
+// Pairs as ForceSolver sees them. Numbers in single precision are in units in which nothing is large or small:
+// residuals in `length`, weights in 1/scale, steps in unit = length/scale, and k in 1/(scale length^2).
 struct PairArrays {
-  const double *overlap, *stiffening;
+  const double *overlap;
+  const float *stiffening;      // k
   const int *first, *second;    // contacts of the pairs
   const double *indentation;    // by contact
   const float *compliance;
   const float *correction;    // of the force, by contact
-  double *force, *residual;
-  float *weight, *step;    // 1/(C_i + C_j), negative where the pair takes no part
-  double scale;            // weights and steps are in units of 1/scale
-  double length;           // corrections have residuals in units of it
-  double *begin;           // forces before the step
-  double *past[3];         // forces of the last calls, the latest first
+  double *force;
+  float *residual, *weight;    // 1/(C_i + C_j), negative where the pair takes no part
+  float *step;
+  double length, unit;
+  double *begin;      // forces before the step
+  double *past[3];    // forces of the last calls, the latest first
 };
 
 constexpr double UNKNOWN_FORCE = -1e300;
@@ -103,15 +105,15 @@ struct LineArrays {
 struct ForceKernels {
   // Shapes rings by the forces of pairs. False: a ring does not exist.
   bool (*shape)(const RingBatches &, const PairDirections &);
-  // The same after small changes of the forces, in units of 1/scale: they have the precision of single numbers.
-  bool (*adapt)(const RingBatches &, const double *forces, const float *changes);
+  // The same after small changes of the forces, in this unit: they have the precision of single numbers.
+  bool (*adapt)(const RingBatches &, const double *forces, const float *changes, double unit);
   // Slopes of outlines; also how they change as contacts turn (tilt.h), by contact, unless null.
   void (*slopes)(const RingBatches &, const PairDirections &, double *slope_rate);
 
   // Iterations for C x = r of the pairs that have a positive weight w. Sums are over the contacts of this rank; each
-  // pair has two of them. begin: takes residuals and weights. multiply: d = w r + conjugation d and C d; returns d C d.
-  // advance: a step of this length along d; returns half of the sum of w r^2.
-  void (*begin)(const RingBatches &, const PairArrays &);
+  // pair of two rings has two of them. begin: takes residuals and weights, d = w r and C d; returns d C d. multiply: the
+  // same for d = w r + conjugation d. advance: a step of this length along d; returns w r^2 of all pairs.
+  double (*begin)(const RingBatches &, const PairArrays &);
   double (*multiply)(const RingBatches &, double conjugation);
   double (*advance)(const RingBatches &, double length);
   // In one: advance, then multiply; and the last two steps, of which the second one needs no product.
@@ -141,7 +143,7 @@ struct ForceKernels {
   double (*find_tilts)(const LineArrays &, int begin, int end);
   void (*turn_lines)(const LineArrays &, int begin, int end);
 
-  double (*dot)(const double *, const float *, int begin, int end);
+  double (*dot)(const float *, const float *, int begin, int end);
 };
 
 }    // namespace deformable

@@ -159,21 +159,21 @@ DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int conta
 // Shapes the rings anew after their forces have changed a little, in the same directions, with the last G in single
 // precision for the changes.
 template <int SIZE, bool SOFT>
-DEFORMABLE_LANE_FUNCTION bool adapt_lanes(const double *forces, const float *changes, int contacts,
-                                          const ContactArrays &c, const RingArrays &rings)
+DEFORMABLE_LANE_FUNCTION bool adapt_lanes(const double *forces, const float *changes, double unit,
+                                          int contacts, const ContactArrays &c,
+                                          const RingArrays &rings)
 {
   const int n = SIZE > 0 ? SIZE : contacts;
   OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
   Lanes *const force = of[0], *const product = of[1], *const change = of[2];
   const Lanes p = load<Lanes>(rings.pressure);
-  const double per_scale = 1.0 / rings.scale;
   Lanes delta = Lanes{};
   if constexpr (SOFT) delta = load<Lanes>(rings.expansion);
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
     const int *const seat = c.seat + m * LANES;
     force[m] = of_pairs(forces, seat);
-    change[m] = of_pairs(changes, seat) * per_scale;
+    change[m] = of_pairs(changes, seat) * unit;
     product[m] = (load<Lanes>(c.indentation + m * LANES) + delta) * p + GREEN_AT_ZERO * change[m];
 #pragma GCC unroll 8
     for (int k = 0; k < m; ++k) {
@@ -252,19 +252,21 @@ static bool shape_rings(const RingBatches &b, const PairDirections &pairs)
 }
 
 template <bool SOFT>
-static bool adapt_all(const RingBatches &b, const double *forces, const float *changes)
+static bool adapt_all(const RingBatches &b, const double *forces, const float *changes, double unit)
 {
   bool exist = true;
-  for_all(b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
-                 DEFORMABLE_LANE_LAMBDA {
-                   exist &= adapt_lanes<decltype(size)::value, SOFT>(forces, changes, n, c, r);
-                 });
+  for_all(
+      b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
+        exist &= adapt_lanes<decltype(size)::value, SOFT>(forces, changes, unit, n, c, r);
+      });
   return exist;
 }
 
-static bool adapt_rings(const RingBatches &b, const double *forces, const float *changes)
+static bool adapt_rings(const RingBatches &b, const double *forces, const float *changes,
+                        double unit)
 {
-  return b.soft ? adapt_all<true>(b, forces, changes) : adapt_all<false>(b, forces, changes);
+  return b.soft ? adapt_all<true>(b, forces, changes, unit)
+                : adapt_all<false>(b, forces, changes, unit);
 }
 
 static void slopes_of_rings(const RingBatches &b, const PairDirections &pairs, double *rate)

@@ -74,29 +74,28 @@ DEFORMABLE_LANE_FUNCTION T imbalance_of(T residual, T weight, T stiffening, T fo
   return select(residual > 0.0, larger(linear, cubic), select(force > 0.0, loss, less));
 }
 
-template <class T> DEFORMABLE_LANE_FUNCTION T imbalance_at(const PairArrays &p, int k)
+// In the units of single precision.
+template <class T> DEFORMABLE_LANE_FUNCTION T imbalance_at(const PairArrays &p, int k, T force)
 {
-  const T weight = magnitude(load<T>(p.weight + k)) * (1.0 / p.scale);
-  return imbalance_of(load<T>(p.residual + k), weight, load<T>(p.stiffening + k),
-                      load<T>(p.force + k));
+  return imbalance_of(load<T>(p.residual + k), magnitude(load<T>(p.weight + k)),
+                      load<T>(p.stiffening + k), force);
 }
 
 static Residuals find_residuals(const PairArrays &p, int begin, int end)
 {
-  const double per_length = 1.0 / p.length;
-  const auto look = [&](auto kind, int k, auto &worst, auto &largest, auto &norm2, auto &weights)
-                        DEFORMABLE_LANE_LAMBDA {
+  const double per_length = 1.0 / p.length, per_unit = 1.0 / p.unit;
+  const auto look = [&](auto kind, int k, auto &worst, auto &largest, auto &norm2,
+                        auto &weights) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
-    const T f = load<T>(p.force + k), zero = T{};
-    const T r = load<T>(p.overlap + k) - of_both<T>(p.indentation, p, k);
-    const T scaled = 1.0 / of_both<T>(p.compliance, p, k), w = scaled * (1.0 / p.scale);
+    const T f = load<T>(p.force + k) * per_unit, zero = T{};
+    const T r = (load<T>(p.overlap + k) - of_both<T>(p.indentation, p, k)) * per_length;
+    const T w = 1.0 / of_both<T>(p.compliance, p, k), part = select(f + r * w > 0.0, w, zero);
     const T error = imbalance_of(r, w, load<T>(p.stiffening + k), f);
-    const T part = select(f + r * w > 0.0, scaled, zero), relative = r * per_length;
     store(p.residual + k, r);
-    store(p.weight + k, select(part > 0.0, scaled, -scaled));
+    store(p.weight + k, select(part > 0.0, w, -w));
     worst = larger(worst, select((f > 0.0) | (r > 0.0), magnitude(error), zero));
     largest = larger(largest, f);
-    norm2 += part * relative * relative;
+    norm2 += part * r * r;
     weights += part;
   };
   Lanes worst = Lanes{}, largest = Lanes{}, norm2[LANES / W] = {}, weights[LANES / W] = {};
@@ -115,6 +114,8 @@ static Residuals find_residuals(const PairArrays &p, int begin, int end)
     all.weights += weights[w / W][w % W];
   }
   for (; k < end; ++k) look(0.0, k, all.error, all.force, all.norm2, all.weights);
+  all.error *= p.unit;
+  all.force *= p.unit;
   return all;
 }
 
@@ -131,24 +132,25 @@ static void extrapolate(const PairArrays &p, const double *c, int begin, int end
 static double take_step(const PairArrays &p, bool alone, int begin, int end)
 {
   constexpr double ALONE = 0.5;
-  const double of_correction = p.length / p.scale;
-  return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+  const double per_unit = 1.0 / p.unit;
+  const double slope = sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
-    const T zero = T{}, f = load<T>(p.force + k), r = load<T>(p.residual + k);
-    const T error = imbalance_at<T>(p, k);
+    const T before = load<T>(p.force + k), f = before * per_unit, r = load<T>(p.residual + k);
+    const T error = imbalance_at<T>(p, k, f), zero = T{};
     T change = ALONE * error;
     if (!alone) {
       const T correction =
           gather<T>(p.correction, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.first[k + w]; });
-      change = select(load<T>(p.weight + k) > 0.0, correction * of_correction, error);
+      change = select(load<T>(p.weight + k) > 0.0, correction, error);
     }
     const T least = select(r > 0.0, load<T>(p.stiffening + k) * r * r * r, zero);
     const T next = larger(f + change, least), step = next - f;
-    store(p.begin + k, f);
-    store(p.step + k, p.scale * step);
-    store(p.force + k, next);
+    store(p.begin + k, before);
+    store(p.step + k, step);
+    store(p.force + k, next * p.unit);
     return r * step;
   });
+  return slope * p.length * p.unit;
 }
 
 static void remember(const PairArrays &p, int begin, int end)
@@ -156,7 +158,8 @@ static void remember(const PairArrays &p, int begin, int end)
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
     const T zero = T{}, force = load<T>(p.force + k);
-    const T f = select(force > 0.0, force, smaller(imbalance_at<T>(p, k), zero));
+    const T virtual_force = smaller(imbalance_at<T>(p, k, zero), zero) * p.unit;
+    const T f = select(force > 0.0, force, virtual_force);
     const auto is_new = load<T>(p.past[0] + k) == UNKNOWN_FORCE;
     store(p.past[0] + k, f);
     for (int n = 1; n < 3; ++n) {
@@ -211,7 +214,7 @@ static void turn_lines(const LineArrays &p, int begin, int end)
   });
 }
 
-static double dot(const double *x, const float *y, int begin, int end)
+static double dot(const float *x, const float *y, int begin, int end)
 {
   return sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);

@@ -41,7 +41,7 @@ class BalancedForces : protected Pointers {
   int without_room() const;
 
   // What is left of the overlap of a pair: both sides share it by their compliances.
-  double residual(int k) const { return solver.residuals()[k]; }
+  double residual(int k) const { return solver.left(k); }
   // After solve: L G' summed over the other contacts of that side's ring, the slope of its outline at the contact.
   double outline_slope(int k, int side) const { return batches.slope[near.pairs.side[side][k]]; }
 

@@ -21,7 +21,7 @@ void BlockLevels::arrange(const ForceBatches &b, const NearPairs &pairs)
     seen_by[k] = k;
     for (; c < end[k]; ++c) {
       const int partner = b.partner[c];
-      is_border |= partner >= b.contacts;
+      is_border |= partner >= b.contacts && partner != b.none();
       if (partner >= b.contacts || (partner < end[k] && partner >= c)) continue;
       const auto found = std::upper_bound(end.begin(), end.end(), partner);
       const int other = static_cast<int>(found - end.begin());

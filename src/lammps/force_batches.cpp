@@ -67,11 +67,10 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   const int remote = pairs.wall - pairs.remote;
   for (std::vector<double> *v : {&indentation, &slope}) v->assign(contacts + remote + 1, 0.0);
   compliance.assign(contacts + remote + 1, 0.0F);
-  product.assign(2 * (contacts + remote), 0.0F);
+  product.assign(2 * (contacts + remote + 1), 0.0F);
   for (std::vector<float> *v : {&share, &weight, &left, &direction, &step})
     v->assign(contacts, 0.0F);
-  partner.resize(contacts);
-  for (int c = 0; c < contacts; ++c) partner[c] = c;
+  partner.assign(contacts, contacts + remote);
 
   std::fill(count.begin(), count.end(), 0);
   const auto sit = [this](int i, int of) { seat[contact(place[i], count[i]++)] = of; };
@@ -129,8 +128,8 @@ deformable::RingBatches ForceBatches::arrays()
            square.data(), rate.data(), scale},
           {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(),
            green.data(), aligned},
-          {partner.data(), weight.data(), left.data(), direction.data(), step.data(),
-           product.data(), product.data(), static_cast<int>(product.size() / 2)}};
+          {partner.data(), none(), weight.data(), left.data(), direction.data(), step.data(),
+           product.data(), product.data(), none() + 1}};
 }
 
 double ForceBatches::bytes() const

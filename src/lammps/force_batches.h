@@ -58,6 +58,8 @@ struct ForceBatches {
     return first[ring / deformable::LANES] + m * deformable::LANES + ring % deformable::LANES;
   }
 
+  int none() const { return static_cast<int>(product.size() / 2) - 1; }    // see CorrectionArrays
+
   deformable::RingBatches arrays();
 
   double bytes() const;

@@ -23,12 +23,12 @@ void ForceCorrector::conjugate_gradients(const NearPairs &pairs, ForceBatches &b
 {
   constexpr int MAX_ITERATIONS = 500;
   const deformable::RingBatches rings = batches.arrays();
-  kernels.begin(rings, arrays);
   const double enough = accuracy * accuracy * norm2;
   std::vector<double> lengths, conjugations;
   double conjugation = 0.0;
   for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
-    const double part = kernels.multiply(rings, conjugation);
+    const double part =
+        iteration == 0 ? kernels.begin(rings, arrays) : kernels.multiply(rings, conjugation);
     remote.exchange(pairs.side[0].data() + pairs.remote, batches.contacts, batches.product.data());
     const double curvature = remote.sum(part);
     if (!(curvature > 0.0)) break;
@@ -123,7 +123,6 @@ void ForceCorrector::iterate(deformable::RingBatches b, const PairArrays &arrays
   b.corrections.product = product;
   if (k == 1) {
     kernels.begin(b, arrays);
-    kernels.multiply(b, 0.0);
   } else if (k < last) {
     kernels.advance_and_multiply(b, lengths[k - 1], conjugations[k]);
   } else {

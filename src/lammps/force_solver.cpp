@@ -143,8 +143,8 @@ PairArrays ForceSolver::arrays()
           residual.data(),
           weight.data(),
           step.data(),
-          p.scale,
           p.length,
+          p.unit(),
           begin.data(),
           {p.past[0].data(), p.past[1].data(), p.past[2].data()}};
 }
@@ -217,7 +217,7 @@ ForceSolver::Evaluation ForceSolver::run(const Stages &stages)
           });
         } else if (stage == shape) {
           exist &= stages.shape == Shape::ADAPT
-                       ? kernels.adapt(here, pairs->force.data(), this->step.data())
+                       ? kernels.adapt(here, pairs->force.data(), this->step.data(), loop.unit)
                        : kernels.shape(here, pairs->directions());
         } else {
           blocks.for_pairs(block, [&](int a, int z, double part) {
@@ -286,8 +286,7 @@ int ForceSolver::begin_corrections(const Evaluation &from)
     return 0;
   }
   // of r, times the mean weight
-  const double typical =
-      std::sqrt(from.norm2 * from.weights) / pairs_of_all * (pairs->length / pairs->scale);
+  const double typical = std::sqrt(from.norm2 * from.weights) / pairs_of_all * pairs->unit();
   const double most = evaluations == 1 ? FIRST : SQUARE * typical / from.largest;
   const double accuracy =
       std::min(COARSE, std::max(MARGIN * target * from.largest / from.forces, most));
@@ -314,8 +313,8 @@ ForceSolver::Evaluation ForceSolver::line_search(Evaluation now, const Evaluatio
     double here = -std::numeric_limits<double>::infinity();
     if (now.exists)
       here = sum_over_pairs(
-                 [this](int a, int z) { return kernels.dot(residual.data(), step.data(), a, z); }) /
-             pairs->scale;
+                 [this](int a, int z) { return kernels.dot(residual.data(), step.data(), a, z); }) *
+             pairs->length * pairs->unit();
     if (here >= -SMALL_SLOPE * slope && (at == 1.0 || here <= SMALL_SLOPE * slope)) return now;
     if (evaluations >= max_evaluations) return now;
 
@@ -332,7 +331,7 @@ ForceSolver::Evaluation ForceSolver::line_search(Evaluation now, const Evaluatio
     if (!(next > low && next < high) || high - low < 1e-10) return now;
     at = next;
     for (int k = 0; k < pairs->size; ++k)
-      pairs->force[k] = std::max(begin[k] + at * (step[k] / pairs->scale), 0.0);
+      pairs->force[k] = std::max(begin[k] + at * (step[k] * pairs->unit()), 0.0);
     now = evaluate();
   }
 }

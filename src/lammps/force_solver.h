@@ -60,7 +60,8 @@ class ForceSolver : protected Pointers {
   // Returns whether the forces are balanced. May be called again in the same call, with other pairs.
   bool solve(RemoteSides &);
 
-  const std::vector<double> &residuals() const { return residual; }
+  // What is left of the overlap of a pair, r.
+  double left(int k) const { return residual[k] * pairs->length; }
   LineTilts tilts;
   double memory_usage() const;
 
@@ -68,7 +69,7 @@ class ForceSolver : protected Pointers {
   struct Evaluation {
     double forces, largest;    // imbalance, force
     double norm2, weights;     // see Residuals
-    double slope = 0.0;    // of the dual energy along the step, where it began
+    double slope = 0.0;        // of the dual energy along the step, where it began
     bool exists;               // every ring has a shape
     bool knows_torques = false;
     double torques = 0.0;    // imbalance of tilts
@@ -83,10 +84,8 @@ class ForceSolver : protected Pointers {
   RemoteSides *remote = nullptr;
 
   // by pair
-  std::vector<double> residual;    // r
-  std::vector<double> begin;       // of a line search
-  std::vector<float> weight;       // 1/(C_i + C_j), negative for pairs that take no part
-  std::vector<float> step;
+  std::vector<double> begin;                    // of a line search
+  std::vector<float> residual, weight, step;    // see PairArrays
 
   bigint last_step = -2;
   int consecutive_calls = 0;     // at successive steps before this one, up to 3

@@ -212,19 +212,21 @@ void NearList::set_constants(const DeformableParticles &p)
     else
       softness.push_back(1.0 / std::cbrt(deformable::area_stiffness(r, s.stiffness)));
   }
+  const auto stiffening = [&](int k) {
+    double soft = softness[atom->type[pairs.i[k]]];
+    if (k < pairs.wall) soft += softness[atom->type[pairs.j[k]]];
+    return 1.0 / (2.0 * GREEN_AT_ZERO * GREEN_AT_ZERO * soft * soft * soft);
+  };
   double most = 0.0;
-  for (int k = 0; k < pairs.size; ++k) {
-    const int i = pairs.i[k], j = pairs.j[k];
-    double soft = softness[atom->type[i]];
-    if (k < pairs.wall) soft += softness[atom->type[j]];
-    pairs.stiffening[k] = 1.0 / (2.0 * GREEN_AT_ZERO * GREEN_AT_ZERO * soft * soft * soft);
-    most = std::max(most, pairs.stiffening[k]);
-  }
+  for (int k = 0; k < pairs.size; ++k) most = std::max(most, stiffening(k));
   double of_all = most;    // the same on all ranks, which sum up what is scaled
   if (comm->nprocs > 1) MPI_Allreduce(&most, &of_all, 1, MPI_DOUBLE, MPI_MAX, world);
   of_all *= p.smallest * p.smallest;
   pairs.length = std::ldexp(1.0, std::ilogb(p.smallest));
   pairs.scale = of_all > 0.0 ? std::ldexp(1.0, -std::ilogb(of_all)) : 1.0;
+  const double unit = pairs.scale * pairs.length * pairs.length;
+  for (int k = 0; k < pairs.size; ++k)
+    pairs.stiffening[k] = static_cast<float>(stiffening(k) * unit);
 }
 
 /* ----------------------------------------------------------------------

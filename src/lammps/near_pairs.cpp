@@ -27,7 +27,7 @@ void NearPairs::clear(int expected)
 void NearPairs::make_room()
 {
   const std::size_t pairs = size, one_more = pairs + 1;
-  stiffening.assign(pairs, 0.0);
+  stiffening.assign(pairs, 0.0F);
   for (std::vector<double> *v : {&force, &overlap, &per_distance, &angle, &ny})
     v->assign(one_more, 0.0);
   nx.assign(one_more, 1.0);

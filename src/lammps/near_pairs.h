@@ -44,8 +44,10 @@ struct KnownPairs {
 struct NearPairs : KnownPairs {
   std::vector<int>
       second;    // row of j if it, or the particle whose image it is, is on this rank; or -1
-  std::vector<double> stiffening;      // k: two circles that overlap by o repel with at least k o^3
+  std::vector<float>
+      stiffening;    // k, see PairArrays: two circles that overlap by o repel with at least k o^3
   double scale = 1.0, length = 1.0;    // powers of two, of 1/(k R^2) and R: see PairArrays
+  double unit() const { return length / scale; }
 
   // one more than pairs: the last one stands for places of contacts that are empty
   std::vector<double> force;

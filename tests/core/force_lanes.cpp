@@ -98,7 +98,7 @@ struct Batch {
   }
   CorrectionArrays corrections(int w)
   {
-    return corrections_of({partner.data(), weight.data(), left.data(), direction.data(),
+    return corrections_of({partner.data(), 0, weight.data(), left.data(), direction.data(),
                            step.data(), product.data(), last_product.data(), 0},
                           w);
   }
