@@ -88,7 +88,7 @@ struct Residuals {
 // What follows from positions, and what is needed for that.
 struct PairPlaces {
   const int *i, *j;
-  const double *radius;    // of particles
+  const double *x, *radius;    // of particles; three numbers for each place
   double *per_distance, *overlap, *angle, *nx, *ny;
 };
 
@@ -122,9 +122,9 @@ struct ForceKernels {
 
   // Loops over pairs, from `begin` to before `end`.
 
-  // Distances, directions and overlaps; x: positions, three numbers a particle. Returns whether all contact lines lie
-  // between the centers: d^2 > |R_i^2 - R_j^2|.
-  bool (*locate)(const double *x, const PairPlaces &, int begin, int end);
+  // Distances, directions and overlaps. Returns whether all contact lines lie between the centers:
+  // d^2 > |R_i^2 - R_j^2|.
+  bool (*locate)(const PairPlaces &, int begin, int end);
 
   // r and weights from the indentations.
   Residuals (*find_residuals)(const PairArrays &, int begin, int end);

@@ -33,7 +33,7 @@ template <class Term> DEFORMABLE_LANE_FUNCTION double sum_of(int begin, int end,
   return sum;
 }
 
-static bool locate_pairs(const double *x, const PairPlaces &p, int begin, int end)
+static bool locate_pairs(const PairPlaces &p, int begin, int end)
 {
   bool apart = true;
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
@@ -44,7 +44,7 @@ static bool locate_pairs(const double *x, const PairPlaces &p, int begin, int en
     const auto of_j = [&](const double *y, int stride) DEFORMABLE_LANE_LAMBDA {
       return gather<T>(y, [&](int w) DEFORMABLE_LANE_LAMBDA { return stride * p.j[k + w]; });
     };
-    const T dx = of_j(x, 3) - of_i(x, 3), dy = of_j(x + 1, 3) - of_i(x + 1, 3);
+    const T dx = of_j(p.x, 3) - of_i(p.x, 3), dy = of_j(p.x + 1, 3) - of_i(p.x + 1, 3);
     const T ri = of_i(p.radius, 1), rj = of_j(p.radius, 1);
     const T square = dx * dx + dy * dy, d = root(square), per_d = 1.0 / d;
     apart &= all_true(square > magnitude((ri - rj) * (ri + rj)));

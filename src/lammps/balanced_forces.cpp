@@ -22,31 +22,33 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
   } else if (p.radii_vary || p.new_material) {
     set_material(p);
   }
-  int wrong = near.locate(p);
+  const bool in_blocks = !near.pairs.tilts;    // then the solver locates most pairs
+  int wrong = near.locate(p, in_blocks);
   if (wrong >= 0) return wrong;
   if (!new_list && !near.is_sufficient(p)) {
     near.build(p, false);
     arrange(p);
-    wrong = near.locate(p);
+    wrong = near.locate(p, in_blocks);
     if (wrong >= 0) return wrong;
   }
-  solver.begin_call(near.pairs, batches);
+  const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
+  const PairPlaces places = near.pairs.places(x, p.radius);
+  solver.begin_call(near.pairs, batches, in_blocks ? &places : nullptr);
   for (int lists = 0;; ++lists) {
     is_balanced = solver.solve(near.remote_sides);
+    if (!solver.lines_are_apart()) return near.pairs.first_behind(p.radius);
     find_bulges();
     if (lists < MOST_LISTS && !near.is_sufficient(p)) {
+      solver.remember();
       near.build(p, false);
       arrange(p);
-      near.locate(p);
+      near.locate(p, false);
       continue;
     }
     if (!is_balanced && without_room() < 0) warn_unbalanced();
     break;
   }
-  if (!near.pairs.tilts)
-    kernels.slopes(batches.arrays(), near.pairs.directions(), nullptr);
-  else if (new_list && !warned_limited)
-    warn_limited();
+  if (near.pairs.tilts && new_list && !warned_limited) warn_limited();
   return -1;
 }
 

@@ -32,6 +32,9 @@ class BalancedForces : protected Pointers {
   // Returns -1, or a pair whose contact line cannot lie between the centers.
   int solve(const DeformableParticles &, bool new_list);
 
+  // After solve: calls act(begin, end) for all pairs, which then also know the slopes of outlines.
+  template <class Act> void finish(Act &&act) { solver.finish(act); }
+
   const NearPairs &pairs() const { return near.pairs; }
   int evaluations() const { return solver.evaluations; }
   double imbalance() const { return solver.imbalance; }
@@ -42,7 +45,7 @@ class BalancedForces : protected Pointers {
 
   // What is left of the overlap of a pair: both sides share it by their compliances.
   double residual(int k) const { return solver.left(k); }
-  // After solve: L G' summed over the other contacts of that side's ring, the slope of its outline at the contact.
+  // After finish: L G' summed over the other contacts of that side's ring, the slope of its outline at the contact.
   double outline_slope(int k, int side) const { return batches.slope[near.pairs.side[side][k]]; }
 
   // After solve: what curved contact lines would still save (tilt.h), half of it for either particle, and not more than

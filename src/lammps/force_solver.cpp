@@ -17,7 +17,7 @@ using deformable::PairArrays;
    ones.
 ------------------------------------------------------------------------- */
 
-void ForceSolver::begin_call(NearPairs &p, ForceBatches &b)
+void ForceSolver::begin_call(NearPairs &p, ForceBatches &b, const deformable::PairPlaces *places)
 {
   pairs = &p;
   batches = &b;
@@ -28,12 +28,27 @@ void ForceSolver::begin_call(NearPairs &p, ForceBatches &b)
   const bool predicts = consecutive_calls == 3;
   must_correct = predicts && tolerance > LOOSE;
   const double *const c = must_correct ? STABLE : COEFFICIENTS[consecutive_calls];
-  kernels.extrapolate(arrays(), c, 0, p.size);
   std::swap(p.past[1], p.past[2]);
   std::swap(p.past[0], p.past[1]);
+  coefficients = c;
+  const int own = places ? p.remote : 0;
+  extrapolate(own, p.size);
   if (p.tilts) LineTilts::predict(p, kernels, c);
   evaluations = 0;
   first_solution = true;
+  is_apart = true;
+  unlocated = places;
+}
+
+// The place of the new forces has the oldest ones.
+void ForceSolver::extrapolate(int begin, int end)
+{
+  PairArrays loop = arrays();
+  double *const oldest = loop.past[0];
+  loop.past[0] = loop.past[1];
+  loop.past[1] = loop.past[2];
+  loop.past[2] = oldest;
+  kernels.extrapolate(loop, coefficients, begin, end);
 }
 
 void ForceSolver::arrange(const ForceBatches &b, const NearPairs &p)
@@ -55,11 +70,13 @@ bool ForceSolver::solve(RemoteSides &r)
   };
   make_room(residual, begin, weight, step);
   if (comm->nprocs > 1) agree();
-  for (int k = 0; k < p.size; ++k) p.force[k] = std::max(p.past[0][k], 0.0);
+  if (!unlocated) start(0, p.size);
   if (p.tilts) tilts.start(p, *batches, kernels);
 
   if (!first_solution) --evaluations;    // of the same forces as the last one
   Evaluation now = evaluate();
+  unlocated = nullptr;
+  if (!is_apart) return false;
   if (!now.exists) {
     std::fill(p.force.begin(), p.force.end(), 0.0);
     now = evaluate();
@@ -75,10 +92,14 @@ bool ForceSolver::solve(RemoteSides &r)
   first_solution = false;
   while (!is_balanced(now) && evaluations < max_evaluations) now = correct(now);
   if (p.tilts && !now.knows_torques) now.torques = find_torques();
-  kernels.remember(arrays(), 0, p.size);
   if (p.tilts) tilts.remember(p);
   imbalance = now.relative();
   return std::isfinite(now.largest) && now.worst() <= target * now.largest;
+}
+
+void ForceSolver::start(int begin, int end)
+{
+  for (int k = begin; k < end; ++k) pairs->force[k] = std::max(pairs->past[0][k], 0.0);
 }
 
 // Torques count only where forces balance: before, they are not worth their evaluation.
@@ -192,6 +213,7 @@ template <class Sum> double ForceSolver::sum_over_pairs(Sum &&sum) const
 ForceSolver::Evaluation ForceSolver::evaluate()
 {
   Stages stages;
+  stages.locate = unlocated != nullptr;
   stages.shape = Shape::ANEW;
   return run(stages);
 }
@@ -200,7 +222,8 @@ ForceSolver::Evaluation ForceSolver::run(const Stages &stages)
 {
   const deformable::RingBatches rings = batches->arrays();
   const PairArrays loop = arrays();
-  const int step = stages.corrections + (stages.step ? 1 : 0), shape = step + 1, look = step + 2;
+  const int located = stages.locate ? 1 : 0, corrected = located + stages.corrections;
+  const int step = corrected + (stages.step ? 1 : 0), shape = step + 1, look = step + 2;
   const bool shapes = stages.shape != Shape::NONE;
   of_blocks.assign(blocks.count(), {});
   bool exist = true;
@@ -209,8 +232,16 @@ ForceSolver::Evaluation ForceSolver::run(const Stages &stages)
       [&](int block, int stage) {
         OfBlock &found = of_blocks[block];
         const deformable::RingBatches here = BlockLevels::rings(rings, block);
-        if (stage <= stages.corrections) {
-          corrector.iterate(here, loop, stage);
+        if (stage <= located) {
+          blocks.for_pairs(block, [&](int a, int z, double) {
+            if (a < pairs->remote) {
+              is_apart &= kernels.locate(*unlocated, a, z);
+              extrapolate(a, z);
+            }
+            start(a, z);
+          });
+        } else if (stage <= corrected) {
+          corrector.iterate(here, loop, stage - located);
         } else if (stage == step) {
           blocks.for_pairs(block, [&](int a, int z, double part) {
             found.slope += part * kernels.take_step(loop, false, a, z);
@@ -231,8 +262,9 @@ ForceSolver::Evaluation ForceSolver::run(const Stages &stages)
       },
       [&](int stage) {
         const int *const side = pairs->side[0].data() + pairs->remote;
-        if (stage < stages.corrections)
-          remote->exchange(side, batches->contacts, corrector.products(rings, stage));
+        if (stage > located && stage < corrected)
+          remote->exchange(side, batches->contacts,
+                           ForceCorrector::products(rings, stage - located));
         else if (stage == shape)
           remote->exchange(side, batches->contacts, batches->indentation.data(),
                            batches->compliance.data());

@@ -54,11 +54,30 @@ class ForceSolver : protected Pointers {
   void arrange(const ForceBatches &, const NearPairs &);    // contacts are new
 
   // A new force call: forces continue those of the last calls.
-  void begin_call(NearPairs &, ForceBatches &);
+  // The pairs of this rank's particles are located, or will be, with these places.
+  void begin_call(NearPairs &, ForceBatches &, const deformable::PairPlaces *);
 
-  // The pairs are located, the rings know their material. Starts from the last forces, and keeps the new ones.
-  // Returns whether the forces are balanced. May be called again in the same call, with other pairs.
+  // The rings know their material. Starts from the last forces. Returns whether the forces are balanced. May be called
+  // again in the same call, with other pairs that are located, after `remember`.
   bool solve(RemoteSides &);
+  void remember() { kernels.remember(arrays(), 0, pairs->size); }
+
+  // All contact lines lie between the centers. Otherwise there is no solution.
+  bool lines_are_apart() const { return is_apart; }
+
+  // Remembers the forces, finds the slopes of the outlines and calls act(begin, end) for all pairs.
+  template <class Act> void finish(Act &&act)
+  {
+    const deformable::RingBatches rings = batches->arrays();
+    const auto work = [&](int block, int stage) {
+      if (stage == 1 && !pairs->tilts)    // those have slopes
+        kernels.slopes(BlockLevels::rings(rings, block), pairs->directions(), nullptr);
+      blocks.for_pairs(block, [&](int a, int z, double) {
+        stage == 1 ? kernels.remember(arrays(), a, z) : act(a, z);
+      });
+    };
+    blocks.run(2, work, [](int) {});
+  }
 
   // What is left of the overlap of a pair, r.
   double left(int k) const { return residual[k] * pairs->length; }
@@ -87,6 +106,12 @@ class ForceSolver : protected Pointers {
   std::vector<double> begin;                    // of a line search
   std::vector<float> residual, weight, step;    // see PairArrays
 
+  const double *coefficients = nullptr;                 // of the extrapolation
+  const deformable::PairPlaces *unlocated = nullptr;    // of pairs that are to be located
+  bool is_apart = true;
+  void extrapolate(int begin, int end);
+  void start(int begin, int end);
+
   bigint last_step = -2;
   int consecutive_calls = 0;     // at successive steps before this one, up to 3
   bool first_solution = true;    // of this call
@@ -105,10 +130,11 @@ class ForceSolver : protected Pointers {
   Evaluation correct(const Evaluation &);
   Evaluation line_search(Evaluation now, const Evaluation &from, bool turned);
 
-  // What a run through the blocks does: iterations of the corrector, the step of all forces, new shapes of the rings and
+  // What a run through the blocks does: places and first forces of the pairs, iterations of the corrector, the step of all forces, new shapes of the rings and
   // what is left then.
   enum class Shape { NONE, ANEW, ADAPT };
   struct Stages {
+    bool locate = false;
     int corrections = 0;
     bool step = false;
     Shape shape = Shape::NONE;

@@ -233,12 +233,15 @@ void NearList::set_constants(const DeformableParticles &p)
    A wall that is out of reach counts as far away.
 ------------------------------------------------------------------------- */
 
-int NearList::locate(const DeformableParticles &p)
+int NearList::locate(const DeformableParticles &p, bool only_shared)
 {
   ++calls;
   if (p.new_material) set_constants(p);
-  const int wrong = pairs.wall > 0 ? pairs.locate(atom->x[0], p.radius, kernels) : -1;
-  if (wrong >= 0 || p.walls->empty()) return wrong;
+  std::fill(pairs.tilt.begin(), pairs.tilt.end(), 0.0);
+  const int begin = only_shared ? pairs.remote : 0;
+  if (begin < pairs.wall && !kernels.locate(pairs.places(atom->x[0], p.radius), begin, pairs.wall))
+    return pairs.first_behind(p.radius);
+  if (p.walls->empty()) return -1;
   for (int k = pairs.wall; k < pairs.size; ++k) {
     pairs.overlap[k] = -(1.0 + p.reach) * p.radius[pairs.i[k]];
     pairs.nx[k] = 1.0;

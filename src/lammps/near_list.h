@@ -50,8 +50,9 @@ class NearList : protected Pointers {
   // Collects the pairs anew.
   void build(const DeformableParticles &, bool new_list);
 
-  // Overlaps and directions of all pairs. Returns -1, or a pair whose contact line cannot lie between the centers.
-  int locate(const DeformableParticles &);
+  // Overlaps and directions of all pairs, or only of those with other ranks and walls. Returns -1, or a pair whose contact
+  // line cannot lie between the centers.
+  int locate(const DeformableParticles &, bool only_shared);
 
   // Whether the list is sufficient, on all ranks, for the present positions and bulges.
   bool is_sufficient(const DeformableParticles &) const;

@@ -35,18 +35,17 @@ void NearPairs::make_room()
   for (std::vector<int> &v : side) v.assign(pairs, 0);
 }
 
-int NearPairs::locate(const double *x, const double *radius,
-                      const deformable::ForceKernels &kernels)
+deformable::PairPlaces NearPairs::places(const double *x, const double *radius)
 {
-  std::fill(tilt.begin(), tilt.end(), 0.0);
-  const deformable::PairPlaces places = {
-      i.data(),       j.data(),     radius,    per_distance.data(),
-      overlap.data(), angle.data(), nx.data(), ny.data()};
-  if (kernels.locate(x, places, 0, wall)) return -1;
-  int k = 0;
-  for (; k < wall; ++k) {
+  return {i.data(),       j.data(),     x,         radius,   per_distance.data(),
+          overlap.data(), angle.data(), nx.data(), ny.data()};
+}
+
+int NearPairs::first_behind(const double *radius) const
+{
+  for (int k = 0; k < wall; ++k) {
     const double ri = radius[i[k]], rj = radius[j[k]], d = ri + rj - overlap[k];
-    if (!(d * d > std::fabs((ri - rj) * (ri + rj)))) break;
+    if (!(d * d > std::fabs((ri - rj) * (ri + rj)))) return k;
   }
-  return k < wall ? k : -1;
+  return -1;
 }

@@ -86,9 +86,11 @@ struct NearPairs : KnownPairs {
   }
   void make_room();    // for the arrays that add() does not fill
 
-  // Distances, directions and overlaps of pairs of particles. Returns -1, or the first pair whose contact line cannot
-  // lie between the centers.
-  int locate(const double *x, const double *radius, const deformable::ForceKernels &);
+  // Distances, directions and overlaps of pairs of particles.
+  deformable::PairPlaces places(const double *x, const double *radius);
+
+  // The first pair whose contact line cannot lie between the centers, or -1.
+  int first_behind(const double *radius) const;
 
   double bytes() const
   {

@@ -49,7 +49,7 @@ class PairDeformableRing : public PairDeformable {
   std::vector<int> seats;
   std::vector<double> errors;    // of the model, by particle
   void evaluate_balanced(bool new_material);
-  void push_pairs();
+  void push_pairs(int begin, int end);
   void finish_balanced(int i);
 
   // Whether all lines that the outline in `shape` may touch are known.

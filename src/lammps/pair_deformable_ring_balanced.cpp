@@ -30,7 +30,7 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
   }
   const int crushed = balanced->without_room();
   if (crushed >= 0) no_shape(crushed, balanced->ring(crushed).contacts);
-  push_pairs();
+  balanced->finish([this](int begin, int end) { push_pairs(begin, end); });
   pvector[4] = 0.0;
   if (needs_errors()) {
     balanced->find_model_errors(errors);
@@ -58,16 +58,16 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
    second order.
 ------------------------------------------------------------------------- */
 
-void PairDeformableRing::push_pairs()
+void PairDeformableRing::push_pairs(int begin, int end)
 {
   const NearPairs &p = balanced->pairs();
-  if (p.size == 0) return;
   double *const f = atom->f[0];
-  const bool plain = !p.tilts && !eflag_atom && !vflag_either;
-  const int begin = plain ? p.remote : 0;
-  for (int k = 0; k < begin && eflag_global; ++k) eng_vdwl += p.force[k] * balanced->residual(k);
+  const bool plain = begin < p.remote && !p.tilts && !eflag_atom && !vflag_either;
+  const int usual = plain ? end : begin;
+  for (int k = begin; k < usual && eflag_global; ++k)
+    eng_vdwl += p.force[k] * balanced->residual(k);
   // usual pairs of which only forces count: the same sums as below
-  for (int k = 0; k < begin; ++k) {
+  for (int k = begin; k < usual; ++k) {
     const double force = p.force[k], nx = p.nx[k], ny = p.ny[k];
     const double slope = balanced->outline_slope(k, 0) + balanced->outline_slope(k, 1);
     const double across = force * slope * p.per_distance[k];
@@ -78,7 +78,7 @@ void PairDeformableRing::push_pairs()
     of_j[0] -= px;
     of_j[1] -= py;
   }
-  for (int k = begin; k < p.size; ++k) {
+  for (int k = usual; k < end; ++k) {
     const double force = p.force[k];
     const int i = p.i[k], j = p.j[k];
     const NearPairs::Centers centers = p.centers(k);
