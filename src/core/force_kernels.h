@@ -18,12 +18,15 @@ struct PairDirections {
 
 // Rings: batch x LANES + lane.
 struct RingArrays {
-  const double *radius, *kA, *kP;    // of the ring without skin
-  const double *tension;             // null where no ring has any; then rings are soft
-  double *pressure, *expansion, *work, *total;
-  double *per_pressure;
-  float *mixed, *square, *rate;    // see ContactArrays
-  double scale;    // compliances are in units of it, for the range of single precision
+  const double *radius, *kA;    // of the ring without skin
+  double *pressure, *work, *total, *per_pressure;
+  float *square;    // see ContactArrays
+  // null unless rings are soft
+  const double *kP;
+  double *expansion;
+  float *mixed, *rate;
+  const double *tension;    // also null where no ring has any
+  double scale;             // compliances are in units of it, for the range of single precision
 };
 
 // Contacts, and G of each two contacts of a ring: the lower triangle by rows. Numbers in single precision are for
@@ -74,15 +77,16 @@ struct PairArrays {
   float *residual, *weight;    // 1/(C_i + C_j), negative where the pair takes no part
   float *step;
   double length, unit;
-  double *begin;      // forces before the step
-  double *past[3];    // forces of the last calls, the latest first
+  double *past
+      [3];    // forces of the last calls, the latest first; during a call, the first are those before a step
 };
 
 constexpr double UNKNOWN_FORCE = -1e300;
 
-// The largest imbalance and force; over the pairs with a positive weight, sums of w r^2/length^2 and of the weights.
+// The largest imbalance, force, and r/length; over the pairs with a positive weight, sums of w r^2/length^2 and of the
+// weights.
 struct Residuals {
-  double error = 0.0, force = 0.0, norm2 = 0.0, weights = 0.0;
+  double error = 0.0, force = 0.0, left = 0.0, norm2 = 0.0, weights = 0.0;
 };
 
 // What follows from positions, and what is needed for that.

@@ -16,10 +16,9 @@ namespace deformable::DEFORMABLE_LEVEL {
 // The arrays of W rings of one batch: those of all batches from their place on.
 DEFORMABLE_LANE_FUNCTION RingArrays rings_of(RingArrays r, int ring)
 {
-  for (const double **p : {&r.radius, &r.kA, &r.kP}) *p += ring;
-  if (r.tension) r.tension += ring;
-  for (double **p : {&r.pressure, &r.expansion, &r.work, &r.total, &r.per_pressure}) *p += ring;
-  for (float **p : {&r.mixed, &r.square, &r.rate}) *p += ring;
+  const auto move = [ring](auto &...p) DEFORMABLE_LANE_LAMBDA { ((p ? p += ring : p), ...); };
+  move(r.radius, r.kA, r.pressure, r.work, r.total, r.per_pressure, r.square);
+  move(r.kP, r.expansion, r.mixed, r.rate, r.tension);
   return r;
 }
 
@@ -207,7 +206,8 @@ DEFORMABLE_LANE_FUNCTION void slope_lanes(const PairDirections &pairs, int conta
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) store(c.slope + m * LANES, per_p * slope[m]);
   if (!rate) return;
-  const Lanes lengths = load<Lanes>(rings.total) * per_p, delta = load<Lanes>(rings.expansion);
+  const Lanes lengths = load<Lanes>(rings.total) * per_p;
+  const Lanes delta = rings.expansion ? load<Lanes>(rings.expansion) : Lanes{};
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m)
     store(rate + m * LANES,

@@ -83,8 +83,9 @@ template <class T> DEFORMABLE_LANE_FUNCTION T imbalance_at(const PairArrays &p, 
 
 static Residuals find_residuals(const PairArrays &p, int begin, int end)
 {
+  constexpr double INFINITE = __builtin_inf();
   const double per_length = 1.0 / p.length, per_unit = 1.0 / p.unit;
-  const auto look = [&](auto kind, int k, auto &worst, auto &largest, auto &norm2,
+  const auto look = [&](auto kind, int k, auto &worst, auto &largest, auto &most, auto &norm2,
                         auto &weights) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
     const T f = load<T>(p.force + k) * per_unit, zero = T{};
@@ -94,26 +95,30 @@ static Residuals find_residuals(const PairArrays &p, int begin, int end)
     store(p.residual + k, r);
     store(p.weight + k, select(part > 0.0, w, -w));
     worst = larger(worst, select((f > 0.0) | (r > 0.0), magnitude(error), zero));
+    const T size = select(magnitude(r) < INFINITE, magnitude(r), zero + INFINITE);    // also nan
+    most = larger(most, select((f > 0.0) | (r > 0.0) | (size == INFINITE), size, zero));
     largest = larger(largest, f);
     norm2 += part * r * r;
     weights += part;
   };
-  Lanes worst = Lanes{}, largest = Lanes{}, norm2[LANES / W] = {}, weights[LANES / W] = {};
+  Lanes worst = Lanes{}, largest = Lanes{}, most = Lanes{};
+  Lanes norm2[LANES / W] = {}, weights[LANES / W] = {};
   int k = begin;
   for (; k + LANES <= end; k += LANES)
 #pragma GCC unroll 8
     for (int n = 0; n < LANES / W; ++n)
-      look(Lanes{}, k + n * W, worst, largest, norm2[n], weights[n]);
+      look(Lanes{}, k + n * W, worst, largest, most, norm2[n], weights[n]);
   Residuals all;
   for (int w = 0; w < W; ++w) {
     all.error = larger(all.error, worst[w]);
     all.force = larger(all.force, largest[w]);
+    all.left = larger(all.left, most[w]);
   }
   for (int w = 0; w < LANES; ++w) {
     all.norm2 += norm2[w / W][w % W];
     all.weights += weights[w / W][w % W];
   }
-  for (; k < end; ++k) look(0.0, k, all.error, all.force, all.norm2, all.weights);
+  for (; k < end; ++k) look(0.0, k, all.error, all.force, all.left, all.norm2, all.weights);
   all.error *= p.unit;
   all.force *= p.unit;
   return all;
@@ -145,7 +150,7 @@ static double take_step(const PairArrays &p, bool alone, int begin, int end)
     }
     const T least = select(r > 0.0, load<T>(p.stiffening + k) * r * r * r, zero);
     const T next = larger(f + change, least), step = next - f;
-    store(p.begin + k, before);
+    store(p.past[0] + k, before);
     store(p.step + k, step);
     store(p.force + k, next * p.unit);
     return r * step;
@@ -160,11 +165,10 @@ static void remember(const PairArrays &p, int begin, int end)
     const T zero = T{}, force = load<T>(p.force + k);
     const T virtual_force = smaller(imbalance_at<T>(p, k, zero), zero) * p.unit;
     const T f = select(force > 0.0, force, virtual_force);
-    const auto is_new = load<T>(p.past[0] + k) == UNKNOWN_FORCE;
     store(p.past[0] + k, f);
     for (int n = 1; n < 3; ++n) {
       const T past = load<T>(p.past[n] + k);
-      store(p.past[n] + k, select(is_new | (past == UNKNOWN_FORCE), f, past));
+      store(p.past[n] + k, select(past == UNKNOWN_FORCE, f, past));
     }
   });
 }

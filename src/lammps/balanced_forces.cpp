@@ -37,8 +37,8 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
   for (int lists = 0;; ++lists) {
     is_balanced = solver.solve(near.remote_sides);
     if (!solver.lines_are_apart()) return near.pairs.first_behind(p.radius);
-    find_bulges();
-    if (lists < MOST_LISTS && !near.is_sufficient(p)) {
+    const double growth = find_bulges();
+    if (lists < MOST_LISTS && !near.is_sufficient_after(p, growth)) {
       solver.remember();
       near.build(p, false);
       arrange(p);
@@ -63,32 +63,41 @@ void BalancedForces::arrange(const DeformableParticles &p)
 
 void BalancedForces::set_material(const DeformableParticles &p)
 {
-  batches.soft = batches.tense = false;
+  bool soft = false, tense = false;
+  for (const int i : batches.particle) {
+    if (i < 0) continue;
+    const Stiffness &k = (*p.species)[atom->type[i]].stiffness;
+    soft |= !k.conserves_perimeter();
+    tense |= k.tension > 0.0;
+  }
+  batches.set_kind(soft, tense);
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
     const int i = batches.particle[ring];
     if (i < 0) continue;
     const Species &s = (*p.species)[atom->type[i]];
     batches.radius[ring] = p.radius[i] - s.skin;
     batches.kA[ring] = s.stiffness.kA;
-    batches.kP[ring] = s.stiffness.kP;
-    batches.tension[ring] = s.stiffness.tension;
-    batches.tense |= s.stiffness.tension > 0.0;
-    batches.soft |= !s.stiffness.conserves_perimeter();
+    if (soft) batches.kP[ring] = s.stiffness.kP;
+    if (tense) batches.tension[ring] = s.stiffness.tension;
   }
-  if (!batches.soft) std::fill(batches.expansion.begin(), batches.expansion.end(), 0.0);
 }
 
-void BalancedForces::find_bulges()
+// Returns how much the bulge of a ring has grown at most.
+double BalancedForces::find_bulges()
 {
+  double growth = 0.0;
   constexpr double MOST = 0.10199;    // -G at its minimum
   crowded.clear();
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
     const int i = batches.particle[ring];
     if (i < 0) continue;
     const double lengths = batches.total[ring] * batches.per_pressure[ring];
-    near.bulge[i] = std::max(MOST * lengths + batches.expansion[ring], 0.0);
+    const double bulge = std::max(MOST * lengths + batches.loaded(ring).expansion, 0.0);
+    growth = std::max(growth, bulge - near.bulge[i]);
+    near.bulge[i] = bulge;
     if (arc_radius_at_least(ring, lengths) < 0.0) crowded.push_back(i);
   }
+  return growth;
 }
 
 // Where no split of the overlaps leaves room for its area, the free arcs of a ring vanish as its forces grow.
@@ -98,8 +107,9 @@ int BalancedForces::without_room() const
   if (is_balanced) return -1;
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
     if (batches.particle[ring] < 0) continue;
-    if (!std::isinf(batches.kA[ring]) && batches.tension[ring] == 0.0) continue;
-    const double q = batches.radius[ring] + batches.expansion[ring] -
+    const Stiffness stiffness = batches.stiffness(ring);
+    if (!std::isinf(stiffness.kA) && stiffness.tension == 0.0) continue;
+    const double q = batches.radius[ring] + batches.loaded(ring).expansion -
                      batches.total[ring] * batches.per_pressure[ring] * (0.5 / PI);
     if (!(q >= NONE * batches.radius[ring])) return batches.particle[ring];    // also if nan
   }
@@ -129,9 +139,7 @@ int BalancedForces::collapsed() const
 BalancedForces::Ring BalancedForces::ring(int i) const
 {
   const int ring = batches.place[i], n = batches.count[i];
-  const double p = batches.pressure[ring], delta = batches.expansion[ring];
-  const LoadedRing loaded = {p, delta};
-  const Stiffness k = {batches.kA[ring], batches.kP[ring], batches.tension[ring]};
+  const LoadedRing loaded = batches.loaded(ring);
   const double lengths = batches.total[ring] * batches.per_pressure[ring];
   double arc_radius = arc_radius_at_least(ring, lengths);
   if (arc_radius < 0.0) {
@@ -144,17 +152,18 @@ BalancedForces::Ring BalancedForces::ring(int i) const
     }
     arc_radius += (lengths - std::hypot(mx, my) * batches.per_pressure[ring]) / PI;
   }
-  const double energy = loaded.energy(batches.radius[ring], k, batches.work[ring]);
-  return {{energy, p}, delta, arc_radius, n};
+  const double energy =
+      loaded.energy(batches.radius[ring], batches.stiffness(ring), batches.work[ring]);
+  return {{energy, loaded.pressure}, loaded.expansion, arc_radius, n};
 }
 
 int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<int> &seats,
                              Shape &shape) const
 {
   const int ring = batches.place[i], n = batches.count[i];
-  const double per_p = batches.per_pressure[ring], delta = batches.expansion[ring];
-  const LoadedRing loaded = {batches.pressure[ring], delta};
-  const Stiffness k = {batches.kA[ring], batches.kP[ring], batches.tension[ring]};
+  const double per_p = batches.per_pressure[ring];
+  const LoadedRing loaded = batches.loaded(ring);
+  const Stiffness k = batches.stiffness(ring);
   contacts.resize(n);
   seats.resize(n);
   shape.reset(n, batches.radius[ring]);
@@ -176,8 +185,9 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
   }
   const double lengths = batches.total[ring] * per_p;
   shape.area_deficit = loaded.area_deficit(batches.radius[ring], k, batches.work[ring]);
-  shape.perimeter_excess = 2.0 * PI * delta;
-  shape.arc_radius = batches.radius[ring] + delta - lengths * (0.5 / PI) - std::hypot(mx, my) / PI;
+  shape.perimeter_excess = 2.0 * PI * loaded.expansion;
+  shape.arc_radius =
+      batches.radius[ring] + loaded.expansion - lengths * (0.5 / PI) - std::hypot(mx, my) / PI;
   return n;
 }
 
@@ -204,7 +214,7 @@ void BalancedForces::find_model_errors(std::vector<double> &of_particle)
   tension_at = pressure_at;
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
     if (batches.particle[ring] < 0) continue;
-    const LoadedRing loaded = {batches.pressure[ring], batches.expansion[ring]};
+    const LoadedRing loaded = batches.loaded(ring);
     const double T = tension(batches.radius[ring], loaded, batches.total[ring]);
     for (int m = 0; m < batches.count[batches.particle[ring]]; ++m) {
       const int c = batches.contact(static_cast<int>(ring), m);

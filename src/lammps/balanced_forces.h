@@ -87,9 +87,9 @@ class BalancedForces : protected Pointers {
   // q - (1/pi) sum L: no direction has a smaller radius of curvature
   double arc_radius_at_least(std::size_t ring, double lengths) const
   {
-    return batches.radius[ring] + batches.expansion[ring] - lengths * (1.5 / deformable::PI);
+    return batches.radius[ring] + batches.loaded(ring).expansion - lengths * (1.5 / deformable::PI);
   }
-  void find_bulges();
+  double find_bulges();
   int collapsed() const;
   void warn_unbalanced();
   void warn_limited();

@@ -20,22 +20,21 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   const int lanes_in_all = batches * LANES;
 
   // pressures are the first guesses of the next call
-  std::vector<double> last_pressure(particles, 0.0), last_expansion(particles, 0.0);
+  std::vector<deformable::LoadedRing> last(particles);
   for (std::size_t ring = 0; ring < particle.size(); ++ring)
-    if (particle[ring] >= 0 && particle[ring] < particles) {
-      last_pressure[particle[ring]] = pressure[ring];
-      last_expansion[particle[ring]] = expansion[ring];
-    }
+    if (particle[ring] >= 0 && particle[ring] < particles) last[particle[ring]] = loaded(ring);
   particle.assign(lanes_in_all, -1);
   std::copy_n(order, rings, particle.begin());
   for (int begin = 0; begin < rings; begin += BLOCK)
     std::stable_sort(particle.begin() + begin, particle.begin() + std::min(begin + BLOCK, rings),
                      [this](int a, int b) { return count[a] < count[b]; });
 
-  for (std::vector<double> *v : {&pressure, &expansion, &work, &total, &per_pressure})
+  for (std::vector<double> *v : {&pressure, &work, &total, &per_pressure})
     v->assign(lanes_in_all, 0.0);
-  for (std::vector<float> *v : {&mixed, &square, &rate}) v->assign(lanes_in_all, 0.0F);
-  for (std::vector<double> *v : {&radius, &kA, &kP, &tension}) v->assign(lanes_in_all, 1.0);
+  square.assign(lanes_in_all, 0.0F);
+  for (std::vector<double> *v : {&radius, &kA}) v->assign(lanes_in_all, 1.0);
+  expansion.clear();    // of rings at other places
+  set_kind(soft, tense);
   place.assign(particles, -1);
   for (std::vector<int> *v : {&size, &first, &first_green}) v->resize(batches + 1);
   int places = 0, two = 0, longest = 0;
@@ -45,8 +44,8 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
       const int i = particle[b * LANES + w];
       if (i < 0) continue;
       place[i] = b * LANES + w;
-      pressure[place[i]] = last_pressure[i];
-      expansion[place[i]] = last_expansion[i];
+      pressure[place[i]] = last[i].pressure;
+      if (soft) expansion[place[i]] = last[i].expansion;
       most = std::max(most, count[i]);
     }
     size[b] = most;
@@ -67,7 +66,6 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   const int remote = pairs.wall - pairs.remote;
   for (std::vector<double> *v : {&indentation, &slope}) v->assign(contacts + remote + 1, 0.0);
   compliance.assign(contacts + remote + 1, 0.0F);
-  product.assign(2 * (contacts + remote + 1), 0.0F);
   for (std::vector<float> *v : {&share, &weight, &left, &direction, &step})
     v->assign(contacts, 0.0F);
   partner.assign(contacts, contacts + remote);
@@ -89,6 +87,18 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
     if (k < pairs.wall) partner[first] = second;
     if (pairs.second[k] >= 0) partner[second] = first;
   }
+}
+
+void ForceBatches::set_kind(bool soft_, bool tense_)
+{
+  soft = soft_;
+  tense = tense_;
+  const std::size_t soft_rings = soft ? particle.size() : 0;
+  for (std::vector<double> *v : {&kP, &expansion})
+    if (v->size() != soft_rings) v->assign(soft_rings, v == &kP ? 1.0 : 0.0);
+  for (std::vector<float> *v : {&mixed, &rate})
+    if (v->size() != soft_rings) v->assign(soft_rings, 0.0F);
+  tension.resize(tense ? particle.size() : 0);
 }
 
 // By the partners' tags: then a ring adds up the same numbers in the same order on any number of ranks.
@@ -123,19 +133,20 @@ deformable::RingBatches ForceBatches::arrays()
           first.data(),
           first_green.data(),
           soft,
-          {radius.data(), kA.data(), kP.data(), tense ? tension.data() : nullptr, pressure.data(),
-           expansion.data(), work.data(), total.data(), per_pressure.data(), mixed.data(),
-           square.data(), rate.data(), scale},
+          {radius.data(), kA.data(), pressure.data(), work.data(), total.data(),
+           per_pressure.data(), square.data(), soft ? kP.data() : nullptr,
+           soft ? expansion.data() : nullptr, soft ? mixed.data() : nullptr,
+           soft ? rate.data() : nullptr, tense ? tension.data() : nullptr, scale},
           {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(),
            green.data(), aligned},
           {partner.data(), none(), weight.data(), left.data(), direction.data(), step.data(),
-           product.data(), product.data(), none() + 1}};
+           products(), products(), none() + 1}};
 }
 
 double ForceBatches::bytes() const
 {
   return bytes_of(size, first, first_green, particle, radius, kA, kP, tension, pressure, expansion,
                   work, total, per_pressure, mixed, square, rate, seat, indentation, compliance,
-                  slope, share, partner, weight, left, direction, step, product, green, scratch,
-                  place, count);
+                  slope, share, partner, weight, left, direction, step, green, scratch, place,
+                  count);
 }

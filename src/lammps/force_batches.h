@@ -5,9 +5,11 @@
 
 #include "force_kernels.h"
 #include "near_pairs.h"
+#include "ring_forces.h"
 
 #include "lmptype.h"
 
+#include <limits>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -19,7 +21,7 @@ struct ForceBatches {
   int batches = 0;
   int contacts =
       0;    // places for contacts; remote ones follow, then one for walls, which yield nothing
-  bool soft = false;    // some ring does not conserve its perimeter
+  bool soft = false;    // some ring does not conserve its perimeter; see set_stiffness
 
   // of batches
   std::vector<int> size, first,
@@ -27,21 +29,25 @@ struct ForceBatches {
 
   // of rings: batch x LANES + lane
   std::vector<int> particle;    // or -1
-  bool tense = false;           // some ring has a tension
-  std::vector<double> radius, kA, kP, tension, pressure, expansion, work, total, per_pressure;
-  std::vector<float> mixed, square, rate;
+  std::vector<double> radius, kA, pressure, work, total, per_pressure;
+  std::vector<float> square;
+  // empty unless rings are soft, or some have a tension
+  bool tense = false;
+  std::vector<double> kP, expansion, tension;
+  std::vector<float> mixed, rate;
 
   double scale = 1.0;    // see NearPairs
 
   // of contacts
   std::vector<int> seat;
   std::vector<double> indentation;
-  std::vector<double> slope;    // of the outlines, at the end
+  std::vector<double>
+      slope;    // of the outlines, at the end; before, two products for each contact
   std::vector<float> compliance, share;
 
   // for corrections
   std::vector<int> partner;
-  std::vector<float> weight, left, direction, step, product;    // two products for each contact
+  std::vector<float> weight, left, direction, step;
 
   std::vector<float> green;
   std::vector<double> scratch;
@@ -52,13 +58,26 @@ struct ForceBatches {
   // Seats all contacts, and tells pairs their places. order: the particles, near ones close to each other.
   void arrange(const int *order, int rings, int particles, NearPairs &, const tagint *tags);
 
+  // Which rings are soft or have a tension; makes room for what they need.
+  void set_kind(bool soft_, bool tense_);
+  deformable::Stiffness stiffness(int ring) const
+  {
+    constexpr double RIGID = std::numeric_limits<double>::infinity();
+    return {kA[ring], soft ? kP[ring] : RIGID, tense ? tension[ring] : 0.0};
+  }
+  deformable::LoadedRing loaded(int ring) const
+  {
+    return {pressure[ring], soft ? expansion[ring] : 0.0};
+  }
+
   // of contact m of a ring
   int contact(int ring, int m) const
   {
     return first[ring / deformable::LANES] + m * deformable::LANES + ring % deformable::LANES;
   }
 
-  int none() const { return static_cast<int>(product.size() / 2) - 1; }    // see CorrectionArrays
+  int none() const { return static_cast<int>(slope.size()) - 1; }    // see CorrectionArrays
+  float *products() { return reinterpret_cast<float *>(slope.data()); }
 
   deformable::RingBatches arrays();
 

@@ -9,6 +9,8 @@ using deformable::PairArrays;
 int ForceCorrector::begin(const NearPairs &pairs, ForceBatches &batches, RemoteSides &remote,
                           const PairArrays &arrays, double norm2, double accuracy)
 {
+  float *const products = batches.products();    // their place has borne slopes
+  products[batches.none()] = products[2 * batches.none() + 1] = 0.0F;
   if (highest == 0.0) {
     conjugate_gradients(pairs, batches, remote, arrays, norm2, accuracy);
     return 0;
@@ -29,7 +31,7 @@ void ForceCorrector::conjugate_gradients(const NearPairs &pairs, ForceBatches &b
   for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
     const double part =
         iteration == 0 ? kernels.begin(rings, arrays) : kernels.multiply(rings, conjugation);
-    remote.exchange(pairs.side[0].data() + pairs.remote, batches.contacts, batches.product.data());
+    remote.exchange(pairs.side[0].data() + pairs.remote, batches.contacts, batches.products());
     const double curvature = remote.sum(part);
     if (!(curvature > 0.0)) break;
     lengths.push_back(norm2 / curvature);

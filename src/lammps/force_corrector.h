@@ -32,6 +32,9 @@ class ForceCorrector : protected Pointers {
   int begin(const NearPairs &, ForceBatches &batches, RemoteSides &, const deformable::PairArrays &,
             double norm2, double accuracy);
 
+  // r x of all pairs cannot be larger within the bounds, but for what steps do to pairs that open or close.
+  double largest_slope(double norm2) const { return 2.0 * norm2 / lowest; }
+
   // Iteration k of some rings, from 1 on, and the products that it leaves, by contact.
   void iterate(deformable::RingBatches, const deformable::PairArrays &, int k) const;
   static float *products(const deformable::RingBatches &, int k);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 using namespace LAMMPS_NS;
 using deformable::PairArrays;
@@ -68,7 +69,7 @@ bool ForceSolver::solve(RemoteSides &r)
   const auto make_room = [one_more](auto &...v) {
     ((v.size() == one_more ? void() : v.assign(one_more, 0)), ...);
   };
-  make_room(residual, begin, weight, step);
+  make_room(residual, weight, step);
   if (comm->nprocs > 1) agree();
   if (!unlocated) start(0, p.size);
   if (p.tilts) tilts.start(p, *batches, kernels);
@@ -90,11 +91,12 @@ bool ForceSolver::solve(RemoteSides &r)
   must_correct |= first_solution && minimizing;
   pairs_of_all = 1.0 + sum_over_pairs([](int a, int z) { return z - a; });
   first_solution = false;
-  while (!is_balanced(now) && evaluations < max_evaluations) now = correct(now);
+  while (!is_balanced(now) && evaluations < max_evaluations && std::isfinite(now.largest))
+    now = correct(now);
   if (p.tilts && !now.knows_torques) now.torques = find_torques();
   if (p.tilts) tilts.remember(p);
   imbalance = now.relative();
-  return std::isfinite(now.largest) && now.worst() <= target * now.largest;
+  return now.exists && now.worst() <= target * now.largest;
 }
 
 void ForceSolver::start(int begin, int end)
@@ -102,10 +104,17 @@ void ForceSolver::start(int begin, int end)
   for (int k = begin; k < end; ++k) pairs->force[k] = std::max(pairs->past[0][k], 0.0);
 }
 
+// To the forces before the last step.
+void ForceSolver::go_back()
+{
+  std::copy(pairs->past[0].begin(), pairs->past[0].end(), pairs->force.begin());
+}
+
 // Torques count only where forces balance: before, they are not worth their evaluation.
 bool ForceSolver::is_balanced(Evaluation &now)
 {
-  if (now.forces > target * now.largest || (must_correct && now.forces > 0.0)) return false;
+  if (!now.exists || now.forces > target * now.largest || (must_correct && now.forces > 0.0))
+    return false;
   if (!pairs->tilts) return true;
   now.torques = find_torques();
   now.knows_torques = true;
@@ -129,8 +138,16 @@ ForceSolver::Evaluation ForceSolver::correct(const Evaluation &from)
     stages.shape = is_small ? Shape::ADAPT : Shape::ANEW;
   }
   Evaluation now = run(stages);
+  if (stages.corrections > 0) {
+    const double most = corrector.largest_slope(from.norm2) * pairs->length * pairs->unit();
+    if (!(now.slope > 0.0 && now.slope <= most)) {    // outside of the bounds iterations diverge
+      corrector.forget_bounds();
+      go_back();
+      return evaluate();
+    }
+  }
   if (!(now.slope > 0.0)) {    // single precision is not enough
-    std::copy(begin.begin(), begin.end(), pairs->force.begin());
+    go_back();
     const double slope =
         sum_over_pairs([this](int a, int z) { return kernels.take_step(arrays(), true, a, z); });
     if (!turns) now = evaluate();
@@ -166,7 +183,6 @@ PairArrays ForceSolver::arrays()
           step.data(),
           p.length,
           p.unit(),
-          begin.data(),
           {p.past[0].data(), p.past[1].data(), p.past[2].data()}};
 }
 
@@ -255,6 +271,7 @@ ForceSolver::Evaluation ForceSolver::run(const Stages &stages)
             const deformable::Residuals r = kernels.find_residuals(loop, a, z);
             found.error = std::max(found.error, r.error);
             found.force = std::max(found.force, r.force);
+            found.left = std::max(found.left, r.left);
             found.norm2 += part * r.norm2;
             found.weights += part * r.weights;
           });
@@ -270,22 +287,25 @@ ForceSolver::Evaluation ForceSolver::run(const Stages &stages)
                            batches->compliance.data());
       });
   if (shapes) ++evaluations;
-  double largest[3] = {0.0, 0.0, exist ? 0.0 : 1.0}, sum[3] = {0.0, 0.0, 0.0};
+  double largest[4] = {0.0, 0.0, 0.0, exist ? 0.0 : 1.0}, sum[3] = {0.0, 0.0, 0.0};
   for (const OfBlock &found : of_blocks) {
     largest[0] = std::max(largest[0], found.error);
     largest[1] = std::max(largest[1], found.force);
+    largest[2] = std::max(largest[2], found.left);
     sum[0] += found.norm2;
     sum[1] += found.weights;
     sum[2] += found.slope;
   }
   if (comm->nprocs > 1) {
-    MPI_Allreduce(MPI_IN_PLACE, largest, 3, MPI_DOUBLE, MPI_MAX, world);
+    MPI_Allreduce(MPI_IN_PLACE, largest, 4, MPI_DOUBLE, MPI_MAX, world);
     MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPI_DOUBLE, MPI_SUM, world);
   }
   Evaluation now;
-  now.forces = largest[0];
-  now.largest = largest[1];
-  now.exists = largest[2] == 0.0;
+  // Overlaps are not known better than this.
+  constexpr double ROUNDING = 8.0 * std::numeric_limits<double>::epsilon();
+  now.forces = largest[2] <= ROUNDING ? 0.0 : largest[0];
+  now.largest = std::max(largest[1], std::isinf(largest[2]) ? largest[2] : 0.0);
+  now.exists = largest[3] == 0.0 && std::isfinite(now.largest);
   now.norm2 = sum[0];
   now.weights = sum[1];
   now.slope = sum[2];
@@ -363,13 +383,12 @@ ForceSolver::Evaluation ForceSolver::line_search(Evaluation now, const Evaluatio
     if (!(next > low && next < high) || high - low < 1e-10) return now;
     at = next;
     for (int k = 0; k < pairs->size; ++k)
-      pairs->force[k] = std::max(begin[k] + at * (step[k] * pairs->unit()), 0.0);
+      pairs->force[k] = std::max(pairs->past[0][k] + at * (step[k] * pairs->unit()), 0.0);
     now = evaluate();
   }
 }
 
 double ForceSolver::memory_usage() const
 {
-  return bytes_of(residual, weight, begin, step) + tilts.bytes() + blocks.bytes() +
-         bytes_of(of_blocks);
+  return bytes_of(residual, weight, step) + tilts.bytes() + blocks.bytes() + bytes_of(of_blocks);
 }

@@ -103,7 +103,6 @@ class ForceSolver : protected Pointers {
   RemoteSides *remote = nullptr;
 
   // by pair
-  std::vector<double> begin;                    // of a line search
   std::vector<float> residual, weight, step;    // see PairArrays
 
   const double *coefficients = nullptr;                 // of the extrapolation
@@ -111,6 +110,7 @@ class ForceSolver : protected Pointers {
   bool is_apart = true;
   void extrapolate(int begin, int end);
   void start(int begin, int end);
+  void go_back();
 
   bigint last_step = -2;
   int consecutive_calls = 0;     // at successive steps before this one, up to 3

@@ -96,6 +96,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
   if (p.radii_vary) radius_then.assign(p.radius, p.radius + nlocal);
   box_then = {domain->xprd, domain->yprd, domain->xy};
   missed_wall = false;
+  slack = 0.0;
 }
 
 // The neighbor list is new: particles have other indices now, pairs still have the former ones.
@@ -283,20 +284,35 @@ double NearList::box_change() const
   return edges * change;
 }
 
-bool NearList::is_sufficient(const DeformableParticles &p) const
+bool NearList::none_on_all_ranks(int here) const
+{
+  int any = here;
+  if (comm->nprocs > 1) MPI_Allreduce(&here, &any, 1, MPI_INT, MPI_MAX, world);
+  return any == 0;
+}
+
+bool NearList::is_sufficient(const DeformableParticles &p)
 {
   const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
   const double most = 0.5 * (margin - box_change());
-  int missing = missed_wall, any;
+  double farthest2 = 0.0, largest = 0.0;
+  int missing = missed_wall;
   for (int i = 0; i < atom->nlocal; ++i) {
     const double dx = x[3 * i] - x_then[2 * i], dy = x[3 * i + 1] - x_then[2 * i + 1];
-    const double grown = p.radii_vary ? std::fabs(p.radius[i] - radius_then[i]) : 0.0;
-    const double left = most - grown - std::max(bulge[i] - bulge_then[i], 0.0);
-    missing |= !(dx * dx + dy * dy <= left * std::fabs(left));
+    const double grown = (p.radii_vary ? std::fabs(p.radius[i] - radius_then[i]) : 0.0) +
+        std::max(bulge[i] - bulge_then[i], 0.0);
+    const double left = most - grown, d2 = dx * dx + dy * dy;
+    missing |= !(d2 <= left * std::fabs(left));
+    farthest2 = std::max(farthest2, d2);
+    largest = std::max(largest, grown);
   }
-  any = missing;
-  if (comm->nprocs > 1) MPI_Allreduce(&missing, &any, 1, MPI_INT, MPI_MAX, world);
-  return any == 0;
+  slack = missing != 0 ? 0.0 : most - largest - std::sqrt(farthest2);
+  return none_on_all_ranks(missing);
+}
+
+bool NearList::is_sufficient_after(const DeformableParticles &p, double growth)
+{
+  return growth < slack ? none_on_all_ranks(0) : is_sufficient(p);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -55,7 +55,9 @@ class NearList : protected Pointers {
   int locate(const DeformableParticles &, bool only_shared);
 
   // Whether the list is sufficient, on all ranks, for the present positions and bulges.
-  bool is_sufficient(const DeformableParticles &) const;
+  bool is_sufficient(const DeformableParticles &);
+  // The same after no bulge has grown by more than this.
+  bool is_sufficient_after(const DeformableParticles &, double growth);
 
   double memory_usage() const;
 
@@ -64,6 +66,8 @@ class NearList : protected Pointers {
   double margin = 0.0;
   int calls = 0;    // since the last build
   bool missed_wall = false;
+  double slack = 0.0;    // all bulges may grow by so much
+  bool none_on_all_ranks(int here) const;
 
   // as of the last build
   std::vector<double> x_then, bulge_then, radius_then;

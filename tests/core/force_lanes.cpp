@@ -104,9 +104,10 @@ struct Batch {
   }
   RingArrays rings(int w)
   {
-    return rings_of({radius.data(), kA.data(), kP.data(), is_tense ? tension.data() : nullptr,
-                     ring[0].data(), ring[1].data(), ring[2].data(), ring[3].data(), ring[4].data(),
-                     response[0].data(), response[1].data(), response[2].data(), 0.25},
+    return rings_of({radius.data(), kA.data(), ring[0].data(), ring[2].data(), ring[3].data(),
+                     ring[4].data(), response[1].data(), kP.data(), ring[1].data(),
+                     response[0].data(), response[2].data(), is_tense ? tension.data() : nullptr,
+                     0.25},
                     w);
   }
 };
