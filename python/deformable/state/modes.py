@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.optional import optional
-from ..common.validate import count, positive, whole
+from ..common.validate import count, positive, shown, whole
 from ..model.packing import Packing
 from ..model.room import closed
 from .contact_table import COLUMNS
@@ -29,6 +29,9 @@ _SHIFT = 1e-8
 # All modes of packings up to so many coordinates are computed, and if more than this part of them
 # is asked for.
 _SMALL, _MANY = 300, 0.2
+
+# Frequencies that differ by less than this part of them are the same up to rounding.
+_SAME = 1e-9
 
 # Length of the longest arrow, in mean radii.
 _ARROW = 2.0
@@ -95,8 +98,16 @@ class Modes:
 
         Returns:
             Middle of each interval, shape (bins,) [1/time], and density, shape (bins,) [time].
+
+        Raises:
+            ParameterError: all modes have the same frequency, or there are none.
         """
-        density, edges = np.histogram(self.frequencies, count("bins", bins), density=True)
+        found = self.frequencies
+        if len(found) == 0 or np.ptp(found) <= _SAME * np.abs(found).max():
+            raise ParameterError(
+                f"a density of states needs modes of different frequencies, not {shown(found[:3])}"
+            )
+        density, edges = np.histogram(found, count("bins", bins), density=True)
         return 0.5 * (edges[1:] + edges[:-1]), density
 
     def plot(self, index: int = 0, ax: Axes | None = None, arrow: float = _ARROW) -> Axes:
@@ -147,8 +158,8 @@ def modes_of(
     wanted = most if number is None else count("number", number)
     if wanted > most:
         raise ParameterError(
-            f"{len(hessian.packing)} particles have {most} modes besides {hessian.zero_modes} "
-            f"without stiffness: number must not be {wanted}"
+            f"number must be at most {most}, not {wanted}: {hessian.zero_modes} of the "
+            f"{hessian.size} motions of these particles have no stiffness"
         )
     if most <= _SMALL or wanted > _MANY * most:
         stiffness, found = _all(hessian, wanted, vectors)

@@ -194,6 +194,27 @@ def test_moduli_need_a_state_at_rest() -> None:
     assert isinstance(state.hessian(), Hessian)
 
 
+@pytest.mark.parametrize(("phi", "number"), [(0.5, 0), (0.95, 2)])
+def test_no_density_of_states_without_different_frequencies(phi: float, number: int) -> None:
+    """Of loose disks, and of a square crystal of two, with the same stiffness in all directions."""
+    crystal = deformable.Packing([[0, 0], [0.5, 0.5]], [0, 0], [0.5], np.eye(2))
+    modes = state_of(crystal.at(phi)).modes()
+    assert len(modes) == number
+    with pytest.raises(deformable.ParameterError, match="frequencies"):
+        modes.density()
+
+
+@pytest.mark.parametrize("law", [None, deformable.Ring()])
+def test_a_particle_at_the_center_of_a_circle(law: deformable.Ring | None) -> None:
+    """Its energy has a kink there."""
+    circle = deformable.Circle((0, 0), 1)
+    packing = deformable.Packing([[0, 0]], [0], [1.02], np.eye(2), walls=[circle])
+    with deformable.Simulation(packing, law) if law else deformable.Disks(packing) as sim:
+        state = sim.state()
+    with pytest.raises(deformable.ParameterError, match=r"particle 0 .* circle 1"):
+        state.hessian()
+
+
 def test_picture(state: deformable.DiskState) -> None:
     modes = state.modes(3)
     ax = modes.plot(0)
