@@ -89,9 +89,11 @@ def agrees(packing: deformable.Packing, law: deformable.Ring) -> deformable.Stat
 
 def test_every_law_and_stiffness(packing: deformable.Packing, law: deformable.Ring) -> None:
     state = agrees(packing, law)
-    lines = state.hessian().matrix.shape[0] - 2 * len(packing)
+    hessian = state.hessian()
+    lines = hessian.matrix.shape[0] - 2 * len(packing)
     pairs = len({tuple(sorted((row["i"], row["j"]))) for row in state.contact_table})
     assert lines == CONTACTS.index(law.contact) * pairs
+    assert repr(hessian) == f"<Hessian: 20 particles, {lines} variables of contact lines>"
 
 
 @pytest.mark.parametrize("contact", CONTACTS)
@@ -169,6 +171,7 @@ def test_moduli_are_those_of_finite_strains(relaxed: deformable.State) -> None:
         (moduli.pure_shear_modulus, deformable.shear_modulus(relaxed, 1e-5, 1e-10, pure=True)),
         (moduli.bulk_modulus, deformable.bulk_modulus(relaxed, 1e-5, 1e-10)),
     ]
+    assert f"shear {moduli.shear_modulus:.4g}, " in repr(moduli)
     for exact, finite in found:
         assert finite.linear
         assert exact == pytest.approx(finite.value, abs=2e-5 * moduli.bulk_modulus, rel=1e-5)
