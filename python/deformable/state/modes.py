@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -30,8 +30,9 @@ _SHIFT = 1e-8
 # is asked for.
 _SMALL, _MANY = 300, 0.2
 
-# Frequencies that differ by less than this part of them are the same up to rounding.
-_SAME = 1e-9
+# Frequencies that differ by less than this part of them are the same up to rounding. A mode is
+# softer than another one by more than rounding of its stiffness, 1e-16 mean diagonal entries.
+_SAME, _SOFTER = 1e-9, 1e-6
 
 # Length of the longest arrow, in mean radii.
 _ARROW = 2.0
@@ -202,24 +203,47 @@ def _all(hessian: Hessian, number: int, vectors: bool) -> tuple[Floats, Floats |
 
 
 def _softest(hessian: Hessian, number: int) -> tuple[Floats, Floats]:
-    """The same by Lanczos' method with the inverse of the sparse matrix."""
+    """The same by Lanczos' method with the inverse of the sparse matrix.
+
+    It may miss one of several modes of the same stiffness, as crystals have them: the softest mode
+    perpendicular to those found must not be softer than they are.
+    """
+    shift = _SHIFT * hessian.scale
+    inverse = hessian.factored(shift)
+    stiffness, found = _lanczos(hessian, inverse, number, np.empty((hessian.size, 0)))
+    for _ in range(number):
+        further, vector = _lanczos(hessian, inverse, 1, found)
+        distance = np.abs(stiffness + shift)
+        last = int(distance.argmax())
+        if abs(further[0] + shift) >= (1.0 - _SOFTER) * distance[last]:
+            break
+        stiffness[last], found[:, last] = further[0], vector[:, 0]
+    order = np.argsort(stiffness)
+    return stiffness[order], found[:, order]
+
+
+def _lanczos(
+    hessian: Hessian, inverse: Callable[[Floats], Floats], number: int, without: Floats
+) -> tuple[Floats, Floats]:
+    """Modes of lowest stiffness perpendicular to those of the columns of `without`."""
     from scipy.sparse.linalg import LinearOperator, eigsh
 
-    shift = _SHIFT * hessian.scale
-    inverse, padded = hessian.factored(shift), np.zeros(len(hessian.gradient))
+    padded = np.zeros(len(hessian.gradient))
+
+    def project(vector: Floats) -> Floats:
+        kept = hessian.project(vector.ravel())
+        return kept - without @ (without.T @ kept)
 
     def product(vector: Floats) -> Floats:
-        padded[: hessian.size] = hessian.project(vector.ravel())
-        return hessian.project(inverse(padded)[: hessian.size])
+        padded[: hessian.size] = project(vector)
+        return project(inverse(padded)[: hessian.size])
 
     shape = (hessian.size, hessian.size)
-    start = hessian.project(np.random.default_rng(1).standard_normal(hessian.size))
     stiffness, found = eigsh(
         hessian.operator,
         number,
-        sigma=-shift,
+        sigma=-_SHIFT * hessian.scale,
         OPinv=LinearOperator(shape, matvec=product, dtype=float),
-        v0=start,
+        v0=project(np.random.default_rng(1).standard_normal(hessian.size)),
     )
-    order = np.argsort(stiffness)
-    return stiffness[order], found[:, order]
+    return stiffness, found

@@ -124,6 +124,19 @@ def test_the_softest_modes_of_a_larger_packing() -> None:
     assert np.abs(overlap) == pytest.approx(np.ones(12), abs=1e-8)
 
 
+def test_all_modes_of_the_same_stiffness_are_found() -> None:
+    """A crystal has up to twelve of each; of some Lanczos' method by itself finds eleven."""
+    box = np.array([[20.0, 0.0], [10.0, 10.0 * np.sqrt(3.0)]])
+    places = np.array([(a, b) for a in range(20) for b in range(20)]) / 20.0
+    state = state_of(deformable.Packing(places @ box, np.zeros(400, int), [0.505], box))
+    every = state.modes(vectors=False)
+    for number in (5, 12, 20):
+        few = state.modes(number)
+        assert few.stiffness == pytest.approx(every.stiffness[:number], rel=1e-10)
+        vectors = few.vectors.reshape(number, -1)
+        assert vectors @ vectors.T == pytest.approx(np.eye(number), abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("walls", "zero"), [((deformable.Circle((0, 0), 4),), 1), (CHANNEL, 1), (TRIANGLE, 0)]
 )
