@@ -16,7 +16,7 @@ from ..model.packing import Packing, bidisperse
 from ..protocols.jamming import jam, natural_pressure
 from ..state.disk_state import DiskState
 from ..state.state import State
-from .ensemble import Row, contact_law
+from .ensemble import Row, contact_law, standard_error
 
 Floats = NDArray[np.float64]
 
@@ -206,9 +206,9 @@ def summarize(rows: Sequence[Row]) -> list[Row]:
         level = plateau([row for row in of_law if row["wanted"] == wanted]) if of_law else np.nan
         found: Row = {"law": law, "number": number, "wanted": wanted, "packings": len(group)}
         for name in ("excess_phi", "stiffness", *QUANTITIES):
-            values = np.array([row[name] for row in group])
-            found[name] = float(values.mean())
-            found[f"{name}_error"] = _error(values)
+            values = [row[name] for row in group]
+            found[name] = float(np.mean(values))
+            found[f"{name}_error"] = standard_error(values)
         found["plateau"] = level
         for name, frequency in (
             ("omega_star", lambda these, level=level: onset_frequency(these, level)),
@@ -245,10 +245,6 @@ def exponent(summary: Sequence[Row], name: str, lowest: float, highest: float) -
         return float("nan")
     x, y = np.log(np.array(points)).T
     return float(np.polyfit(x, y, 1)[0])
-
-
-def _error(values: Floats) -> float:
-    return float(np.std(values, ddof=1) / np.sqrt(len(values))) if len(values) > 1 else np.nan
 
 
 def _jackknife(value: Callable[[list[Row]], float], rows: list[Row]) -> tuple[float, float]:
