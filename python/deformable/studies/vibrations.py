@@ -58,7 +58,7 @@ def measure(
 
     Returns:
         A row for each value at which the packing has not lost its rigidity. Pressures and moduli
-        are in natural units, frequencies in units of sqrt(k/m), k = tr M/(2 N_c) with the Hessian M
+        are in natural units, frequencies in units of sqrt(k/m), k = tr H/(2 N_c) with the Hessian H
         and N_c contacts; `counts` are modes between the `EDGES`, complete up to the frequency
         `complete`, of `modes` in all.
     """
@@ -114,7 +114,10 @@ def _response(state: State | DiskState, unit: float) -> Row:
 
 def _spectrum(state: State | DiskState, modes: int | None) -> Row:
     hessian = state.hessian(rattlers=False)
-    stiffness = hessian.matrix.trace() / (2.0 * state.network_contacts)
+    # lines of balanced and tilted contacts are variables of the sparse matrix
+    has_lines = hessian.matrix.shape[0] > hessian.size
+    trace = np.trace(hessian.reduced()) if has_lines else hessian.matrix.trace()
+    stiffness = trace / (2.0 * state.network_contacts)
     frequencies = state.modes(modes, vectors=False).frequencies / np.sqrt(stiffness)
     complete = np.inf if modes is None else float(frequencies[-1])
     return {
