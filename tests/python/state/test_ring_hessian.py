@@ -177,6 +177,17 @@ def test_moduli_are_those_of_finite_strains(relaxed: deformable.State) -> None:
         assert exact == pytest.approx(finite.value, abs=2e-5 * moduli.bulk_modulus, rel=1e-5)
 
 
+def test_contacts_of_rattlers_have_two_sides() -> None:
+    """Also where only one side of a radical axis bears a force worth mentioning."""
+    start = deformable.push_off(deformable.bidisperse(20, phi=0.83, seed=3))
+    law = deformable.Ring(kA=[1.0, 50.0], kP=[0.5, math.inf], contact="radical")
+    state, _ = evaluated(start, law)
+    sides, _ = state.rattler_contacts()
+    there = list(zip(sides.i, sides.j, strict=True))
+    assert sorted(there) == sorted((j, i) for i, j in there)
+    assert 0 < len(there) < len(state.contact_table)
+
+
 def test_affine_moduli_leave_the_lines_free(relaxed: deformable.State) -> None:
     """Stress of packings whose centers follow a strain, with lines that LAMMPS balances."""
     moduli, packing, h = relaxed.elastic_moduli(), relaxed.packing, 5e-8
