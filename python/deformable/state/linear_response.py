@@ -54,7 +54,8 @@ class LinearResponse(ABC):
             vectors: whether displacements are computed, which takes longer for all modes.
 
         Raises:
-            ParameterError: there are fewer modes, or see `hessian`.
+            ParameterError: there are fewer modes, or all modes do not fit into the memory; or see
+                `hessian`.
         """
         return modes_of(self.hessian(rattlers=False), self.outlines, number, vectors)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -29,6 +30,9 @@ _SHIFT = 1e-8
 # All modes of packings up to so many coordinates are computed, and if more than this part of them
 # is asked for.
 _SMALL, _MANY = 300, 0.2
+
+# Dense matrices at a time, with their eigenvectors and work space.
+_MATRICES = 4
 
 # Frequencies that differ by less than this part of them are the same up to rounding. A mode is
 # softer than another one by more than rounding of its stiffness, 1e-16 mean diagonal entries.
@@ -163,6 +167,7 @@ def modes_of(
             f"{hessian.size} motions of these particles have no stiffness"
         )
     if most <= _SMALL or wanted > _MANY * most:
+        _check_memory(hessian.size)
         stiffness, found = _all(hessian, wanted, vectors)
     else:
         stiffness, found = _softest(hessian, wanted)
@@ -172,6 +177,17 @@ def modes_of(
     return Modes(
         hessian.packing, stiffness, shaped, hessian.zero_modes, hessian.free.copy(), outlines
     )
+
+
+def _check_memory(size: int) -> None:
+    """Refuse dense matrices that do not fit: the system would kill the process."""
+    needed = 8.0 * _MATRICES * size**2
+    there = float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
+    if needed > there:
+        raise ParameterError(
+            f"these modes need {needed / 2**30:.0f} GB of memory and this machine has "
+            f"{there / 2**30:.0f}: ask for a few of them, such as modes(10)"
+        )
 
 
 def _all(hessian: Hessian, number: int, vectors: bool) -> tuple[Floats, Floats | None]:

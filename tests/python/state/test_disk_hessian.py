@@ -124,6 +124,16 @@ def test_the_softest_modes_of_a_larger_packing() -> None:
     assert np.abs(overlap) == pytest.approx(np.ones(12), abs=1e-8)
 
 
+def test_modes_that_do_not_fit_into_the_memory() -> None:
+    """Those of 100 000 particles need 1.2 TB; a few of them do not."""
+    box = np.array([[400.0, 0.0], [0.0, 125.0 * np.sqrt(3.0)]])
+    places = np.array([(a, b) for a in range(400) for b in range(250)])
+    places = (places + 0.5 * (places[:, 1:] % 2) * [1, 0]) / [400, 250]
+    state = state_of(deformable.Packing(places @ box, np.zeros(100_000, int), [0.505], box))
+    with pytest.raises(deformable.ParameterError, match=r"\d\d\d GB .* modes\(10\)"):
+        state.modes()
+
+
 def test_all_modes_of_the_same_stiffness_are_found() -> None:
     """A crystal has up to twelve of each; of some Lanczos' method by itself finds eleven."""
     box = np.array([[20.0, 0.0], [10.0, 10.0 * np.sqrt(3.0)]])
