@@ -138,7 +138,7 @@ def table(result):
 def with_error(value, error):
     """Both with as many decimals as the error has with two digits; one packing has no error."""
     if not np.isfinite(value):
-        return "too few points above zero"
+        return "too few packings or points above zero"
     if not error > 1e-9 * abs(value):
         return f"{value:.4g}"
     decimals = max(0, 1 - math.floor(math.log10(error)))
@@ -156,7 +156,11 @@ def show(result):
             found = ", ".join(with_error(*term) for term in terms)
             chi2 = f"chi^2 per degree of freedom {value['chi2']:.3g}"
             known = np.isfinite(value["chi2"])
-            print(f"{name}: {found}, {chi2}" if known else f"{name}: too few points above zero")
+            print(
+                f"{name}: {found}, {chi2}"
+                if known
+                else f"{name}: too few packings or points above zero"
+            )
         else:
             print(f"{name}: {with_error(*value)}")
 
