@@ -8,6 +8,7 @@ import pytest
 from deformable.state.hessian import Hessian
 
 SCENE = (deformable.Circle((0, 0), 4), deformable.Disk((1, 0.5), 0.6))
+ANNULUS = (deformable.Disk((1, 2), 1.5), deformable.Circle((1, 2), 5))
 CHANNEL = (deformable.Plane((0, 0), (0, 1)), deformable.Plane((0, 5), (0, -1)))
 TRIANGLE = (*CHANNEL, deformable.Polygon(((1, 1), (3, 1), (2, 3))))
 PACKINGS = {
@@ -148,16 +149,18 @@ def test_all_modes_of_the_same_stiffness_are_found() -> None:
 
 
 @pytest.mark.parametrize(
-    ("walls", "zero"), [((deformable.Circle((0, 0), 4),), 1), (CHANNEL, 1), (TRIANGLE, 0)]
+    ("walls", "zero"),
+    [((deformable.Circle((0, 0), 4),), 1), (ANNULUS, 1), (SCENE, 0), (CHANNEL, 1), (TRIANGLE, 0)],
 )
 def test_motions_between_walls(walls: tuple[deformable.model.wall_shapes.Wall, ...], zero: int):
-    """A rotation in a circle, a translation along a channel, none around an obstacle."""
+    """A rotation in a circle or annulus, a translation along a channel, none around others."""
     packing = deformable.bidisperse(40, radii=(0.4, 0.56), seed=5).between(walls)
     with deformable.Disks(packing.at(0.95)) as disks:
         state = disks.relax(1e-10)
     hessian = state.hessian(rattlers=False)
     assert hessian.motions.shape == (80, zero)
     assert np.abs(hessian.operator @ hessian.motions).max(initial=0.0) < 1e-8
+    assert state.modes(1).stiffness[0] > 1e-6
     with pytest.raises(deformable.ParameterError, match="walls"):
         state.elastic_moduli()
 
