@@ -2,6 +2,9 @@
 
 import importlib.util
 import json
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -47,6 +50,25 @@ def test_the_page_has_the_table_and_the_fits() -> None:
             else [value]
         )
         assert all(fits.with_error(*term) in README for term in terms), name
+
+
+def test_a_single_packing_has_values_without_errors(capsys: pytest.CaptureFixture[str]) -> None:
+    fits.show(RESULT | {"packings": RESULT["packings"][:1]})
+    printed = capsys.readouterr().out
+    assert "nan" not in printed
+    assert f"phi_J: {RESULT['packings'][0]['phi_J']:.4g}\n" in printed
+    assert "| 0.95 | " in printed
+
+
+def test_fits_alone_need_no_packing(tmp_path: Path) -> None:
+    """The command of the page, in a folder as it is committed."""
+    for name in ("fits.py", "emulsion_512.json"):
+        shutil.copy(FOLDER / name, tmp_path)
+    command = [sys.executable, "fits.py", "emulsion_512.json"]
+    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (result.returncode, len(result.stderr.splitlines())) == (0, 1)
+    assert "packing_512" in result.stderr
+    assert next(fits.table(RESULT)) in result.stdout
 
 
 def test_droplets_jam_where_disks_do() -> None:

@@ -147,6 +147,42 @@ def sentence():
     )
 
 
+def of_size(law, wanted):
+    """Means of 1024 particles at a phi - phi_J."""
+    (row,) = (
+        row
+        for row in VIBRATIONS["summary"]
+        if (row["law"], row["number"], row["wanted"]) == (law, 1024, wanted)
+    )
+    return row
+
+
+def comparison():
+    """What the text says of rings beside disks."""
+    levels = {
+        law: [row["plateau"] for row in VIBRATIONS["summary"] if row["law"] == law]
+        for law in ("radical", "disk")
+    }
+    high, low = (f"{min(level):.2f} to {max(level):.2f}" for level in levels.values())
+    near, far = (
+        np.divide(*(row["shear_modulus"] / row["bulk_modulus"] for row in rows))
+        for rows in ([of_size(law, x) for law in levels] for x in (1e-3, 1e-2))
+    )
+    below = {
+        (row["law"], row["number"], row["wanted"]): row["boson_peak"] / row["omega_star"]
+        for row in VIBRATIONS["summary"]
+        if row["omega_star"] and row["boson_peak"]
+    }
+    inner = [ratio for (*_, x), ratio in below.items() if x <= 0.01]
+    outer = [ratio for (*_, x), ratio in below.items() if x > 0.01]
+    return (
+        f"Rings have such a plateau too, once their stiffness is taken out, at D = {high}; that of "
+        f"disks is at {low}. Their G/K is {near:.2f} of that of disks at x = 1e-3, and {far:.2f} "
+        f"at 1e-2. The boson peak is at {min(inner):.2f} to {max(inner):.2f} of `omega*` up to "
+        f"x = 0.01, and at {min(outer):.2f} to {max(outer):.2f} above."
+    )
+
+
 TABLES = (ensembles_table, onset_table, exponents_table, vibrations_table)
 
 
@@ -156,7 +192,9 @@ def test_tables_are_those_of_the_files(table):
 
 
 def test_numbers_in_the_text_are_those_of_the_table():
-    assert sentence() in " ".join(PAGE.read_text().split())
+    page = " ".join(PAGE.read_text().split())
+    assert sentence() in page
+    assert comparison() in page
 
 
 def test_summary_of_the_modes_is_that_of_the_packings():
@@ -187,9 +225,12 @@ def write():
         old = re.compile(re.escape(lines[0].split("N = ")[0]) + r".*\n(\|.*\n)*")
         assert old.search(text), lines[0]
         text = old.sub(lambda _, lines=lines: "\n".join(lines) + "\n", text, count=1)
-    lines = fill(sentence(), 120, break_long_words=False, break_on_hyphens=False)
-    old = re.compile(r"`omega\*` rises with.*?\n\n", re.DOTALL)
-    PAGE.write_text(old.sub(lambda _: lines + "\n\n", text))
+    for said, begin in ((sentence(), r"`omega\*` rises with"), (comparison(), "Rings have such")):
+        lines = fill(said, 120, break_long_words=False, break_on_hyphens=False)
+        old = re.compile(rf"^{begin}.*?\n\n", re.DOTALL | re.MULTILINE)
+        assert old.search(text), begin
+        text = old.sub(lambda _, lines=lines: lines + "\n\n", text)
+    PAGE.write_text(text)
 
 
 if __name__ == "__main__":

@@ -138,6 +138,8 @@ def test_pages_have_the_numbers_of_the_logs() -> None:
     growth = [float(n) for n in re.findall(r"  growth (\S+) ", log)]
     limits = re.findall(r"without liquid (\S+), von Neumann (\S+)", log)[0]
     (left,) = re.findall(r", to (\S+)% of the last", log)
+    (of_two,) = re.findall(r"two driest foams (\S+)", log)
+    assert f"{of_two} from the two driest foams" in page
     for number in (growth[0], growth[-1], *map(float, limits)):
         assert f"{number:.2f}" in page
     assert f"{left} %" in page

@@ -138,11 +138,15 @@ def test_fluid_diffuses_and_glass_does_not(tmp_path: Path) -> None:
     runs = [f"{name}/trajectory.lammpstrj" for name in ("fluid", "glass")]
     found = printed(tmp_path, "analysis.py", *runs)
     committed = lines((EXAMPLES / "thermal" / "thermal.log").read_text())
+    page = (EXAMPLES / "thermal" / "README.md").read_text()
+    (_, t_fluid), (_, t_glass), fluid, glass = committed
+    assert f"| 0.6 | {t_fluid} | {fluid[1]} | {fluid[2]:.1e} |".replace("e-0", "e-") in page
+    assert f"| 0.9 | {t_glass} | {glass[1]} | |" in page
     for text in (temperatures + found, committed):
         (_, t_fluid), (_, t_glass), fluid, glass = text
         # 63 pairs of degrees of freedom over 25 times 1/friction, at four sigma
         assert max(abs(t_fluid - 1.0), abs(t_glass - 1.0)) < 4.0 / (63 * 25) ** 0.5
-        assert fluid[1] == pytest.approx(1.0, abs=0.3)  # diffusion
+        assert 0.5 < fluid[1] < 1.3  # diffusion begins; seeds differ by 0.1
         assert 1e-5 < fluid[2] < 2e-4  # slower than a single particle, temperature/friction
         assert abs(glass[1]) < 0.2  # a plateau
         assert glass[0] < 0.1**2  # within the cages

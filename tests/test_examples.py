@@ -231,6 +231,8 @@ def test_lammps_snippet(ranks, tmp_path):
     assert kinetic.min() > 0.0
     assert potential.min() > 0.0
     assert (tmp_path / "shapes.dump").read_text().count("ITEM: TIMESTEP") == 11
+    assert "Stopping criterion = force tolerance" in log
+    assert "WARNING" not in log
 
 
 def test_contacts_snippet(tmp_path):

@@ -5,6 +5,8 @@ import json
 import math
 import re
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import deformable
@@ -59,6 +61,14 @@ def test_drag_brings_droplets_back_to_the_mean_flow(tmp_path: Path) -> None:
     assert rate == pytest.approx(-2.0 * 0.5 / 2.0, rel=0.02)
 
 
+def test_a_strain_without_blocks_is_refused(tmp_path: Path) -> None:
+    command = [sys.executable, str(EXAMPLE / "flow_curve.py"), "--strain", "3"]
+    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert result.returncode == 2
+    assert "--strain must be above 3" in result.stderr
+    assert not list(tmp_path.iterdir())
+
+
 def test_script(tmp_path: Path) -> None:
     """A few droplets at a few rates: stress rises with the rate, and the mass does not matter."""
     shutil.copy(EXAMPLE / "in.flow", tmp_path)
@@ -67,7 +77,7 @@ def test_script(tmp_path: Path) -> None:
     assert len(rates) == 1
     script = script.replace(rates[0], "RATES = (2e-3, 5e-3, 1e-2, 2e-2)")
     (tmp_path / "flow_curve.py").write_text(script)
-    text("python", "flow_curve.py", "--number", "16", "--strain", "3", cwd=tmp_path)
+    text("python", "flow_curve.py", "--number", "16", "--strain", "3.1", cwd=tmp_path)
     data = json.loads((tmp_path / "flow_curve.json").read_text())
     stress = [np.mean(row["blocks"]) for row in data["runs"]]
     assert stress[3] > 1.5 * stress[0] > 0.0

@@ -74,6 +74,8 @@ if __name__ == "__main__":
     options.add_argument("--seeds", type=int, default=8, help="packings")
     options.add_argument("--workers", type=int, help="packings at a time; one per core if omitted")
     given = options.parse_args()
+    if given.seeds < 1:
+        options.error(f"--seeds must be at least 1, not {given.seeds}")
     run = f"emulsion_{given.number}"
     calls = [(given.number, seed) for seed in range(1, given.seeds + 1)]
     # each packing is kept as soon as it is measured: an interrupted run goes on from there

@@ -1,11 +1,15 @@
 """Fits with errors, the table and the picture of a result of emulsion.py.
 
 python fits.py emulsion_512.json
+
+The picture needs the packing that emulsion.py has saved beside the result, such as packing_512.
 """
 
 import json
 import math
 import sys
+import warnings
+from pathlib import Path
 
 import deformable
 import matplotlib.pyplot as plt
@@ -53,7 +57,9 @@ def near(packings, name, widest):
 def mean(values):
     """Mean over packings and its standard error."""
     count = np.isfinite(values).sum(axis=0)
-    return np.nanmean(values, axis=0), np.nanstd(values, axis=0, ddof=1) / np.sqrt(count)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # nan where there are too few packings
+        return np.nanmean(values, axis=0), np.nanstd(values, axis=0, ddof=1) / np.sqrt(count)
 
 
 def jackknife(packings, fit):
@@ -130,10 +136,10 @@ def table(result):
 
 
 def with_error(value, error):
-    """Both with as many decimals as the error has with two digits."""
-    if not np.isfinite(error):
-        return "too few points above zero"
-    if error <= 1e-9 * abs(value):
+    """Both with as many decimals as the error has with two digits; one packing has no error."""
+    if not np.isfinite(value):
+        return "too few packings or points above zero"
+    if not error > 1e-9 * abs(value):
         return f"{value:.4g}"
     decimals = max(0, 1 - math.floor(math.log10(error)))
     return f"{value:.{decimals}f} ± {error:.{decimals}f}"
@@ -147,8 +153,14 @@ def show(result):
     for name, value in summary(result).items():
         if isinstance(value, dict):
             terms = zip(value["coefficients"], value["errors"], strict=True)
-            print(f"{name}:", ", ".join(with_error(*term) for term in terms), end=", ")
-            print(f"chi^2 per degree of freedom {value['chi2']:.3g}")
+            found = ", ".join(with_error(*term) for term in terms)
+            chi2 = f"chi^2 per degree of freedom {value['chi2']:.3g}"
+            known = np.isfinite(value["chi2"])
+            print(
+                f"{name}: {found}, {chi2}"
+                if known
+                else f"{name}: too few packings or points above zero"
+            )
         else:
             print(f"{name}: {with_error(*value)}")
 
@@ -165,7 +177,8 @@ def draw(result, packing, file):
     x, phi = (column(packings, name).mean(axis=0) for name in ("excess_phi", "phi"))
     figure, ((one, two), (three, four)) = plt.subplots(2, 2, figsize=(9, 7.6), layout="constrained")
     with deformable.load(packing) as sim:
-        sim.state().plot(one)
+        state = sim.state()
+    state.plot(one, title=rf"$\phi$ = {state.phi:.2f}")
 
     def bars(axes, name, **style):
         y, error = mean(column(packings, name))
@@ -200,4 +213,8 @@ if __name__ == "__main__":
     with open(name) as file:
         result = json.load(file)
     show(result)
-    draw(result, f"packing_{result['number']}", name.replace(".json", ".png"))
+    packing = Path(name).with_name(f"packing_{result['number']}")
+    if packing.exists():
+        draw(result, packing, name.replace(".json", ".png"))
+    else:
+        print(f"no picture without {packing}: emulsion.py writes it", file=sys.stderr)

@@ -136,6 +136,8 @@ if __name__ == "__main__":
     options.add_argument("--number", type=int, default=64, help="droplets")
     options.add_argument("--strain", type=float, default=8.0, help="strain of the slowest run")
     given = options.parse_args()
+    if given.strain <= BEGIN + 2 * BLOCK:
+        options.error(f"--strain must be above {BEGIN + 2 * BLOCK:g}, for the means of two blocks")
     prepare(given.number)
     longer = [min(math.sqrt(rate / RATES[0]), LONGER) for rate in RATES]
     calls = [(rate, 1.0, given.strain * more) for rate, more in zip(RATES, longer, strict=True)]

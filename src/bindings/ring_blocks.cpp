@@ -22,7 +22,7 @@ Table table_of(const std::string &name, nb::handle given, std::size_t columns)
 
 // Columns of the tables of particles and of sides.
 enum ParticleColumn { SIDES, RADIUS, KA, KP, SKIN, TENSION, PARTICLE_COLUMNS };
-enum SideColumn { X, Y, TURN, PARTNER, PLACE, ANGLE, SIDE_COLUMNS };
+enum SideColumn { X, Y, TURN, PARTNER, PLACE, DIRECTED, SIDE_COLUMNS };
 
 enum class Law { RADICAL, BALANCED, TILTED };
 
@@ -40,8 +40,8 @@ Line line_of(Law law, const double *side, double radius)
   const double partner = side[PARTNER];
   if (partner == 0.0) return wall_line(v, radius);
   if (law == Law::RADICAL) return radical_line(v, radius, partner);
-  if (law == Law::BALANCED) return shifted_line(v, radius, partner, side[PLACE], side[ANGLE]);
-  return turned_line(v, radius, partner, side[PLACE], side[ANGLE]);
+  if (law == Law::BALANCED) return shifted_line(v, radius, partner, side[PLACE]);
+  return turned_line(v, radius, partner, side[PLACE], side[DIRECTED]);
 }
 
 RingBlocks ring_blocks(const char *name, nb::handle given_particles, nb::handle given_sides)
@@ -57,8 +57,10 @@ RingBlocks ring_blocks(const char *name, nb::handle given_particles, nb::handle 
     const double *const of = particles.data() + PARTICLE_COLUMNS * i;
     const Stiffness stiffness = {of[KA], of[KP], of[TENSION]};
     refuse_invalid(of[RADIUS], stiffness, of[SKIN]);
+    if (!(of[SIDES] >= 0.0 && of[SIDES] <= static_cast<double>(sides.shape(0) - next)))
+      refuse("sides has fewer rows than the particles need, or particle " + std::to_string(i) +
+             " a number of them that is none");
     const std::size_t end = next + static_cast<std::size_t>(of[SIDES]);
-    if (end > sides.shape(0)) refuse("sides has fewer rows than the particles need");
     lines.clear();
     for (; next < end; ++next) {
       const double *const side = sides.data() + SIDE_COLUMNS * next;
@@ -93,7 +95,7 @@ Each side of a contact has a vector v, from the center to that of the neighbor o
 Balanced lines have a shift s too, and tilted ones a direction psi. The energy of the packing is stationary in both.
 
     radical    a, theta from the radical axis at v
-    balanced   a = (R_i + R_j - d cos tau)/2 + s,   theta = angle of v + tau, with a constant tau, 0 if not tilted
+    balanced   a = (R_i + R_j - d)/2 + s,   theta = angle of v
     tilted     a = (R_i + R_j - m.v)/2 + s,   theta = psi,   m = (cos psi, sin psi)
     walls      a = R - |v|,   theta = angle of v
 
@@ -105,8 +107,8 @@ particles : array, shape (N, 6)
     Number of sides, radius R, kA, kP, skin and tension of each particle.
 sides : array, shape (S, 6)
     Of each side v_x, v_y [length], the turn of `disk_blocks` [1/length], the radius R_j of the neighbor, 0 for a wall
-    [length], the shift s [length], and tau or psi [rad]; the sides of the first particle come first. The other side of
-    a contact has the opposite shift, and psi + pi.
+    [length], the shift s [length], and psi [rad] (tilted); the sides of the first particle come first. The other side
+    of a contact has the opposite shift, and psi + pi.
 
 Returns
 -------

@@ -41,10 +41,10 @@ struct Line {
   LineQuantity indentation, angle;
 };
 
-// The angle of v plus a constant one: dtheta/dv = turn t,   d^2theta/dv dv = -turn^2 (n t^T + t n^T)
-inline LineQuantity angle_of_vector(const SideVector &v, double added)
+// The angle of v: dtheta/dv = turn t,   d^2theta/dv dv = -turn^2 (n t^T + t n^T)
+inline LineQuantity angle_of_vector(const SideVector &v)
 {
-  LineQuantity theta = {angle_of(v.x, v.y) + added};
+  LineQuantity theta = {angle_of(v.x, v.y)};
   theta.by_vector(v, 0.0, v.turn, 0.0, 0.0, -v.turn * v.turn);
   return theta;
 }
@@ -54,7 +54,7 @@ inline Line wall_line(const SideVector &v, double radius)
 {
   LineQuantity a = {radius - v.length()};
   a.by_vector(v, -1.0, 0.0, 0.0, -v.turn, 0.0);
-  return {a, angle_of_vector(v, 0.0)};
+  return {a, angle_of_vector(v)};
 }
 
 // The radical axis: a and da/dd of contact_line,   d^2a/dd^2 = -(R_i^2 - R_j^2)/d^3
@@ -66,19 +66,17 @@ inline Line radical_line(const SideVector &v, double radius_i, double radius_j)
   const double slope = line.d_indentation_i;
   const double curvature = -(radius_i - radius_j) * (radius_i + radius_j) * per_d * per_d * per_d;
   a.by_vector(v, slope, 0.0, curvature, slope * v.turn, 0.0);
-  return {a, angle_of_vector(v, 0.0)};
+  return {a, angle_of_vector(v)};
 }
 
-// A line that is perpendicular to v up to a constant tilt, moved from the middle of the overlap towards the center:
-//   a = (R_i + R_j - d cos tilt)/2 + shift
-inline Line shifted_line(const SideVector &v, double radius_i, double radius_j, double shift,
-                         double tilt)
+// A line that is perpendicular to v, moved from the middle of the overlap towards the center:
+//   a = (R_i + R_j - d)/2 + shift
+inline Line shifted_line(const SideVector &v, double radius_i, double radius_j, double shift)
 {
-  const double cosine = std::cos(tilt);
-  LineQuantity a = {0.5 * (radius_i + radius_j - v.length() * cosine) + shift};
-  a.by_vector(v, -0.5 * cosine, 0.0, 0.0, -0.5 * cosine * v.turn, 0.0);
+  LineQuantity a = {0.5 * (radius_i + radius_j - v.length()) + shift};
+  a.by_vector(v, -0.5, 0.0, 0.0, -0.5 * v.turn, 0.0);
   a.first[SHIFT] = 1.0;
-  return {a, angle_of_vector(v, tilt)};
+  return {a, angle_of_vector(v)};
 }
 
 // A line of any direction psi, with the normal m = (cos psi, sin psi), so moved:

@@ -32,7 +32,7 @@ def scene(law, stiffness, wall, seed):
         sides[2, 2] = wall / distance[2]
     if law != "radical":
         sides[:, 4] = rng.uniform(-0.01, 0.01, 5)
-        sides[:, 5] = rng.uniform(-0.1, 0.1, 5) + (angle if law == "tilted" else 0.0)
+        sides[:, 5] = angle + rng.uniform(-0.1, 0.1, 5)
     kA, kP, skin, tension = STIFFNESS[stiffness]
     return np.array([[5, 1.0, kA, kP, skin, tension]]), sides
 
@@ -138,6 +138,8 @@ def test_disks(turn):
         ({"law": "sector"}, "sector"),
         ({"particles": [[6, 1, 1, 1, 0, 0]]}, "fewer rows"),
         ({"particles": [[4, 1, 1, 1, 0, 0]]}, "more rows"),
+        ({"particles": [[-1, 1, 1, 1, 0, 0]]}, "particle 0"),
+        ({"particles": [[np.nan, 1, 1, 1, 0, 0]]}, "particle 0"),
         ({"particles": [[5, 1, -1, 1, 0, 0]]}, "kA"),
         ({"sides": np.zeros((5, 4))}, "6 numbers"),
         ({"sides": np.full((5, 6), np.nan)}, "side 0"),

@@ -80,7 +80,7 @@ class Packing:
         self.style, self.species, self.atoms = style, species, atoms
         self.begin(HEADER.format(atoms=atoms, boundary="p p p"), log)
         self.run(atoms_of(PACKINGS[0], self.kinds).format(extra=extra))
-        self.run(DIAMETERS if atoms.startswith("sphere") else "mass * 1.0")
+        self.run(DIAMETERS if "sphere" in atoms else "mass * 1.0")
         self.set_pair_style()
         self.run(MOTION)
 

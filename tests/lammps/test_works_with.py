@@ -28,6 +28,9 @@ def of(setup, go="run 200", **options):
 
 
 SPLIT = "group some id 1:5\ngroup rest subtract all some\n"
+DIPOLE = "hybrid sphere 1 dipole"
+DIPOLES = "mass * 1.0\nset group all dipole/random 4711 1.0\n"
+SPHERES = "fix move all brownian/sphere 1e-5 4711 gamma_t 1 gamma_r 0.1"
 BAROSTAT = "iso 2e-3 2e-3 20"
 FIXES = {
     "fix nve": of(NVE, conserves=ENERGY),
@@ -63,7 +66,11 @@ FIXES = {
     ),
     "fix brownian": of("fix move all brownian 1e-5 4711 gamma_t 1"),
     "fix viscous": of(NVE + "fix b all viscous 0.05"),
+    "fix brownian/sphere": of(f"{DIPOLES}{SPHERES}", atoms=DIPOLE),
     "fix propel/self": of(NVE + "fix b all propel/self velocity 1e-3"),
+    "fix propel/self with dipole": of(
+        f"{DIPOLES}fix b all propel/self dipole 1e-3\n{SPHERES}", atoms=DIPOLE
+    ),
     "fix addforce": of(NVE + "fix b all addforce 1e-4 0 0"),
     "fix setforce": of(
         SPLIT + "velocity some set 0 0 0\n" + NVE + "fix b some setforce 0 0 0", conserves=ENERGY

@@ -163,6 +163,8 @@ def _means(row: Row) -> str:
 
 
 def _value(row: Row, name: str, digits: int) -> str:
-    """A value with its standard error, which is nan for a single packing."""
+    """A value with its standard error, which is nan for a single packing; - if it is not known."""
+    if row[name] != row[name]:
+        return "-"
     error = row[f"{name}_error"]
     return f"{row[name]:.{digits}f}" + (f" +- {error:.{digits}f}" if error == error else "")

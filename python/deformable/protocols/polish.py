@@ -62,6 +62,7 @@ def polish(state: S, tolerance: float = 1e-10) -> S:
     with closely_balanced(state.packing, state.law) as sim:
         best: Any = _newton(sim, sim.state(), tolerance)
     root = getattr(state, "root", True)
+    best = replace(best, strain=state.strain)
     if isinstance(best, State):
         best = replace(best, root=root, velocities=state.velocities, time=state.time)
     if best.residual <= tolerance:

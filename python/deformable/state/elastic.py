@@ -13,7 +13,7 @@ from .hessian import Hessian
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ElasticModuli:
     """Elastic moduli of a packing at rest, at the pressure that it has.
 
@@ -32,6 +32,12 @@ class ElasticModuli:
     tensor: Floats
     affine: Floats
     relaxing: Floats
+
+    def __repr__(self) -> str:
+        return (
+            f"<ElasticModuli: shear {self.shear_modulus:.4g}, pure shear "
+            f"{self.pure_shear_modulus:.4g}, bulk {self.bulk_modulus:.4g}>"
+        )
 
     @property
     def shear_modulus(self) -> float:

@@ -78,6 +78,10 @@ class Hessian:
             float(np.abs(diagonal).mean(where=~self.free[:, None])) if diagonal.any() else 1.0
         )
 
+    def __repr__(self) -> str:
+        lines = self.matrix.shape[0] - self.size
+        return f"<Hessian: {len(self.packing)} particles, {lines} variables of contact lines>"
+
     @property
     def size(self) -> int:
         """Number of coordinates 2N."""

@@ -14,8 +14,9 @@ from .hessian import Hessian
 from .modes import Modes, modes_of
 from .sides import Sides
 
-# Forces that remain in a state at rest, over the mean contact force.
-_AT_REST = 1e-2
+# Forces that remain in a state at rest, over the mean contact force. Ten times larger ones still
+# change contacts, and with them moduli by several percent of the bulk modulus.
+_AT_REST = 1e-3
 
 
 class LinearResponse(ABC):
@@ -53,7 +54,8 @@ class LinearResponse(ABC):
             vectors: whether displacements are computed, which takes longer for all modes.
 
         Raises:
-            ParameterError: there are fewer modes, or see `hessian`.
+            ParameterError: there are fewer modes, or all modes do not fit into the memory; or see
+                `hessian`.
         """
         return modes_of(self.hessian(rattlers=False), self.outlines, number, vectors)
 
@@ -63,8 +65,8 @@ class LinearResponse(ABC):
         `deformable.shear_modulus` and `deformable.bulk_modulus` measure the same by finite strains.
 
         Raises:
-            ParameterError: the state is not at rest, has walls, or resists no strain; or see
-                `hessian`.
+            ParameterError: the state is not at rest (`residual` above 1e-3), has walls, or resists
+                no strain; or see `hessian`.
         """
         if self.residual > _AT_REST:
             raise ParameterError(

@@ -143,7 +143,7 @@ def lines_of(packing: Packing, law: Law, table: ContactTable, rattlers: bool = T
             "appear"
         )
     if not rattlers:
-        table = table[bearing(table["i"], table["j"], table["force"], len(packing))]
+        table = table[_bearing(packing, table)]
     pairs = table[table["j"] >= 0]
     x = packing.positions
     vector = x[pairs["j"]] + pairs["image"] @ packing.box - x[pairs["i"]]
@@ -213,12 +213,20 @@ def rattler_contacts(packing: Packing, table: ContactTable) -> tuple[Sides, Floa
 
     A contact of the length L indents its outline by G(0) L at most, see `core.ring`.
     """
-    table = table[~bearing(table["i"], table["j"], table["force"], len(packing))]
+    table = table[~_bearing(packing, table)]
     out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
     length = table["length"].copy()
     pair = np.flatnonzero(table["j"] >= 0)
     length[pair] += length[pair[_others(table[pair])]]
     return between(table["i"], table["j"], out * table["distance"][:, None]), _GREEN * length
+
+
+def _bearing(packing: Packing, table: ContactTable) -> NDArray[np.bool_]:
+    """See `bearing`; both sides of a contact do, if one does."""
+    kept = bearing(table["i"], table["j"], table["force"], len(packing))
+    pair = np.flatnonzero(table["j"] >= 0)
+    kept[pair] |= kept[pair[_others(table[pair])]]
+    return kept
 
 
 def _others(pairs: ContactTable) -> Integers:

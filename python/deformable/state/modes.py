@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.optional import optional
-from ..common.validate import count, positive, whole
+from ..common.validate import count, positive, shown, whole
 from ..model.packing import Packing
 from ..model.room import closed
 from .contact_table import COLUMNS
@@ -29,6 +30,13 @@ _SHIFT = 1e-8
 # All modes of packings up to so many coordinates are computed, and if more than this part of them
 # is asked for.
 _SMALL, _MANY = 300, 0.2
+
+# Dense matrices at a time, with their eigenvectors and work space.
+_MATRICES = 4
+
+# Frequencies that differ by less than this part of them are the same up to rounding. A mode is
+# softer than another one by more than rounding of its stiffness, 1e-16 mean diagonal entries.
+_SAME, _SOFTER = 1e-9, 1e-6
 
 # Length of the longest arrow, in mean radii.
 _ARROW = 2.0
@@ -95,8 +103,16 @@ class Modes:
 
         Returns:
             Middle of each interval, shape (bins,) [1/time], and density, shape (bins,) [time].
+
+        Raises:
+            ParameterError: all modes have the same frequency, or there are none.
         """
-        density, edges = np.histogram(self.frequencies, count("bins", bins), density=True)
+        found = self.frequencies
+        if len(found) == 0 or np.ptp(found) <= _SAME * np.abs(found).max():
+            raise ParameterError(
+                f"a density of states needs modes of different frequencies, not {shown(found[:3])}"
+            )
+        density, edges = np.histogram(found, count("bins", bins), density=True)
         return 0.5 * (edges[1:] + edges[:-1]), density
 
     def plot(self, index: int = 0, ax: Axes | None = None, arrow: float = _ARROW) -> Axes:
@@ -147,10 +163,11 @@ def modes_of(
     wanted = most if number is None else count("number", number)
     if wanted > most:
         raise ParameterError(
-            f"{len(hessian.packing)} particles have {most} modes besides {hessian.zero_modes} "
-            f"without stiffness: number must not be {wanted}"
+            f"number must be at most {most}, not {wanted}: {hessian.zero_modes} of the "
+            f"{hessian.size} motions of these particles have no stiffness"
         )
     if most <= _SMALL or wanted > _MANY * most:
+        _check_memory(hessian.size)
         stiffness, found = _all(hessian, wanted, vectors)
     else:
         stiffness, found = _softest(hessian, wanted)
@@ -160,6 +177,17 @@ def modes_of(
     return Modes(
         hessian.packing, stiffness, shaped, hessian.zero_modes, hessian.free.copy(), outlines
     )
+
+
+def _check_memory(size: int) -> None:
+    """Refuse dense matrices that do not fit: the system would kill the process."""
+    needed = 8.0 * _MATRICES * size**2
+    there = float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
+    if needed > there:
+        raise ParameterError(
+            f"these modes need {needed / 2**30:.0f} GB of memory and this machine has "
+            f"{there / 2**30:.0f}: ask for a few of them, such as modes(10)"
+        )
 
 
 def _all(hessian: Hessian, number: int, vectors: bool) -> tuple[Floats, Floats | None]:
@@ -191,24 +219,47 @@ def _all(hessian: Hessian, number: int, vectors: bool) -> tuple[Floats, Floats |
 
 
 def _softest(hessian: Hessian, number: int) -> tuple[Floats, Floats]:
-    """The same by Lanczos' method with the inverse of the sparse matrix."""
+    """The same by Lanczos' method with the inverse of the sparse matrix.
+
+    It may miss one of several modes of the same stiffness, as crystals have them: the softest mode
+    perpendicular to those found must not be softer than they are.
+    """
+    shift = _SHIFT * hessian.scale
+    inverse = hessian.factored(shift)
+    stiffness, found = _lanczos(hessian, inverse, number, np.empty((hessian.size, 0)))
+    for _ in range(number):
+        further, vector = _lanczos(hessian, inverse, 1, found)
+        distance = np.abs(stiffness + shift)
+        last = int(distance.argmax())
+        if abs(further[0] + shift) >= (1.0 - _SOFTER) * distance[last]:
+            break
+        stiffness[last], found[:, last] = further[0], vector[:, 0]
+    order = np.argsort(stiffness)
+    return stiffness[order], found[:, order]
+
+
+def _lanczos(
+    hessian: Hessian, inverse: Callable[[Floats], Floats], number: int, without: Floats
+) -> tuple[Floats, Floats]:
+    """Modes of lowest stiffness perpendicular to those of the columns of `without`."""
     from scipy.sparse.linalg import LinearOperator, eigsh
 
-    shift = _SHIFT * hessian.scale
-    inverse, padded = hessian.factored(shift), np.zeros(len(hessian.gradient))
+    padded = np.zeros(len(hessian.gradient))
+
+    def project(vector: Floats) -> Floats:
+        kept = hessian.project(vector.ravel())
+        return kept - without @ (without.T @ kept)
 
     def product(vector: Floats) -> Floats:
-        padded[: hessian.size] = hessian.project(vector.ravel())
-        return hessian.project(inverse(padded)[: hessian.size])
+        padded[: hessian.size] = project(vector)
+        return project(inverse(padded)[: hessian.size])
 
     shape = (hessian.size, hessian.size)
-    start = hessian.project(np.random.default_rng(1).standard_normal(hessian.size))
     stiffness, found = eigsh(
         hessian.operator,
         number,
-        sigma=-shift,
+        sigma=-_SHIFT * hessian.scale,
         OPinv=LinearOperator(shape, matvec=product, dtype=float),
-        v0=start,
+        v0=project(np.random.default_rng(1).standard_normal(hessian.size)),
     )
-    order = np.argsort(stiffness)
-    return stiffness[order], found[:, order]
+    return stiffness, found

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.errors import ParameterError
 from ..model.packing import Packing
 from ..model.room import Distances
 from .contact_network import without_rattlers
@@ -52,15 +53,25 @@ def between(i: Integers, j: Integers, vector: Floats) -> Sides:
 
 
 def with_walls(packing: Packing, reach: float) -> Sides:
-    """Sides with each wall nearer than (1 + reach) R, sorted by particle and wall."""
+    """Sides with each wall nearer than (1 + reach) R, sorted by particle and wall.
+
+    Raises:
+        ParameterError: a particle is at the center of a circle that it reaches.
+    """
     if not packing.walls:
         return between(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 2)))
     distances = Distances(packing.walls, packing.box)
     out, height = distances(packing.positions)
     near = (height < (1.0 + reach) * packing.radius).T
     vector = np.swapaxes(height[..., None] * out, 0, 1)[near]
-    i = np.nonzero(near)[0]
-    return Sides(i, np.full_like(i, -1), vector, distances.turns(packing.positions).T[near])
+    (i, wall), turn = np.nonzero(near), distances.turns(packing.positions).T[near]
+    if (centered := np.flatnonzero(np.isinf(turn))).size:
+        k, m = int(i[centered[0]]), int(wall[centered[0]])
+        raise ParameterError(
+            f"particle {k} is at the center of {packing.walls[m].kind} {m + 1} and reaches it in "
+            "all directions: its energy has no second derivatives there"
+        )
+    return Sides(i, np.full_like(i, -1), vector, turn)
 
 
 def joined(*parts: Sides) -> Sides:

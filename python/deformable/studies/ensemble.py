@@ -243,12 +243,14 @@ def by_packing(rows: Sequence[Row], quantity: Callable[[Row], float]) -> NDArray
 
 
 def is_significant(y: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Columns whose mean is well above zero and over at least three packings, shape (phi,)."""
+    """Columns whose mean is well above zero and over at least three packings, shape (phi,).
+
+    Of one or two packings all have to be there; the error of a single one counts as zero.
+    """
     significant = np.sum(np.isfinite(y), axis=0) >= min(_FEWEST_PACKINGS, len(y))
-    if len(y) > 1:
-        error = np.array([standard_error(column[np.isfinite(column)]) for column in y.T])
-        significant &= np.nanmean(y, axis=0) > _STANDARD_ERRORS * error
-    return significant
+    columns = (column[np.isfinite(column)] for column in y.T)
+    error = np.array([standard_error(some) if len(y) > 1 else 0.0 for some in columns])
+    return significant & (np.nanmean(y, axis=0) > _STANDARD_ERRORS * error)
 
 
 def jackknife(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float]:

@@ -16,7 +16,7 @@ from ..model.packing import Packing, bidisperse
 from ..protocols.jamming import jam, natural_pressure
 from ..state.disk_state import DiskState
 from ..state.state import State
-from .ensemble import Row, contact_law
+from .ensemble import Row, contact_law, standard_error
 
 Floats = NDArray[np.float64]
 
@@ -58,7 +58,7 @@ def measure(
 
     Returns:
         A row for each value at which the packing has not lost its rigidity. Pressures and moduli
-        are in natural units, frequencies in units of sqrt(k/m), k = tr M/(2 N_c) with the Hessian M
+        are in natural units, frequencies in units of sqrt(k/m), k = tr H/(2 N_c) with the Hessian H
         and N_c contacts; `counts` are modes between the `EDGES`, complete up to the frequency
         `complete`, of `modes` in all.
     """
@@ -114,7 +114,10 @@ def _response(state: State | DiskState, unit: float) -> Row:
 
 def _spectrum(state: State | DiskState, modes: int | None) -> Row:
     hessian = state.hessian(rattlers=False)
-    stiffness = hessian.matrix.trace() / (2.0 * state.network_contacts)
+    # lines of balanced and tilted contacts are variables of the sparse matrix
+    has_lines = hessian.matrix.shape[0] > hessian.size
+    trace = np.trace(hessian.reduced()) if has_lines else hessian.matrix.trace()
+    stiffness = trace / (2.0 * state.network_contacts)
     frequencies = state.modes(modes, vectors=False).frequencies / np.sqrt(stiffness)
     complete = np.inf if modes is None else float(frequencies[-1])
     return {
@@ -206,9 +209,9 @@ def summarize(rows: Sequence[Row]) -> list[Row]:
         level = plateau([row for row in of_law if row["wanted"] == wanted]) if of_law else np.nan
         found: Row = {"law": law, "number": number, "wanted": wanted, "packings": len(group)}
         for name in ("excess_phi", "stiffness", *QUANTITIES):
-            values = np.array([row[name] for row in group])
-            found[name] = float(values.mean())
-            found[f"{name}_error"] = _error(values)
+            values = [row[name] for row in group]
+            found[name] = float(np.mean(values))
+            found[f"{name}_error"] = standard_error(values)
         found["plateau"] = level
         for name, frequency in (
             ("omega_star", lambda these, level=level: onset_frequency(these, level)),
@@ -245,10 +248,6 @@ def exponent(summary: Sequence[Row], name: str, lowest: float, highest: float) -
         return float("nan")
     x, y = np.log(np.array(points)).T
     return float(np.polyfit(x, y, 1)[0])
-
-
-def _error(values: Floats) -> float:
-    return float(np.std(values, ddof=1) / np.sqrt(len(values))) if len(values) > 1 else np.nan
 
 
 def _jackknife(value: Callable[[list[Row]], float], rows: list[Row]) -> tuple[float, float]:

@@ -45,8 +45,11 @@ def vibrations(rows: Sequence[Row]) -> Figure:
             y, bars = ([row[f"{name}{end}"] for row in chosen] for end in ("", "_error"))
             shown = {"omega_star": r"$\omega^*$", "boson_peak": "boson peak"}[name]
             frequencies.errorbar(at, y, bars, fmt=marker, label=f"{shown}, {label}")
-        ratio = [row["shear_modulus"] / row["bulk_modulus"] for row in chosen]
-        moduli.plot(at, ratio, "o", label=label)
+        ratio, bars = (
+            [row[f"shear_modulus{end}"] / row["bulk_modulus"] for row in chosen]
+            for end in ("", "_error")
+        )
+        moduli.errorbar(at, ratio, bars, fmt="o", label=label)
     reached = [row["excess_phi"] for row in summary]
     ends = np.array([min(reached), max(reached)])
     frequencies.plot(ends, np.sqrt(ends), "k--", lw=0.8, label="slope 1/2")

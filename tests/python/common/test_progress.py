@@ -18,9 +18,9 @@ def test_lines_off_a_terminal(
     out, err = capfd.readouterr()
     first, second = err.splitlines()
     assert out == ""
-    for word in ("jamming", "30step", "phi=0.82"):
+    for word in ("jamming", "30 steps [", "phi=0.82"):
         assert word in first
-    for word in ("60step", "phi=0.84"):
+    for word in ("60 steps [", "phi=0.84"):
         assert word in second
     assert "\r" not in err
 

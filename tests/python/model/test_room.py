@@ -126,10 +126,10 @@ def test_centers_on_the_wrong_side() -> None:
 
 
 def test_free_motions() -> None:
-    """Of all particles together: of a box, a channel, a round container, and none."""
-    ring = (Circle((0, 0), 3), Circle((0, 0), 4))
+    """Of all particles together: of a box, a channel, a round container, an annulus, and none."""
+    ring, hub = (Circle((0, 0), 3), Circle((0, 0), 4)), Disk((0, 0), 1)
     counts = [
         room.free_motions(walls)
-        for walls in ((), CHANNEL, ring, rectangle(2, 2), (*ring, TRIANGLE), (TRIANGLE,))
+        for walls in ((), CHANNEL, ring, (hub, *ring), rectangle(2, 2), (*ring, TRIANGLE), (hub,))
     ]
-    assert counts == [2, 1, 1, 0, 0, 0]
+    assert counts == [2, 1, 1, 1, 0, 0, 0]

@@ -54,6 +54,15 @@ def test_between_walls(law: deformable.Ring | None) -> None:
     assert deformable.polish(state).residual <= 1e-10
 
 
+@pytest.mark.parametrize("law", [None, deformable.Ring()])
+def test_the_strain_of_a_shear_stays(law: deformable.Ring | None) -> None:
+    jammed = deformable.jam(deformable.bidisperse(16, seed=2))
+    packing = jammed.at(jammed.phi + 0.02)
+    with deformable.Simulation(packing, law) if law else deformable.Disks(packing) as sim:
+        *_, state = deformable.shear(sim, 0.001, 1)
+    assert deformable.polish(state).strain == state.strain == pytest.approx(0.001)
+
+
 def test_a_state_far_from_rest_stays() -> None:
     start = deformable.bidisperse(20, phi=0.9, seed=2)
     with deformable.Disks(start) as disks:

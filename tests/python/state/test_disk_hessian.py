@@ -8,6 +8,7 @@ import pytest
 from deformable.state.hessian import Hessian
 
 SCENE = (deformable.Circle((0, 0), 4), deformable.Disk((1, 0.5), 0.6))
+ANNULUS = (deformable.Disk((1, 2), 1.5), deformable.Circle((1, 2), 5))
 CHANNEL = (deformable.Plane((0, 0), (0, 1)), deformable.Plane((0, 5), (0, -1)))
 TRIANGLE = (*CHANNEL, deformable.Polygon(((1, 1), (3, 1), (2, 3))))
 PACKINGS = {
@@ -124,17 +125,42 @@ def test_the_softest_modes_of_a_larger_packing() -> None:
     assert np.abs(overlap) == pytest.approx(np.ones(12), abs=1e-8)
 
 
+def test_modes_that_do_not_fit_into_the_memory() -> None:
+    """Those of 100 000 particles need 1.2 TB; a few of them do not."""
+    box = np.array([[400.0, 0.0], [0.0, 125.0 * np.sqrt(3.0)]])
+    places = np.array([(a, b) for a in range(400) for b in range(250)])
+    places = (places + 0.5 * (places[:, 1:] % 2) * [1, 0]) / [400, 250]
+    state = state_of(deformable.Packing(places @ box, np.zeros(100_000, int), [0.505], box))
+    with pytest.raises(deformable.ParameterError, match=r"\d\d\d GB .* modes\(10\)"):
+        state.modes()
+
+
+def test_all_modes_of_the_same_stiffness_are_found() -> None:
+    """A crystal has up to twelve of each; of some Lanczos' method by itself finds eleven."""
+    box = np.array([[20.0, 0.0], [10.0, 10.0 * np.sqrt(3.0)]])
+    places = np.array([(a, b) for a in range(20) for b in range(20)]) / 20.0
+    state = state_of(deformable.Packing(places @ box, np.zeros(400, int), [0.505], box))
+    every = state.modes(vectors=False)
+    for number in (5, 12, 20):
+        few = state.modes(number)
+        assert few.stiffness == pytest.approx(every.stiffness[:number], rel=1e-10)
+        vectors = few.vectors.reshape(number, -1)
+        assert vectors @ vectors.T == pytest.approx(np.eye(number), abs=1e-12)
+
+
 @pytest.mark.parametrize(
-    ("walls", "zero"), [((deformable.Circle((0, 0), 4),), 1), (CHANNEL, 1), (TRIANGLE, 0)]
+    ("walls", "zero"),
+    [((deformable.Circle((0, 0), 4),), 1), (ANNULUS, 1), (SCENE, 0), (CHANNEL, 1), (TRIANGLE, 0)],
 )
 def test_motions_between_walls(walls: tuple[deformable.model.wall_shapes.Wall, ...], zero: int):
-    """A rotation in a circle, a translation along a channel, none around an obstacle."""
+    """A rotation in a circle or annulus, a translation along a channel, none around others."""
     packing = deformable.bidisperse(40, radii=(0.4, 0.56), seed=5).between(walls)
     with deformable.Disks(packing.at(0.95)) as disks:
         state = disks.relax(1e-10)
     hessian = state.hessian(rattlers=False)
     assert hessian.motions.shape == (80, zero)
     assert np.abs(hessian.operator @ hessian.motions).max(initial=0.0) < 1e-8
+    assert state.modes(1).stiffness[0] > 1e-6
     with pytest.raises(deformable.ParameterError, match="walls"):
         state.elastic_moduli()
 
@@ -187,11 +213,44 @@ def test_moduli_of_a_triangular_lattice() -> None:
     assert np.abs(moduli.relaxing).max() < 1e-9
 
 
+def test_moduli_of_a_state_at_rest_are_those_of_its_packing() -> None:
+    """A state relaxed to 1e-3 has them to a percent, one to 1e-2 may not and is refused."""
+    jammed = deformable.jam(deformable.bidisperse(48, seed=1))
+    with deformable.Disks(jammed.at(jammed.phi + 0.005)) as disks:
+        rough, fair, fine = (disks.relax(tolerance) for tolerance in (1e-2, 1e-3, 1e-8))
+    found, exact = fair.elastic_moduli(), fine.elastic_moduli()
+    assert found.tensor == pytest.approx(exact.tensor, abs=0.01 * exact.bulk_modulus)
+    assert 1e-3 < rough.residual < 1e-2
+    with pytest.raises(deformable.ParameterError, match="at rest"):
+        rough.elastic_moduli()
+
+
 def test_moduli_need_a_state_at_rest() -> None:
     state = state_of(PACKINGS["rectangle"])
     with pytest.raises(deformable.ParameterError, match="at rest"):
         state.elastic_moduli()
     assert isinstance(state.hessian(), Hessian)
+
+
+@pytest.mark.parametrize(("phi", "number"), [(0.5, 0), (0.95, 2)])
+def test_no_density_of_states_without_different_frequencies(phi: float, number: int) -> None:
+    """Of loose disks, and of a square crystal of two, with the same stiffness in all directions."""
+    crystal = deformable.Packing([[0, 0], [0.5, 0.5]], [0, 0], [0.5], np.eye(2))
+    modes = state_of(crystal.at(phi)).modes()
+    assert len(modes) == number
+    with pytest.raises(deformable.ParameterError, match="frequencies"):
+        modes.density()
+
+
+@pytest.mark.parametrize("law", [None, deformable.Ring()])
+def test_a_particle_at_the_center_of_a_circle(law: deformable.Ring | None) -> None:
+    """Its energy has a kink there."""
+    circle = deformable.Circle((0, 0), 1)
+    packing = deformable.Packing([[0, 0]], [0], [1.02], np.eye(2), walls=[circle])
+    with deformable.Simulation(packing, law) if law else deformable.Disks(packing) as sim:
+        state = sim.state()
+    with pytest.raises(deformable.ParameterError, match=r"particle 0 .* circle 1"):
+        state.hessian()
 
 
 def test_picture(state: deformable.DiskState) -> None:

@@ -89,9 +89,11 @@ def agrees(packing: deformable.Packing, law: deformable.Ring) -> deformable.Stat
 
 def test_every_law_and_stiffness(packing: deformable.Packing, law: deformable.Ring) -> None:
     state = agrees(packing, law)
-    lines = state.hessian().matrix.shape[0] - 2 * len(packing)
+    hessian = state.hessian()
+    lines = hessian.matrix.shape[0] - 2 * len(packing)
     pairs = len({tuple(sorted((row["i"], row["j"]))) for row in state.contact_table})
     assert lines == CONTACTS.index(law.contact) * pairs
+    assert repr(hessian) == f"<Hessian: 20 particles, {lines} variables of contact lines>"
 
 
 @pytest.mark.parametrize("contact", CONTACTS)
@@ -169,9 +171,21 @@ def test_moduli_are_those_of_finite_strains(relaxed: deformable.State) -> None:
         (moduli.pure_shear_modulus, deformable.shear_modulus(relaxed, 1e-5, 1e-10, pure=True)),
         (moduli.bulk_modulus, deformable.bulk_modulus(relaxed, 1e-5, 1e-10)),
     ]
+    assert f"shear {moduli.shear_modulus:.4g}, " in repr(moduli)
     for exact, finite in found:
         assert finite.linear
         assert exact == pytest.approx(finite.value, abs=2e-5 * moduli.bulk_modulus, rel=1e-5)
+
+
+def test_contacts_of_rattlers_have_two_sides() -> None:
+    """Also where only one side of a radical axis bears a force worth mentioning."""
+    start = deformable.push_off(deformable.bidisperse(20, phi=0.83, seed=3))
+    law = deformable.Ring(kA=[1.0, 50.0], kP=[0.5, math.inf], contact="radical")
+    state, _ = evaluated(start, law)
+    sides, _ = state.rattler_contacts()
+    there = list(zip(sides.i, sides.j, strict=True))
+    assert sorted(there) == sorted((j, i) for i, j in there)
+    assert 0 < len(there) < len(state.contact_table)
 
 
 def test_affine_moduli_leave_the_lines_free(relaxed: deformable.State) -> None:

@@ -47,6 +47,7 @@ def test_means_that_are_not_significant_are_left_out() -> None:
     error = np.std(spread, ddof=1) / 2.0
     columns = [2.1 * error + spread, 1.9 * error + spread, np.array([1.0, 1.0, np.nan, np.nan])]
     assert is_significant(np.column_stack(columns)).tolist() == [True, False, False]
+    assert is_significant(np.array([[1.0, 0.0, -1.0]])).tolist() == [True, False, False]
 
 
 def test_excess_coordination() -> None:

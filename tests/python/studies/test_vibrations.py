@@ -2,8 +2,10 @@
 
 from typing import Any
 
+import deformable
 import numpy as np
 import pytest
+from deformable.studies import vibrations
 from deformable.studies.vibrations import (
     EDGES,
     boson_peak,
@@ -73,6 +75,17 @@ def test_exponent_of_a_power_law() -> None:
     rows = [{"wanted": x, "excess_phi": x, "pressure": 2.0 * x**1.5} for x in (1e-4, 1e-3, 1e-2)]
     assert exponent(rows, "pressure", 1e-4, 1e-2) == pytest.approx(1.5, rel=1e-12)
     assert np.isnan(exponent(rows, "pressure", 1e-4, 1e-4))
+
+
+@pytest.mark.parametrize("contact", ["radical", "balanced", "tilted"])
+def test_the_unit_of_frequencies_is_that_of_all_modes(contact: str) -> None:
+    """The trace of the Hessian is the sum of all stiffnesses, without variables of lines."""
+    jammed = deformable.jam(deformable.bidisperse(24, seed=1))
+    law = deformable.Ring(contact=contact)
+    with deformable.Simulation(jammed.at(jammed.phi + 0.02), law) as sim:
+        state = sim.relax()
+    exact = state.modes(vectors=False).stiffness.sum() / (2.0 * state.network_contacts)
+    assert vibrations._spectrum(state, None)["stiffness"] == pytest.approx(exact, rel=1e-10)
 
 
 def test_packings_are_near_the_wanted_distance() -> None:
