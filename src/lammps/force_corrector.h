@@ -7,8 +7,6 @@
 #ifndef LMP_FORCE_CORRECTOR_H
 #define LMP_FORCE_CORRECTOR_H
 
-#include "pointers.h"
-
 #include "force_batches.h"
 #include "near_pairs.h"
 #include "remote_sides.h"
@@ -17,13 +15,9 @@
 
 namespace LAMMPS_NS {
 
-class ForceCorrector : protected Pointers {
+class ForceCorrector {
  public:
-  ForceCorrector(class LAMMPS *lmp, const deformable::ForceKernels &kernels)
-      : Pointers(lmp),
-        kernels(kernels)
-  {
-  }
+  explicit ForceCorrector(const deformable::ForceKernels &kernels) : kernels(kernels) {}
 
   void forget_bounds() { highest = 0.0; }    // also if contacts are new
 
@@ -41,8 +35,8 @@ class ForceCorrector : protected Pointers {
 
  private:
   const deformable::ForceKernels &kernels;
-  double lowest = 0.0,
-         highest = 0.0;    // eigenvalues of C, with the weights; unknown if highest = 0
+  // bounds of the eigenvalues of C, with the weights; unknown if highest = 0
+  double lowest = 0.0, highest = 0.0;
   std::vector<double> lengths, conjugations;    // of each iteration
 
   void conjugate_gradients(const NearPairs &, ForceBatches &, RemoteSides &,

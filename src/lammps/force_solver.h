@@ -40,7 +40,7 @@ class ForceSolver : protected Pointers {
         tolerance(tolerance),
         max_evaluations(max_evaluations),
         kernels(kernels),
-        corrector(lmp, kernels)
+        corrector(kernels)
   {
   }
 
@@ -53,8 +53,8 @@ class ForceSolver : protected Pointers {
 
   void arrange(const ForceBatches &, const NearPairs &);    // contacts are new
 
-  // A new force call: forces continue those of the last calls.
-  // The pairs of this rank's particles are located, or will be, with these places.
+  // A new force call: forces continue those of the last calls. Pairs of two particles of this rank are located by solve,
+  // with these places, unless null.
   void begin_call(NearPairs &, ForceBatches &, const deformable::PairPlaces *);
 
   // The rings know their material. Starts from the last forces. Returns whether the forces are balanced. May be called
@@ -130,8 +130,8 @@ class ForceSolver : protected Pointers {
   Evaluation correct(const Evaluation &);
   Evaluation line_search(Evaluation now, const Evaluation &from, bool turned);
 
-  // What a run through the blocks does: places and first forces of the pairs, iterations of the corrector, the step of all forces, new shapes of the rings and
-  // what is left then.
+  // What a run through the blocks does: places and first forces of the pairs, iterations of the corrector, the step of
+  // all forces, new shapes of the rings and what is left then.
   enum class Shape { NONE, ANEW, ADAPT };
   struct Stages {
     bool locate = false;
