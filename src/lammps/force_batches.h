@@ -77,6 +77,10 @@ struct ForceBatches {
   }
 
   int none() const { return static_cast<int>(slope.size()) - 1; }    // see CorrectionArrays
+  void clear_none()
+  {
+    products()[none()] = products()[2 * none() + 1] = 0.0F;
+  }    // slopes may have been there
   float *products() { return reinterpret_cast<float *>(slope.data()); }
 
   deformable::RingBatches arrays();

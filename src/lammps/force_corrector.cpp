@@ -9,14 +9,9 @@ using deformable::PairArrays;
 int ForceCorrector::begin(const NearPairs &pairs, ForceBatches &batches, RemoteSides &remote,
                           const PairArrays &arrays, double norm2, double accuracy)
 {
-  float *const products = batches.products();    // their place has borne slopes
-  products[batches.none()] = products[2 * batches.none() + 1] = 0.0F;
-  if (highest == 0.0) {
-    conjugate_gradients(pairs, batches, remote, arrays, norm2, accuracy);
-    return 0;
-  }
-  plan(accuracy);
-  return static_cast<int>(lengths.size()) - 1;
+  if (knows_bounds()) return plan(accuracy);
+  conjugate_gradients(pairs, batches, remote, arrays, norm2, accuracy);
+  return 0;
 }
 
 void ForceCorrector::conjugate_gradients(const NearPairs &pairs, ForceBatches &batches,
@@ -24,6 +19,7 @@ void ForceCorrector::conjugate_gradients(const NearPairs &pairs, ForceBatches &b
                                          double norm2, double accuracy)
 {
   constexpr int MAX_ITERATIONS = 500;
+  batches.clear_none();
   const deformable::RingBatches rings = batches.arrays();
   const double enough = accuracy * accuracy * norm2;
   std::vector<double> lengths, conjugations;
@@ -95,7 +91,7 @@ double ForceCorrector::decay() const
 }
 
 // The coefficients of Chebyshev's iteration, as conjugate gradients have them.
-void ForceCorrector::plan(double accuracy)
+int ForceCorrector::plan(double accuracy)
 {
   const double center = 0.5 * (highest + lowest), radius = 0.5 * (highest - lowest);
   const double ratio = center / radius;
@@ -109,6 +105,7 @@ void ForceCorrector::plan(double accuracy)
     conjugations[k] = next * rho * lengths[k - 1] / lengths[k];
     rho = next;
   }
+  return last;
 }
 
 // Two iterations that follow each other have products of their own: blocks may be one apart.

@@ -26,6 +26,9 @@ class ForceCorrector {
   int begin(const NearPairs &, ForceBatches &batches, RemoteSides &, const deformable::PairArrays &,
             double norm2, double accuracy);
 
+  bool knows_bounds() const { return highest > 0.0; }
+  int plan(double accuracy);    // the same without conjugate gradients
+
   // r x of all pairs cannot be larger within the bounds, but for what steps do to pairs that open or close.
   double largest_slope(double norm2) const { return 2.0 * norm2 / lowest; }
 
@@ -41,7 +44,6 @@ class ForceCorrector {
 
   void conjugate_gradients(const NearPairs &, ForceBatches &, RemoteSides &,
                            const deformable::PairArrays &, double norm2, double accuracy);
-  void plan(double accuracy);
   double decay() const;
   void find_bounds(const std::vector<double> &lengths, const std::vector<double> &conjugations);
 };

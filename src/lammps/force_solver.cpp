@@ -41,17 +41,6 @@ void ForceSolver::begin_call(NearPairs &p, ForceBatches &b, const deformable::Pa
   unlocated = places;
 }
 
-// The place of the new forces has the oldest ones.
-void ForceSolver::extrapolate(int begin, int end)
-{
-  PairArrays loop = arrays();
-  double *const oldest = loop.past[0];
-  loop.past[0] = loop.past[1];
-  loop.past[1] = loop.past[2];
-  loop.past[2] = oldest;
-  kernels.extrapolate(loop, coefficients, begin, end);
-}
-
 void ForceSolver::arrange(const ForceBatches &b, const NearPairs &p)
 {
   blocks.arrange(b, p);
@@ -74,9 +63,18 @@ bool ForceSolver::solve(RemoteSides &r)
   if (!unlocated) start(0, p.size);
   if (p.tilts) tilts.start(p, *batches, kernels);
 
+  pairs_of_all = 1.0 + sum_over_pairs([](int a, int z) { return z - a; });
+
   if (!first_solution) --evaluations;    // of the same forces as the last one
-  Evaluation now = evaluate();
-  unlocated = nullptr;
+  const bool minimizing = update->whichflag == 2;
+  Evaluation now;
+  if (unlocated && consecutive_calls == 3 && needs_correction && !minimizing &&
+      corrector.knows_bounds()) {
+    now = evaluate_and_correct();
+  } else {
+    now = first_evaluation = evaluate();
+    unlocated = nullptr;
+  }
   if (!is_apart) return false;
   if (!now.exists) {
     std::fill(p.force.begin(), p.force.end(), 0.0);
@@ -85,11 +83,10 @@ bool ForceSolver::solve(RemoteSides &r)
   // A minimizer needs only a tenth of the imbalance that its last step caused: the rest vanishes as its steps do, if each
   // call corrects it, also below the tolerance.
   constexpr double TENTH = 0.1;
-  const bool minimizing = update->whichflag == 2;
   if (first_solution)
     target = minimizing ? std::max(tolerance, TENTH * std::min(now.relative(), 1.0)) : tolerance;
   must_correct |= first_solution && minimizing;
-  pairs_of_all = 1.0 + sum_over_pairs([](int a, int z) { return z - a; });
+  needs_correction = first_evaluation.forces > target * first_evaluation.largest;
   first_solution = false;
   while (!is_balanced(now) && evaluations < max_evaluations && std::isfinite(now.largest))
     now = correct(now);
@@ -97,11 +94,6 @@ bool ForceSolver::solve(RemoteSides &r)
   if (p.tilts) tilts.remember(p);
   imbalance = now.relative();
   return now.exists && now.worst() <= target * now.largest;
-}
-
-void ForceSolver::start(int begin, int end)
-{
-  for (int k = begin; k < end; ++k) pairs->force[k] = std::max(pairs->past[0][k], 0.0);
 }
 
 // To the forces before the last step.
@@ -123,22 +115,37 @@ bool ForceSolver::is_balanced(Evaluation &now)
 
 ForceSolver::Evaluation ForceSolver::correct(const Evaluation &from)
 {
-  constexpr double CLOSE = 0.05, SMALL_STEP = 1e3;
+  constexpr double CLOSE = 0.05;
   if (from.knows_torques) {    // only tilts are missing
     tilts.turn(*pairs, *batches, kernels);
     return evaluate();
   }
   must_correct = false;
-  Stages stages;
-  stages.corrections = begin_corrections(from);
-  stages.step = true;
+  const int corrections = begin_corrections(from);
   const bool turns = pairs->tilts && from.forces <= CLOSE * from.largest;
+  std::vector<Stage> stages(corrections, Stage::CORRECT);
+  stages.push_back(Stage::STEP);
   if (!turns) {
-    const bool is_small = from.forces <= SMALL_STEP * target * from.largest;
-    stages.shape = is_small ? Shape::ADAPT : Shape::ANEW;
+    stages.push_back(shape_after(from));
+    stages.push_back(Stage::LOOK);
   }
-  Evaluation now = run(stages);
-  if (stages.corrections > 0) {
+  const Evaluation now = accept(run(stages), from, corrections > 0, turns);
+  if (!turns) return line_search(now, from, false);
+  const double slope = now.slope;
+  Evaluation before = from;
+  before.torques = find_torques();
+  tilts.adapt(before.torques);
+  tilts.turn(*pairs, *batches, kernels);
+  Evaluation turned = evaluate();
+  turned.slope = slope;
+  return line_search(turned, before, true);
+}
+
+// The state after a step; where that leads astray, the one before it, or one after a step of each pair alone.
+ForceSolver::Evaluation ForceSolver::accept(Evaluation now, const Evaluation &from, bool iterated,
+                                            bool turns)
+{
+  if (iterated) {
     const double most = corrector.largest_slope(from.norm2) * pairs->length * pairs->unit();
     if (!(now.slope > 0.0 && now.slope <= most)) {    // outside of the bounds iterations diverge
       corrector.forget_bounds();
@@ -146,22 +153,34 @@ ForceSolver::Evaluation ForceSolver::correct(const Evaluation &from)
       return evaluate();
     }
   }
-  if (!(now.slope > 0.0)) {    // single precision is not enough
-    go_back();
-    const double slope =
-        sum_over_pairs([this](int a, int z) { return kernels.take_step(arrays(), true, a, z); });
-    if (!turns) now = evaluate();
-    now.slope = slope;
-  }
-  if (!turns) return line_search(now, from, false);
-  const double slope = now.slope;
-  Evaluation before = from;
-  before.torques = find_torques();
-  tilts.adapt(before.torques);
-  tilts.turn(*pairs, *batches, kernels);
-  now = evaluate();
+  if (now.slope > 0.0) return now;
+  // single precision is not enough
+  go_back();
+  if (!turns) evaluate();
+  const double slope =
+      sum_over_pairs([this](int a, int z) { return kernels.take_step(arrays(), true, a, z); });
+  if (!turns) now = evaluate();
   now.slope = slope;
-  return line_search(now, before, true);
+  return now;
+}
+
+/* ----------------------------------------------------------------------
+   In motion nearly each call needs a correction, as the last one did: it is
+   one more run through the blocks if nobody waits for the imbalance before it.
+------------------------------------------------------------------------- */
+
+ForceSolver::Evaluation ForceSolver::evaluate_and_correct()
+{
+  evaluations = 1;
+  const int corrections = corrector.plan(accuracy_of(first_evaluation));
+  std::vector<Stage> stages = {Stage::LOCATE, Stage::SHAPE, Stage::LOOK};
+  stages.insert(stages.end(), corrections, Stage::CORRECT);
+  stages.insert(stages.end(), {Stage::STEP, shape_after(first_evaluation), Stage::LOOK});
+  const Evaluation now = run(stages, &first_evaluation);
+  unlocated = nullptr;
+  must_correct = false;
+  if (!is_apart || !first_evaluation.exists) return now;
+  return line_search(accept(now, first_evaluation, true, false), first_evaluation, false);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -218,131 +237,40 @@ void ForceSolver::agree()
 }
 
 // Pairs that two ranks share count half on each.
-constexpr double HALF = 0.5;
-
 template <class Sum> double ForceSolver::sum_over_pairs(Sum &&sum) const
 {
-  return remote->sum(sum(0, pairs->remote) + HALF * sum(pairs->remote, pairs->wall) +
+  return remote->sum(sum(0, pairs->remote) + 0.5 * sum(pairs->remote, pairs->wall) +
                      sum(pairs->wall, pairs->size));
 }
 
-ForceSolver::Evaluation ForceSolver::evaluate()
-{
-  Stages stages;
-  stages.locate = unlocated != nullptr;
-  stages.shape = Shape::ANEW;
-  return run(stages);
-}
-
-ForceSolver::Evaluation ForceSolver::run(const Stages &stages)
-{
-  const deformable::RingBatches rings = batches->arrays();
-  const PairArrays loop = arrays();
-  const int located = stages.locate ? 1 : 0, corrected = located + stages.corrections;
-  const int step = corrected + (stages.step ? 1 : 0), shape = step + 1, look = step + 2;
-  const bool shapes = stages.shape != Shape::NONE;
-  of_blocks.assign(blocks.count(), {});
-  bool exist = true;
-  blocks.run(
-      shapes ? look : step,
-      [&](int block, int stage) {
-        OfBlock &found = of_blocks[block];
-        const deformable::RingBatches here = BlockLevels::rings(rings, block);
-        if (stage <= located) {
-          blocks.for_pairs(block, [&](int a, int z, double) {
-            if (a < pairs->remote) {
-              is_apart &= kernels.locate(*unlocated, a, z);
-              extrapolate(a, z);
-            }
-            start(a, z);
-          });
-        } else if (stage <= corrected) {
-          corrector.iterate(here, loop, stage - located);
-        } else if (stage == step) {
-          blocks.for_pairs(block, [&](int a, int z, double part) {
-            found.slope += part * kernels.take_step(loop, false, a, z);
-          });
-        } else if (stage == shape) {
-          exist &= stages.shape == Shape::ADAPT
-                       ? kernels.adapt(here, pairs->force.data(), this->step.data(), loop.unit)
-                       : kernels.shape(here, pairs->directions());
-        } else {
-          blocks.for_pairs(block, [&](int a, int z, double part) {
-            const deformable::Residuals r = kernels.find_residuals(loop, a, z);
-            found.error = std::max(found.error, r.error);
-            found.force = std::max(found.force, r.force);
-            found.left = std::max(found.left, r.left);
-            found.norm2 += part * r.norm2;
-            found.weights += part * r.weights;
-          });
-        }
-      },
-      [&](int stage) {
-        const int *const side = pairs->side[0].data() + pairs->remote;
-        if (stage > located && stage < corrected)
-          remote->exchange(side, batches->contacts,
-                           ForceCorrector::products(rings, stage - located));
-        else if (stage == shape)
-          remote->exchange(side, batches->contacts, batches->indentation.data(),
-                           batches->compliance.data());
-      });
-  if (shapes) ++evaluations;
-  double largest[4] = {0.0, 0.0, 0.0, exist ? 0.0 : 1.0}, sum[3] = {0.0, 0.0, 0.0};
-  for (const OfBlock &found : of_blocks) {
-    largest[0] = std::max(largest[0], found.error);
-    largest[1] = std::max(largest[1], found.force);
-    largest[2] = std::max(largest[2], found.left);
-    sum[0] += found.norm2;
-    sum[1] += found.weights;
-    sum[2] += found.slope;
-  }
-  if (comm->nprocs > 1) {
-    MPI_Allreduce(MPI_IN_PLACE, largest, 4, MPI_DOUBLE, MPI_MAX, world);
-    MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPI_DOUBLE, MPI_SUM, world);
-  }
-  Evaluation now;
-  // Overlaps are not known better than this.
-  constexpr double ROUNDING = 8.0 * std::numeric_limits<double>::epsilon();
-  now.forces = largest[2] <= ROUNDING ? 0.0 : largest[0];
-  now.largest = std::max(largest[1], std::isinf(largest[2]) ? largest[2] : 0.0);
-  now.exists = largest[3] == 0.0 && std::isfinite(now.largest);
-  now.norm2 = sum[0];
-  now.weights = sum[1];
-  now.slope = sum[2];
-  return now;
-}
-
-// The largest imbalance of a tilt for the present forces. Also finds the next tilts.
-double ForceSolver::find_torques()
-{
-  kernels.slopes(batches->arrays(), pairs->directions(), tilts.rates());
-  remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts, batches->slope.data(),
-                   tilts.rates());
-  double worst = tilts.find(*pairs, *batches, kernels);
-  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE, MPI_MAX, world);
-  return worst;
-}
-
 /* ----------------------------------------------------------------------
-   Returns how many iterations are left to do, in run.
    Newton's method squares its relative error in each step: its direction need
    not be better than that, nor than the tolerance. The first step finds which
    contacts open or close: more accuracy is lost on those.
 ------------------------------------------------------------------------- */
 
-int ForceSolver::begin_corrections(const Evaluation &from)
+double ForceSolver::accuracy_of(const Evaluation &from) const
 {
   constexpr double COARSE = 0.03, FIRST = 0.003, MARGIN = 0.3, SQUARE = 10.0;
-  if (!(from.norm2 > 0.0)) {
-    std::fill(batches->step.begin(), batches->step.end(), 0.0F);
-    return 0;
-  }
   // of r, times the mean weight
   const double typical = std::sqrt(from.norm2 * from.weights) / pairs_of_all * pairs->unit();
   const double most = evaluations == 1 ? FIRST : SQUARE * typical / from.largest;
-  const double accuracy =
-      std::min(COARSE, std::max(MARGIN * target * from.largest / from.forces, most));
-  return corrector.begin(*pairs, *batches, *remote, arrays(), from.norm2, accuracy);
+  return std::min(COARSE, std::max(MARGIN * target * from.largest / from.forces, most));
+}
+
+// Returns how many iterations are left to do, in run.
+int ForceSolver::begin_corrections(const Evaluation &from)
+{
+  if (from.norm2 > 0.0)
+    return corrector.begin(*pairs, *batches, *remote, arrays(), from.norm2, accuracy_of(from));
+  std::fill(batches->step.begin(), batches->step.end(), 0.0F);
+  return 0;
+}
+
+ForceSolver::Stage ForceSolver::shape_after(const Evaluation &from) const
+{
+  constexpr double SMALL_STEP = 1e3;
+  return from.forces <= SMALL_STEP * target * from.largest ? Stage::ADAPT : Stage::SHAPE;
 }
 
 /* ----------------------------------------------------------------------
@@ -357,6 +285,7 @@ ForceSolver::Evaluation ForceSolver::line_search(Evaluation now, const Evaluatio
 {
   constexpr double BETTER = 0.5, NO_WORSE = 2.0, SMALL_SLOPE = 0.5;
   const double imbalance = from.worst(), slope = now.slope;
+  if (!(slope > 0.0)) return now;    // no step
   double low = 0.0, low_slope = slope, high = 1.0, at = 1.0;
   for (;;) {
     const double good = std::max((turned ? NO_WORSE : BETTER) * imbalance, target * now.largest);

@@ -86,10 +86,10 @@ class ForceSolver : protected Pointers {
 
  private:
   struct Evaluation {
-    double forces, largest;    // imbalance, force
-    double norm2, weights;     // see Residuals
-    double slope = 0.0;        // of the dual energy along the step, where it began
-    bool exists;               // every ring has a shape
+    double forces = 0.0, largest = 0.0;    // imbalance, force
+    double norm2 = 0.0, weights = 0.0;     // see Residuals
+    double slope = 0.0;                    // of the dual energy along the step, where it began
+    bool exists = false;                   // every ring has a shape
     bool knows_torques = false;
     double torques = 0.0;    // imbalance of tilts
     double worst() const { return std::max(forces, torques); }
@@ -124,25 +124,26 @@ class ForceSolver : protected Pointers {
   void agree();
   deformable::PairArrays arrays();
   Evaluation evaluate();
+  Evaluation evaluate_and_correct();
   double find_torques();
   int begin_corrections(const Evaluation &);
+  double accuracy_of(const Evaluation &) const;
   bool is_balanced(Evaluation &);
   Evaluation correct(const Evaluation &);
+  Evaluation accept(Evaluation now, const Evaluation &from, bool iterated, bool turns);
   Evaluation line_search(Evaluation now, const Evaluation &from, bool turned);
 
-  // What a run through the blocks does: places and first forces of the pairs, iterations of the corrector, the step of
-  // all forces, new shapes of the rings and what is left then.
-  enum class Shape { NONE, ANEW, ADAPT };
-  struct Stages {
-    bool locate = false;
-    int corrections = 0;
-    bool step = false;
-    Shape shape = Shape::NONE;
-  };
-  Evaluation run(const Stages &);
+  // What a run through the blocks may do: places and first forces of the pairs, new shapes of the rings, what is left of
+  // overlaps then; an iteration of the corrector, the step of all forces, and shapes after a small one.
+  enum class Stage { LOCATE, SHAPE, LOOK, CORRECT, STEP, ADAPT };
+  Evaluation run(const std::vector<Stage> &, Evaluation *before = nullptr);
+  Evaluation sum_up(int first, bool exist) const;
+  Stage shape_after(const Evaluation &) const;
   struct OfBlock : deformable::Residuals {
     double slope = 0.0;
   };
+  Evaluation first_evaluation;    // of the last call
+  bool needs_correction = false;
   BlockLevels blocks;
   std::vector<OfBlock> of_blocks;
 

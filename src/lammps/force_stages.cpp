@@ -1,0 +1,141 @@
+// What ForceSolver does to the rings and pairs, stage by stage, and what it learns from that.
+
+#include "force_solver.h"
+
+#include "comm.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+using namespace LAMMPS_NS;
+using deformable::PairArrays;
+
+// The place of the new forces has the oldest ones.
+void ForceSolver::extrapolate(int begin, int end)
+{
+  PairArrays loop = arrays();
+  double *const oldest = loop.past[0];
+  loop.past[0] = loop.past[1];
+  loop.past[1] = loop.past[2];
+  loop.past[2] = oldest;
+  kernels.extrapolate(loop, coefficients, begin, end);
+}
+
+void ForceSolver::start(int begin, int end)
+{
+  for (int k = begin; k < end; ++k) pairs->force[k] = std::max(pairs->past[0][k], 0.0);
+}
+
+/* ---------------------------------------------------------------------- */
+
+ForceSolver::Evaluation ForceSolver::evaluate()
+{
+  std::vector<Stage> stages = {Stage::SHAPE, Stage::LOOK};
+  if (unlocated) stages.insert(stages.begin(), Stage::LOCATE);
+  return run(stages);
+}
+
+// Returns what the last stage LOOK has found; the one before it, unless null.
+ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evaluation *before)
+{
+  batches->clear_none();
+  const deformable::RingBatches rings = batches->arrays();
+  const PairArrays loop = arrays();
+  const int last = static_cast<int>(stages.size());
+  const int corrections =
+      static_cast<int>(std::count(stages.begin(), stages.end(), Stage::CORRECT));
+  const int first = static_cast<int>(std::find(stages.begin(), stages.end(), Stage::CORRECT) -
+                                     stages.begin());    // from 0; stages count from 1
+  of_blocks.assign((before ? 2 : 1) * blocks.count(), {});
+  bool exist = true;
+  blocks.run(
+      last,
+      [&](int block, int stage) {
+        const bool is_before = before && stage <= first;
+        OfBlock &found = of_blocks[is_before ? blocks.count() + block : block];
+        const deformable::RingBatches here = BlockLevels::rings(rings, block);
+        switch (stages[stage - 1]) {
+          case Stage::LOCATE:
+            blocks.for_pairs(block, [&](int a, int z, double) {
+              if (a < pairs->remote) {
+                is_apart &= kernels.locate(*unlocated, a, z);
+                extrapolate(a, z);
+              }
+              start(a, z);
+            });
+            break;
+          case Stage::CORRECT: corrector.iterate(here, loop, stage - first); break;
+          case Stage::STEP:
+            blocks.for_pairs(block, [&](int a, int z, double part) {
+              found.slope += part * kernels.take_step(loop, false, a, z);
+            });
+            break;
+          case Stage::SHAPE: exist &= kernels.shape(here, pairs->directions()); break;
+          case Stage::ADAPT:
+            exist &= kernels.adapt(here, pairs->force.data(), step.data(), loop.unit);
+            break;
+          case Stage::LOOK:
+            blocks.for_pairs(block, [&](int a, int z, double part) {
+              const deformable::Residuals r = kernels.find_residuals(loop, a, z);
+              found.error = std::max(found.error, r.error);
+              found.force = std::max(found.force, r.force);
+              found.left = std::max(found.left, r.left);
+              found.norm2 += part * r.norm2;
+              found.weights += part * r.weights;
+            });
+        }
+      },
+      [&](int stage) {
+        const int *const side = pairs->side[0].data() + pairs->remote;
+        const Stage done = stages[stage - 1];
+        if (done == Stage::CORRECT && stage < first + corrections)
+          remote->exchange(side, batches->contacts, ForceCorrector::products(rings, stage - first));
+        else if (done == Stage::SHAPE || done == Stage::ADAPT)
+          remote->exchange(side, batches->contacts, batches->indentation.data(),
+                           batches->compliance.data());
+      });
+  if (stages.back() == Stage::LOOK) ++evaluations;
+  if (before) *before = sum_up(blocks.count(), true);
+  return sum_up(0, exist);
+}
+
+// What the blocks have found, from this place on.
+ForceSolver::Evaluation ForceSolver::sum_up(int first, bool exist) const
+{
+  double largest[4] = {0.0, 0.0, 0.0, exist ? 0.0 : 1.0}, sum[3] = {0.0, 0.0, 0.0};
+  for (int block = 0; block < blocks.count(); ++block) {
+    const OfBlock &found = of_blocks[first + block];
+    largest[0] = std::max(largest[0], found.error);
+    largest[1] = std::max(largest[1], found.force);
+    largest[2] = std::max(largest[2], found.left);
+    sum[0] += found.norm2;
+    sum[1] += found.weights;
+    sum[2] += found.slope;
+  }
+  if (comm->nprocs > 1) {
+    MPI_Allreduce(MPI_IN_PLACE, largest, 4, MPI_DOUBLE, MPI_MAX, world);
+    MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPI_DOUBLE, MPI_SUM, world);
+  }
+  // Overlaps are not known better than this.
+  constexpr double ROUNDING = 8.0 * std::numeric_limits<double>::epsilon();
+  Evaluation now;
+  now.forces = largest[2] <= ROUNDING ? 0.0 : largest[0];
+  now.largest = std::max(largest[1], std::isinf(largest[2]) ? largest[2] : 0.0);
+  now.exists = largest[3] == 0.0 && std::isfinite(now.largest);
+  now.norm2 = sum[0];
+  now.weights = sum[1];
+  now.slope = sum[2];
+  return now;
+}
+
+// The largest imbalance of a tilt for the present forces. Also finds the next tilts.
+double ForceSolver::find_torques()
+{
+  kernels.slopes(batches->arrays(), pairs->directions(), tilts.rates());
+  remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts, batches->slope.data(),
+                   tilts.rates());
+  double worst = tilts.find(*pairs, *batches, kernels);
+  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE, MPI_MAX, world);
+  return worst;
+}
