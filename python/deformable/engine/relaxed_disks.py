@@ -7,15 +7,14 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.packing import Packing
 from .enthalpy import Enthalpy
-from .lbfgs import minimize
+from .lbfgs import Floats, minimize
 from .relaxation import force_rounding
 
-# Called every 20 iterations with their number, phi and the pressure.
-Report = Callable[[int, float, float], object]
+# Called every 20 iterations with their number, phi, the pressure and the residual.
+Report = Callable[[int, float, float, float], object]
 
 # Iterations after which a relaxation in a box counts as stalled; largest step in smallest radii.
 _PATIENCE, _LARGEST_STEP = 20_000, 0.1
@@ -43,6 +42,7 @@ def relax_in_box(
     tolerance: float,
     loose: float,
     report: Report,
+    rigid: tuple[float, float] | None = None,
 ) -> RelaxedDisks:
     """Relax soft disks in their box, until the pressure is low or the forces are small.
 
@@ -51,8 +51,10 @@ def relax_in_box(
         tolerance: largest residual.
         loose: pressure at which the packing is relaxed enough [k].
         report: see `Report`.
+        rigid: a pressure [k]; above it the packing is relaxed enough where the root mean square of
+            the forces on particles, in the unit of the residual, is at most the other number.
     """
-    return _relax(packing, None, tolerance, loose, _PATIENCE, report)
+    return _relax(packing, None, tolerance, _PATIENCE, report, loose, rigid)
 
 
 def relax_at_pressure(
@@ -66,36 +68,47 @@ def relax_at_pressure(
 
     See `relax_in_box`.
     """
-    return _relax(packing, pressure, tolerance, -np.inf, patience, report)
+    return _relax(packing, pressure, tolerance, patience, report)
 
 
 def _relax(
     packing: Packing,
     applied: float | None,
     tolerance: float,
-    loose: float,
     patience: int,
     report: Report,
+    loose: float = -math.inf,
+    rigid: tuple[float, float] | None = None,
 ) -> RelaxedDisks:
     enthalpy = Enthalpy(packing, applied)
     smallest = float(packing.radius.min())
     rounding = force_rounding(packing.box, stiffness=1.0)
+    last = math.inf
 
-    def residual(gradient: NDArray[np.float64]) -> float:
+    def residual(gradient: Floats) -> float:
         forces = gradient[:-1].reshape(-1, 2)
         on_particles = math.sqrt(np.einsum("ij,ij->i", forces, forces).max())
         largest = max(on_particles, abs(float(gradient[-1])))
         scale = smallest * (enthalpy.pressure if applied is None else applied)
         return largest / scale if largest > rounding and scale > 0.0 else 0.0
 
-    z, relaxed = minimize(
+    def relaxed(gradient: Floats) -> bool:
+        nonlocal last
+        last = residual(gradient)
+        if rigid and enthalpy.pressure >= rigid[0]:
+            bearing = rigid[1] * smallest * enthalpy.pressure
+            if np.linalg.norm(gradient) <= bearing * math.sqrt(len(packing)):
+                return True
+        return enthalpy.pressure <= loose or last <= tolerance
+
+    z, enough = minimize(
         enthalpy,
         enthalpy.start,
-        lambda gradient: enthalpy.pressure <= loose or residual(gradient) <= tolerance,
+        relaxed,
         _LARGEST_STEP * smallest,
         patience,
-        lambda count: report(count, enthalpy.phi, enthalpy.pressure),
+        lambda count: report(count, enthalpy.phi, enthalpy.pressure, last),
         None if applied is None else enthalpy.preconditioner,
     )
     _, gradient = enthalpy(z)
-    return RelaxedDisks(enthalpy.packing(z), enthalpy.pressure, residual(gradient), not relaxed)
+    return RelaxedDisks(enthalpy.packing(z), enthalpy.pressure, residual(gradient), not enough)

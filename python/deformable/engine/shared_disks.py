@@ -50,7 +50,7 @@ def relax_on_ranks(
             if relaxed or iterations == _PATIENCE:
                 break
             run(lmp, minimize_command(0.0, _LOOK))
-            report(_LOOK, packing.phi, pressure)
+            report(_LOOK, packing.phi, pressure, residual)
         positions = gather(lmp, "x", 3)[:, :2]
     finally:
         lmp.close()

@@ -25,6 +25,11 @@ from ..state.state import State
 # packing fraction at which that ends. From there on the pressure falls.
 _LOOSE, _FINEST = 1e-4, 0.0025
 
+# From this number of disks on a packing is certainly rigid at this pressure, once the root mean
+# square of the forces on particles is this part of those of contacts: from there on the pressure
+# falls by a factor of at most 2. Fewer disks may still find a loose packing.
+_MANY, _RIGID = 5000, (1e-3, 0.1)
+
 # Compression only has to tell loose packings from rigid ones: forces on particles may be this part
 # of those of contacts. The pressure is lowered in steps by a factor, each relaxed to a part.
 _ROUGH, _FACTOR, _PART = 0.1, 0.3, 0.1
@@ -136,15 +141,16 @@ def _jammed_disks(
 ) -> RelaxedDisks:
     """Soft disks at this pressure [k]; for the other arguments see `jam`."""
 
-    def report(iterations: int, phi: float, pressure: float) -> None:
-        bar.set_postfix(phi=f"{phi:.6f}", pressure=f"{pressure:.1e}")
+    def report(iterations: int, phi: float, pressure: float, residual: float) -> None:
+        bar.set_postfix(phi=f"{phi:.6f}", pressure=f"{pressure:.1e}", residual=f"{residual:.1e}")
         bar.update(iterations)
 
-    def relax(packing: Packing) -> RelaxedDisks:
+    def relax(packing: Packing, rigid: tuple[float, float] | None = None) -> RelaxedDisks:
         if comm is None:
-            return relax_in_box(packing, _ROUGH, _LOOSE, report)
+            return relax_in_box(packing, _ROUGH, _LOOSE, report, rigid)
         return relax_on_ranks(packing, _ROUGH, _LOOSE, report, comm)
 
+    bar.set_description_str("jamming, compression", refresh=False)
     start = relax(separated(packing))
     if start.pressure > _LOOSE:
         raise ParameterError(
@@ -152,13 +158,16 @@ def _jammed_disks(
         )
     loose = start.packing
     while True:
-        disks = relax(loose.at(loose.phi + step))
+        # the packing of the last step is relaxed further
+        rigid = _RIGID if len(packing) >= _MANY and step > _FINEST else None
+        disks = relax(loose.at(loose.phi + step), rigid)
         if disks.pressure <= _LOOSE:
             loose = disks.packing
         elif step > _FINEST:
             step /= 2.0
         else:
             break
+    bar.set_description_str(f"jamming, decompression to {pressure:.1e}", refresh=False)
     return _decompressed(disks, pressure, tolerance, report)
 
 
@@ -198,9 +207,10 @@ def _jammed_particles(
     unit = natural_pressure(packing, law)
     target, longest, last = _excess_phi(_ABOVE * pressure, packing, law), np.inf, 0.0
     stalls = 0
+    bar.set_description_str(f"jamming, particles to {pressure:.1e}", refresh=False)
     while True:
         state = _relaxed(packing, law, pressure * unit, tolerance, comm)
-        bar.set_postfix(phi=f"{state.phi:.6f}", pressure=f"{state.pressure:.1e}")
+        bar.set_postfix(phi=f"{state.phi:.6f}", pressure=f"{state.pressure / unit:.1e}")
         bar.update()
         found = state.pressure / unit
         rigid = found > pressure

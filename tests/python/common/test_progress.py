@@ -1,7 +1,9 @@
 """Progress off a terminal."""
 
+import re
 import sys
 
+import deformable
 import pytest
 from deformable.common import progress
 
@@ -30,3 +32,17 @@ def test_nothing_in_the_first_minute(capfd: pytest.CaptureFixture[str]) -> None:
         bar.update()
         progress.print_once("step 1")
     assert capfd.readouterr() == ("step 1\n", "")
+
+
+def test_lines_of_jam_tell_the_stage_and_how_far_it_is(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(progress, "_LINES", 1e-9)
+    deformable.jam(deformable.bidisperse(64, seed=1))
+    lines = [line for line in capfd.readouterr().err.splitlines() if "jamming" in line]
+    first, last = lines[0], lines[-1]
+    assert "jamming, compression: 20" in first
+    assert re.search("jamming, decompression to 1.4e-06: [0-9]+iter", last)
+    for line in (first, last):
+        for name in ("phi=0.", "pressure=", "residual="):
+            assert name in line

@@ -1,13 +1,14 @@
 """Jamming: the onset of rigidity of soft disks and of deformable particles."""
 
 import dataclasses
+import math
 import warnings
 from typing import Any
 
 import deformable
 import numpy as np
 import pytest
-from deformable.engine.relaxed_disks import RelaxedDisks, Report, relax_at_pressure
+from deformable.engine.relaxed_disks import RelaxedDisks, Report, relax_at_pressure, relax_in_box
 from deformable.protocols import jamming
 from deformable.protocols.jamming import natural_pressure, simulate
 from mpi4py import MPI
@@ -168,6 +169,41 @@ def test_disks_that_rearrange_slowly_are_compressed_again(monkeypatch: pytest.Mo
     state = onset(jammed, None)
     assert state.pressure == pytest.approx(1.4e-7, rel=1e-6)
     assert state.residual <= 1.5e-6
+
+
+@pytest.mark.parametrize("many", [64, 65])
+def test_many_disks_are_told_to_be_rigid_early(many: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """But not the start, which may be far from rest, nor the packing that is decompressed."""
+    asked: list[Any] = []
+
+    def relax(
+        packing: deformable.Packing, part: float, loose: float, report: Report, rigid: Any
+    ) -> RelaxedDisks:
+        asked.append(rigid)
+        return relax_in_box(packing, part, loose, report, rigid)
+
+    monkeypatch.setattr(jamming, "_MANY", many)
+    monkeypatch.setattr(jamming, "relax_in_box", relax)
+    jammed = deformable.jam(deformable.bidisperse(64, seed=1), pressure=1e-7, tolerance=1e-6)
+    assert asked[0] is asked[-1] is None
+    assert (jamming._RIGID in asked) == (many == 64)
+    state = onset(jammed, None)
+    assert state.pressure == pytest.approx(1.4e-7, rel=1e-4)
+    assert state.residual <= 1.5e-6
+
+
+def test_clearly_rigid_disks_are_not_relaxed_to_the_end() -> None:
+    """At phi = 0.9 the pressure tells before forces are small."""
+    packing = deformable.push_off(deformable.bidisperse(400, phi=0.8, seed=1)).at(0.9)
+    ends = {}
+    for rigid in (0.01, math.inf):  # pressures
+        reports: list[int] = []
+        found = relax_in_box(packing, 1e-3, 1e-4, lambda *_, to=reports: to.append(1), (rigid, 0.1))
+        ends[rigid] = found.residual, len(reports)
+        assert found.pressure > 0.01
+        assert not found.stalled
+    assert ends[math.inf][0] <= 1e-3 < ends[0.01][0] <= 1.0
+    assert ends[0.01][1] < 0.2 * ends[math.inf][1]
 
 
 @pytest.mark.parametrize("kind", ["species", "particle radii", "walls"])
