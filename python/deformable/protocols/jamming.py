@@ -79,9 +79,10 @@ def jam(
     above the threshold by at most a factor two.
 
     Every rank of an MPI run does the same work, so that the result does not depend on the number of
-    ranks. On one machine the same packing leads to the same result. With a communicator its ranks
-    share the compression of soft disks and the relaxation of deformable particles. That pays from
-    some 1e4 particles on. The result then depends on the number of ranks, and on nothing else.
+    ranks. On one machine the same packing leads to the same result; beyond some 5000 disks numpy's
+    BLAS has to use the same number of threads too (`OMP_NUM_THREADS`). With a communicator its
+    ranks share the compression of soft disks and the relaxation of deformable particles. That pays
+    from some 1e4 particles on. The result then depends on the number of ranks, and on nothing else.
 
     Args:
         packing: a packing below jamming, e.g. from `bidisperse`, or from `Packing.between` with
