@@ -38,6 +38,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
     is_balanced = solver.solve(near.remote_sides);
     if (!solver.lines_are_apart()) return near.pairs.first_behind(p.radius);
     const double growth = find_bulges();
+    if (without_room() >= 0) break;    // its forces have no limit, nor have bulges
     if (lists < MOST_LISTS && !near.is_sufficient_after(p, growth)) {
       solver.remember();
       near.build(p, false);
@@ -45,7 +46,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
       near.locate(p, false);
       continue;
     }
-    if (!is_balanced && without_room() < 0) warn_unbalanced();
+    if (!is_balanced) warn_unbalanced();
     break;
   }
   if (near.pairs.tilts && new_list && !warned_limited) warn_limited();

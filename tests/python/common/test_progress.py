@@ -42,7 +42,7 @@ def test_lines_of_jam_tell_the_stage_and_how_far_it_is(
     lines = [line for line in capfd.readouterr().err.splitlines() if "jamming" in line]
     first, last = lines[0], lines[-1]
     assert "jamming, compression: 20" in first
-    assert re.search("jamming, decompression to 1.4e-06: [0-9]+iter", last)
+    assert re.search("jamming, decompression to 1.4e-06: [0-9]+ iter", last)
     for line in (first, last):
         for name in ("phi=0.", "pressure=", "residual="):
             assert name in line

@@ -145,7 +145,8 @@ def test_motion_goes_on_where_it_was(loose: deformable.Packing) -> None:
     assert other.time == half.time == pytest.approx(20.0)
     apart = other.packing.positions - whole.packing.positions
     assert np.abs(apart).max() < 1e-9
-    assert np.abs(other.velocities - whole.velocities).max() < 1e-9 * np.abs(whole.velocities).max()
+    # forces have no other tolerance than 1e-8, and another start leads to another rest of it
+    assert np.abs(other.velocities - whole.velocities).max() < 1e-8 * np.abs(whole.velocities).max()
 
 
 def test_an_early_end_leaves_no_trace(loose: deformable.Packing) -> None:

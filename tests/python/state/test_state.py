@@ -10,8 +10,9 @@ pytestmark = pytest.mark.filterwarnings("error")
 
 def test_energy_and_areas_are_those_of_the_kernels(state: deformable.State) -> None:
     deficit = np.array([shape.area_deficit for shape in shapes(state)])
-    assert state.area_deficit == pytest.approx(deficit, rel=1e-9, abs=1e-15)
-    assert state.particle_pressure == pytest.approx(2.0 * deficit, rel=1e-9, abs=1e-15)
+    # from the pressures, and from the indentations: they agree as far as forces are balanced
+    assert state.area_deficit == pytest.approx(deficit, rel=1e-8, abs=1e-15)
+    assert state.particle_pressure == pytest.approx(2.0 * deficit, rel=1e-8, abs=1e-15)
     assert state.energy == pytest.approx(np.sum(2.0 * deficit**2 / 2.0), rel=1e-9)
 
 
