@@ -300,7 +300,7 @@ bool NearList::is_sufficient(const DeformableParticles &p)
   for (int i = 0; i < atom->nlocal; ++i) {
     const double dx = x[3 * i] - x_then[2 * i], dy = x[3 * i + 1] - x_then[2 * i + 1];
     const double grown = (p.radii_vary ? std::fabs(p.radius[i] - radius_then[i]) : 0.0) +
-        std::max(bulge[i] - bulge_then[i], 0.0);
+                         std::max(bulge[i] - bulge_then[i], 0.0);
     const double left = most - grown, d2 = dx * dx + dy * dy;
     missing |= !(d2 <= left * std::fabs(left));
     farthest2 = std::max(farthest2, d2);
