@@ -175,11 +175,18 @@ ForceSolver::Evaluation ForceSolver::evaluate_and_correct()
   const int corrections = corrector.plan(accuracy_of(first_evaluation));
   std::vector<Stage> stages = {Stage::LOCATE, Stage::SHAPE, Stage::LOOK};
   stages.insert(stages.end(), corrections, Stage::CORRECT);
-  stages.insert(stages.end(), {Stage::STEP, shape_after(first_evaluation), Stage::LOOK});
-  const Evaluation now = run(stages, &first_evaluation);
+  const Stage shape = shape_after(first_evaluation);
+  stages.insert(stages.end(), {Stage::STEP, shape, Stage::LOOK});
+  Evaluation now = run(stages, &first_evaluation);
   unlocated = nullptr;
   must_correct = false;
   if (!is_apart || !first_evaluation.exists) return now;
+  if (shape == Stage::ADAPT &&
+      shape_after(first_evaluation) != shape) {    // a larger step this time
+    const double slope = now.slope;
+    now = evaluate();
+    now.slope = slope;
+  }
   return line_search(accept(now, first_evaluation, true, false), first_evaluation, false);
 }
 
