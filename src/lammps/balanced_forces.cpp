@@ -57,7 +57,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
 
 void BalancedForces::arrange(const DeformableParticles &p)
 {
-  batches.arrange(p.list->ilist, p.list->inum, atom->nlocal, near.pairs, atom->tag);
+  batches.arrange(near.order(*p.list), p.list->inum, atom->nlocal, near.pairs, atom->tag);
   solver.arrange(batches, near.pairs);
   set_material(p);
 }

@@ -59,6 +59,12 @@ class NearList : protected Pointers {
   // The same after no bulge has grown by more than this.
   bool is_sufficient_after(const DeformableParticles &, double growth);
 
+  // The particles of a list, in the order of the pairs.
+  const int *order(const NeighList &list) const
+  {
+    return columns.empty() ? list.ilist : columns.data();
+  }
+
   double memory_usage() const;
 
  private:
@@ -73,6 +79,7 @@ class NearList : protected Pointers {
   std::vector<double> x_then, bulge_then, radius_then;
   std::array<double, 3> box_then{};    // lengths of the periodic edges, tilt
   std::vector<int> first_wall;         // pair of each particle
+  std::vector<int> columns;            // see order; empty if it is that of the list
 
   std::vector<tagint> tags;           // as of the last neighbor list
   std::vector<tagint> remote_tags;    // of the second particles of remote pairs
@@ -82,6 +89,8 @@ class NearList : protected Pointers {
 
   void store_history();
   void find_owners();
+  void find_order(const DeformableParticles &);
+  std::vector<int> first_of(const KnownPairs &, int begin, int end) const;
   void guess_bulges(const DeformableParticles &);
   void add_walls(const DeformableParticles &, bool new_list, const KnownPairs &old);
   void set_constants(const DeformableParticles &);
