@@ -77,8 +77,11 @@ struct PairArrays {
   float *residual, *weight;    // 1/(C_i + C_j), negative where the pair takes no part
   float *step;
   double length, unit;
-  double *past
-      [3];    // forces of the last calls, the latest first; during a call, the first are those before a step
+  double *past;    // forces of the last call
+  float *earlier
+      [2];    // what has to be added for those of the call before, and of the one before that
+  float *
+      before;    // the forces before a step; it has the place of earlier[0], which is made anew at the end of a call
 };
 
 constexpr double UNKNOWN_FORCE = -1e300;
@@ -133,14 +136,15 @@ struct ForceKernels {
   // r and weights from the indentations.
   Residuals (*find_residuals)(const PairArrays &, int begin, int end);
 
-  // Replaces the oldest of the past forces by the extrapolation c[0] past[0] + c[1] past[1] + c[2] past[2].
+  // First forces: c[0] of those of the last call + c[1] of those before + c[2] of those before that, none negative;
+  // c[0] + c[1] + c[2] = 1.
   void (*extrapolate)(const PairArrays &, const double *c, int begin, int end);
 
   // Turns the change of forces into one that leaves no force negative, and takes it; alone: each pair changes for
   // itself, instead of Newton's method. Returns the slope of the dual energy along the step.
   double (*take_step)(const PairArrays &, bool alone, int begin, int end);
 
-  // The forces become past ones, also those that are not known.
+  // The forces become past ones.
   void (*remember)(const PairArrays &, int begin, int end);
 
   // The next tilts, by Newton's method for each line alone; returns the largest imbalance. Lines take their next tilts.

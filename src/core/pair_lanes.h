@@ -128,9 +128,10 @@ static void extrapolate(const PairArrays &p, const double *c, int begin, int end
 {
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
-    const T now = load<T>(p.past[0] + k), last = load<T>(p.past[1] + k);
-    const T next = c[0] * now + c[1] * last + c[2] * load<T>(p.past[2] + k);
-    store(p.past[2] + k, select(now == UNKNOWN_FORCE, now, next));
+    const T last = load<T>(p.earlier[0] + k), zero = T{};
+    const T change = (c[1] + c[2]) * last + c[2] * load<T>(p.earlier[1] + k);
+    store(p.force + k, larger(load<T>(p.past + k) + change * p.unit, zero));
+    store(p.earlier[1] + k, last);
   });
 }
 
@@ -140,7 +141,7 @@ static double take_step(const PairArrays &p, bool alone, int begin, int end)
   const double per_unit = 1.0 / p.unit;
   const double slope = sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
-    const T before = load<T>(p.force + k), f = before * per_unit, r = load<T>(p.residual + k);
+    const T f = load<T>(p.force + k) * per_unit, r = load<T>(p.residual + k);
     const T error = imbalance_at<T>(p, k, f), zero = T{};
     T change = ALONE * error;
     if (!alone) {
@@ -150,7 +151,7 @@ static double take_step(const PairArrays &p, bool alone, int begin, int end)
     }
     const T least = select(r > 0.0, load<T>(p.stiffening + k) * r * r * r, zero);
     const T next = larger(f + change, least), step = next - f;
-    store(p.past[0] + k, before);
+    store(p.before + k, f);
     store(p.step + k, step);
     store(p.force + k, next * p.unit);
     return r * step;
@@ -160,16 +161,14 @@ static double take_step(const PairArrays &p, bool alone, int begin, int end)
 
 static void remember(const PairArrays &p, int begin, int end)
 {
+  const double per_unit = 1.0 / p.unit;
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
-    const T zero = T{}, force = load<T>(p.force + k);
+    const T zero = T{}, force = load<T>(p.force + k), past = load<T>(p.past + k);
     const T virtual_force = smaller(imbalance_at<T>(p, k, zero), zero) * p.unit;
     const T f = select(force > 0.0, force, virtual_force);
-    store(p.past[0] + k, f);
-    for (int n = 1; n < 3; ++n) {
-      const T past = load<T>(p.past[n] + k);
-      store(p.past[n] + k, select(past == UNKNOWN_FORCE, f, past));
-    }
+    store(p.past + k, f);
+    store(p.earlier[0] + k, select(past == UNKNOWN_FORCE, zero, (past - f) * per_unit));
   });
 }
 

@@ -130,7 +130,7 @@ int BalancedForces::collapsed() const
   for (int k = 0; k < near.pairs.size; ++k) {
     if (residual(k) < MUCH * batches.radius[batches.place[near.pairs.i[k]]]) continue;
     if (is_bubble(near.pairs.i[k])) return near.pairs.i[k];
-    if (is_bubble(near.pairs.second[k])) return near.pairs.second[k];
+    if (is_bubble(near.pairs.second(k))) return near.pairs.second(k);
   }
   return -1;
 }
@@ -230,7 +230,7 @@ void BalancedForces::find_model_errors(std::vector<double> &of_particle)
     const double saved = curvature_energy(pairs.force[k], pressure_at[a], pressure_at[b],
                                           tension_at[a], tension_at[b]);
     of_particle[pairs.i[k]] += 0.5 * saved;
-    if (pairs.second[k] >= 0) of_particle[pairs.second[k]] += 0.5 * saved;
+    if (k < pairs.remote) of_particle[pairs.second(k)] += 0.5 * saved;
   }
   for (int i = 0; i < atom->nlocal; ++i)
     if (batches.place[i] >= 0) of_particle[i] = std::min(of_particle[i], ring(i).energy.value);

@@ -14,7 +14,7 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   count.assign(particles, 0);
   for (int k = 0; k < pairs.size; ++k) {
     ++count[pairs.i[k]];
-    if (pairs.second[k] >= 0) ++count[pairs.second[k]];
+    if (k < pairs.remote) ++count[pairs.second(k)];
   }
   batches = (rings + LANES - 1) / LANES;
   const int lanes_in_all = batches * LANES;
@@ -58,7 +58,7 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   contacts = first[batches] = places;
   if (static_cast<std::size_t>(two) > green.capacity()) {    // no more than needed, and no copy
     green = {};
-    green.reserve(two + two / 16);
+    green.reserve(two + two / 64);
   }
   green.resize(two);
   scratch.resize(5 * longest * LANES + LANES);
@@ -74,7 +74,7 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   const auto sit = [this](int i, int of) { seat[contact(place[i], count[i]++)] = of; };
   for (int k = 0; k < pairs.size; ++k) {
     sit(pairs.i[k], 2 * k);
-    if (pairs.second[k] >= 0) sit(pairs.second[k], 2 * k + 1);
+    if (k < pairs.remote) sit(pairs.second(k), 2 * k + 1);
   }
   for (int i = 0; i < particles; ++i)
     if (place[i] >= 0) sort_contacts(i, pairs, tags);
@@ -83,9 +83,9 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   for (int k = 0; k < pairs.size; ++k) {
     const int first = pairs.side[0][k];
     int &second = pairs.side[1][k];
-    if (pairs.second[k] < 0) second = contacts + (k < pairs.wall ? k - pairs.remote : remote);
+    if (k >= pairs.remote) second = contacts + (k < pairs.wall ? k - pairs.remote : remote);
     if (k < pairs.wall) partner[first] = second;
-    if (pairs.second[k] >= 0) partner[second] = first;
+    if (k < pairs.remote) partner[second] = first;
   }
 }
 

@@ -14,8 +14,7 @@ using deformable::PairArrays;
    At successive steps forces start from an extrapolation in time: a quadratic
    one, or, where a loose tolerance leaves errors that it would amplify, one
    that is stable if each step corrects it (J. Kolafa, J. Comput. Chem. 25,
-   335 (2004)). The forces of the new call take the first place among the past
-   ones.
+   335 (2004)).
 ------------------------------------------------------------------------- */
 
 void ForceSolver::begin_call(NearPairs &p, ForceBatches &b, const deformable::PairPlaces *places)
@@ -29,16 +28,23 @@ void ForceSolver::begin_call(NearPairs &p, ForceBatches &b, const deformable::Pa
   const bool predicts = consecutive_calls == 3;
   must_correct = predicts && tolerance > LOOSE;
   const double *const c = must_correct ? STABLE : COEFFICIENTS[consecutive_calls];
-  std::swap(p.past[1], p.past[2]);
-  std::swap(p.past[0], p.past[1]);
   coefficients = c;
-  const int own = places ? p.remote : 0;
-  extrapolate(own, p.size);
-  if (p.tilts) LineTilts::predict(p, kernels, c);
+  make_room();
+  kernels.extrapolate(arrays(), c, places ? p.remote : 0, p.size);
+  if (p.tilts) LineTilts::predict(p, c);
   evaluations = 0;
   first_solution = true;
   is_apart = true;
   unlocated = places;
+}
+
+void ForceSolver::make_room()
+{
+  batches->scale = pairs->scale;
+  // nothing happens in the last one, which stays zero
+  const std::size_t one_more = pairs->size + 1;
+  for (std::vector<float> *v : {&residual, &weight, &step})
+    if (v->size() != one_more) v->assign(one_more, 0.0F);
 }
 
 void ForceSolver::arrange(const ForceBatches &b, const NearPairs &p)
@@ -53,14 +59,10 @@ bool ForceSolver::solve(RemoteSides &r)
 {
   NearPairs &p = *pairs;
   remote = &r;
-  batches->scale = p.scale;
-  const std::size_t one_more = p.size + 1;    // nothing happens in the last one, which stays zero
-  const auto make_room = [one_more](auto &...v) {
-    ((v.size() == one_more ? void() : v.assign(one_more, 0)), ...);
-  };
-  make_room(residual, weight, step);
+  make_room();
+  if (!first_solution)
+    for (int k = 0; k < p.size; ++k) p.force[k] = std::max(p.past[k], 0.0);
   if (comm->nprocs > 1) agree();
-  if (!unlocated) start(0, p.size);
   if (p.tilts) tilts.start(p, *batches, kernels);
 
   pairs_of_all = 1.0 + sum_over_pairs([](int a, int z) { return z - a; });
@@ -96,10 +98,18 @@ bool ForceSolver::solve(RemoteSides &r)
   return now.exists && now.worst() <= target * now.largest;
 }
 
-// To the forces before the last step.
-void ForceSolver::go_back()
+// Along the last step, from this part of it to that one. Single precision has the smaller one of two numbers well.
+void ForceSolver::move(double from, double to)
 {
-  std::copy(pairs->past[0].begin(), pairs->past[0].end(), pairs->force.begin());
+  const PairArrays loop = arrays();
+  for (int k = 0; k < pairs->size; ++k) {
+    const double before = loop.before[k], change = loop.step[k], force = loop.force[k];
+    const bool is_small = std::fabs(change) < before;
+    const double moved = is_small    ? force + (to - from) * change * loop.unit
+                         : to == 0.0 ? before * loop.unit
+                                     : (before + to * change) * loop.unit;
+    loop.force[k] = std::max(moved, 0.0);
+  }
 }
 
 // Torques count only where forces balance: before, they are not worth their evaluation.
@@ -149,13 +159,13 @@ ForceSolver::Evaluation ForceSolver::accept(Evaluation now, const Evaluation &fr
     const double most = corrector.largest_slope(from.norm2) * pairs->length * pairs->unit();
     if (!(now.slope > 0.0 && now.slope <= most)) {    // outside of the bounds iterations diverge
       corrector.forget_bounds();
-      go_back();
+      move(1.0, 0.0);
       return evaluate();
     }
   }
   if (now.slope > 0.0) return now;
   // single precision is not enough
-  go_back();
+  move(1.0, 0.0);
   if (!turns) evaluate();
   const double slope =
       sum_over_pairs([this](int a, int z) { return kernels.take_step(arrays(), true, a, z); });
@@ -196,20 +206,12 @@ PairArrays ForceSolver::arrays()
 {
   NearPairs &p = *pairs;
   const ForceBatches &b = *batches;
-  return {p.overlap.data(),
-          p.stiffening.data(),
-          p.side[0].data(),
-          p.side[1].data(),
-          b.indentation.data(),
-          b.compliance.data(),
-          b.step.data(),
-          p.force.data(),
-          residual.data(),
-          weight.data(),
-          step.data(),
-          p.length,
-          p.unit(),
-          {p.past[0].data(), p.past[1].data(), p.past[2].data()}};
+  return {p.overlap.data(),   p.stiffening.data(),  p.side[0].data(),
+          p.side[1].data(),   b.indentation.data(), b.compliance.data(),
+          b.step.data(),      p.force.data(),       residual.data(),
+          weight.data(),      step.data(),          p.length,
+          p.unit(),           p.past.data(),        {p.earlier[0].data(), p.earlier[1].data()},
+          p.earlier[0].data()};
 }
 
 /* ----------------------------------------------------------------------
@@ -223,7 +225,7 @@ void ForceSolver::agree()
 {
   NearPairs &p = *pairs;
   const int own = batches->contacts, *const side = p.side[0].data() + p.remote;
-  double *const overlap = p.overlap.data() + p.remote, *const force = p.past[0].data() + p.remote;
+  double *const overlap = p.overlap.data() + p.remote, *const force = p.force.data() + p.remote;
   // evaluate replaces them
   double *const overlaps = batches->indentation.data(), *const forces = batches->slope.data();
   const int count = p.wall - p.remote;
@@ -317,9 +319,8 @@ ForceSolver::Evaluation ForceSolver::line_search(Evaluation now, const Evaluatio
     }
     next = std::clamp(next, low + 0.1 * (high - low), high - 0.1 * (high - low));
     if (!(next > low && next < high) || high - low < 1e-10) return now;
+    move(at, next);
     at = next;
-    for (int k = 0; k < pairs->size; ++k)
-      pairs->force[k] = std::max(pairs->past[0][k] + at * (step[k] * pairs->unit()), 0.0);
     now = evaluate();
   }
 }

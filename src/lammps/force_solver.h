@@ -60,7 +60,11 @@ class ForceSolver : protected Pointers {
   // The rings know their material. Starts from the last forces. Returns whether the forces are balanced. May be called
   // again in the same call, with other pairs that are located, after `remember`.
   bool solve(RemoteSides &);
-  void remember() { kernels.remember(arrays(), 0, pairs->size); }
+  void remember()
+  {
+    kernels.remember(arrays(), 0, pairs->size);
+    consecutive_calls = 0;    // what the forces of the last call were is lost
+  }
 
   // All contact lines lie between the centers. Otherwise there is no solution.
   bool lines_are_apart() const { return is_apart; }
@@ -108,9 +112,8 @@ class ForceSolver : protected Pointers {
   const double *coefficients = nullptr;                 // of the extrapolation
   const deformable::PairPlaces *unlocated = nullptr;    // of pairs that are to be located
   bool is_apart = true;
-  void extrapolate(int begin, int end);
-  void start(int begin, int end);
-  void go_back();
+  void make_room();
+  void move(double from, double to);
 
   bigint last_step = -2;
   int consecutive_calls = 0;     // at successive steps before this one, up to 3

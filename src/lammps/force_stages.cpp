@@ -11,24 +11,6 @@
 using namespace LAMMPS_NS;
 using deformable::PairArrays;
 
-// The place of the new forces has the oldest ones.
-void ForceSolver::extrapolate(int begin, int end)
-{
-  PairArrays loop = arrays();
-  double *const oldest = loop.past[0];
-  loop.past[0] = loop.past[1];
-  loop.past[1] = loop.past[2];
-  loop.past[2] = oldest;
-  kernels.extrapolate(loop, coefficients, begin, end);
-}
-
-void ForceSolver::start(int begin, int end)
-{
-  for (int k = begin; k < end; ++k) pairs->force[k] = std::max(pairs->past[0][k], 0.0);
-}
-
-/* ---------------------------------------------------------------------- */
-
 ForceSolver::Evaluation ForceSolver::evaluate()
 {
   std::vector<Stage> stages = {Stage::SHAPE, Stage::LOOK};
@@ -58,11 +40,9 @@ ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evalu
         switch (stages[stage - 1]) {
           case Stage::LOCATE:
             blocks.for_pairs(block, [&](int a, int z, double) {
-              if (a < pairs->remote) {
-                is_apart &= kernels.locate(*unlocated, a, z);
-                extrapolate(a, z);
-              }
-              start(a, z);
+              if (a >= pairs->remote) return;
+              is_apart &= kernels.locate(*unlocated, a, z);
+              kernels.extrapolate(loop, coefficients, a, z);
             });
             break;
           case Stage::CORRECT: corrector.iterate(here, loop, stage - first); break;

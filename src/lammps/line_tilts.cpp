@@ -8,11 +8,14 @@
 using namespace LAMMPS_NS;
 using deformable::LARGEST_SINE;
 
-void LineTilts::predict(NearPairs &p, const deformable::ForceKernels &kernels, const double *c)
+void LineTilts::predict(NearPairs &p, const double *c)
 {
-  deformable::PairArrays pasts = {};
-  for (int n = 0; n < 3; ++n) pasts.past[n] = p.past_tilt[n].data();
-  kernels.extrapolate(pasts, c, 0, p.size);
+  const double *const now = p.past_tilt[0].data(), *const last = p.past_tilt[1].data();
+  double *const before = p.past_tilt[2].data();
+  for (int k = 0; k < p.size; ++k)
+    before[k] = now[k] == deformable::UNKNOWN_FORCE
+                    ? now[k]
+                    : c[0] * now[k] + c[1] * last[k] + c[2] * before[k];
   std::swap(p.past_tilt[1], p.past_tilt[2]);
   std::swap(p.past_tilt[0], p.past_tilt[1]);
 }

@@ -38,8 +38,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
 
   KnownPairs old;    // not kept: it would take memory between the builds
   std::swap(old, static_cast<KnownPairs &>(pairs));
-  pairs.tilts = old.tilts;
-  pairs.clear(old.size);
+  pairs.clear(old);
   candidates.clear();
   const std::vector<int> first_old = new_list ? std::vector<int>() : first_of(old, 0, old.remote),
                          first_old_remote =
@@ -54,7 +53,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
       const int j = neighbors[jj] & NEIGHMASK;
       const double dx = x[j][0] - xi, dy = x[j][1] - yi, near = of_i + p.radius[j] + bulge[j];
       if (dx * dx + dy * dy > near * near) continue;
-      const int owner = owned[j];
+      const int owner = pairs.owned[j];
       if (j >= nlocal && owner >= 0) {    // an image of this rank's particle: the list has it twice
         const bool before = dx < 0.0 || (dx == 0.0 && dy < 0.0);
         if (owner < i || (owner == i && before)) continue;
@@ -69,7 +68,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
           if (old.j[k] == j) past = old.past_of(k);
       }
       if (owner >= 0)
-        pairs.add(i, j, owner, past);
+        pairs.add(i, j, past);
       else
         candidates.push_back({i, j, dx, dy, past});
     }
@@ -78,7 +77,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
   if (comm->nprocs > 1) remote_sides.match(candidates, pairs.tilts);
   remote_tags.clear();
   for (const RemoteSides::Candidate &c : candidates) {
-    pairs.add(c.i, c.j, -1, c.past);
+    pairs.add(c.i, c.j, c.past);
     remote_tags.push_back(atom->tag[c.j]);
   }
   pairs.wall = pairs.size;
@@ -108,7 +107,7 @@ void NearList::store_history()
     const NearPairs::Centers centers = pairs.centers(k);
     const double d = 1.0 / pairs.per_distance[k], x = centers.nx * d, y = centers.ny * d;
     const tagint tag = tags[pairs.i[k]];
-    const tagint partner = k < pairs.remote ? tags[pairs.second[k]] : remote_tags[k - pairs.remote];
+    const tagint partner = k < pairs.remote ? tags[pairs.second(k)] : remote_tags[k - pairs.remote];
     history.add(tag, partner, x, y, pairs.past_of(k));
   }
   for (int k = pairs.wall; k < pairs.size; ++k)
@@ -123,9 +122,9 @@ void NearList::find_owners()
   for (int i = 0; i < nlocal; ++i) index[i] = i;
   remote_sides.to_ghosts(index);
   remote_sides.to_ghosts(rank);
-  owned.resize(index.size());
+  pairs.owned.resize(index.size());
   for (std::size_t i = 0; i < index.size(); ++i)
-    owned[i] = rank[i] == comm->me ? static_cast<int>(index[i]) : -1;
+    pairs.owned[i] = rank[i] == comm->me ? static_cast<int>(index[i]) : -1;
 }
 
 // LAMMPS sorts particles in rows along x. Where the box is cut across x only, columns along y are better: few blocks have
@@ -211,7 +210,7 @@ void NearList::add_walls(const DeformableParticles &p, bool new_list, const Know
         for (int k = first_old[own]; k < old.size && old.i[k] == own; ++k)
           if (old.j[k] == code) past = old.past_of(k);
       }
-      pairs.add(own, code, -1, past);
+      pairs.add(own, code, past);
     });
   }
   first_wall = first_of(pairs, pairs.wall, pairs.size);
@@ -243,8 +242,8 @@ void NearList::set_constants(const DeformableParticles &p)
   double of_all = most;    // the same on all ranks, which sum up what is scaled
   if (comm->nprocs > 1) MPI_Allreduce(&most, &of_all, 1, MPI_DOUBLE, MPI_MAX, world);
   of_all *= p.smallest * p.smallest;
-  pairs.length = std::ldexp(1.0, std::ilogb(p.smallest));
-  pairs.scale = of_all > 0.0 ? std::ldexp(1.0, -std::ilogb(of_all)) : 1.0;
+  pairs.set_units(of_all > 0.0 ? std::ldexp(1.0, -std::ilogb(of_all)) : 1.0,
+                  std::ldexp(1.0, std::ilogb(p.smallest)));
   const double unit = pairs.scale * pairs.length * pairs.length;
   for (int k = 0; k < pairs.size; ++k)
     pairs.stiffening[k] = static_cast<float>(stiffening(k) * unit);
@@ -339,6 +338,6 @@ bool NearList::is_sufficient_after(const DeformableParticles &p, double growth)
 double NearList::memory_usage() const
 {
   return pairs.bytes() + remote_sides.bytes() + history.bytes() +
-         bytes_of(bulge, x_then, bulge_then, radius_then, first_wall, tags, remote_tags, owned,
+         bytes_of(bulge, x_then, bulge_then, radius_then, first_wall, tags, remote_tags,
                   candidates);
 }

@@ -76,14 +76,14 @@ class NearList : protected Pointers {
   bool none_on_all_ranks(int here) const;
 
   // as of the last build
-  std::vector<double> x_then, bulge_then, radius_then;
+  std::vector<double> x_then, radius_then;
+  std::vector<float> bulge_then;       // that is precise enough for the margin
   std::array<double, 3> box_then{};    // lengths of the periodic edges, tilt
   std::vector<int> first_wall;         // pair of each particle
   std::vector<int> columns;            // see order; empty if it is that of the list
 
   std::vector<tagint> tags;           // as of the last neighbor list
   std::vector<tagint> remote_tags;    // of the second particles of remote pairs
-  std::vector<int> owned;    // by local index: the particle of this rank whose image it is, or -1
   ForceHistory history;
   std::vector<RemoteSides::Candidate> candidates;
 

@@ -6,22 +6,27 @@
 using namespace LAMMPS_NS;
 
 // A vector that grows by itself may take twice the memory that it needs.
-void NearPairs::clear(int expected)
+void NearPairs::clear(const KnownPairs &old)
 {
-  const std::size_t most = expected + expected / 16 + 16;
-  remote = wall = size = 0;
-  for (std::vector<int> *v : {&i, &j, &second}) {
-    v->clear();
-    v->reserve(most);
-  }
-  for (std::vector<double> &v : past) {
-    v.clear();
-    v.reserve(most);
-  }
-  for (std::vector<double> &v : past_tilt) {
-    v.clear();
-    if (tilts) v.reserve(most);
-  }
+  const std::size_t most = old.size + old.size / 64 + 16;
+  static_cast<KnownPairs &>(*this) = KnownPairs();
+  tilts = old.tilts;
+  scale = old.scale;
+  length = old.length;
+  const auto make_room = [most](auto &...v) { (v.reserve(most), ...); };
+  make_room(i, j, past, earlier[0], earlier[1]);
+  if (tilts) make_room(past_tilt[0], past_tilt[1], past_tilt[2]);
+}
+
+void NearPairs::set_units(double scale_, double length_)
+{
+  const double before = unit();
+  scale = scale_;
+  length = length_;
+  if (unit() == before) return;
+  const double ratio = before / unit();
+  for (std::vector<float> &v : earlier)
+    for (float &change : v) change = static_cast<float>(change * ratio);
 }
 
 void NearPairs::make_room()

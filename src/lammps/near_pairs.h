@@ -13,10 +13,11 @@
 
 namespace LAMMPS_NS {
 
-// Forces of a pair at the last calls, the latest first; negative: see ForceSolver. And the sines of the tilts of its
-// contact line, see LineTilts.
+// The force of a pair at the last call; negative: see ForceSolver. And what has to be added to have that of the call
+// before, and then that of the one before that. The sines of the tilts of its contact line at these calls, see LineTilts.
 struct PastForces {
-  double at[3] = {deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE};
+  double force = deformable::UNKNOWN_FORCE;
+  double earlier[2] = {0.0, 0.0};
   double tilt[3] = {deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE,
                     deformable::UNKNOWN_FORCE};
 };
@@ -29,11 +30,14 @@ struct KnownPairs {
   std::vector<int> i,
       j;    // local indices, as in the neighbor list; of a wall: its code, -1 - (w + n feature)
   bool tilts = false;    // contact lines may tilt: without, the arrays of tilts are empty
-  std::vector<double> past[3], past_tilt[3];
+  std::vector<double> past, past_tilt[3];
+  std::vector<float> earlier[2];       // in `unit`; see PastForces
+  double scale = 1.0, length = 1.0;    // powers of two, of 1/(k R^2) and R: see PairArrays
+  double unit() const { return length / scale; }
 
   PastForces past_of(int k) const
   {
-    PastForces found = {{past[0][k], past[1][k], past[2][k]}};
+    PastForces found = {past[k], {earlier[0][k] * unit(), earlier[1][k] * unit()}};
     if (tilts)
       for (int n = 0; n < 3; ++n) found.tilt[n] = past_tilt[n][k];
     return found;
@@ -42,12 +46,11 @@ struct KnownPairs {
 
 // And where they are: a structure of arrays.
 struct NearPairs : KnownPairs {
-  std::vector<int>
-      second;    // row of j if it, or the particle whose image it is, is on this rank; or -1
+  std::vector<int> owned;    // by local index: the particle of this rank whose image it is, or -1
+  // j if it is on this rank, or else the particle whose image it is; or -1
+  int second(int k) const { return k < remote ? owned[j[k]] : -1; }
   std::vector<float>
       stiffening;    // k, see PairArrays: two circles that overlap by o repel with at least k o^3
-  double scale = 1.0, length = 1.0;    // powers of two, of 1/(k R^2) and R: see PairArrays
-  double unit() const { return length / scale; }
 
   // one more than pairs: the last one stands for places of contacts that are empty
   std::vector<double> force;
@@ -57,15 +60,13 @@ struct NearPairs : KnownPairs {
   std::vector<double> tilt;             // sine of its angle with the line of centers
   std::vector<int> side[2];             // index of the contact of i and of that of j
 
-  int add(int i_, int j_, int second_, const PastForces &past_)
+  int add(int i_, int j_, const PastForces &past_)
   {
     i.push_back(i_);
     j.push_back(j_);
-    second.push_back(second_);
-    for (int n = 0; n < 3; ++n) {
-      past[n].push_back(past_.at[n]);
-      if (tilts) past_tilt[n].push_back(past_.tilt[n]);
-    }
+    past.push_back(past_.force);
+    for (int n = 0; n < 2; ++n) earlier[n].push_back(static_cast<float>(past_.earlier[n] / unit()));
+    for (int n = 0; n < 3 && tilts; ++n) past_tilt[n].push_back(past_.tilt[n]);
     return size++;
   }
 
@@ -79,7 +80,9 @@ struct NearPairs : KnownPairs {
     const double sine = tilt[k], cosine = std::sqrt(1.0 - sine * sine);
     return {cosine * nx[k] + sine * ny[k], cosine * ny[k] - sine * nx[k], cosine};
   }
-  void clear(int expected);    // removes all pairs; memory for about as many
+  // Removes all pairs; room for about as many, in the same units.
+  void clear(const KnownPairs &old);
+  void set_units(double scale, double length);
   deformable::PairDirections directions() const
   {
     return {force.data(), angle.data(), nx.data(), ny.data()};
@@ -94,9 +97,9 @@ struct NearPairs : KnownPairs {
 
   double bytes() const
   {
-    return bytes_of(i, j, second, stiffening, past[0], past[1], past[2], past_tilt[0], past_tilt[1],
-                    past_tilt[2], force, overlap, per_distance, angle, nx, ny, tilt, side[0],
-                    side[1]);
+    return bytes_of(i, j, owned, stiffening, past, earlier[0], earlier[1], past_tilt[0],
+                    past_tilt[1], past_tilt[2], force, overlap, per_distance, angle, nx, ny, tilt,
+                    side[0], side[1]);
   }
 };
 

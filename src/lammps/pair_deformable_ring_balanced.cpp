@@ -94,7 +94,7 @@ void PairDeformableRing::push_pairs(int begin, int end)
       if (eflag_global) eng_vdwl += is_remote ? 0.5 * rest : rest;
       if (eflag_atom) {
         eatom[i] += is_wall ? rest : 0.5 * rest;
-        if (!is_wall && !is_remote) eatom[p.second[k]] += 0.5 * rest;
+        if (!is_wall && !is_remote) eatom[p.second(k)] += 0.5 * rest;
       }
     }
     if (is_wall) {

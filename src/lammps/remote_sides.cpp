@@ -42,8 +42,8 @@ void RemoteSides::set_rows(int values)
 
 void RemoteSides::match(std::vector<Candidate> &candidates, bool tilts)
 {
-  enum { PARTNER, X, Y, PAST };
-  const int values = PAST + (tilts ? 6 : 3);
+  enum { PARTNER, X, Y, PAST, EARLIER, TILT = EARLIER + 2 };
+  const int values = tilts ? TILT + 3 : TILT;
   constexpr double ROUNDING = 1e-12;
   const auto square = [](double x) { return x * x; };
   const int count = static_cast<int>(candidates.size());
@@ -62,8 +62,9 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool tilts)
     at(place, PARTNER) = static_cast<double>(atom->tag[pair.j]);
     at(place, X) = pair.x;
     at(place, Y) = pair.y;
-    for (int n = PAST; n < values; ++n)
-      at(place, n) = n < PAST + 3 ? pair.past.at[n - PAST] : pair.past.tilt[n - PAST - 3];
+    at(place, PAST) = pair.past.force;
+    for (int n = 0; n < 2; ++n) at(place, EARLIER + n) = pair.past.earlier[n];
+    for (int n = 0; n < 3 && tilts; ++n) at(place, TILT + n) = pair.past.tilt[n];
   }
   comm->forward_comm_array(slots * values, rows.data());
 
@@ -81,9 +82,11 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool tilts)
       found = m;
     }
     if (found < 0) continue;    // by rounding at the end of the list: too far to bear a force
-    if (pair.past.at[0] == deformable::UNKNOWN_FORCE)
-      for (int n = PAST; n < values; ++n)
-        (n < PAST + 3 ? pair.past.at[n - PAST] : pair.past.tilt[n - PAST - 3]) = at(found, n);
+    if (pair.past.force == deformable::UNKNOWN_FORCE) {
+      pair.past.force = at(found, PAST);
+      for (int n = 0; n < 2; ++n) pair.past.earlier[n] = at(found, EARLIER + n);
+      for (int n = 0; n < 3 && tilts; ++n) pair.past.tilt[n] = at(found, TILT + n);
+    }
     candidates[kept] = pair;
     sent[kept++] = sent[c];
     received.push_back(found);
