@@ -1,9 +1,10 @@
 """Keywords of pair_style deformable/ring for its contacts, and the messages about balance."""
 
+import numpy as np
 import pytest
 from balanced import DEFAULT, of_compute_pair
 from lammps import lammps
-from scene import HEADER, PACKINGS, SPECIES
+from scene import HEADER, PACKINGS, SPECIES, Scene
 from test_refusals import refuses
 from test_soft_rings import mixture, pushed
 
@@ -53,6 +54,14 @@ def test_bad_words(words, message):
     lmp.commands_string(HEADER.format(boundary="p p p"))
     with refuses(message):
         lmp.command(f"pair_style deformable/ring {words}")
+
+
+@pytest.mark.parametrize("x", [0.38, 0.38729833462074187])
+def test_contact_line_behind_a_center(x):
+    """Also where the distance is sqrt(0.8^2 - 0.7^2) up to its last bit."""
+    places = np.array([[0.0, 0.0], [x, 0.0]])
+    with refuses("contact line .*atoms 2 and 1.*center of atom 2.*0.38"):
+        Scene(places, ["any", "large"], (-3, 3, -3, 3), DEFAULT).energy()
 
 
 def test_no_atom_ids():
