@@ -124,6 +124,18 @@ def test_periodic_images():
     np.testing.assert_allclose(state.force, wide.force[:2], rtol=0, atol=1e-11 * state.virial.max())
 
 
+@pytest.mark.parametrize("style", [EXACT, EXACT.replace("balanced", "tilted")])
+def test_images_above_each_other(style):
+    """A box that is tilted by its own width has the lattice of one that is not tilted."""
+    rng, box = np.random.default_rng(1), (0, 0.97, 0, 0.98)
+    energies = [
+        Scene(rng.uniform(0, 0.97, (1, 2)), ["small"], box, style, tilt=tilt).energy()
+        for tilt in (0.0, *[0.97] * 12)
+    ]
+    assert energies[0] > 1e-6
+    np.testing.assert_allclose(energies, energies[0], rtol=1e-12)
+
+
 def test_hybrid():
     case = PACKINGS[0]
     alone = mixture(case, EXACT)[0].evaluate()
