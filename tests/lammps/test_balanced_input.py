@@ -43,6 +43,7 @@ def test_too_few_evaluations_warn_once(tmp_path):
         ("contact balanced balance 0 100", "tolerance 0 "),
         ("contact balanced balance nan 100", "tolerance nan|Expected floating point"),
         ("contact balanced balance 1e-8 0", "balance: 0 "),
+        ("contact balanced balance 1e-8 1", "balance: 1 "),
         ("contact balanced balance 1e-8", "missing argument"),
         ("contact radical balance 1e-8 100", "balance is for 'contact balanced'"),
         ("balance 1e-8 100 contact radical", "balance is for 'contact balanced'"),
