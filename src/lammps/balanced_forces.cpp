@@ -135,6 +135,14 @@ int BalancedForces::collapsed() const
   return -1;
 }
 
+void BalancedForces::forget()
+{
+  for (int n = 0; n < 3; ++n) {
+    std::fill(near.pairs.past[n].begin(), near.pairs.past[n].end(), UNKNOWN_FORCE);
+    std::fill(near.pairs.past_tilt[n].begin(), near.pairs.past_tilt[n].end(), UNKNOWN_FORCE);
+  }
+}
+
 /* ---------------------------------------------------------------------- */
 
 BalancedForces::Ring BalancedForces::ring(int i) const

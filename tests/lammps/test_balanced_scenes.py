@@ -7,7 +7,13 @@ from balanced import DEFAULT, EXACT, of_compute_pair
 from deformable.engine.lammps import gather
 from scene import PACKINGS, SPECIES, Scene, polygon_walls
 from test_forces import BOX, assert_forces
+from test_refusals import refuses
 from test_soft_rings import mixture
+
+
+both_laws = pytest.mark.parametrize(
+    "style", [EXACT, EXACT.replace("balanced", "tilted")], ids=["balanced", "tilted"]
+)
 
 
 def squeezed(species, places, top, style=EXACT):
@@ -124,7 +130,24 @@ def test_periodic_images():
     np.testing.assert_allclose(state.force, wide.force[:2], rtol=0, atol=1e-11 * state.virial.max())
 
 
-@pytest.mark.parametrize("style", [EXACT, EXACT.replace("balanced", "tilted")])
+@pytest.mark.parametrize("species", [("fixed", "fixedlarge"), ("drop", "droplarge")])
+@both_laws
+def test_after_an_error(style, species):
+    """Particles without room leave no trace in the calls that follow."""
+    roomy = "change_box all x scale 1.06 y scale 1.06 remap"
+    scene = Scene.packing(PACKINGS[0], style, species, commands=roomy)
+    x = scene.x
+    cluster = x[0] + 0.3 * np.random.default_rng(0).normal(size=x.shape)
+    energy = scene.energy()
+    assert energy > 0.0
+    for crushed in (0.5 * x, cluster, 0.8 * x):
+        with refuses("no shape that keeps its area|contact line"):
+            scene.energy(crushed)
+        for _ in range(2):
+            assert scene.energy(x) == pytest.approx(energy, rel=1e-12)
+
+
+@both_laws
 def test_images_above_each_other(style):
     """A box that is tilted by its own width has the lattice of one that is not tilted."""
     rng, box = np.random.default_rng(1), (0, 0.97, 0, 0.98)
