@@ -147,6 +147,27 @@ def test_after_an_error(style, species):
             assert scene.energy(x) == pytest.approx(energy, rel=1e-12)
 
 
+def test_jumps_at_successive_steps():
+    """Forces that are extrapolated from other states may be so far off that bubbles collapse."""
+    scene, unprepared = (
+        Scene.packing(
+            PACKINGS[0],
+            f"{DEFAULT} reach 2",
+            ("strong", "bubble"),
+            commands="change_box all x scale 0.97 y scale 0.97 remap",
+        )
+        for _ in range(2)
+    )
+    x = scene.x
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        for size in (0.05, 0.02, 0.05, 0.02):
+            state = x + size * rng.normal(size=x.shape)
+            energy = scene.energy(state)
+            unprepared.run(f"reset_timestep {int(unprepared.lmp.get_thermo('step')) + 5}")
+            assert energy == pytest.approx(unprepared.energy(state), rel=1e-12)
+
+
 @both_laws
 def test_images_above_each_other(style):
     """A box that is tilted by its own width has the lattice of one that is not tilted."""
