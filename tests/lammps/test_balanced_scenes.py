@@ -10,7 +10,6 @@ from test_forces import BOX, assert_forces
 from test_refusals import refuses
 from test_soft_rings import mixture
 
-
 both_laws = pytest.mark.parametrize(
     "style", [EXACT, EXACT.replace("balanced", "tilted")], ids=["balanced", "tilted"]
 )
