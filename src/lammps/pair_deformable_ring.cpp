@@ -56,7 +56,7 @@ void PairDeformableRing::settings(int narg, char **arg)
         error->all(FLERR_WORD(iarg + 1),
                    "pair_style deformable/ring balance: the tolerance {} must lie between 0 and 1",
                    arg[iarg + 1]);
-      if (max_evaluations < 2)    // the first one finds what is left, forces change before the second
+      if (max_evaluations < 2)    // forces change after the first one
         error->all(FLERR_WORD(iarg + 2),
                    "pair_style deformable/ring balance: {} evaluations are too few, give 2 or more",
                    arg[iarg + 2]);
