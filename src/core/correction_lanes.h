@@ -63,7 +63,7 @@ struct TurnBy {
   const float *residual = nullptr, *weight = nullptr;    // of pairs
 };
 
-// C d/scale of each ring; the sum of d C d/scale is wanted where no step was taken.
+// C d/scale of each ring. Conjugate gradients also need the sum of d C d/scale, Chebyshev's iteration (ADVANCE) does not.
 template <int SIZE, bool SOFT, Turn TURN>
 DEFORMABLE_LANE_FUNCTION void multiply_lanes(const TurnBy &by, int contacts, const ContactArrays &c,
                                              const CorrectionArrays &g, const RingArrays &rings,

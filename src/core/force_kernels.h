@@ -43,8 +43,9 @@ struct ContactArrays {
   double *scratch;    // for the rings that have more contacts than any kernel knows, aligned
 };
 
-// Corrections of forces, by contact: both contacts of a pair have the same numbers, except products. So each ring finds
-// its own side by side, and only products have to be fetched from the other ring.
+// Corrections of forces, by contact: the weight w, what is left of r, the direction d, the step so far, and the product
+// C d of the contact's own ring. Both contacts of a pair have the same numbers, except products. So each ring finds its
+// own side by side, and only products have to be fetched from the other ring.
 struct CorrectionArrays {
   const int *partner;    // the other contact of the pair, or `none`: a place that yields nothing
   int none;
@@ -112,7 +113,7 @@ struct LineArrays {
 struct ForceKernels {
   // Shapes rings by the forces of pairs. False: a ring does not exist.
   bool (*shape)(const RingBatches &, const PairDirections &);
-  // The same after small changes of the forces, in this unit: they have the precision of single numbers.
+  // The same after small changes of the forces; the changes are in this unit and in single precision.
   bool (*adapt)(const RingBatches &, const double *forces, const float *changes, double unit);
   // Slopes of outlines; also how they change as contacts turn (tilt.h), by contact, unless null.
   void (*slopes)(const RingBatches &, const PairDirections &, double *slope_rate);

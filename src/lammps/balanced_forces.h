@@ -43,6 +43,9 @@ class BalancedForces : protected Pointers {
   // for that reason; or -1.
   int without_room() const;
 
+  // For calls after an error that the caller has caught: they must not start from forces without bound.
+  void forget();
+
   // What is left of the overlap of a pair: both sides share it by their compliances.
   double residual(int k) const { return solver.left(k); }
   // After finish: L G' summed over the other contacts of that side's ring, the slope of its outline at the contact.

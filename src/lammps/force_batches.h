@@ -21,7 +21,7 @@ struct ForceBatches {
   int batches = 0;
   int contacts =
       0;    // places for contacts; remote ones follow, then one for walls, which yield nothing
-  bool soft = false;    // some ring does not conserve its perimeter; see set_stiffness
+  bool soft = false;    // some ring does not conserve its perimeter; see set_kind
 
   // of batches
   std::vector<int> size, first,

@@ -1,4 +1,5 @@
-// Corrections x of the forces of pairs: C x = r on those that take part, to an accuracy.
+// Corrections x of the forces of pairs, the step of Newton's method: C x = r to an accuracy, on the pairs that take part.
+// C are the compliances of the rings, r what is left of the overlaps, w the weights of pairs (see PairArrays).
 //
 // Where the bounds of the spectrum are known, an iteration of Chebyshev, whose coefficients follow from them alone:
 // without sums over all pairs, ranks wait for their neighbors only, and each block of rings may run ahead of the
@@ -21,8 +22,8 @@ class ForceCorrector {
 
   void forget_bounds() { highest = 0.0; }    // also if contacts are new
 
-  // Returns 0 after conjugate gradients, or the number of iterations that are to be done. norm2: the sum of w r^2/length^2.
-  // The corrections are in `batches.step` in the end.
+  // Returns 0 after conjugate gradients, or the number of iterations that are still to be done. norm2: the sum of
+  // w r^2/length^2. In the end the corrections are in `batches.step`.
   int begin(const NearPairs &, ForceBatches &batches, RemoteSides &, const deformable::PairArrays &,
             double norm2, double accuracy);
 

@@ -78,10 +78,13 @@ bool ForceSolver::solve(RemoteSides &r)
     unlocated = nullptr;
   }
   if (!is_apart) return false;
-  if (!now.exists) {
+  bool anew = false;
+  const auto begin_anew = [&] {
+    anew = true;
     std::fill(p.force.begin(), p.force.end(), 0.0);
     now = evaluate();
-  }
+  };
+  if (!now.exists) begin_anew();
   // A minimizer needs only a tenth of the imbalance that its last step caused: the rest vanishes as its steps do, if each
   // call corrects it, also below the tolerance.
   constexpr double TENTH = 0.1;
@@ -90,8 +93,11 @@ bool ForceSolver::solve(RemoteSides &r)
   must_correct |= first_solution && minimizing;
   needs_correction = first_evaluation.forces > target * first_evaluation.largest;
   first_solution = false;
-  while (!is_balanced(now) && evaluations < max_evaluations && std::isfinite(now.largest))
+  while (!is_balanced(now) && evaluations < max_evaluations && std::isfinite(now.largest)) {
     now = correct(now);
+    // forces that were extrapolated too far may lead to rings that do not exist
+    if (!now.exists && !anew && evaluations < max_evaluations) begin_anew();
+  }
   if (p.tilts && !now.knows_torques) now.torques = find_torques();
   if (p.tilts) tilts.remember(p);
   imbalance = now.relative();

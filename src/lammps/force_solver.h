@@ -1,12 +1,14 @@
 // Balanced contacts: the forces of all pairs, from positions.
 //
-// The energy of balanced contacts is smallest over all splits of the overlaps o = a_ij + a_ji. Its dual is: largest
+// The energy of balanced contacts is smallest over all splits of the overlaps o = a_ij + a_ji. Its dual problem: find the
+// largest value of
 //   sum over pairs of f o - sum over particles of W(f),   f >= 0,
 // over one force for each pair, with W of ring_forces.h; of a wall, o = a. Its gradient is what is left of the overlap,
 //   r = o - a_ij - a_ji,   0 where f > 0, not positive where f = 0.
-// Newton's method finds the maximum; ForceCorrector solves its linear systems, with the compliances C of both rings. A pair whose own force would become negative takes no part in a step: its force vanishes. All ranks do the
-// same arithmetic in the same order of steps, from the same overlap and force of a pair, so that both ranks of a pair
-// agree to the last bits on its force.
+// Newton's method finds the maximum; ForceCorrector solves its linear systems, with the compliances C of both rings. A
+// pair whose own force would become negative takes no part in a step: its force vanishes. All ranks do the same
+// arithmetic in the same order of steps, from the same overlap and force of a pair, so that both ranks of a pair agree
+// on its force to the last bit.
 //
 // The imbalance of a pair is the change of its force that would remove r if all other forces stayed: r/(C_i + C_j), at
 // least k r^3 as between circles (a ring without force has infinite compliance), and not below -f. Pairs without force
@@ -53,8 +55,8 @@ class ForceSolver : protected Pointers {
 
   void arrange(const ForceBatches &, const NearPairs &);    // contacts are new
 
-  // A new force call: forces continue those of the last calls. Pairs of two particles of this rank are located by solve,
-  // with these places, unless null.
+  // A new force call: forces continue those of the last calls. If places are given, `solve` itself finds distances and
+  // directions of the pairs of two particles of this rank, block by block.
   void begin_call(NearPairs &, ForceBatches &, const deformable::PairPlaces *);
 
   // The rings know their material. Starts from the last forces. Returns whether the forces are balanced. May be called
@@ -111,7 +113,7 @@ class ForceSolver : protected Pointers {
 
   const double *coefficients = nullptr;                 // of the extrapolation
   const deformable::PairPlaces *unlocated = nullptr;    // of pairs that are to be located
-  bool is_apart = true;
+  bool is_apart = true;                                 // lines of this rank
   void make_room();
   void move(double from, double to);
 
@@ -145,7 +147,8 @@ class ForceSolver : protected Pointers {
   struct OfBlock : deformable::Residuals {
     double slope = 0.0;
   };
-  Evaluation first_evaluation;    // of the last call
+  // of this call; until it has one, of the last call: its correction is planned from that
+  Evaluation first_evaluation;
   bool needs_correction = false;
   BlockLevels blocks;
   std::vector<OfBlock> of_blocks;

@@ -6,7 +6,7 @@
 // of a line is the torque on it over d, a force.
 //
 // No line tilts by more than 0.3 rad. At the limit the energy is smallest over the tilts that are allowed, so it has no
-// jump there and does not depend on the past.
+// jump there. Beyond the model the tilts may have several solutions: which one is found then depends on the past.
 
 #ifndef LMP_LINE_TILTS_H
 #define LMP_LINE_TILTS_H

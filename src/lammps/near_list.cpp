@@ -55,7 +55,8 @@ void NearList::build(const DeformableParticles &p, bool new_list)
       if (dx * dx + dy * dy > near * near) continue;
       const int owner = pairs.owned[j];
       if (j >= nlocal && owner >= 0) {    // an image of this rank's particle: the list has it twice
-        const bool before = dx < 0.0 || (dx == 0.0 && dy < 0.0);
+        // images in one row have the same y to the last bit; those above each other in a tilted box not the same x
+        const bool before = dy < 0.0 || (dy == 0.0 && dx < 0.0);
         if (owner < i || (owner == i && before)) continue;
       }
       PastForces past;

@@ -45,7 +45,8 @@ class NearList : protected Pointers {
 
   NearPairs pairs;
   RemoteSides remote_sides;
-  std::vector<double> bulge;    // b of each particle as of the last solution
+  std::vector<double>
+      bulge;    // b of each particle as of the last solution; of ghosts, of the last build
 
   // Collects the pairs anew.
   void build(const DeformableParticles &, bool new_list);

@@ -46,11 +46,13 @@ deformable::PairPlaces NearPairs::places(const double *x, const double *radius)
           overlap.data(), angle.data(), nx.data(), ny.data()};
 }
 
+// The kernel that has found one compares squares of distances, which round differently.
 int NearPairs::first_behind(const double *radius) const
 {
+  constexpr double ROUNDING = 1e-14;
   for (int k = 0; k < wall; ++k) {
-    const double ri = radius[i[k]], rj = radius[j[k]], d = ri + rj - overlap[k];
-    if (!(d * d > std::fabs((ri - rj) * (ri + rj)))) return k;
+    const double ri = radius[i[k]], rj = radius[j[k]], d = 1.0 / per_distance[k];
+    if (!(d * d > (1.0 + ROUNDING) * std::fabs((ri - rj) * (ri + rj)))) return k;
   }
   return -1;
 }

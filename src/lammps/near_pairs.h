@@ -47,7 +47,7 @@ struct KnownPairs {
 // And where they are: a structure of arrays.
 struct NearPairs : KnownPairs {
   std::vector<int> owned;    // by local index: the particle of this rank whose image it is, or -1
-  // j if it is on this rank, or else the particle whose image it is; or -1
+  // local index of j's particle, or of the one whose image it is; -1 if that is on another rank
   int second(int k) const { return k < remote ? owned[j[k]] : -1; }
   std::vector<float>
       stiffening;    // k, see PairArrays: two circles that overlap by o repel with at least k o^3

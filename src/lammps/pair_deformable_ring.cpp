@@ -56,9 +56,9 @@ void PairDeformableRing::settings(int narg, char **arg)
         error->all(FLERR_WORD(iarg + 1),
                    "pair_style deformable/ring balance: the tolerance {} must lie between 0 and 1",
                    arg[iarg + 1]);
-      if (max_evaluations < 1)
+      if (max_evaluations < 2)    // forces change after the first one
         error->all(FLERR_WORD(iarg + 2),
-                   "pair_style deformable/ring balance: {} evaluations are too few, give 1 or more",
+                   "pair_style deformable/ring balance: {} evaluations are too few, give 2 or more",
                    arg[iarg + 2]);
     } else if (keyword == "radius") {
       set_radius(iarg + 1, arg);

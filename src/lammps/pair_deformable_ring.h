@@ -1,5 +1,5 @@
-// The ring laws, whose contacts slip: pair_style deformable/ring [contact balanced|radical] [balance tol maxeval]
-// [reach f] [radius type|atom]
+// The ring laws, whose contacts slip: pair_style deformable/ring [contact balanced|tilted|radical]
+// [balance tol maxeval] [reach f] [radius type|atom]
 
 #ifdef PAIR_CLASS
 // clang-format off

@@ -29,7 +29,10 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
     refuse_behind_center(i, j, x[j][0] - x[i][0], x[j][1] - x[i][1]);
   }
   const int crushed = balanced->without_room();
-  if (crushed >= 0) no_shape(crushed, balanced->ring(crushed).contacts);
+  if (crushed >= 0) {
+    balanced->forget();
+    no_shape(crushed, balanced->ring(crushed).contacts);
+  }
   balanced->finish([this](int begin, int end) { push_pairs(begin, end); });
   pvector[4] = 0.0;
   if (needs_errors()) {

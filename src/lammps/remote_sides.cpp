@@ -46,6 +46,9 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool tilts)
   const int values = tilts ? TILT + 3 : TILT;
   constexpr double ROUNDING = 1e-12;
   const auto square = [](double x) { return x * x; };
+  const auto at = [this](int row, int slot, int value) -> double & {
+    return rows[row][value * slots + slot];
+  };
   const int count = static_cast<int>(candidates.size());
 
   sides.assign(atom->nlocal, 0);
@@ -54,46 +57,52 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool tilts)
   MPI_Allreduce(&longest, &slots, 1, MPI_INT, MPI_MAX, world);
   set_rows(values);
 
-  sent.resize(count);
+  std::vector<int> slot_here(count), slot_there;
   std::fill(sides.begin(), sides.end(), 0);
   for (int c = 0; c < count; ++c) {
     const Candidate &pair = candidates[c];
-    const int place = sent[c] = pair.i * slots + sides[pair.i]++;
-    at(place, PARTNER) = static_cast<double>(atom->tag[pair.j]);
-    at(place, X) = pair.x;
-    at(place, Y) = pair.y;
-    at(place, PAST) = pair.past.force;
-    for (int n = 0; n < 2; ++n) at(place, EARLIER + n) = pair.past.earlier[n];
-    for (int n = 0; n < 3 && tilts; ++n) at(place, TILT + n) = pair.past.tilt[n];
+    const int i = pair.i, slot = slot_here[c] = sides[i]++;
+    at(i, slot, PARTNER) = static_cast<double>(atom->tag[pair.j]);
+    at(i, slot, X) = pair.x;
+    at(i, slot, Y) = pair.y;
+    at(i, slot, PAST) = pair.past.force;
+    for (int n = 0; n < 2; ++n) at(i, slot, EARLIER + n) = pair.past.earlier[n];
+    for (int n = 0; n < 3 && tilts; ++n) at(i, slot, TILT + n) = pair.past.tilt[n];
   }
   comm->forward_comm_array(slots * values, rows.data());
 
-  received.clear();
   int kept = 0;
   for (int c = 0; c < count; ++c) {
     Candidate pair = candidates[c];
     double nearest = ROUNDING * (square(pair.x) + square(pair.y));
     int found = -1;
-    for (int m = pair.j * slots; m < (pair.j + 1) * slots; ++m) {
-      if (at(m, PARTNER) != static_cast<double>(atom->tag[pair.i])) continue;
-      const double distance2 = square(at(m, X) + pair.x) + square(at(m, Y) + pair.y);
+    const int j = pair.j;
+    for (int slot = 0; slot < slots; ++slot) {
+      if (at(j, slot, PARTNER) != static_cast<double>(atom->tag[pair.i])) continue;
+      const double distance2 = square(at(j, slot, X) + pair.x) + square(at(j, slot, Y) + pair.y);
       if (distance2 >= nearest) continue;
       nearest = distance2;
-      found = m;
+      found = slot;
     }
     if (found < 0) continue;    // by rounding at the end of the list: too far to bear a force
     if (pair.past.force == deformable::UNKNOWN_FORCE) {
-      pair.past.force = at(found, PAST);
-      for (int n = 0; n < 2; ++n) pair.past.earlier[n] = at(found, EARLIER + n);
-      for (int n = 0; n < 3 && tilts; ++n) pair.past.tilt[n] = at(found, TILT + n);
+      pair.past.force = at(j, found, PAST);
+      for (int n = 0; n < 2; ++n) pair.past.earlier[n] = at(j, found, EARLIER + n);
+      for (int n = 0; n < 3 && tilts; ++n) pair.past.tilt[n] = at(j, found, TILT + n);
     }
     candidates[kept] = pair;
-    sent[kept++] = sent[c];
-    received.push_back(found);
+    slot_here[kept++] = slot_here[c];
+    slot_there.push_back(found);
   }
   candidates.resize(kept);
-  sent.resize(kept);
+
   set_rows(2);
+  sent.resize(kept);
+  received.resize(kept);
+  for (int c = 0; c < kept; ++c) {
+    sent[c] = rows[candidates[c].i] + slot_here[c];
+    received[c] = rows[candidates[c].j] + slot_there[c];
+  }
 }
 
 template <class Number, class Other>
@@ -102,13 +111,13 @@ void RemoteSides::exchange(const int *side, int own, Number *values, Other *more
   if (comm->nprocs == 1) return;
   const int count = static_cast<int>(sent.size());
   for (int c = 0; c < count; ++c) {
-    at(sent[c], 0) = values[side[c]];
-    if (more) at(sent[c], 1) = more[side[c]];
+    sent[c][0] = values[side[c]];
+    if (more) sent[c][slots] = more[side[c]];
   }
   comm->forward_comm_array(more ? 2 * slots : slots, rows.data());
   for (int c = 0; c < count; ++c) {
-    values[own + c] = static_cast<Number>(at(received[c], 0));
-    if (more) more[own + c] = static_cast<Other>(at(received[c], 1));
+    values[own + c] = static_cast<Number>(received[c][0]);
+    if (more) more[own + c] = static_cast<Other>(received[c][slots]);
   }
 }
 

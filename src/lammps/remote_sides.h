@@ -37,16 +37,15 @@ class RemoteSides : protected Pointers {
   // From each particle to its ghosts.
   void to_ghosts(std::vector<double> &by_particle);
 
-  double bytes() const { return bytes_of(buffer, rows, sent, received); }
+  double bytes() const { return bytes_of(buffer, rows, sent, received, sides); }
 
  private:
   int slots = 0;    // of a row, the same on all ranks
   std::vector<double> buffer;
-  std::vector<double *> rows;         // of each particle: value by value, the slots
-  std::vector<int> sent, received;    // row and slot of each pair: row x slots + slot
-  std::vector<int> sides;             // of each particle: its pairs with other ranks
+  std::vector<double *> rows;              // of each particle: value by value, the slots
+  std::vector<double *> sent, received;    // places of each pair in its rows, of the first value
+  std::vector<int> sides;                  // of each particle: its pairs with other ranks
   void set_rows(int values);
-  double &at(int place, int value) { return rows[place / slots][value * slots + place % slots]; }
 };
 
 }    // namespace LAMMPS_NS

