@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import ClassVar
@@ -12,7 +11,7 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..common.errors import BeyondModelWarning, LammpsError, StalledWarning, UnjammedWarning
+from ..common.errors import LammpsError
 from ..common.renamed import FormerAttributes, former_arguments
 from ..common.validate import expect, positive, zero_or_more
 from ..io.lammps_commands import law_commands, pair_style, species_file
@@ -46,6 +45,7 @@ from .relaxation import (
     thermo_commands,
     virial_command,
 )
+from .relaxed_warnings import warn_of
 
 # Results of the pair style for each particle, which fix pair makes available. It reads them once in
 # a time step, but a run of no steps does not advance the step. So each evaluation defines the fix
@@ -236,7 +236,7 @@ class Simulation(FormerAttributes, Engine):
         )
         run(self.lmp, "velocity all set 0 0 0")  # FIRE leaves velocities
         state = self._snapshot(forces, stalled=forces.residual > tolerance)
-        self._warn(state, tolerance)
+        warn_of(state, tolerance, unjammed=self._unjammed(state.packing.phi))
         return state
 
     def state(self) -> State:
@@ -321,30 +321,8 @@ class Simulation(FormerAttributes, Engine):
             model_error=told[0] if told else None,
         )
 
-    def _warn(self, state: State, tolerance: float) -> None:
-        """Warn of a relaxed state that has become loose, has stalled, or is beyond the model."""
-        phi = state.packing.phi
+    def _unjammed(self, phi: float) -> bool:
+        """Whether the packing, relaxed at this phi, was rigid at this phi or a lower one."""
         unjammed = self._loose and phi >= self._rigid_phi
         self._rigid_phi = np.inf if self._loose else phi
-        if not state.root:
-            return
-        if unjammed:
-            warnings.warn(
-                f"the packing lost its rigidity at phi = {phi:.5f}: it rearranged into a loose one",
-                UnjammedWarning,
-                stacklevel=4,
-            )
-        if state.stalled:
-            warnings.warn(
-                f"relaxation stalled at phi = {state.phi:.5f}: the largest force is "
-                f"{state.residual:.2g} of the mean contact force, not {tolerance:.2g}",
-                StalledWarning,
-                stacklevel=4,
-            )
-        if state.beyond:
-            warnings.warn(
-                f"{state.beyond} particles are beyond the model at phi = {state.phi:.5f}: their "
-                "outlines have a negative radius of curvature, as past confluence",
-                BeyondModelWarning,
-                stacklevel=4,
-            )
+        return unjammed
