@@ -22,6 +22,7 @@ from ..model.timestep import STIFFNESS_PER_PRESSURE
 from ..model.wall_shapes import Wall, as_walls
 from ..state.contact_table import contact_table
 from ..state.state import State
+from .disks import Disks
 from .followed import refuse_other, setup, unsaved
 from .lammps import (
     Engine,
@@ -75,6 +76,10 @@ _FIX_OF_WALL = re.compile(r"(?:'\w+ 1'|a wall) of fix deformable_wall_(\d+)(?: d
 # Iterations without halving the largest force after which a relaxation counts as stalled. The force
 # falls by decades in a packing that loosens, while its ratio to the mean force may stay the same.
 _PATIENCE = 60_000
+
+# A start counts as rigid if its forces on particles are at most this part of those of contacts; in
+# loose packings that overlap both are alike. Rounding of phi.
+_BALANCED, _ROUNDING = 0.1, 1e-12
 
 # Set anew before each state: the energy of a state must not depend on the thermo output of a user.
 _THERMO = thermo_commands("c_deformable_energy c_deformable_beyond[1]").strip()
@@ -131,6 +136,7 @@ class Simulation(FormerAttributes, Engine):
         if walls is not None:
             packing = replace(packing, walls=as_walls(walls))
         self._rigid_phi = np.inf
+        self._start: Packing | None = packing
         self._open(packing)
 
     @property
@@ -158,6 +164,7 @@ class Simulation(FormerAttributes, Engine):
         expect("packing", packing, Packing)
         species_file(self.law, packing.radii)  # or fail before the old LAMMPS is gone
         close_lammps(self.lmp)
+        self._start = self._start and packing
         self._open(packing)
 
     def _open(self, packing: Packing) -> None:
@@ -206,7 +213,8 @@ class Simulation(FormerAttributes, Engine):
                 has no area left; or LAMMPS was given commands that states cannot follow.
 
         Warns:
-            UnjammedWarning: a packing that was rigid has become loose without expanding.
+            UnjammedWarning: a packing that was rigid has become loose without expanding. The one at
+                the start counts as rigid if its forces balance, by the law or as soft disks.
             StalledWarning: the forces stopped falling (the energy of `Sector` jumps).
             BeyondModelWarning: outlines have a negative radius of curvature, e.g. past confluence.
 
@@ -323,6 +331,18 @@ class Simulation(FormerAttributes, Engine):
 
     def _unjammed(self, phi: float) -> bool:
         """Whether the packing, relaxed at this phi, was rigid at this phi or a lower one."""
+        start, self._start = self._start, None  # what came before counts from the second state on
+        if start and self._loose and phi >= (1.0 - _ROUNDING) * start.phi and self._holds(start):
+            self._rigid_phi = 0.0
         unjammed = self._loose and phi >= self._rigid_phi
         self._rigid_phi = np.inf if self._loose else phi
         return unjammed
+
+    def _holds(self, packing: Packing) -> bool:
+        """Whether contact forces about balance, those of the law or of soft disks, as in `jam`."""
+        with Disks(packing) as disks:
+            state = disks.state()
+        if state.pressure > 0.0 and state.residual <= _BALANCED:
+            return True
+        with Simulation(packing, self.law, self.comm) as sim:
+            return sim.state().residual <= _BALANCED and not sim._loose
