@@ -22,7 +22,6 @@ from ..model.timestep import STIFFNESS_PER_PRESSURE
 from ..model.wall_shapes import Wall, as_walls
 from ..state.contact_table import contact_table
 from ..state.state import State
-from .disks import Disks
 from .followed import refuse_other, setup, unsaved
 from .lammps import (
     Engine,
@@ -46,6 +45,7 @@ from .relaxation import (
     thermo_commands,
     virial_command,
 )
+from .relaxed_disks import relax_in_box
 from .relaxed_warnings import warn_of
 
 # Results of the pair style for each particle, which fix pair makes available. It reads them once in
@@ -340,9 +340,8 @@ class Simulation(FormerAttributes, Engine):
 
     def _holds(self, packing: Packing) -> bool:
         """Whether contact forces about balance, those of the law or of soft disks, as in `jam`."""
-        with Disks(packing) as disks:
-            state = disks.state()
-        if state.pressure > 0.0 and state.residual <= _BALANCED:
+        disks = relax_in_box(packing, np.inf, 0.0, lambda *_: None)  # at once: they do not move
+        if disks.pressure > 0.0 and disks.residual <= _BALANCED:
             return True
         with Simulation(packing, self.law, self.comm) as sim:
             return sim.state().residual <= _BALANCED and not sim._loose
