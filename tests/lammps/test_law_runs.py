@@ -74,6 +74,27 @@ def test_forces_continue(law, cold, warm, lists):
     assert max(evaluations) <= warm
 
 
+@pytest.mark.parametrize("kind", [rings, droplets])
+def test_corrections_are_as_accurate_as_planned(kind):
+    """Chebyshev's iterations, in a motion whose steps ask for two corrections.
+
+    The first one leaves 0.003 of the imbalance, the second one 0.3 of the tolerance, and so each
+    call has three evaluations. A few have one more, where contacts open or close. Coefficients that
+    are 15 % off, or wrong bounds of the spectrum, need more, or leave more.
+    """
+    tolerance, steps = 1e-8, 60
+    style = f"{STYLES['balanced']} balance {tolerance} 100"
+    scene = kind(PACKINGS[0], style, commands="replicate 4 4 1")
+    scene.run("velocity all create 1e-6 4711 loop geom\nfix nve all nve\ntimestep 0.1\nrun 5")
+    evaluations, imbalance = np.empty((2, steps))
+    for n in range(steps):
+        scene.run("run 1 pre no post no")
+        evaluations[n], imbalance[n] = of_compute_pair(scene)
+    assert np.median(evaluations) == 3
+    assert np.mean(evaluations > 3) < 0.1
+    assert np.median(imbalance) <= 0.3 * tolerance
+
+
 def energy_error(kind, style, dt, time=40.0):
     """Standard deviation of the total energy along a trajectory, and the mean kinetic energy."""
     scene = kind(PACKINGS[0], style)

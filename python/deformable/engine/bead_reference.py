@@ -29,6 +29,7 @@ from .lammps import Engine, communicator, gather, local_array, run, shared_file,
 from .relaxation import (
     Forces,
     largest_force,
+    largest_force_told,
     minimize_command,
     minimize_until_relaxed,
     ring_forces,
@@ -231,8 +232,8 @@ class BeadReference(Engine):
         stalled = forces.residual > tolerance
         if stalled and self.comm.rank == 0:
             warnings.warn(
-                f"relaxation of rings of beads stalled: the largest force is {forces.residual:.2g} "
-                f"of that on a bead in a contact, not {tolerance:.2g}",
+                "relaxation of rings of beads stalled: "
+                + largest_force_told(forces.residual, "that on a bead in a contact", tolerance),
                 StalledWarning,
                 stacklevel=2,
             )

@@ -26,6 +26,7 @@ from .relaxation import (
     Forces,
     force_rounding,
     largest_force,
+    largest_force_told,
     minimize_command,
     minimize_until_relaxed,
     stress,
@@ -169,9 +170,8 @@ class Disks(Engine):
         state = self._snapshot(forces, stalled)
         if stalled:
             warnings.warn(
-                f"{len(state.packing)} soft disks did not relax at phi = {state.phi:.6f}: the "
-                f"largest force is {state.residual:.2g} of the mean contact force, not "
-                f"{tolerance:.2g}",
+                f"{len(state.packing)} soft disks did not relax at phi = {state.phi:.6f}: "
+                + largest_force_told(state.residual, "the mean contact force", tolerance),
                 StalledWarning,
                 stacklevel=3,
             )

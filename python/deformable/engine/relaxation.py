@@ -86,6 +86,19 @@ def minimize_until_relaxed(
     return forces
 
 
+def largest_force_told(residual: float, scale: str, tolerance: float) -> str:
+    """Words for a residual above the tolerance, with enough digits to tell them apart.
+
+    Args:
+        residual: above the tolerance.
+        scale: words for what the residual is a part of.
+        tolerance: of the residual.
+    """
+    texts = (f"{residual:.{digits}g}" for digits in range(2, 18))  # the last one is exact
+    told = next(text for text in texts if float(text) > tolerance)
+    return f"the largest force is {told} of {scale}, not {tolerance:g}"
+
+
 def minimize_command(force: float, iterations: int) -> str:
     """One call of the minimizer: it stops once no component of a force is above this one."""
     return f"minimize 0 {force!r} {iterations} {2 * iterations}"

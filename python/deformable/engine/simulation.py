@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import ClassVar
@@ -12,7 +11,7 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..common.errors import BeyondModelWarning, LammpsError, StalledWarning, UnjammedWarning
+from ..common.errors import LammpsError
 from ..common.renamed import FormerAttributes, former_arguments
 from ..common.validate import expect, positive, zero_or_more
 from ..io.lammps_commands import law_commands, pair_style, species_file
@@ -46,6 +45,8 @@ from .relaxation import (
     thermo_commands,
     virial_command,
 )
+from .relaxed_disks import relax_in_box
+from .relaxed_warnings import warn_of
 
 # Results of the pair style for each particle, which fix pair makes available. It reads them once in
 # a time step, but a run of no steps does not advance the step. So each evaluation defines the fix
@@ -75,6 +76,10 @@ _FIX_OF_WALL = re.compile(r"(?:'\w+ 1'|a wall) of fix deformable_wall_(\d+)(?: d
 # Iterations without halving the largest force after which a relaxation counts as stalled. The force
 # falls by decades in a packing that loosens, while its ratio to the mean force may stay the same.
 _PATIENCE = 60_000
+
+# A start counts as rigid if its forces on particles are at most this part of those of contacts; in
+# loose packings that overlap both are alike. Rounding of phi.
+_BALANCED, _ROUNDING = 0.1, 1e-12
 
 # Set anew before each state: the energy of a state must not depend on the thermo output of a user.
 _THERMO = thermo_commands("c_deformable_energy c_deformable_beyond[1]").strip()
@@ -131,6 +136,7 @@ class Simulation(FormerAttributes, Engine):
         if walls is not None:
             packing = replace(packing, walls=as_walls(walls))
         self._rigid_phi = np.inf
+        self._start: Packing | None = packing
         self._open(packing)
 
     @property
@@ -158,6 +164,7 @@ class Simulation(FormerAttributes, Engine):
         expect("packing", packing, Packing)
         species_file(self.law, packing.radii)  # or fail before the old LAMMPS is gone
         close_lammps(self.lmp)
+        self._start = self._start and packing
         self._open(packing)
 
     def _open(self, packing: Packing) -> None:
@@ -206,7 +213,8 @@ class Simulation(FormerAttributes, Engine):
                 has no area left; or LAMMPS was given commands that states cannot follow.
 
         Warns:
-            UnjammedWarning: a packing that was rigid has become loose without expanding.
+            UnjammedWarning: a packing that was rigid has become loose without expanding. The one at
+                the start counts as rigid if its forces balance, by the law or as soft disks.
             StalledWarning: the forces stopped falling (the energy of `Sector` jumps).
             BeyondModelWarning: outlines have a negative radius of curvature, e.g. past confluence.
 
@@ -236,7 +244,7 @@ class Simulation(FormerAttributes, Engine):
         )
         run(self.lmp, "velocity all set 0 0 0")  # FIRE leaves velocities
         state = self._snapshot(forces, stalled=forces.residual > tolerance)
-        self._warn(state, tolerance)
+        warn_of(state, tolerance, unjammed=self._unjammed(state.packing.phi))
         return state
 
     def state(self) -> State:
@@ -321,30 +329,19 @@ class Simulation(FormerAttributes, Engine):
             model_error=told[0] if told else None,
         )
 
-    def _warn(self, state: State, tolerance: float) -> None:
-        """Warn of a relaxed state that has become loose, has stalled, or is beyond the model."""
-        phi = state.packing.phi
+    def _unjammed(self, phi: float) -> bool:
+        """Whether the packing, relaxed at this phi, was rigid at this phi or a lower one."""
+        start, self._start = self._start, None  # what came before counts from the second state on
+        if start and self._loose and phi >= (1.0 - _ROUNDING) * start.phi and self._holds(start):
+            self._rigid_phi = 0.0
         unjammed = self._loose and phi >= self._rigid_phi
         self._rigid_phi = np.inf if self._loose else phi
-        if not state.root:
-            return
-        if unjammed:
-            warnings.warn(
-                f"the packing lost its rigidity at phi = {phi:.5f}: it rearranged into a loose one",
-                UnjammedWarning,
-                stacklevel=4,
-            )
-        if state.stalled:
-            warnings.warn(
-                f"relaxation stalled at phi = {state.phi:.5f}: the largest force is "
-                f"{state.residual:.2g} of the mean contact force, not {tolerance:.2g}",
-                StalledWarning,
-                stacklevel=4,
-            )
-        if state.beyond:
-            warnings.warn(
-                f"{state.beyond} particles are beyond the model at phi = {state.phi:.5f}: their "
-                "outlines have a negative radius of curvature, as past confluence",
-                BeyondModelWarning,
-                stacklevel=4,
-            )
+        return unjammed
+
+    def _holds(self, packing: Packing) -> bool:
+        """Whether contact forces about balance, those of the law or of soft disks, as in `jam`."""
+        disks = relax_in_box(packing, np.inf, 0.0, lambda *_: None)  # at once: they do not move
+        if disks.pressure > 0.0 and disks.residual <= _BALANCED:
+            return True
+        with Simulation(packing, self.law, self.comm) as sim:
+            return sim.state().residual <= _BALANCED and not sim._loose

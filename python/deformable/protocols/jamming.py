@@ -53,6 +53,10 @@ _STAGES = (1000.0, 100.0, 10.0, 1.0)
 # smallest radius, far below those of disks at random positions.
 _PUSHED_OFF = 1e-3
 
+# Below this part of the threshold the pressure of deformable particles does not tell how far the
+# onset is.
+_NOTHING = 0.1
+
 # Relaxations of deformable particles in a row that stall: at another phi they may not.
 _STALLS = 3
 
@@ -203,7 +207,8 @@ def _jammed_particles(
     """Deformable particles with a pressure in the window of `jam`, from a packing near by.
 
     phi follows the pressure as `_excess_phi` has it. A packing that rearranges has another phi_J:
-    where phi has gone too far, the next step is at most half as long, otherwise twice as long.
+    where phi has gone too far, the next step is at most half as long, otherwise at most twice as
+    long. A packing that is still loose after a step gets one twice as long, up to 0.0025.
     """
     unit = natural_pressure(packing, law)
     target, longest, last = _excess_phi(_ABOVE * pressure, packing, law), np.inf, 0.0
@@ -222,6 +227,8 @@ def _jammed_particles(
         change = target - _excess_phi(found, packing, law)
         if last:
             longest = abs(last) * (2.0 if change * last > 0.0 else 0.5)
+        if found < _NOTHING * pressure:
+            change = max(change, min(2.0 * last, _FINEST))
         last = float(np.clip(change, -longest, longest))
         packing = state.packing.at(state.packing.phi + last)
 

@@ -96,15 +96,63 @@ def test_past_confluence_warns(jammed: deformable.Packing) -> None:
     assert (state.arc_radius < 0).sum() == state.beyond
 
 
+def row(*radii: float) -> deformable.Packing:
+    """Particles side by side that bear a force across the box as long as they are in line."""
+    radius = np.array(radii)
+    x = np.cumsum(radius + np.roll(radius, -1) - 0.01)
+    sizes, species = np.unique(radius, return_inverse=True)
+    places = np.column_stack([np.roll(x, 1) % x[-1], np.full(len(x), 5.0)])
+    return deformable.Packing(places, species, sizes, [[x[-1], 0.0], [0.0, 10.0]])
+
+
+def give_way(sim: deformable.Simulation) -> None:
+    sim.lmp.command("displace_atoms all random 0 0.3 0 4 units box")
+    sim.relax()
+
+
 def test_unjamming_warns() -> None:
-    """A row that spans the box bears a force as long as it is straight."""
-    places = [[0.975 * n, 5.0] for n in range(4)]
-    row = deformable.Packing(places, [0] * 4, [0.5], [[3.9, 0.0], [0.0, 10.0]])
-    with deformable.Simulation(row, deformable.Ring()) as sim:
+    with deformable.Simulation(row(0.5, 0.5, 0.5, 0.5), deformable.Ring()) as sim:
         assert sim.relax().energy > 0
-        sim.lmp.command("displace_atoms all random 0 0.3 0 4 units box")
-        with pytest.warns(deformable.UnjammedWarning, match="lost its rigidity"):
-            sim.relax()
+        with pytest.warns(deformable.UnjammedWarning, match="lost its rigidity") as warned:
+            give_way(sim)
+        sim.relax()
+    assert len(warned) == 1
+
+
+@pytest.mark.parametrize("balanced", ["as disks", "by the law"])
+@pytest.mark.parametrize("restarted", [False, True])
+def test_unjamming_in_the_first_relaxation_warns(balanced: str, restarted: bool) -> None:
+    """As after `jam`, whose packing is at rest under the forces of disks or of the law."""
+    law = deformable.Ring(contact="radical")
+    packing = start = row(0.3, 0.3, 0.9, 0.9)
+    if balanced == "by the law":
+        with deformable.Simulation(packing, law) as sim:
+            start = sim.relax().packing
+    with deformable.Disks(start) as disks, deformable.Simulation(start, law) as sim:
+        assert (disks.state().residual < 0.1) == (balanced == "as disks")
+        assert (sim.state().residual < 0.1) == (balanced == "by the law")
+    opened = deformable.push_off(row(0.3, 0.3).at(0.5)) if restarted else start
+    with deformable.Simulation(opened, law) as sim:
+        if restarted:
+            sim.restart(start)
+        told = rf"lost its rigidity at phi = {start.phi:.5f}"
+        with pytest.warns(deformable.UnjammedWarning, match=told) as warned:
+            give_way(sim)
+        sim.relax()
+    assert len(warned) == 1
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("change", [-1e-3, 1e-3])
+def test_loose_packings_need_not_be_rigid(change: float) -> None:
+    """Neither those that were loose at the start, nor those that have expanded since."""
+    law = deformable.Ring(contact="radical")
+    loose = deformable.push_off(deformable.bidisperse(16, phi=0.6, seed=1))
+    jammed = deformable.jam(deformable.bidisperse(16, seed=1))
+    for packing in (loose, jammed)[: 2 if change < 0.0 else 1]:
+        with deformable.Simulation(packing, law) as sim:
+            sim.deform(sim.box * (1.0 - change))
+            assert sim.relax().pressure < 1e-12
 
 
 def test_deform_shears_affinely(jammed: deformable.Packing) -> None:

@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import warnings
+from types import SimpleNamespace
 from typing import Any
 
 import deformable
@@ -133,6 +134,33 @@ def test_a_relaxation_that_stalls_does_not_end_the_search(monkeypatch: pytest.Mo
     stalls += [True] * 3
     with pytest.warns(deformable.StalledWarning):
         deformable.jam(deformable.bidisperse(16, seed=1), RADICAL, pressure=1e-7)
+
+
+@pytest.mark.parametrize(("way", "steps"), [(5e-6, 3), (1e-3, 10), (0.02, 18)])
+def test_loose_particles_climb_in_growing_steps(
+    way: float, steps: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of droplets that are loose up to a higher phi than disks, and rigid from there on.
+
+    Steps 1.4e-6 2^k, up to 0.0025 each, add up to the way. The last one leads too far by at most
+    its length, and steps back are at most half as long: there are two.
+    """
+    packing = deformable.bidisperse(8, phi=0.8)
+    seen: list[float] = []
+
+    def relaxed(packing: deformable.Packing, *_: Any) -> Any:
+        seen.append(packing.phi)
+        found = max(packing.phi - 0.8 - way, 0.0) / 0.6  # tension/R0
+        state = {"phi": packing.phi, "pressure": found, "stalled": False, "residual": 0.0}
+        return SimpleNamespace(packing=packing, **state)
+
+    monkeypatch.setattr(jamming, "_relaxed", relaxed)
+    monkeypatch.setattr(jamming, "_jammed_disks", lambda *_: SimpleNamespace(packing=packing))
+    law = deformable.Ring(kA=np.inf, kP=0.0, tension=1.0)
+    jammed = deformable.jam(packing, law, pressure=1e-6)
+    assert 1e-6 < jammed.phi - 0.8 - way <= 2e-6
+    assert len(seen) <= 1 + steps + 2
+    assert np.diff(seen).max() < 0.0025 * (1.0 + 1e-9)
 
 
 def test_rattlers_fall_one_after_another() -> None:

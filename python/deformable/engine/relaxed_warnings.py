@@ -1,0 +1,42 @@
+"""Warnings of a relaxed state of deformable particles."""
+
+from __future__ import annotations
+
+import warnings
+
+from ..common.errors import BeyondModelWarning, StalledWarning, UnjammedWarning
+from ..state.state import State
+from .relaxation import largest_force_told
+
+
+def warn_of(state: State, tolerance: float, unjammed: bool) -> None:
+    """Warn the caller of `relax` if its state is loose, has stalled, or is beyond the model.
+
+    Args:
+        state: relaxed.
+        tolerance: of the relaxation.
+        unjammed: whether the packing was rigid before, and no longer is.
+    """
+    if not state.root:
+        return
+    if unjammed:
+        warnings.warn(
+            f"the packing lost its rigidity at phi = {state.packing.phi:.5f}: it rearranged into a "
+            "loose one",
+            UnjammedWarning,
+            stacklevel=4,
+        )
+    if state.stalled:
+        warnings.warn(
+            f"relaxation stalled at phi = {state.phi:.5f}: "
+            + largest_force_told(state.residual, "the mean contact force", tolerance),
+            StalledWarning,
+            stacklevel=4,
+        )
+    if state.beyond:
+        warnings.warn(
+            f"{state.beyond} particles are beyond the model at phi = {state.phi:.5f}: their "
+            "outlines have a negative radius of curvature, as past confluence",
+            BeyondModelWarning,
+            stacklevel=4,
+        )

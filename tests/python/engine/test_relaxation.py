@@ -1,0 +1,43 @@
+"""What simulations tell of a relaxation."""
+
+import sys
+from collections.abc import Callable
+
+import deformable
+import pytest
+from deformable.engine.relaxation import Forces, largest_force_told
+
+SIMULATIONS = [
+    lambda packing: deformable.Simulation(packing, deformable.Ring()),
+    deformable.Disks,
+    lambda packing: deformable.BeadReference(packing, deformable.Beads(number=20)),
+]
+
+
+@pytest.mark.parametrize(
+    ("residual", "told"),
+    [
+        (2.34567e-6, "2.3e-06"),
+        (1.2345e-6, "1.2e-06"),
+        (1.002e-6, "1.002e-06"),
+        (1.0049999e-6, "1.005e-06"),
+        (1e-6 * (1.0 + 3e-16), "1.0000000000000002e-06"),
+        (float("inf"), "inf"),
+    ],
+)
+def test_a_residual_above_the_tolerance_looks_larger(residual: float, told: str) -> None:
+    text = largest_force_told(residual, "the mean", 1e-6)
+    assert text == f"the largest force is {told} of the mean, not 1e-06"
+
+
+@pytest.mark.parametrize("open_one", SIMULATIONS)
+def test_stalled_simulations_tell_more_than_the_tolerance(
+    open_one: Callable[[deformable.Packing], deformable.Simulation],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    packing = deformable.push_off(deformable.bidisperse(6, phi=0.5, seed=1))
+    with open_one(packing) as sim:
+        module = sys.modules[type(sim).__module__]
+        monkeypatch.setattr(module, "minimize_until_relaxed", lambda *_, **__: Forces(1.002e-6, 1))
+        with pytest.warns(deformable.StalledWarning, match=r"is 1\.002e-06 of .*, not 1e-06$"):
+            sim.relax(1e-6)
