@@ -316,7 +316,8 @@ bool NearList::is_sufficient(const DeformableParticles &p)
   const double most = 0.5 * (margin - box_change());
   double farthest2 = 0.0, largest = 0.0;
   int missing = missed_wall;
-  for (int i = 0; i < atom->nlocal; ++i) {
+  for (int ii = 0; ii < p.list->inum; ++ii) {    // others may be fast
+    const int i = p.list->ilist[ii];
     const double dx = x[3 * i] - x_then[2 * i], dy = x[3 * i + 1] - x_then[2 * i + 1];
     const double grown = (p.radii_vary ? std::fabs(p.radius[i] - radius_then[i]) : 0.0) +
                          std::max(bulge[i] - bulge_then[i], 0.0);
