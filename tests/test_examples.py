@@ -98,8 +98,8 @@ def test_hexagon(tree):
     assert np.allclose(a, 0.005 * step, rtol=1e-14, atol=0.0)
     assert len(a) == 11
     # The default tolerance, 1e-8, is about a force that changes alone: da = G(0)/p df, with
-    # G(0) = 3/(4 pi). All six together have da = a/(3 f) df, with p = k a^2, so they may be off by more. The deficit
-    # is in proportion to f^(2/3), the energy is off by the square.
+    # G(0) = 3/(4 pi). All six together have da = a/(3 f) df, with p = k a^2, so they may be off by
+    # more. The deficit is in proportion to f^(2/3), the energy is off by the square.
     together = 1e-8 * k * 0.75 / np.pi
     for found, exact, error in (
         (deficit, k * a**2, 2 / 3 * together),
