@@ -1,6 +1,7 @@
 """How long does `jam` take for soft disks, from 1000 to 100 000 particles?
 
     python benchmarks/jamming.py [1000 4000 10000] [--seeds 3] [--out FILE]
+    python benchmarks/jamming.py 100000 --seeds 1 --pressure 1e-4 --tolerance 0.1 --out FILE
 
 Bidisperse packings are jammed from random positions at a pressure of 1e-7, until no force exceeds
 1e-6 of a contact force, on one core. Times are processor time. Packings that are in the file are
@@ -18,10 +19,9 @@ import warnings
 from pathlib import Path
 
 HERE = Path(__file__).parent
-PRESSURE, TOLERANCE = 1e-7, 1e-6
 
 
-def measure(number: int, seed: int) -> dict[str, object]:
+def measure(number: int, seed: int, pressure: float, tolerance: float) -> dict[str, object]:
     """One packing, and the seconds of processor time that it took."""
     import deformable
 
@@ -29,7 +29,7 @@ def measure(number: int, seed: int) -> dict[str, object]:
     began = time.process_time()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", deformable.StalledWarning)
-        jammed = deformable.jam(start, pressure=PRESSURE, tolerance=TOLERANCE)
+        jammed = deformable.jam(start, pressure=pressure, tolerance=tolerance)
     seconds = time.process_time() - began
     with deformable.Disks(jammed) as disks:
         state = disks.state()
@@ -69,6 +69,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("numbers", type=int, nargs="*", default=[1000, 4000, 10_000])
     parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--pressure", type=float, default=1e-7, help="threshold of `jam`")
+    parser.add_argument("--tolerance", type=float, default=1e-6, help="of `jam`")
     parser.add_argument("--out", type=Path, default=HERE / "results" / "jamming.json")
     options = parser.parse_args()
     rows = json.loads(options.out.read_text())["rows"] if options.out.exists() else []
@@ -76,13 +78,13 @@ def main() -> None:
         for seed in range(1, options.seeds + 1):
             if (number, seed) in {(row["N"], row["seed"]) for row in rows}:
                 continue
-            rows.append(measure(number, seed))
+            rows.append(measure(number, seed, options.pressure, options.tolerance))
             print(*(f"{key} {value}" for key, value in rows[-1].items()), flush=True)
             rows.sort(key=lambda row: (row["N"], row["seed"]))
             result = {
                 "command": "python benchmarks/jamming.py",
-                "pressure": PRESSURE,
-                "tolerance": TOLERANCE,
+                "pressure": options.pressure,
+                "tolerance": options.tolerance,
                 "sizes": summary(rows),
                 "rows": rows,
             }

@@ -22,9 +22,10 @@ _SKIN = 0.8
 # particle times the pressure: overlaps are about as large.
 _SMOOTHING = 1.0
 
-# Stiffness that is added to all particles: these times the pressure and over N^2. The stiffness of
-# the softest modes of a packing falls in proportion to the pressure down to about that of the
-# longest chain of isostatic contacts (Wyart, Ann. Phys. Fr. 30, 1 (2005)); of rattlers it is zero.
+# Stiffness that is added to all particles, `softest`: these times the pressure and over N^2. The
+# stiffness of the softest modes of a packing falls in proportion to the pressure down to about that
+# of the longest chain of isostatic contacts (Wyart, Ann. Phys. Fr. 30, 1 (2005)); of rattlers it is
+# zero.
 _SHIFT, _SHIFT_OF_SIZE = 5.0, 10.0
 
 # Contacts with a smaller share do not count for the stiffness.
@@ -62,6 +63,16 @@ class Enthalpy:
     def start(self) -> Floats:
         """Variables of the packing, shape (2 N + 1,)."""
         return np.append(self._start.positions, 0.0)
+
+    @property
+    def softest(self) -> float:
+        """About the stiffness of the softest modes at the pressure."""
+        return _SHIFT * self._applied + _SHIFT_OF_SIZE / len(self._radius) ** 2
+
+    @property
+    def mass(self) -> Floats:
+        """Of the variables: in proportion to the number of contacts that a disk may have."""
+        return np.append(np.repeat(0.5 * (1.0 + self._radius / self._smallest), 2), 1.0)
 
     def packing(self, z: Floats) -> Packing:
         """The packing with these variables."""
@@ -128,7 +139,7 @@ class Enthalpy:
         ends = np.arange(0, columns.size + 1, 4)
         rigidity = csr_matrix((values.ravel(), columns.ravel(), ends), shape=(len(share), count))
         weighted = rigidity.T.multiply(share).tocsr()
-        shift = _SHIFT * pressure + _SHIFT_OF_SIZE / len(x) ** 2
+        shift = self.softest
         factors = splu(
             csc_matrix(weighted @ rigidity + shift * identity(count)),
             permc_spec="MMD_AT_PLUS_A",

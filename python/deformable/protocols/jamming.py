@@ -14,7 +14,14 @@ from ..common.progress import progress
 from ..common.renamed import former_arguments
 from ..common.validate import expect, positive
 from ..engine.disks import Disks, separated
-from ..engine.relaxed_disks import RelaxedDisks, Report, relax_at_pressure, relax_in_box
+from ..engine.relaxed_disks import (
+    HUGE,
+    RelaxedDisks,
+    Report,
+    relax_at_pressure,
+    relax_in_box,
+    settle_at_pressure,
+)
 from ..engine.shared_disks import relax_on_ranks
 from ..engine.simulation import Simulation
 from ..model.laws import Law, Ring, Sector
@@ -33,6 +40,9 @@ _MANY, _RIGID = 5000, (1e-3, 0.1)
 # Compression only has to tell loose packings from rigid ones: forces on particles may be this part
 # of those of contacts. The pressure is lowered in steps by a factor, each relaxed to a part.
 _ROUGH, _FACTOR, _PART = 0.1, 0.3, 0.1
+
+# HUGE packings settle by damped motion first, in so many steps, at the end to this part.
+_STEPS, _SETTLED = 30_000, 0.01
 
 # Iterations at a pressure before the disks are compressed again, by so many of these steps; the
 # number doubles each time.
@@ -189,6 +199,9 @@ def _decompressed(
     while True:
         applied = max(_FACTOR * applied, pressure)
         part = tolerance if applied == pressure else _PART
+        if len(disks.packing) >= HUGE:
+            settled = max(part, _SETTLED)
+            disks = settle_at_pressure(disks.packing, applied, settled, _STEPS, report)
         disks = relax_at_pressure(disks.packing, applied, part, patience, report)
         if disks.stalled and patience < _LONGEST:
             applied, patience = min(applied / _FACTOR**_BACK, highest), 2 * patience

@@ -9,6 +9,7 @@ from typing import Any
 import deformable
 import numpy as np
 import pytest
+from deformable.engine import relaxed_disks
 from deformable.engine.relaxed_disks import RelaxedDisks, Report, relax_at_pressure, relax_in_box
 from deformable.protocols import jamming
 from deformable.protocols.jamming import natural_pressure, simulate
@@ -232,6 +233,24 @@ def test_clearly_rigid_disks_are_not_relaxed_to_the_end() -> None:
         assert not found.stalled
     assert ends[math.inf][0] <= 1e-3 < ends[0.01][0] <= 1.0
     assert ends[0.01][1] < 0.2 * ends[math.inf][1]
+
+
+@pytest.mark.parametrize("kind", ["species", "particle radii", "walls"])
+def test_huge_packings_settle_by_damped_motion(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Disks keep their order; a tiny tolerance is left to the minimizer."""
+    monkeypatch.setattr(relaxed_disks, "HUGE", 64)
+    monkeypatch.setattr(jamming, "HUGE", 64)
+    packing = deformable.bidisperse(64, seed=1)
+    if kind == "particle radii":
+        packing = deformable.polydisperse(64, np.geomspace(0.2, 1.2, 64), phi=0.3)
+    if kind == "walls":
+        packing = packing.between([deformable.Circle((0, 0), 6)])
+    for tolerance in (0.1, 1e-6):
+        jammed = deformable.jam(packing, pressure=1e-7, tolerance=tolerance)
+        assert np.array_equal(jammed.radius, packing.radius)
+        state = onset(jammed, None)
+        assert state.pressure == pytest.approx(1.4e-7, rel=tolerance)
+        assert state.residual <= 1.5 * tolerance
 
 
 @pytest.mark.parametrize("kind", ["species", "particle radii", "walls"])
