@@ -107,7 +107,7 @@ def jam(
         step: first step of packing fraction.
         tolerance: largest force on a particle over that of a contact at the threshold. Take 1e-6 to
             count contacts, because the weakest ones have small forces. Take 0.1 for 30 000 disks
-            and more: below 0.01 they need hours.
+            and more: below 0.01 they may take hours.
         comm: ranks that share the work; all of them call `jam` with the same packing.
 
     Returns:
