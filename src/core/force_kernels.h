@@ -79,10 +79,10 @@ struct PairArrays {
   float *step;
   double length, unit;
   double *past;    // forces of the last call
-  float *earlier
-      [2];    // what has to be added for those of the call before, and of the one before that
-  float *
-      before;    // the forces before a step; it has the place of earlier[0], which is made anew at the end of a call
+  // what has to be added for those of the call before, and of the one before that
+  float *earlier[2];
+  // the forces before a step, at the place of earlier[0], which is made anew at the end of a call
+  float *before;
 };
 
 constexpr double UNKNOWN_FORCE = -1e300;

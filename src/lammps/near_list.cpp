@@ -136,9 +136,9 @@ void NearList::find_order(const DeformableParticles &p)
   columns.clear();
   if (comm->procgrid[0] == 1 || comm->procgrid[1] > 1 || comm->layout == Comm::LAYOUT_TILED) return;
   const int rings = p.list->inum, *const list = p.list->ilist;
-  std::vector<int> column(atom->nlocal);
+  std::vector<double> column(atom->nlocal);    // also far from the origin
   for (int i = 0; i < atom->nlocal; ++i)
-    column[i] = static_cast<int>((atom->x[i][0] - domain->sublo[0]) / (WIDTH * p.smallest));
+    column[i] = std::floor(atom->x[i][0] / (WIDTH * p.smallest));
   columns.assign(list, list + rings);
   std::stable_sort(columns.begin(), columns.end(),
                    [&](int a, int b) { return column[a] < column[b]; });

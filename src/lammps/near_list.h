@@ -45,8 +45,8 @@ class NearList : protected Pointers {
 
   NearPairs pairs;
   RemoteSides remote_sides;
-  std::vector<double>
-      bulge;    // b of each particle as of the last solution; of ghosts, of the last build
+  // b of each particle as of the last solution; of ghosts, as of the last build
+  std::vector<double> bulge;
 
   // Collects the pairs anew.
   void build(const DeformableParticles &, bool new_list);
