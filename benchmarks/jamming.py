@@ -1,7 +1,7 @@
 """How long does `jam` take for soft disks, from 1000 to 100 000 particles?
 
     python benchmarks/jamming.py [1000 4000 10000] [--seeds 3] [--out FILE]
-    python benchmarks/jamming.py 100000 --seeds 1 --pressure 1e-4 --tolerance 0.1 --out FILE
+    python benchmarks/jamming.py 100000 --seeds 1 --pressure 1e-6 --tolerance 0.1 --out FILE
 
 Bidisperse packings are jammed from random positions at a pressure of 1e-7, until no force exceeds
 1e-6 of a contact force, on one core. Times are processor time. Packings that are in the file are
