@@ -18,7 +18,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
   constexpr int MOST_LISTS = 10;
   if (new_list) {
     near.build(p, true);
-    arrange(p);
+    arrange(p, true);
   } else if (p.radii_vary || p.new_material) {
     set_material(p);
   }
@@ -27,7 +27,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
   if (wrong >= 0) return wrong;
   if (!new_list && !near.is_sufficient(p)) {
     near.build(p, false);
-    arrange(p);
+    arrange(p, false);
     wrong = near.locate(p, in_blocks);
     if (wrong >= 0) return wrong;
   }
@@ -42,7 +42,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
     if (lists < MOST_LISTS && !near.is_sufficient_after(p, growth)) {
       solver.remember();
       near.build(p, false);
-      arrange(p);
+      arrange(p, false);
       near.locate(p, false);
       continue;
     }
@@ -55,10 +55,10 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
 
 /* ---------------------------------------------------------------------- */
 
-void BalancedForces::arrange(const DeformableParticles &p)
+void BalancedForces::arrange(const DeformableParticles &p, bool new_list)
 {
   batches.arrange(near.order(*p.list), p.list->inum, atom->nlocal, near.pairs, atom->tag);
-  solver.arrange(batches, near.pairs);
+  solver.arrange(batches, near.pairs, new_list);
   set_material(p);
 }
 

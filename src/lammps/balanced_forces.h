@@ -85,7 +85,7 @@ class BalancedForces : protected Pointers {
   bool is_balanced = false, warned = false, warned_limited = false;
   std::vector<double> pressure_at, tension_at;    // of the ring of each contact
 
-  void arrange(const DeformableParticles &);
+  void arrange(const DeformableParticles &, bool new_list);
   void set_material(const DeformableParticles &);
   // q - (1/pi) sum L: no direction has a smaller radius of curvature
   double arc_radius_at_least(std::size_t ring, double lengths) const

@@ -51,3 +51,10 @@ deformable::RingBatches BlockLevels::rings(deformable::RingBatches all, int bloc
   all.end = std::min(all.begin + BATCHES, all.end);
   return all;
 }
+
+void BlockLevels::widen(Choice &chosen) const
+{
+  const Choice before = chosen;
+  for (int k = 0; k < count(); ++k)
+    for (int n = first[k]; n < first[k + 1] && before[k]; ++n) chosen[neighbors[n]] = 1;
+}

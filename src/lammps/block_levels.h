@@ -32,11 +32,22 @@ class BlockLevels {
     }
   }
 
-  // work(block, iteration) for all blocks and iterations from 1 to `last`; exchange(iteration) between ranks after each
-  // one but the last.
-  template <class Work, class Exchange> void run(int last, Work &&work, Exchange &&exchange)
+  // Some blocks, or all if it is empty.
+  using Choice = std::vector<char>;
+  // Adds the blocks that have contacts with chosen ones.
+  void widen(Choice &) const;
+  void add_borders(Choice &chosen) const
   {
-    level.assign(level.size(), 0);
+    for (const int k : borders) chosen[k] = 1;
+  }
+  static int of_ring(int ring) { return ring / ForceBatches::BLOCK; }
+
+  // work(block, iteration) for the chosen blocks and iterations from 1 to `last`; exchange(iteration) between ranks after
+  // each one but the last.
+  template <class Work, class Exchange>
+  void run(int last, Work &&work, Exchange &&exchange, const Choice &chosen = {})
+  {
+    for (int k = 0; k < count(); ++k) level[k] = chosen.empty() || chosen[k] ? 0 : last;
     for (int next = 1; next < last; ++next) {
       for (const int k : borders)
         if (level[k] < next) raise(k, work);

@@ -36,10 +36,11 @@ void ForceCorrector::conjugate_gradients(const NearPairs &pairs, ForceBatches &b
     conjugations.push_back(conjugation);
     norm2 = next;
   }
+  are_doubted = false;
   find_bounds(lengths, conjugations);
   // of the logarithm of the error in one iteration; that of Chebyshev's method is for all spectra between the bounds
   constexpr double WORTH = 0.6;
-  if (highest > 0.0 && decay() < WORTH * std::log(1.0 / accuracy) / lengths.size()) forget_bounds();
+  if (highest > 0.0 && decay() < WORTH * std::log(1.0 / accuracy) / lengths.size()) highest = 0.0;
 }
 
 /* ----------------------------------------------------------------------
@@ -81,7 +82,7 @@ void ForceCorrector::find_bounds(const std::vector<double> &lengths,
   int low = 0, high = PARTS;
   while (low < PARTS && below((low + 1) * unit) == 0) ++low;
   while (high > low + 1 && below((high - 1) * unit) == n) --high;
-  lowest = (1.0 - MARGIN) * low * unit;
+  lowest = low * unit;
   highest = (1.0 + MARGIN) * high * unit;
 }
 

@@ -20,14 +20,14 @@ class ForceCorrector {
  public:
   explicit ForceCorrector(const deformable::ForceKernels &kernels) : kernels(kernels) {}
 
-  void forget_bounds() { highest = 0.0; }    // also if contacts are new
+  void doubt_bounds() { are_doubted = true; }    // then conjugate gradients come next
 
   // Returns 0 after conjugate gradients, or the number of iterations that are still to be done. norm2: the sum of
   // w r^2/length^2. In the end the corrections are in `batches.step`.
   int begin(const NearPairs &, ForceBatches &batches, RemoteSides &, const deformable::PairArrays &,
             double norm2, double accuracy);
 
-  bool knows_bounds() const { return highest > 0.0; }
+  bool knows_bounds() const { return highest > 0.0 && !are_doubted; }
   int plan(double accuracy);    // the same without conjugate gradients
 
   // r x of all pairs cannot be larger within the bounds, but for what steps do to pairs that open or close.
@@ -41,6 +41,7 @@ class ForceCorrector {
   const deformable::ForceKernels &kernels;
   // bounds of the eigenvalues of C, with the weights; unknown if highest = 0
   double lowest = 0.0, highest = 0.0;
+  bool are_doubted = false;
   std::vector<double> lengths, conjugations;    // of each iteration
 
   void conjugate_gradients(const NearPairs &, ForceBatches &, RemoteSides &,

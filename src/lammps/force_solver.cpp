@@ -47,10 +47,10 @@ void ForceSolver::make_room()
     if (v->size() != one_more) v->assign(one_more, 0.0F);
 }
 
-void ForceSolver::arrange(const ForceBatches &b, const NearPairs &p)
+void ForceSolver::arrange(const ForceBatches &b, const NearPairs &p, bool new_list)
 {
   blocks.arrange(b, p);
-  corrector.forget_bounds();
+  if (new_list) corrector.doubt_bounds();
 }
 
 /* ---------------------------------------------------------------------- */
@@ -70,8 +70,9 @@ bool ForceSolver::solve(RemoteSides &r)
   if (!first_solution) --evaluations;    // of the same forces as the last one
   const bool minimizing = update->whichflag == 2;
   Evaluation now;
-  if (unlocated && consecutive_calls == 3 && needs_correction && !minimizing &&
-      corrector.knows_bounds()) {
+  const bool in_one = unlocated && consecutive_calls == 3 && needs_correction && !minimizing &&
+                      corrector.knows_bounds();
+  if (in_one) {
     now = evaluate_and_correct();
   } else {
     now = first_evaluation = evaluate();
@@ -93,11 +94,17 @@ bool ForceSolver::solve(RemoteSides &r)
   must_correct |= first_solution && minimizing;
   needs_correction = first_evaluation.forces > target * first_evaluation.largest;
   first_solution = false;
+  local_corrections = 0;
+  const double left = now.forces / first_evaluation.forces;
+  bool all_were_corrected = false;
   while (!is_balanced(now) && evaluations < max_evaluations && std::isfinite(now.largest)) {
+    if (correct_some(now)) continue;
+    all_were_corrected = true;
     now = correct(now);
     // forces that were extrapolated too far may lead to rings that do not exist
     if (!now.exists && !anew && evaluations < max_evaluations) begin_anew();
   }
+  if (in_one && left >= 0.0) learn_from_first(left, all_were_corrected);
   if (p.tilts && !now.knows_torques) now.torques = find_torques();
   if (p.tilts) tilts.remember(p);
   imbalance = now.relative();
@@ -105,10 +112,10 @@ bool ForceSolver::solve(RemoteSides &r)
 }
 
 // Along the last step, from this part of it to that one. Single precision has the smaller one of two numbers well.
-void ForceSolver::move(double from, double to)
+void ForceSolver::move(double from, double to, int begin, int end)
 {
   const PairArrays loop = arrays();
-  for (int k = 0; k < pairs->size; ++k) {
+  for (int k = begin; k < end; ++k) {
     const double before = loop.before[k], change = loop.step[k], force = loop.force[k];
     const bool is_small = std::fabs(change) < before;
     const double moved = is_small    ? force + (to - from) * change * loop.unit
@@ -164,7 +171,7 @@ ForceSolver::Evaluation ForceSolver::accept(Evaluation now, const Evaluation &fr
   if (iterated) {
     const double most = corrector.largest_slope(from.norm2) * pairs->length * pairs->unit();
     if (!(now.slope > 0.0 && now.slope <= most)) {    // outside of the bounds iterations diverge
-      corrector.forget_bounds();
+      corrector.doubt_bounds();
       move(1.0, 0.0);
       return evaluate();
     }
@@ -188,7 +195,7 @@ ForceSolver::Evaluation ForceSolver::accept(Evaluation now, const Evaluation &fr
 ForceSolver::Evaluation ForceSolver::evaluate_and_correct()
 {
   evaluations = 1;
-  const int corrections = corrector.plan(accuracy_of(first_evaluation));
+  const int corrections = corrector.plan(accuracy_of_first());
   std::vector<Stage> stages = {Stage::LOCATE, Stage::SHAPE, Stage::LOOK};
   stages.insert(stages.end(), corrections, Stage::CORRECT);
   const Stage shape = shape_after(first_evaluation);
@@ -259,36 +266,6 @@ template <class Sum> double ForceSolver::sum_over_pairs(Sum &&sum) const
 }
 
 /* ----------------------------------------------------------------------
-   Newton's method squares its relative error in each step: its direction need
-   not be better than that, nor than the tolerance. The first step finds which
-   contacts open or close: more accuracy is lost on those.
-------------------------------------------------------------------------- */
-
-double ForceSolver::accuracy_of(const Evaluation &from) const
-{
-  constexpr double COARSE = 0.03, FIRST = 0.003, MARGIN = 0.3, SQUARE = 10.0;
-  // of r, times the mean weight
-  const double typical = std::sqrt(from.norm2 * from.weights) / pairs_of_all * pairs->unit();
-  const double most = evaluations == 1 ? FIRST : SQUARE * typical / from.largest;
-  return std::min(COARSE, std::max(MARGIN * target * from.largest / from.forces, most));
-}
-
-// Returns how many iterations are left to do, in run.
-int ForceSolver::begin_corrections(const Evaluation &from)
-{
-  if (from.norm2 > 0.0)
-    return corrector.begin(*pairs, *batches, *remote, arrays(), from.norm2, accuracy_of(from));
-  std::fill(batches->step.begin(), batches->step.end(), 0.0F);
-  return 0;
-}
-
-ForceSolver::Stage ForceSolver::shape_after(const Evaluation &from) const
-{
-  constexpr double SMALL_STEP = 1e3;
-  return from.forces <= SMALL_STEP * target * from.largest ? Stage::ADAPT : Stage::SHAPE;
-}
-
-/* ----------------------------------------------------------------------
    The dual energy is concave along the step. A step that is much too long
    has a negative slope at its end, and the search looks for the place where
    the slope vanishes. What single precision leaves of a small step is far
@@ -305,7 +282,7 @@ ForceSolver::Evaluation ForceSolver::line_search(Evaluation now, const Evaluatio
   for (;;) {
     const double good = std::max((turned ? NO_WORSE : BETTER) * imbalance, target * now.largest);
     if (now.exists && now.forces <= good) return now;
-    corrector.forget_bounds();
+    corrector.doubt_bounds();
     double here = -std::numeric_limits<double>::infinity();
     if (now.exists)
       here = sum_over_pairs(

@@ -53,7 +53,7 @@ class ForceSolver : protected Pointers {
   int evaluations = 0;
   double imbalance = 0.0;    // the largest of a pair, over the largest force
 
-  void arrange(const ForceBatches &, const NearPairs &);    // contacts are new
+  void arrange(const ForceBatches &, const NearPairs &, bool new_list);    // contacts are new
 
   // A new force call: forces continue those of the last calls. If places are given, `solve` itself finds distances and
   // directions of the pairs of two particles of this rank, block by block.
@@ -93,6 +93,7 @@ class ForceSolver : protected Pointers {
  private:
   struct Evaluation {
     double forces = 0.0, largest = 0.0;    // imbalance, force
+    double usual = 0.0;                    // imbalance, but for that of a few blocks
     double norm2 = 0.0, weights = 0.0;     // see Residuals
     double slope = 0.0;                    // of the dual energy along the step, where it began
     bool exists = false;                   // every ring has a shape
@@ -115,7 +116,8 @@ class ForceSolver : protected Pointers {
   const deformable::PairPlaces *unlocated = nullptr;    // of pairs that are to be located
   bool is_apart = true;                                 // lines of this rank
   void make_room();
-  void move(double from, double to);
+  void move(double from, double to) { move(from, to, 0, pairs->size); }
+  void move(double from, double to, int begin, int end);
 
   bigint last_step = -2;
   int consecutive_calls = 0;     // at successive steps before this one, up to 3
@@ -133,25 +135,35 @@ class ForceSolver : protected Pointers {
   double find_torques();
   int begin_corrections(const Evaluation &);
   double accuracy_of(const Evaluation &) const;
+  double coarse = 0.003;    // accuracy of the first correction of a call
+  int tries_coarse = 0;     // calls that still use it
+  double accuracy_of_first() const;
+  void learn_from_first(double left, bool all_were_corrected);
   bool is_balanced(Evaluation &);
   Evaluation correct(const Evaluation &);
+  bool correct_some(Evaluation &);
+  void hold_others(const BlockLevels::Choice &);
   Evaluation accept(Evaluation now, const Evaluation &from, bool iterated, bool turns);
   Evaluation line_search(Evaluation now, const Evaluation &from, bool turned);
 
   // What a run through the blocks may do: places and first forces of the pairs, new shapes of the rings, what is left of
   // overlaps then; an iteration of the corrector, the step of all forces, and shapes after a small one.
   enum class Stage { LOCATE, SHAPE, LOOK, CORRECT, STEP, ADAPT };
-  Evaluation run(const std::vector<Stage> &, Evaluation *before = nullptr);
+  Evaluation run(const std::vector<Stage> &, Evaluation *before = nullptr,
+                 const BlockLevels::Choice & = {});
   Evaluation sum_up(int first, bool exist) const;
   Stage shape_after(const Evaluation &) const;
   struct OfBlock : deformable::Residuals {
+    double shared_error = 0.0;    // of pairs that two ranks share
     double slope = 0.0;
   };
   // of this call; until it has one, of the last call: its correction is planned from that
   Evaluation first_evaluation;
   bool needs_correction = false;
+  int local_corrections = 0;    // of this call
   BlockLevels blocks;
   std::vector<OfBlock> of_blocks;
+  mutable std::vector<double> errors;    // of the blocks
 
   template <class Sum> double sum_over_pairs(Sum &&sum) const;
 };

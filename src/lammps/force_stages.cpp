@@ -18,8 +18,10 @@ ForceSolver::Evaluation ForceSolver::evaluate()
   return run(stages);
 }
 
-// Returns what the last stage LOOK has found; the one before it, unless null.
-ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evaluation *before)
+// Returns what the last stage LOOK has found in all blocks; the one before it, unless null. If only some blocks are chosen,
+// ranks exchange nothing.
+ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evaluation *before,
+                                         const BlockLevels::Choice &chosen)
 {
   batches->clear_none();
   const deformable::RingBatches rings = batches->arrays();
@@ -29,7 +31,9 @@ ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evalu
       static_cast<int>(std::count(stages.begin(), stages.end(), Stage::CORRECT));
   const int first = static_cast<int>(std::find(stages.begin(), stages.end(), Stage::CORRECT) -
                                      stages.begin());    // from 0; stages count from 1
-  of_blocks.assign((before ? 2 : 1) * blocks.count(), {});
+  of_blocks.resize((before ? 2 : 1) * blocks.count());
+  for (std::size_t block = 0; block < of_blocks.size(); ++block)
+    if (chosen.empty() || chosen[block]) of_blocks[block] = {};
   bool exist = true;
   blocks.run(
       last,
@@ -59,6 +63,7 @@ ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evalu
             blocks.for_pairs(block, [&](int a, int z, double part) {
               const deformable::Residuals r = kernels.find_residuals(loop, a, z);
               found.error = std::max(found.error, r.error);
+              if (part < 1.0) found.shared_error = std::max(found.shared_error, r.error);
               found.force = std::max(found.force, r.force);
               found.left = std::max(found.left, r.left);
               found.norm2 += part * r.norm2;
@@ -67,6 +72,7 @@ ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evalu
         }
       },
       [&](int stage) {
+        if (!chosen.empty()) return;
         const int *const side = pairs->side[0].data() + pairs->remote;
         const Stage done = stages[stage - 1];
         if (done == Stage::CORRECT && stage < first + corrections)
@@ -74,7 +80,8 @@ ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evalu
         else if (done == Stage::SHAPE || done == Stage::ADAPT)
           remote->exchange(side, batches->contacts, batches->indentation.data(),
                            batches->compliance.data());
-      });
+      },
+      chosen);
   if (stages.back() == Stage::LOOK) ++evaluations;
   if (before) *before = sum_up(blocks.count(), true);
   return sum_up(0, exist);
@@ -83,9 +90,12 @@ ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evalu
 // What the blocks have found, from this place on.
 ForceSolver::Evaluation ForceSolver::sum_up(int first, bool exist) const
 {
-  double largest[4] = {0.0, 0.0, 0.0, exist ? 0.0 : 1.0}, sum[3] = {0.0, 0.0, 0.0};
+  constexpr double FEW = 0.02;
+  double largest[5] = {0.0, 0.0, 0.0, exist ? 0.0 : 1.0, 0.0}, sum[3] = {0.0, 0.0, 0.0};
+  errors.clear();
   for (int block = 0; block < blocks.count(); ++block) {
     const OfBlock &found = of_blocks[first + block];
+    errors.push_back(found.error);
     largest[0] = std::max(largest[0], found.error);
     largest[1] = std::max(largest[1], found.force);
     largest[2] = std::max(largest[2], found.left);
@@ -93,8 +103,13 @@ ForceSolver::Evaluation ForceSolver::sum_up(int first, bool exist) const
     sum[1] += found.weights;
     sum[2] += found.slope;
   }
+  if (!errors.empty()) {
+    const auto usual = errors.end() - 1 - static_cast<int>(FEW * errors.size());
+    std::nth_element(errors.begin(), usual, errors.end());
+    largest[4] = *usual;
+  }
   if (comm->nprocs > 1) {
-    MPI_Allreduce(MPI_IN_PLACE, largest, 4, MPI_DOUBLE, MPI_MAX, world);
+    MPI_Allreduce(MPI_IN_PLACE, largest, 5, MPI_DOUBLE, MPI_MAX, world);
     MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPI_DOUBLE, MPI_SUM, world);
   }
   // Overlaps are not known better than this.
@@ -103,6 +118,7 @@ ForceSolver::Evaluation ForceSolver::sum_up(int first, bool exist) const
   now.forces = largest[2] <= ROUNDING ? 0.0 : largest[0];
   now.largest = std::max(largest[1], std::isinf(largest[2]) ? largest[2] : 0.0);
   now.exists = largest[3] == 0.0 && std::isfinite(now.largest);
+  now.usual = largest[4];
   now.norm2 = sum[0];
   now.weights = sum[1];
   now.slope = sum[2];

@@ -1,0 +1,66 @@
+// How accurate the corrections of the forces have to be, and how the rings take their new shapes.
+
+#include "force_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+
+/* ----------------------------------------------------------------------
+   Newton's method squares its relative error in each step: its direction need
+   not be better than that, nor than the tolerance.
+------------------------------------------------------------------------- */
+
+static constexpr double COARSE = 0.1, MARGIN = 0.7;    // of corrections
+
+double ForceSolver::accuracy_of(const Evaluation &from) const
+{
+  constexpr double SQUARE = 10.0;
+  // of r, times the mean weight
+  const double typical = std::sqrt(from.norm2 * from.weights) / pairs_of_all * pairs->unit();
+  const double most = SQUARE * typical / from.largest;
+  return std::min(COARSE, std::max(MARGIN * target * from.largest / from.forces, most));
+}
+
+/* ----------------------------------------------------------------------
+   The first step of a call finds which contacts open or close, and leaves more
+   where they do. One step is enough but for a few blocks (correct_some) if it
+   brings what is usual below the tolerance. Where contacts change everywhere
+   that fails: then all take a second step, and the first one need not be much
+   better than what it leaves anyway.
+------------------------------------------------------------------------- */
+
+double ForceSolver::accuracy_of_first() const
+{
+  constexpr double FINE = 1e-4;
+  const double least = tries_coarse > 0 ? coarse : FINE;
+  return std::min(
+      COARSE, std::max(MARGIN * target * first_evaluation.largest / first_evaluation.usual, least));
+}
+
+void ForceSolver::learn_from_first(double left, bool all_were_corrected)
+{
+  constexpr double LEAST = 1e-3, MOST = 0.01, WORSE = 2.5;
+  constexpr int TRIES = 16;
+  if (tries_coarse > 0)
+    --tries_coarse;
+  else if (all_were_corrected)
+    tries_coarse = TRIES;
+  coarse = std::clamp(WORSE * left, LEAST, MOST);
+}
+
+// Returns how many iterations are left to do, in run.
+int ForceSolver::begin_corrections(const Evaluation &from)
+{
+  if (from.norm2 > 0.0)
+    return corrector.begin(*pairs, *batches, *remote, arrays(), from.norm2, accuracy_of(from));
+  std::fill(batches->step.begin(), batches->step.end(), 0.0F);
+  return 0;
+}
+
+ForceSolver::Stage ForceSolver::shape_after(const Evaluation &from) const
+{
+  constexpr double SMALL_STEP = 3e4;
+  return from.forces <= SMALL_STEP * target * from.largest ? Stage::ADAPT : Stage::SHAPE;
+}

@@ -1,0 +1,79 @@
+// Corrections of the forces only where they are not balanced.
+//
+// Where a contact opens or closes, or a ring bears hardly anything, the imbalance is many times that of all others. What
+// corrects it decays within a few rings. So the blocks of such pairs and their neighbors are corrected on their own, with
+// the forces on all others held.
+
+#include "force_solver.h"
+
+#include "comm.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+
+// False: all have to be corrected. The state may be another one then too.
+bool ForceSolver::correct_some(Evaluation &now)
+{
+  constexpr double FEW = 0.25, NO_WORSE = 2.0;
+  constexpr int OFTEN = 4;
+  const double limit = target * now.largest;
+  if (local_corrections == OFTEN || !corrector.knows_bounds() || pairs->tilts || !now.exists ||
+      now.forces <= limit)
+    return false;
+  BlockLevels::Choice chosen(blocks.count());
+  bool are_shared = false;
+  for (int k = 0; k < blocks.count(); ++k) {
+    chosen[k] = of_blocks[k].error > limit;
+    are_shared |= of_blocks[k].shared_error > limit;
+  }
+  blocks.widen(chosen);
+  int many = are_shared || std::count(chosen.begin(), chosen.end(), 1) > FEW * blocks.count();
+  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &many, 1, MPI_INT, MPI_MAX, world);
+  if (many) return false;
+
+  ++local_corrections;
+  const Evaluation from = now;
+  hold_others(chosen);
+  for (OfBlock &of : of_blocks) of.slope = 0.0;
+  std::vector<Stage> stages(corrector.plan(accuracy_of(from)), Stage::CORRECT);
+  stages.insert(stages.end(), {Stage::STEP, shape_after(from)});
+  const Evaluation stepped = run(stages, nullptr, chosen);
+  remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
+                   batches->indentation.data(), batches->compliance.data());
+  BlockLevels::Choice seen = chosen;
+  blocks.widen(seen);
+  blocks.add_borders(seen);
+  now = run({Stage::LOOK}, nullptr, seen);
+  now.exists &= stepped.exists;
+  const double most = corrector.largest_slope(from.norm2) * pairs->length * pairs->unit();
+  if (now.exists && stepped.slope > 0.0 && stepped.slope <= most &&
+      now.forces <= NO_WORSE * from.forces)
+    return true;
+  for (int block = 0; block < blocks.count(); ++block)
+    if (chosen[block])
+      blocks.for_pairs(block, [this](int begin, int end, double) { move(1.0, 0.0, begin, end); });
+  now = evaluate();
+  local_corrections = OFTEN;
+  return false;
+}
+
+// Pairs with rings of other blocks, also of other ranks, take no part.
+void ForceSolver::hold_others(const BlockLevels::Choice &chosen)
+{
+  const NearPairs &p = *pairs;
+  const deformable::RingBatches all = batches->arrays();
+  for (int block = 0; block < blocks.count(); ++block) {
+    if (!chosen[block]) continue;
+    const deformable::RingBatches here = BlockLevels::rings(all, block);
+    for (int c = here.first[here.begin]; c < here.first[here.end]; ++c) {
+      const int k = batches->seat[c] >> 1;
+      if (k >= p.wall) continue;
+      const int other = batches->seat[c] & 1 ? p.i[k] : p.second(k);
+      if (other >= 0 && chosen[BlockLevels::of_ring(batches->place[other])]) continue;
+      residual[k] = step[k] = 0.0F;
+      weight[k] = -std::fabs(weight[k]);
+    }
+  }
+}
