@@ -34,6 +34,7 @@ void ForceSolver::begin_call(NearPairs &p, ForceBatches &b, const deformable::Pa
   if (p.tilts) LineTilts::predict(p, c);
   evaluations = 0;
   first_solution = true;
+  is_remembered = false;
   is_apart = true;
   unlocated = places;
 }
@@ -75,13 +76,20 @@ bool ForceSolver::solve(RemoteSides &r)
   if (in_one) {
     now = evaluate_and_correct();
   } else {
-    now = first_evaluation = evaluate();
+    now = evaluate();
+    if (first_solution) first_evaluation = now;
     unlocated = nullptr;
   }
   if (!is_apart) return false;
   bool anew = false;
+  // steps need the memory of what the forces of the last call were
+  const auto forget = [this] {
+    if (is_remembered) consecutive_calls = 0;
+    is_remembered = false;
+  };
   const auto begin_anew = [&] {
     anew = true;
+    forget();
     std::fill(p.force.begin(), p.force.end(), 0.0);
     now = evaluate();
   };
@@ -98,6 +106,7 @@ bool ForceSolver::solve(RemoteSides &r)
   const double left = now.forces / first_evaluation.forces;
   bool all_were_corrected = false;
   while (!is_balanced(now) && evaluations < max_evaluations && std::isfinite(now.largest)) {
+    forget();
     if (correct_some(now)) continue;
     all_were_corrected = true;
     now = correct(now);

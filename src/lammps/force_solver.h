@@ -65,7 +65,7 @@ class ForceSolver : protected Pointers {
   void remember()
   {
     kernels.remember(arrays(), 0, pairs->size);
-    consecutive_calls = 0;    // what the forces of the last call were is lost
+    is_remembered = true;
   }
 
   // All contact lines lie between the centers. Otherwise there is no solution.
@@ -79,7 +79,10 @@ class ForceSolver : protected Pointers {
       if (stage == 1 && !pairs->tilts)    // those have slopes
         kernels.slopes(BlockLevels::rings(rings, block), pairs->directions(), nullptr);
       blocks.for_pairs(block, [&](int a, int z, double) {
-        stage == 1 ? kernels.remember(arrays(), a, z) : act(a, z);
+        if (stage == 2)
+          act(a, z);
+        else if (!is_remembered)
+          kernels.remember(arrays(), a, z);
       });
     };
     blocks.run(2, work, [](int) {});
@@ -122,6 +125,7 @@ class ForceSolver : protected Pointers {
   bigint last_step = -2;
   int consecutive_calls = 0;     // at successive steps before this one, up to 3
   bool first_solution = true;    // of this call
+  bool is_remembered = false;    // the present forces are the past ones
   static constexpr double LOOSE =
       1e-7;    // larger tolerances leave errors that matter for predictions
   bool must_correct = false;
