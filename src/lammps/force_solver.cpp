@@ -100,7 +100,7 @@ bool ForceSolver::solve(RemoteSides &r)
   if (first_solution)
     target = minimizing ? std::max(tolerance, TENTH * std::min(now.relative(), 1.0)) : tolerance;
   must_correct |= first_solution && minimizing;
-  needs_correction = first_evaluation.forces > target * first_evaluation.largest;
+  needs_correction = first_evaluation.usual > target * first_evaluation.largest;
   first_solution = false;
   local_corrections = 0;
   const double left = now.forces / first_evaluation.forces;
