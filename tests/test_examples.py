@@ -99,12 +99,13 @@ def test_hexagon(tree):
     assert len(a) == 11
     # The default tolerance, 1e-8, is about a force that changes alone: da = G(0)/p df, with
     # G(0) = 3/(4 pi). All six together have da = a/(3 f) df, with p = k a^2, so they may be off by
-    # more. The deficit is in proportion to f^(2/3), the energy is off by the square.
+    # more. The deficit is in proportion to f^(2/3), the energy is off by the square, and by the
+    # rounding of steps that are small, up to 1e4 tolerances, in single precision.
     together = 1e-8 * k * 0.75 / np.pi
     for found, exact, error in (
         (deficit, k * a**2, 2 / 3 * together),
         (force, k**2 * a**3 / 3, together),
-        (energy, k**2 * a**4 / 2, 1e-12),
+        (energy, k**2 * a**4 / 2, 1e4 * 1e-8 * 2.0**-24),
     ):
         assert np.abs(found - exact).max() < error * np.abs(exact).max()
 

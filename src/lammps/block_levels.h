@@ -32,7 +32,6 @@ class BlockLevels {
     }
   }
 
-  // Some blocks, or all if it is empty.
   using Choice = std::vector<char>;
   // Adds the blocks that have contacts with chosen ones.
   void widen(Choice &) const;
@@ -42,12 +41,12 @@ class BlockLevels {
   }
   static int of_ring(int ring) { return ring / ForceBatches::BLOCK; }
 
-  // work(block, iteration) for the chosen blocks and iterations from 1 to `last`; exchange(iteration) between ranks after
+  // work(block, iteration) for the chosen blocks, all if it is null, and iterations from 1 to `last`; exchange(iteration) between ranks after
   // each one but the last.
   template <class Work, class Exchange>
-  void run(int last, Work &&work, Exchange &&exchange, const Choice &chosen = {})
+  void run(int last, Work &&work, Exchange &&exchange, const Choice *chosen = nullptr)
   {
-    for (int k = 0; k < count(); ++k) level[k] = chosen.empty() || chosen[k] ? 0 : last;
+    for (int k = 0; k < count(); ++k) level[k] = !chosen || (*chosen)[k] ? 0 : last;
     for (int next = 1; next < last; ++next) {
       for (const int k : borders)
         if (level[k] < next) raise(k, work);

@@ -12,7 +12,7 @@ using namespace LAMMPS_NS;
    not be better than that, nor than the tolerance.
 ------------------------------------------------------------------------- */
 
-static constexpr double COARSE = 0.1, MARGIN = 0.7;    // of corrections
+static constexpr double COARSE = 0.1, MARGIN = 0.5;    // of corrections
 
 double ForceSolver::accuracy_of(const Evaluation &from) const
 {
@@ -59,8 +59,9 @@ int ForceSolver::begin_corrections(const Evaluation &from)
   return 0;
 }
 
+// New shapes from small steps have the rounding of single precision, a part of the step: 6e-4 of the tolerance at most.
 ForceSolver::Stage ForceSolver::shape_after(const Evaluation &from) const
 {
-  constexpr double SMALL_STEP = 3e4;
+  constexpr double SMALL_STEP = 1e4;
   return from.forces <= SMALL_STEP * target * from.largest ? Stage::ADAPT : Stage::SHAPE;
 }

@@ -154,7 +154,7 @@ class ForceSolver : protected Pointers {
   // overlaps then; an iteration of the corrector, the step of all forces, and shapes after a small one.
   enum class Stage { LOCATE, SHAPE, LOOK, CORRECT, STEP, ADAPT };
   Evaluation run(const std::vector<Stage> &, Evaluation *before = nullptr,
-                 const BlockLevels::Choice & = {});
+                 const BlockLevels::Choice * = nullptr);
   Evaluation sum_up(int first, bool exist) const;
   Stage shape_after(const Evaluation &) const;
   struct OfBlock : deformable::Residuals {

@@ -21,7 +21,7 @@ ForceSolver::Evaluation ForceSolver::evaluate()
 // Returns what the last stage LOOK has found in all blocks; the one before it, unless null. If only some blocks are chosen,
 // ranks exchange nothing.
 ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evaluation *before,
-                                         const BlockLevels::Choice &chosen)
+                                         const BlockLevels::Choice *chosen)
 {
   batches->clear_none();
   const deformable::RingBatches rings = batches->arrays();
@@ -33,7 +33,7 @@ ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evalu
                                      stages.begin());    // from 0; stages count from 1
   of_blocks.resize((before ? 2 : 1) * blocks.count());
   for (std::size_t block = 0; block < of_blocks.size(); ++block)
-    if (chosen.empty() || chosen[block]) of_blocks[block] = {};
+    if (!chosen || (*chosen)[block]) of_blocks[block] = {};
   bool exist = true;
   blocks.run(
       last,
@@ -72,7 +72,7 @@ ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evalu
         }
       },
       [&](int stage) {
-        if (!chosen.empty()) return;
+        if (chosen) return;
         const int *const side = pairs->side[0].data() + pairs->remote;
         const Stage done = stages[stage - 1];
         if (done == Stage::CORRECT && stage < first + corrections)

@@ -39,13 +39,13 @@ bool ForceSolver::correct_some(Evaluation &now)
   for (OfBlock &of : of_blocks) of.slope = 0.0;
   std::vector<Stage> stages(corrector.plan(accuracy_of(from)), Stage::CORRECT);
   stages.insert(stages.end(), {Stage::STEP, shape_after(from)});
-  const Evaluation stepped = run(stages, nullptr, chosen);
+  const Evaluation stepped = run(stages, nullptr, &chosen);
   remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts,
                    batches->indentation.data(), batches->compliance.data());
   BlockLevels::Choice seen = chosen;
   blocks.widen(seen);
   blocks.add_borders(seen);
-  now = run({Stage::LOOK}, nullptr, seen);
+  now = run({Stage::LOOK}, nullptr, &seen);
   now.exists &= stepped.exists;
   const double most = corrector.largest_slope(from.norm2) * pairs->length * pairs->unit();
   if (now.exists && stepped.slope > 0.0 && stepped.slope <= most &&
@@ -59,7 +59,8 @@ bool ForceSolver::correct_some(Evaluation &now)
   return false;
 }
 
-// Pairs with rings of other blocks, also of other ranks, take no part.
+// Pairs with rings of other blocks, also of other ranks, take no part: no step changes them, and the products of the other
+// rings, which nobody finds, vanish.
 void ForceSolver::hold_others(const BlockLevels::Choice &chosen)
 {
   const NearPairs &p = *pairs;
@@ -74,6 +75,8 @@ void ForceSolver::hold_others(const BlockLevels::Choice &chosen)
       if (other >= 0 && chosen[BlockLevels::of_ring(batches->place[other])]) continue;
       residual[k] = step[k] = 0.0F;
       weight[k] = -std::fabs(weight[k]);
+      for (float *of : {ForceCorrector::products(all, 0), ForceCorrector::products(all, 1)})
+        of[batches->partner[c]] = 0.0F;
     }
   }
 }

@@ -60,12 +60,14 @@ def test_unknown_level(monkeypatch):
 
 @pytest.mark.parametrize("kP", [np.inf, 0.1])
 @pytest.mark.parametrize(
-    ("contact", "number", "accuracy"), [("radical", 256, 1e-11), ("balanced", 600, 1e-7)]
+    ("contact", "number", "accuracy"), [("radical", 256, 1e-11), ("balanced", 600, 4e-7)]
 )
 def test_forces_in_motion(contact, number, accuracy, kP):
     """Particles lose and find contacts between two neighbor lists: their first guess is that of
     the step before, also if no contact is left. Forces are those of a fresh start; balanced ones,
-    in three blocks of particles, up to their tolerance of 1e-8 and how stiff contacts are together.
+    in three blocks of particles, up to their tolerance, 1e-8 of the largest contact force for a
+    contact that changes alone. Contacts are up to 7 times as soft together (the least eigenvalue is
+    0.15), and a particle has 6 of them.
     """
     packing = deformable.jam(deformable.bidisperse(number, seed=1)).at(0.9)
     law = deformable.Ring(contact=contact, kP=kP)
@@ -84,4 +86,5 @@ def test_forces_in_motion(contact, number, accuracy, kP):
             still.lmp.scatter("x", 1, 3, np.ctypeslib.as_ctypes(x.ravel()))
             still.lmp.command("run 0 post no")
             found, expected = gather(moving.lmp, "f", 3), gather(still.lmp, "f", 3)
-            assert found == pytest.approx(expected, rel=0, abs=accuracy * np.abs(expected).max())
+            largest = still.state().contact_table["force"].max()
+            assert found == pytest.approx(expected, rel=0, abs=accuracy * largest)
