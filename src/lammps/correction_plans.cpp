@@ -9,10 +9,11 @@ using namespace LAMMPS_NS;
 
 /* ----------------------------------------------------------------------
    Newton's method squares its relative error in each step: its direction need
-   not be better than that, nor than the tolerance.
+   not be better than that, nor much better than the tolerance. The margin is
+   for the energy: over 1e6 steps its drift is in proportion to what is left.
 ------------------------------------------------------------------------- */
 
-static constexpr double COARSE = 0.1, MARGIN = 0.5;    // of corrections
+static constexpr double COARSE = 0.1, MARGIN = 0.1;    // of corrections
 
 double ForceSolver::accuracy_of(const Evaluation &from) const
 {
