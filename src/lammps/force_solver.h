@@ -158,7 +158,6 @@ class ForceSolver : protected Pointers {
   Evaluation sum_up(int first, bool exist) const;
   Stage shape_after(const Evaluation &) const;
   struct OfBlock : deformable::Residuals {
-    double shared_error = 0.0;    // of pairs that two ranks share
     double slope = 0.0;
   };
   // of this call; until it has one, of the last call: its correction is planned from that

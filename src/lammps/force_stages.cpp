@@ -19,7 +19,7 @@ ForceSolver::Evaluation ForceSolver::evaluate()
 }
 
 // Returns what the last stage LOOK has found in all blocks; the one before it, unless null. If only some blocks are chosen,
-// ranks exchange nothing.
+// the others stay as they are.
 ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evaluation *before,
                                          const BlockLevels::Choice *chosen)
 {
@@ -63,7 +63,6 @@ ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evalu
             blocks.for_pairs(block, [&](int a, int z, double part) {
               const deformable::Residuals r = kernels.find_residuals(loop, a, z);
               found.error = std::max(found.error, r.error);
-              if (part < 1.0) found.shared_error = std::max(found.shared_error, r.error);
               found.force = std::max(found.force, r.force);
               found.left = std::max(found.left, r.left);
               found.norm2 += part * r.norm2;
@@ -72,7 +71,6 @@ ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evalu
         }
       },
       [&](int stage) {
-        if (chosen) return;
         const int *const side = pairs->side[0].data() + pairs->remote;
         const Stage done = stages[stage - 1];
         if (done == Stage::CORRECT && stage < first + corrections)

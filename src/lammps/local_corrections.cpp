@@ -23,13 +23,9 @@ bool ForceSolver::correct_some(Evaluation &now)
       now.forces <= limit)
     return false;
   BlockLevels::Choice chosen(blocks.count());
-  bool are_shared = false;
-  for (int k = 0; k < blocks.count(); ++k) {
-    chosen[k] = of_blocks[k].error > limit;
-    are_shared |= of_blocks[k].shared_error > limit;
-  }
+  for (int k = 0; k < blocks.count(); ++k) chosen[k] = of_blocks[k].error > limit;
   blocks.widen(chosen);
-  int many = are_shared || std::count(chosen.begin(), chosen.end(), 1) > FEW * blocks.count();
+  int many = std::count(chosen.begin(), chosen.end(), 1) > FEW * blocks.count();
   if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &many, 1, MPI_INT, MPI_MAX, world);
   if (many) return false;
 
@@ -59,24 +55,38 @@ bool ForceSolver::correct_some(Evaluation &now)
   return false;
 }
 
-// Pairs with rings of other blocks, also of other ranks, take no part: no step changes them, and the products of the other
-// rings, which nobody finds, vanish.
+// Pairs with rings of other blocks take no part: no step changes them, and the products of the other rings, which nobody
+// finds, vanish.
 void ForceSolver::hold_others(const BlockLevels::Choice &chosen)
 {
   const NearPairs &p = *pairs;
+  const ForceBatches &b = *batches;
   const deformable::RingBatches all = batches->arrays();
+  const auto is_chosen = [&](int particle) {
+    return chosen[BlockLevels::of_ring(b.place[particle])] != 0;
+  };
+  const auto drop_product = [&](int contact) {
+    for (const int k : {0, 1}) ForceCorrector::products(all, k)[contact] = 0.0F;
+  };
+  // of other ranks, as their contacts
+  std::vector<double> are_chosen(b.indentation.size());
+  const int *const side = p.side[0].data();
+  for (int k = p.remote; k < p.wall; ++k) are_chosen[side[k]] = is_chosen(p.i[k]);
+  remote->exchange(side + p.remote, b.contacts, are_chosen.data());
+  for (int k = p.remote; k < p.wall; ++k)
+    if (!is_chosen(p.i[k])) drop_product(side[k]);
   for (int block = 0; block < blocks.count(); ++block) {
     if (!chosen[block]) continue;
     const deformable::RingBatches here = BlockLevels::rings(all, block);
     for (int c = here.first[here.begin]; c < here.first[here.end]; ++c) {
-      const int k = batches->seat[c] >> 1;
+      const int k = b.seat[c] >> 1;
       if (k >= p.wall) continue;
-      const int other = batches->seat[c] & 1 ? p.i[k] : p.second(k);
-      if (other >= 0 && chosen[BlockLevels::of_ring(batches->place[other])]) continue;
+      if (k >= p.remote ? are_chosen[b.partner[c]] != 0.0
+                        : is_chosen(b.seat[c] & 1 ? p.i[k] : p.second(k)))
+        continue;
       residual[k] = step[k] = 0.0F;
       weight[k] = -std::fabs(weight[k]);
-      for (float *of : {ForceCorrector::products(all, 0), ForceCorrector::products(all, 1)})
-        of[batches->partner[c]] = 0.0F;
+      drop_product(b.partner[c]);
     }
   }
 }
