@@ -29,14 +29,14 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
     std::stable_sort(particle.begin() + begin, particle.begin() + std::min(begin + BLOCK, rings),
                      [this](int a, int b) { return count[a] < count[b]; });
 
-  for (std::vector<double> *v : {&pressure, &work, &total, &per_pressure})
+  for (LargeVector<double> *v : {&pressure, &work, &total, &per_pressure})
     v->assign(lanes_in_all, 0.0);
   square.assign(lanes_in_all, 0.0F);
-  for (std::vector<double> *v : {&radius, &kA}) v->assign(lanes_in_all, 1.0);
+  for (LargeVector<double> *v : {&radius, &kA}) v->assign(lanes_in_all, 1.0);
   expansion.clear();    // of rings at other places
   set_kind(soft, tense);
   place.assign(particles, -1);
-  for (std::vector<int> *v : {&size, &first, &first_green}) v->resize(batches + 1);
+  for (LargeVector<int> *v : {&size, &first, &first_green}) v->resize(batches + 1);
   int places = 0, two = 0, longest = 0;
   for (int b = 0; b < batches; ++b) {
     int most = 0;
@@ -64,9 +64,9 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   scratch.resize(5 * longest * LANES + LANES);
   seat.assign(contacts, 2 * pairs.size);
   const int remote = pairs.wall - pairs.remote;
-  for (std::vector<double> *v : {&indentation, &slope}) v->assign(contacts + remote + 1, 0.0);
+  for (LargeVector<double> *v : {&indentation, &slope}) v->assign(contacts + remote + 1, 0.0);
   compliance.assign(contacts + remote + 1, 0.0F);
-  for (std::vector<float> *v : {&share, &weight, &left, &direction, &step})
+  for (LargeVector<float> *v : {&share, &weight, &left, &direction, &step})
     v->assign(contacts, 0.0F);
   partner.assign(contacts, contacts + remote);
 
@@ -94,9 +94,9 @@ void ForceBatches::set_kind(bool soft_, bool tense_)
   soft = soft_;
   tense = tense_;
   const std::size_t soft_rings = soft ? particle.size() : 0;
-  for (std::vector<double> *v : {&kP, &expansion})
+  for (LargeVector<double> *v : {&kP, &expansion})
     if (v->size() != soft_rings) v->assign(soft_rings, v == &kP ? 1.0 : 0.0);
-  for (std::vector<float> *v : {&mixed, &rate})
+  for (LargeVector<float> *v : {&mixed, &rate})
     if (v->size() != soft_rings) v->assign(soft_rings, 0.0F);
   tension.resize(tense ? particle.size() : 0);
 }

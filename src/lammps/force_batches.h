@@ -24,36 +24,36 @@ struct ForceBatches {
   bool soft = false;    // some ring does not conserve its perimeter; see set_kind
 
   // of batches
-  std::vector<int> size, first,
+  LargeVector<int> size, first,
       first_green;    // contacts of a ring; in arrays of contacts and of two contacts
 
   // of rings: batch x LANES + lane
-  std::vector<int> particle;    // or -1
-  std::vector<double> radius, kA, pressure, work, total, per_pressure;
-  std::vector<float> square;
+  LargeVector<int> particle;    // or -1
+  LargeVector<double> radius, kA, pressure, work, total, per_pressure;
+  LargeVector<float> square;
   // empty unless rings are soft, or some have a tension
   bool tense = false;
-  std::vector<double> kP, expansion, tension;
-  std::vector<float> mixed, rate;
+  LargeVector<double> kP, expansion, tension;
+  LargeVector<float> mixed, rate;
 
   double scale = 1.0;    // see NearPairs
 
   // of contacts
-  std::vector<int> seat;
-  std::vector<double> indentation;
-  std::vector<double>
+  LargeVector<int> seat;
+  LargeVector<double> indentation;
+  LargeVector<double>
       slope;    // of the outlines, at the end; before, two products for each contact
-  std::vector<float> compliance, share;
+  LargeVector<float> compliance, share;
 
   // for corrections
-  std::vector<int> partner;
-  std::vector<float> weight, left, direction, step;
+  LargeVector<int> partner;
+  LargeVector<float> weight, left, direction, step;
 
-  std::vector<float> green;
-  std::vector<double> scratch;
+  LargeVector<float> green;
+  LargeVector<double> scratch;
 
-  std::vector<int> place;    // of each particle, in arrays of rings
-  std::vector<int> count;    // contacts of each particle
+  LargeVector<int> place;    // of each particle, in arrays of rings
+  LargeVector<int> count;    // contacts of each particle
 
   // Seats all contacts, and tells pairs their places. order: the particles, near ones close to each other.
   void arrange(const int *order, int rings, int particles, NearPairs &, const tagint *tags);

@@ -44,7 +44,7 @@ void ForceSolver::make_room()
   batches->scale = pairs->scale;
   // nothing happens in the last one, which stays zero
   const std::size_t one_more = pairs->size + 1;
-  for (std::vector<float> *v : {&residual, &weight, &step})
+  for (LargeVector<float> *v : {&residual, &weight, &step})
     if (v->size() != one_more) v->assign(one_more, 0.0F);
 }
 

@@ -113,7 +113,7 @@ class ForceSolver : protected Pointers {
   RemoteSides *remote = nullptr;
 
   // by pair
-  std::vector<float> residual, weight, step;    // see PairArrays
+  LargeVector<float> residual, weight, step;    // see PairArrays
 
   const double *coefficients = nullptr;                 // of the extrapolation
   const deformable::PairPlaces *unlocated = nullptr;    // of pairs that are to be located

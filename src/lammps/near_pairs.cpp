@@ -25,7 +25,7 @@ void NearPairs::set_units(double scale_, double length_)
   length = length_;
   if (unit() == before) return;
   const double ratio = before / unit();
-  for (std::vector<float> &v : earlier)
+  for (LargeVector<float> &v : earlier)
     for (float &change : v) change = static_cast<float>(change * ratio);
 }
 
@@ -33,11 +33,11 @@ void NearPairs::make_room()
 {
   const std::size_t pairs = size, one_more = pairs + 1;
   stiffening.assign(pairs, 0.0F);
-  for (std::vector<double> *v : {&force, &overlap, &per_distance, &angle, &ny})
+  for (LargeVector<double> *v : {&force, &overlap, &per_distance, &angle, &ny})
     v->assign(one_more, 0.0);
   nx.assign(one_more, 1.0);
   tilt.assign(tilts ? one_more : 0, 0.0);
-  for (std::vector<int> &v : side) v.assign(pairs, 0);
+  for (LargeVector<int> &v : side) v.assign(pairs, 0);
 }
 
 deformable::PairPlaces NearPairs::places(const double *x, const double *radius)

@@ -5,6 +5,7 @@
 #define DEFORMABLE_NEAR_PAIRS_H
 
 #include "force_kernels.h"
+#include "large_vector.h"
 #include "vector_bytes.h"
 
 #include <cmath>
@@ -27,11 +28,11 @@ struct PastForces {
 struct KnownPairs {
   int remote = 0, wall = 0, size = 0;    // first remote pair, first pair with a wall, end
 
-  std::vector<int> i,
+  LargeVector<int> i,
       j;    // local indices, as in the neighbor list; of a wall: its code, -1 - (w + n feature)
   bool tilts = false;    // contact lines may tilt: without, the arrays of tilts are empty
-  std::vector<double> past, past_tilt[3];
-  std::vector<float> earlier[2];       // in `unit`; see PastForces
+  LargeVector<double> past, past_tilt[3];
+  LargeVector<float> earlier[2];       // in `unit`; see PastForces
   double scale = 1.0, length = 1.0;    // powers of two, of 1/(k R^2) and R: see PairArrays
   double unit() const { return length / scale; }
 
@@ -46,19 +47,19 @@ struct KnownPairs {
 
 // And where they are: a structure of arrays.
 struct NearPairs : KnownPairs {
-  std::vector<int> owned;    // by local index: the particle of this rank whose image it is, or -1
+  LargeVector<int> owned;    // by local index: the particle of this rank whose image it is, or -1
   // local index of j's particle, or of the one whose image it is; -1 if that is on another rank
   int second(int k) const { return k < remote ? owned[j[k]] : -1; }
-  std::vector<float>
+  LargeVector<float>
       stiffening;    // k, see PairArrays: two circles that overlap by o repel with at least k o^3
 
   // one more than pairs: the last one stands for places of contacts that are empty
-  std::vector<double> force;
-  std::vector<double> overlap,
+  LargeVector<double> force;
+  LargeVector<double> overlap,
       per_distance;                     // of walls: the rotation of the direction per sideways step
-  std::vector<double> angle, nx, ny;    // normal of the contact line, from i to j
-  std::vector<double> tilt;             // sine of its angle with the line of centers
-  std::vector<int> side[2];             // index of the contact of i and of that of j
+  LargeVector<double> angle, nx, ny;    // normal of the contact line, from i to j
+  LargeVector<double> tilt;             // sine of its angle with the line of centers
+  LargeVector<int> side[2];             // index of the contact of i and of that of j
 
   int add(int i_, int j_, const PastForces &past_)
   {
