@@ -34,12 +34,12 @@ CELL = 10_000
 COPIES = ((1, 1), (5, 2), (10, 10))
 # law, ranks, repeats of each size; steps of strain, force calls in each, time steps
 CASES = (
-    ("disk", 1, (5, 3, 1), {"motion": 50}),
-    ("radical", 1, (5, 3, 1), {"steps": 2, "calls": 50, "motion": 50}),
-    ("disk", 2, (5, 3, 1), {"motion": 50}),
-    ("radical", 2, (5, 3, 1), {"steps": 2, "calls": 50, "motion": 50}),
-    ("balanced", 1, (3, 2, 1), {"steps": 2, "calls": 30, "motion": 50}),
-    ("balanced", 2, (3, 2, 1), {"steps": 2, "calls": 30, "motion": 50}),
+    ("disk", 1, (5, 3, 1), {"motion": 100}),
+    ("radical", 1, (5, 3, 1), {"steps": 2, "calls": 50, "motion": 100}),
+    ("disk", 2, (5, 3, 1), {"motion": 100}),
+    ("radical", 2, (5, 3, 1), {"steps": 2, "calls": 50, "motion": 100}),
+    ("balanced", 1, (3, 2, 1), {"steps": 2, "calls": 50, "motion": 100}),
+    ("balanced", 2, (3, 2, 1), {"steps": 2, "calls": 50, "motion": 100}),
 )
 LAWS = ("disk", "radical", "balanced")
 
@@ -47,6 +47,7 @@ DISKS = """
 units lj
 dimension 2
 newton on
+processors 1 * 1
 read_data data.cell
 replicate ${nx} ${ny} 1
 change_box all x scale 0.99 y scale 0.99 remap

@@ -21,13 +21,13 @@ template <class T> struct LargePages {
   LargePages() = default;
   template <class U> LargePages(const LargePages<U> &) {}
 
-  // The end of a vector is on a large page only if that is at least half full.
+  // The rest of a vector, less than a large page, stays on small ones: no memory is wasted.
   T *allocate(std::size_t n)
   {
     const std::size_t bytes = n * sizeof(T);
 #ifdef __linux__
     constexpr std::size_t PAGE = 1 << 21;
-    const std::size_t paged = (bytes + PAGE / 2) / PAGE * PAGE;
+    const std::size_t paged = bytes / PAGE * PAGE;
     if (paged > 0) {
       void *const memory = std::aligned_alloc(PAGE, (bytes + PAGE - 1) / PAGE * PAGE);
       if (!memory) throw std::bad_alloc();
