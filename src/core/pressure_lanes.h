@@ -51,7 +51,7 @@ DEFORMABLE_LANE_FUNCTION Mask expand(const RingArrays &r, Lanes &pressure, Lanes
   constexpr double CLOSE = 1e-8, NOTHING = 1e-280;
   constexpr int ITERATIONS = 8;
   const Lanes radius = load<Lanes>(r.radius), kA = load<Lanes>(r.kA), kP = load<Lanes>(r.kP);
-  const Lanes work = load<Lanes>(r.work);
+  const Lanes work = load<Lanes>(r.work), most = LARGEST_EXPANSION * radius;
   const Lanes per_kA = 1.0 / kA, spring = 2.0 * PI * kP;
   const Lanes pull = load<Lanes>(r.total) * (0.5 / PI);
   Lanes tension = pull, p0 = Lanes{};
@@ -61,7 +61,7 @@ DEFORMABLE_LANE_FUNCTION Mask expand(const RingArrays &r, Lanes &pressure, Lanes
   }
   Lanes low = larger(-radius, -tension / spring), high = all(__builtin_inf());
   Lanes delta = load<Lanes>(r.expansion);
-  Mask open = (kP / kA < all(__builtin_inf())) & (work > NOTHING) & (delta > low) &
+  Mask open = (kP / kA < all(__builtin_inf())) & (work > NOTHING) & (delta > low) & (delta < most) &
               (load<Lanes>(r.pressure) > 0.0);
   Mask found = Mask{}, droplet = Mask{};
   Lanes droplet_delta = Lanes{};
@@ -104,7 +104,7 @@ DEFORMABLE_LANE_FUNCTION Mask expand(const RingArrays &r, Lanes &pressure, Lanes
     expansion = select(droplet, droplet_delta, delta);
     pressure = p0 + ((spring - p0) * expansion + pull) / (radius + expansion);
   }
-  return found | droplet;
+  return (found | droplet) & (expansion < most);
 }
 
 // Pressure, expansion and compliance of W rings; returns false where a ring does not exist.

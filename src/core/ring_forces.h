@@ -67,6 +67,10 @@ DEFORMABLE_INLINE double area_stiffness(double radius, const Stiffness &k)
   return 1.0 / (1.0 / k.kA + radius * radius / k.kP);
 }
 
+// In radii. Where no ring bears a load, Newton's method may run away: what it finds beyond is rounding, and no guess for
+// the next load.
+constexpr double LARGEST_EXPANSION = 1e6;
+
 // The root delta of h(delta) = p/kA + pi delta (2 r + delta) - Q/p^2, with p = (2 pi kP delta + F/2 pi)/E and
 //   E h' = D = 2 pi E^2 + (2 pi kP - p) e,   e = 1/kA + 2 Q/p^3.
 // Stable rings have D > 0; h < 0, or D < 0, to the left of that root. Newton's method starts from the expansion of
@@ -79,7 +83,7 @@ DEFORMABLE_INLINE bool find_expansion(double radius, const Stiffness &k, const R
   double low = std::max(-radius, -tension / spring);    // E > 0 and p > 0
   double high = std::numeric_limits<double>::infinity();
   double delta = ring.expansion;
-  if (!(ring.pressure > 0.0) || !(delta > low)) {
+  if (!(ring.pressure > 0.0 && delta > low && delta < LARGEST_EXPANSION * radius)) {
     // without the terms of second order in delta:  p^3 <= K (Q + p^2 r F/(2 pi kP))
     const double K = area_stiffness(radius, k);
     const double p = std::cbrt(K * load.work) + K * radius / k.kP * tension;
@@ -122,7 +126,8 @@ DEFORMABLE_INLINE bool find_expansion_under_tension(double radius, const Stiffne
   const double per_kA = 1.0 / k.kA;
   double low = -radius, high = std::numeric_limits<double>::infinity();    // E > 0 and p > 0
   if (k.kP > 0.0) low = std::max(low, -tension / spring);
-  double delta = ring.pressure > 0.0 && ring.expansion > low ? ring.expansion : 0.0;
+  double delta = ring.expansion;
+  if (!(ring.pressure > 0.0 && delta > low && delta < LARGEST_EXPANSION * radius)) delta = 0.0;
   for (int iteration = 0; iteration < 200; ++iteration) {
     const double E = radius + delta, above = ((spring - p0) * delta + pull) / E, p = p0 + above;
     const double deficit = load.work / (p * p);
@@ -154,10 +159,13 @@ DEFORMABLE_INLINE bool find_pressure(double radius, const Stiffness &k, const Ri
     ring = {k.rest_pressure(radius), 0.0};
     return true;
   }
-  if (k.tension > 0.0) return find_expansion_under_tension(radius, k, load, ring);
-  if (!k.conserves_perimeter()) return find_expansion(radius, k, load, ring);
-  ring = {std::cbrt(k.kA * load.work), 0.0};
-  return true;
+  if (k.tension == 0.0 && k.conserves_perimeter()) {
+    ring = {std::cbrt(k.kA * load.work), 0.0};
+    return true;
+  }
+  const bool found = k.tension > 0.0 ? find_expansion_under_tension(radius, k, load, ring)
+                                     : find_expansion(radius, k, load, ring);
+  return found && ring.expansion < LARGEST_EXPANSION * radius;
 }
 
 // C = da/df = G/p - mixed (b 1^T + 1 b^T) - square b b^T + rate 1 1^T, b = Gf/p, with

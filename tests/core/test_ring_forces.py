@@ -1,5 +1,7 @@
 """Rings with given forces: the same rings as with given indentations."""
 
+import contextlib
+
 import numpy as np
 import pytest
 from contacts import contacts, regular_polygon
@@ -122,6 +124,20 @@ def test_regular_polygon(stiffness):
     np.testing.assert_allclose(ring.indentation, 0.03, rtol=1e-12)
     np.testing.assert_allclose(ring.contact_length, shape.contact_length, rtol=1e-12)
     assert force[0] == pytest.approx(force[5], rel=1e-12)
+
+
+@pytest.mark.parametrize("tension", [0.05, 0.3])
+def test_no_ring_is_endless(tension):
+    """A bubble that cannot bear its forces is refused: it has no expansion of rounding errors."""
+    rng = np.random.default_rng(1)
+    found = []
+    for _ in range(1000):
+        z = rng.integers(1, 7)
+        angle, force = rng.uniform(0, 2 * np.pi, z), 10 ** rng.uniform(-2, 3) * rng.uniform(size=z)
+        with contextlib.suppress(ValueError):
+            found.append(core.forced_ring(0.7, angle, force, 1.0, 0.0, 0.0, tension).delta)
+    assert len(found) > 300
+    assert max(found) < 1e6 * 0.7
 
 
 def test_refusals():

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from balanced import of_compute_pair
 from deformable import core
 from laws import EXACT, exact_laws
-from scene import PACKINGS, Scene, box_walls
-from tense import OF_RADIUS, RADICAL, STIFFNESS, tense_mixture
+from scene import PACKINGS, SPECIES, Scene, box_walls
+from tense import BALANCED, OF_RADIUS, RADICAL, STIFFNESS, tense_mixture
 
 DENSE = np.pi / np.sqrt(12)  # phi of touching circles
 
@@ -133,6 +134,23 @@ def test_bubbles_collapse(style, distance, tmp_path):
     scene = Scene([[0, 0], [distance, 0]], ["drop"] * 2, (-3, 3, -3, 3), style, coeff=coeff)
     with pytest.raises(Exception, match=r"no stable shape.*species gas a larger kA"):
         scene.evaluate()
+
+
+@pytest.mark.parametrize("species", [("drop", "bubble"), ("firm", "bubble")])
+def test_bubbles_in_disorder(species):
+    """First forces that no bubble bears leave nothing behind: those that all bear are found."""
+    case = PACKINGS[0]
+    scene = Scene.packing(case, f"{BALANCED} reach 1", species)
+    for seed in range(14):
+        rng = np.random.default_rng(seed)
+        x = rng.permutation(np.array(case["x"])) + rng.uniform(-0.1, 0.1, (len(case["x"]), 2))
+        scene.run(f"pair_style {BALANCED} reach 1\npair_coeff * * {SPECIES} {' '.join(species)}")
+        x = np.column_stack([x, np.zeros(len(x))])
+        scene.lmp.scatter("x", 1, 3, np.ctypeslib.as_ctypes(x.ravel()))
+        scene.run("run 0 post no")
+        evaluations, imbalance = of_compute_pair(scene)
+        assert evaluations < 100
+        assert imbalance < 1e-8
 
 
 def test_smallest_bubble(tmp_path):
