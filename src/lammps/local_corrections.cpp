@@ -20,7 +20,7 @@ bool ForceSolver::correct_some(Evaluation &now)
   constexpr int OFTEN = 4;
   const double limit = target * now.largest;
   if (local_corrections == OFTEN || !corrector.knows_bounds() || pairs->tilts || !now.exists ||
-      now.forces <= limit)
+      now.forces <= limit || now.norm2 == 0.0)    // only rings without force touch
     return false;
   BlockLevels::Choice chosen(blocks.count());
   for (int k = 0; k < blocks.count(); ++k) chosen[k] = of_blocks[k].error > limit;

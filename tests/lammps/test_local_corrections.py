@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from balanced import DEFAULT
+from balanced import DEFAULT, of_compute_pair
 from scene import HEADER, PACKINGS, SPECIES, Scene
 from test_parallel import lmp
 
@@ -60,3 +60,25 @@ def test_few_rings_that_move(ranks, grid, away, tmp_path):
         np.loadtxt(tmp_path / f"{name}.atoms", skiprows=9)[:, 1:] for name in ("moved", "exact")
     )
     assert np.abs(moved - exact).max() <= 10 * TOLERANCE * largest
+
+
+def test_two_rings_that_touch_alone():
+    """All rings shrink until none touches; then two are large again. No force tells compliances."""
+    case = PACKINGS[0]
+    radii = np.array([0.5, 0.7])[np.array(case["type"]) - 1]
+    style = f"{DEFAULT} radius atom"
+    scene = Scene.packing(case, style, ("any", "any"), radii=radii)
+    scene.run("unfix shape\nneighbor 0.5 bin\nreplicate 26 26 1\nrun 8 post no")
+    atoms = scene.lmp.numpy
+    radius, ids, x = (atoms.extract_atom(name) for name in ("radius", "id", "x"))
+    large = np.array(radius).ravel()
+    middle = scene.lmp.extract_setting("nlocal") // 2
+    gap = np.hypot(*(x - x[middle])[:, :2].T) - large - large[middle]
+    gap[ids == ids[middle]] = np.inf
+    two = np.isin(ids, [ids[middle], ids[np.argmin(gap[: 2 * middle])]])
+    for touching in (two & False, two):
+        radius[:] = np.where(touching, large, 0.7 * large).reshape(np.shape(radius))
+        scene.run("run 1 pre no post no")
+    evaluations, imbalance = of_compute_pair(scene)
+    assert evaluations <= 3
+    assert imbalance <= 1e-8
