@@ -192,12 +192,17 @@ def _step(rings: SmoothRings, at: core.SmoothRings, damping: float) -> tuple[Arr
         values = np.concatenate([fixed, np.full(size, damping)])
         matrix = csc_matrix((values, (rows, columns)), shape=(size + extra, size + extra))
         # symmetric: without exchange of rows the factors stay sparse
-        factors = splu(
-            matrix, "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
-        step = factors.solve(right)[:size]
-        if gradient @ step < 0.0:
-            return step.reshape(-1, 2), damping
+        try:
+            factors = splu(
+                matrix, "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+            )
+        except RuntimeError:  # singular
+            if damping > _MOST_DAMPING:
+                raise
+        else:
+            step = factors.solve(right)[:size]
+            if gradient @ step < 0.0:
+                return step.reshape(-1, 2), damping
         damping *= 10.0
 
 
