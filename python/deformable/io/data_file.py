@@ -80,7 +80,7 @@ def packing_in(text: str, radii: list[float]) -> Packing:
     """The packing in a data file, which LAMMPS itself would round while it reads it.
 
     Args:
-        text: of the file, as `packing_file` writes it.
+        text: of the file, as `packing_file` or LAMMPS' `write_data` writes it.
         radii: of the species [length].
 
     Raises:
@@ -90,17 +90,20 @@ def packing_in(text: str, radii: list[float]) -> Packing:
     style, _, rows = body.partition("\n")
     width = {"atomic": 5, "sphere": 7}.get(style)
     words = {line.split()[-1]: line.split() for line in head.splitlines() if line.strip()}
-    if width is None or not {"xhi", "yhi", "yz", "atoms"} <= words.keys():
+    needed = {"xhi": 4, "yhi": 4, "yz": 6, "atoms": 2}
+    if width is None or any(len(words.get(word, ())) != size for word, size in needed.items()):
         raise ValueError("it is no packing as lammps-deformable writes it")
     lx, ly = (float(words[word][1]) - float(words[word][0]) for word in ("xhi", "yhi"))
     xy = float(words["yz"][0])
-    atoms = [row.split() for row in rows.splitlines() if row.strip()]
-    complete = sum(len(row) == width for row in atoms)
+    table, _, _ = rows.strip("\n").partition("\n\n")  # sections of LAMMPS follow
+    atoms = [row.split() for row in table.splitlines()]
+    complete = sum(len(row) in (width, width + 3) for row in atoms)  # LAMMPS adds image flags
     if complete != len(atoms) or complete != int(words["atoms"][0]):
         raise ValueError(f"it has {complete} of {words['atoms'][0]} atoms")
-    ids, types, *values = np.array(atoms, dtype=np.float64).T
+    numbers = np.array([row[:width] for row in atoms], dtype=np.float64)
+    ids, types, *values = numbers[np.argsort(numbers[:, 0])].T
     if not np.array_equal(ids, np.arange(1, len(ids) + 1)):
-        raise ValueError(f"atom IDs must be 1 to {len(ids)} in order")
+        raise ValueError(f"atom IDs must be 1 to {len(ids)}")
     return Packing(
         positions=np.column_stack(values[-3:-1]),
         species=types.astype(np.int64) - 1,

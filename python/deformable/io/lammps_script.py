@@ -7,6 +7,9 @@ from ..model.packing import Packing
 from .lammps_commands import SETUP, atom_style, boundary, law_commands, wall_commands
 from .run_folder import DATA, SCRIPT, SPECIES
 
+# Of the motion that the comments of a script propose [energy].
+TEMPERATURE = 1e-8
+
 _SCRIPT = """
 # A packing saved by lammps-deformable. Run it in this folder: lmp -in {script}
 # Later saves replace this file: copy it before you change it.
@@ -21,7 +24,8 @@ run 0
 # minimize 0 1e-12 10000 20000
 
 # To let it move at constant energy (not with deformable/sector):
-# velocity all create 1e-8 12345
+# timestep {moving!r}
+# velocity all create {temperature!r} 12345
 # fix move all nve
 # fix plane all enforce2d
 # thermo 100
@@ -29,9 +33,17 @@ run 0
 """
 
 
-def script(packing: Packing, law: Law, timestep: float) -> str:
-    """Text of a LAMMPS script that reads a saved packing and evaluates it."""
+def script(packing: Packing, law: Law, timestep: float, moving: float) -> str:
+    """Text of a LAMMPS script that reads a saved packing and evaluates it.
+
+    Args:
+        packing: what is saved.
+        law: its contact law.
+        timestep: of a minimization [time].
+        moving: time step of a motion at the temperature `TEMPERATURE` [time].
+    """
     commands = law_commands(packing, law, SPECIES) + wall_commands(packing.walls)
     commands += f"timestep {timestep!r}\n"
     setup = SETUP.format(style=atom_style(packing), boundary=boundary(packing.walls))
-    return _SCRIPT.format(script=SCRIPT, setup=setup, data=DATA, law=commands).lstrip()
+    motion = {"moving": moving, "temperature": TEMPERATURE}
+    return _SCRIPT.format(script=SCRIPT, setup=setup, data=DATA, law=commands, **motion).lstrip()

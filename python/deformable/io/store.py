@@ -28,7 +28,7 @@ def save(
     folder: str | Path,
     packing: Packing,
     law: Law,
-    timestep: float,
+    timesteps: tuple[float, float],
     numbers: Mapping[str, Any],
     parameters: Mapping[str, Any] | None = None,
     frames: int | None = None,
@@ -39,7 +39,7 @@ def save(
         folder: made if missing; an older state there is replaced.
         packing: of the state.
         law: its contact law.
-        timestep: for the LAMMPS script [time].
+        timesteps: of the LAMMPS script, see there [time].
         numbers: the state in numbers, for the summary.
         parameters: anything JSON for the summary.
         frames: number of recorded frames up to this state, if any.
@@ -55,7 +55,7 @@ def save(
         "versions": versions(),
     }
     write_whole(folder / SPECIES, species_file(law, packing.radii))
-    write_whole(folder / SCRIPT, script(packing, law, timestep))
+    write_whole(folder / SCRIPT, script(packing, law, *timesteps))
     write_whole(folder / SUMMARY, json.dumps(summary, indent=2, default=str) + "\n")
     write_whole(folder / DATA, packing_file(packing, frames))  # last: it completes the state
 

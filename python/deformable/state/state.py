@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..common.errors import ParameterError, UnsavedWarning
 from ..common.optional import optional
 from ..common.validate import count, expect, numbers, shown, whole
+from ..io.lammps_script import TEMPERATURE
 from ..io.store import save
 from ..model.laws import Law
 from ..model.packing import Packing
@@ -284,8 +285,12 @@ class State(ContactNetwork, RingResponse, Exports):
                 stacklevel=2,
             )
         if self.root:
-            step = accurate_step(*self.step_limits())
-            save(folder, self.packing, self.law, step, self.numbers(), parameters, frames)
+            packing, law, pressure, now = self.step_limits()
+            steps = (
+                accurate_step(packing, law, pressure, now),
+                accurate_step(packing, law, pressure, max(now, TEMPERATURE)),
+            )
+            save(folder, packing, law, steps, self.numbers(), parameters, frames)
 
     def numbers(self) -> dict[str, Any]:
         """The state in numbers, by name.

@@ -19,10 +19,10 @@ LAWS = {
 }
 
 
-def lammps(folder: Path) -> str:
-    """What `in.lammps` prints."""
+def lammps(folder: Path, script: str = "in.lammps") -> str:
+    """What a script prints."""
     result = subprocess.run(
-        [str(LMP), "-in", "in.lammps", "-log", "none"],
+        [str(LMP), "-in", script, "-log", "none"],
         cwd=folder,
         capture_output=True,
         text=True,
@@ -75,11 +75,46 @@ def test_lammps_has_the_energy_of_sizes_and_small_units(law: str, tmp_path: Path
     assert pressure == pytest.approx(state.pressure, rel=1e-12)
 
 
+def test_loose_particles_have_a_time_step_to_move(tmp_path: Path) -> None:
+    gas = deformable.push_off(deformable.bidisperse(30, phi=0.5, seed=1))
+    with deformable.Simulation(gas, LAWS["radical"]) as sim:
+        sim.state().save(tmp_path)
+    script = (tmp_path / "in.lammps").read_text()
+    head, _, motion = script.partition("# To let it move")
+    (tmp_path / "in.moved").write_text(head + "\n".join(motion.replace("# ", "").split("\n")[1:]))
+    assert row(lammps(tmp_path, "in.moved"))[0] == 0
+
+
+@pytest.mark.parametrize("radii", ["of species", "of particles"])
+def test_packings_come_back_from_lammps(
+    radii: str, jammed: deformable.Packing, tmp_path: Path
+) -> None:
+    """From `write_data`, where atoms are in another order and other sections follow."""
+    packing = jammed.at(0.87)
+    if radii == "of particles":
+        packing = replace(
+            packing, particle_radii=packing.radius * np.linspace(0.98, 1.0, len(packing))
+        )
+    saved(packing, "balanced", tmp_path)
+    (tmp_path / "in.moved").write_text(
+        "include in.lammps\nvelocity all create 1e-6 1\ntimestep 0.1\nfix move all nve\n"
+        "fix plane all enforce2d\nrun 200\nwrite_data packing.data\n"
+    )
+    said = lammps(tmp_path, "in.moved").splitlines()
+    (energy,) = (float(line.split()[1]) for line in said if line.split()[:1] == ["200"])
+    with deformable.load(tmp_path) as sim:
+        state = sim.state()
+    assert state.energy == pytest.approx(energy, rel=1e-7)
+    assert state.packing.species.tolist() == packing.species.tolist()
+    assert state.packing.radius == pytest.approx(packing.radius, rel=1e-15)
+    assert not np.array_equal(state.packing.positions, packing.positions)
+
+
 def test_commands_in_comments_run(state: deformable.State, tmp_path: Path) -> None:
     """Once their marks of comment are gone: rest stays rest, and motion keeps its energy."""
     state.save(tmp_path)
     script = tmp_path / "in.lammps"
-    commands = ("minimize", "velocity", "fix", "thermo", "run")
+    commands = ("minimize", "timestep", "velocity", "fix", "thermo", "run")
     lines = script.read_text().splitlines()
     script.write_text(
         "\n".join(

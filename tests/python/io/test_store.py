@@ -1,6 +1,7 @@
 """Files of a saved state, and damage to them."""
 
 import json
+import re
 from pathlib import Path
 
 import deformable
@@ -74,6 +75,11 @@ BROKEN = {
     "empty": ("summary.json", lambda path: path.write_text("{}"), "it lacks 'law'"),
     "garbage": ("packing.data", lambda path: path.write_text("garb age"), "it is no packing as"),
     "bytes as data": ("packing.data", lambda path: path.write_bytes(b"\xff\n"), "can't decode"),
+    "no edges": (
+        "packing.data",
+        lambda path: path.write_text(re.sub(r".*(?=xhi)", "", path.read_text())),
+        "it is no packing as",
+    ),
     "half": ("packing.data", halved, r"it has \d+ of 32 atoms"),
 }
 
