@@ -17,6 +17,9 @@ from ..state.state import State
 # Default number of steps between states.
 _EVERY = 100
 
+# The default time step becomes shorter where it is more than this part of the longest stable one.
+_ENOUGH = 0.5
+
 # The integrator of the heat bath by Gronbech-Jensen and Farago keeps positions and half-step
 # velocities of an oscillator at their temperature for any time step. Unlike fix langevin, it does
 # not draw its forces anew where a run begins. But it also moves particles along z, which matters
@@ -45,7 +48,9 @@ def move(
         sim: of the law `Ring`; it ends in the last state.
         steps: number of time steps.
         timestep: length of a step [time]; if not given, a fifth of the longest stable one, which
-            depends on the pressure in the particles and on the temperature.
+            depends on the pressure in the particles and on the temperature; where these grow, steps
+            become shorter. Give one if other forces than those of contacts, by fixes of `sim.lmp`,
+            move particles that are at rest.
         temperature: of the initial velocities, which are drawn with zero total momentum, and of the
             heat bath if there is friction [energy]. If not given, the velocities are those of the
             simulation: zero after `relax`, those of the last state after another `move`.
@@ -103,6 +108,7 @@ def _move(
         run(sim.lmp, f"velocity all create {temperature!r} {seed} loop all mom yes")
     state = sim.state()
     dt = accurate_step(*state.step_limits()) if timestep is None else timestep
+    began, before = 0, 0.0  # where this time step began, and the time before
     bath = _BATH.format(temperature=temperature or 0.0, time=1.0 / (friction or 1.0), seed=seed)
     run(
         sim.lmp,
@@ -112,8 +118,11 @@ def _move(
     try:
         with progress("moving", unit="state", total=steps // every) as bar:
             for n in range(every, steps + 1, every):
+                if timestep is None and dt > _ENOUGH * longest_step(*state.step_limits()):
+                    dt, began, before = accurate_step(*state.step_limits()), n - every, state.time
                 _check(state, dt)
-                state = replace(_advance(sim, every, dt, bool(temperature)), time=n * dt)
+                hint = _hint(bool(temperature), None if timestep else dt)
+                state = replace(_advance(sim, every, dt, hint), time=before + (n - began) * dt)
                 bar.set_postfix(temperature=f"{state.temperature:.3g}")
                 bar.update()
                 yield state
@@ -122,13 +131,22 @@ def _move(
             run(sim.lmp, "unfix deformable_move\nunfix deformable_plane")
 
 
-def _advance(sim: Simulation, steps: int, timestep: float, thermal: bool) -> State:
+def _advance(sim: Simulation, steps: int, timestep: float, hint: str) -> State:
     motion = f'run {steps} post no every {_FLATTEN} "set group all z 0.0"'
     try:
         run(sim.lmp, f"timestep {timestep!r}\n{motion}")  # `relax` between states changes it
         return sim.state()
     except LammpsError as error:
-        raise LammpsError(f"{error}; or lower the temperature" if thermal else str(error)) from None
+        raise LammpsError(f"{error}{hint}") from None
+
+
+def _hint(thermal: bool, default: float | None) -> str:
+    """What else a user may change where a motion fails; the default time step, if it is used."""
+    if thermal:
+        return "; or lower the temperature"
+    if default is None:
+        return ""
+    return f"; or give a timestep, the default of {default:.3g} is for contacts alone"
 
 
 def _check(state: State, timestep: float) -> None:

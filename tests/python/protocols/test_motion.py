@@ -220,6 +220,23 @@ def test_steps_that_become_too_long_are_refused(loose: deformable.Packing) -> No
         squeeze(sim)
 
 
+def test_default_steps_become_shorter_with_the_pressure() -> None:
+    """Particles that fall: the default of the start is too long, and unknown where all rest."""
+    walls = deformable.rectangle(10, 12)
+    start = deformable.push_off(deformable.bidisperse(30, seed=1).between(walls))
+    with deformable.Simulation(start, deformable.Ring()) as sim:
+        sim.lmp.command("fix down all gravity 1e-3 vector 0 -1 0")
+        with pytest.raises(
+            deformable.LammpsError, match=r"or give a timestep, the default of .* is"
+        ):
+            list(move(sim, 600, friction=0.01, every=300))
+    with deformable.Simulation(start, deformable.Ring()) as sim:
+        sim.lmp.command("fix down all gravity 1e-3 vector 0 -1 0")
+        states = list(move(sim, 600, temperature=1e-6, friction=0.01, every=300))
+    assert states[1].time - states[0].time < 0.5 * states[0].time
+    assert states[1].packing.positions[:, 1].mean() < start.positions[:, 1].mean() - 1.0
+
+
 @pytest.mark.parametrize(("phi", "temperature"), [(0.6, 1e-5), (0.9, 1e-5), (0.95, 1e-8)])
 def test_longest_step_is_stable_and_not_by_far(
     phi: float, temperature: float, monkeypatch: pytest.MonkeyPatch
