@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import KW_ONLY, dataclass, fields
 from typing import NamedTuple
 
 import numpy as np
@@ -80,6 +80,7 @@ class Ring:
     """
 
     kA: float | Sequence[float] = 1.0
+    _: KW_ONLY
     reach: float = 0.3
     kP: float | Sequence[float] = math.inf
     skin: float | Sequence[float] = 0.0

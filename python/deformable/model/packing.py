@@ -147,7 +147,7 @@ class Packing(FormerAttributes):
         walls = room.stretched(self.walls, self.box, box)
         return replace(self, positions=self.positions * factor, box=box, walls=walls)
 
-    def between(self, walls: Wall | Sequence[Wall], seed: int = 1) -> Packing:
+    def between(self, walls: Wall | Sequence[Wall], seed: int | None = None) -> Packing:
         """The same particles at random places between walls, where they may overlap.
 
             bidisperse(60).between([Circle((0, 0), 7), Disk((2, 0), 1)])
@@ -157,13 +157,18 @@ class Packing(FormerAttributes):
 
         Args:
             walls: one shape or several, see `Packing`.
-            seed: of numpy's default generator.
+            seed: of numpy's default generator. By default the former positions take its place:
+                packings from several seeds have several places between walls too.
 
         Raises:
             ParameterError: walls leave no room.
         """
         packing = replace(self, walls=as_walls(walls))
-        places = room.random_places(packing.walls, packing.box, len(self), _generator(seed))
+        if seed is None:
+            rng = np.random.default_rng(self.positions.astype("<f8").view("<u4").ravel())
+        else:
+            rng = _generator(seed)
+        places = room.random_places(packing.walls, packing.box, len(self), rng)
         return replace(packing, positions=places)
 
 

@@ -230,7 +230,7 @@ import deformable
 from deformable import Circle, Disk, Segment
 
 scene = [Circle((0, 0), 6), Disk((2, 0), 1), Segment((-3, -2), (-3, 2))]
-start = deformable.push_off(deformable.bidisperse(48, seed=3).between(scene).at(0.84))
+start = deformable.push_off(deformable.bidisperse(48, seed=3).between(scene, seed=1).at(0.84))
 sim = deformable.Simulation(start, deformable.Ring())
 for state in deformable.record(deformable.compress(sim, 0.02, 2, tolerance=1e-6), "run"):
     pass

@@ -63,6 +63,10 @@ def test_places_between_walls(loose) -> None:
     assert np.hypot(x - 1, y - 2).max() < 9
     assert np.hypot(x - 4, y - 2).min() > 3
     assert not np.array_equal(packing.positions, loose.between(walls, seed=4).positions)
+    # packings from several seeds have several places, and each has the same ones again
+    of_seed = [deformable.bidisperse(20, seed=seed).between(walls).positions for seed in (1, 2, 1)]
+    assert not np.array_equal(of_seed[0], of_seed[1])
+    assert np.array_equal(of_seed[0], of_seed[2])
     assert packing.radius.tolist() == loose.radius.tolist()
     # another phi: everything by one factor
     dense = packing.at(0.8)

@@ -47,7 +47,7 @@ def scale(state: deformable.State | deformable.DiskState) -> float:
 @pytest.mark.parametrize("law", [None, deformable.Ring(kP=0.4)])
 def test_between_walls(law: deformable.Ring | None) -> None:
     walls = deformable.Circle((0, 0), 4), deformable.Disk((1, 0.5), 0.6)
-    jammed = deformable.jam(deformable.bidisperse(40, seed=1).between(walls).at(0.6))
+    jammed = deformable.jam(deformable.bidisperse(40, seed=1).between(walls, seed=1).at(0.6))
     packing = jammed.at(jammed.phi + 0.02)
     with deformable.Simulation(packing, law) if law else deformable.Disks(packing) as sim:
         state = sim.relax(1e-5)
