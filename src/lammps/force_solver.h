@@ -64,7 +64,7 @@ class ForceSolver : protected Pointers {
   bool solve(RemoteSides &);
   void remember()
   {
-    kernels.remember(arrays(), 0, pairs->size);
+    if (!is_remembered) kernels.remember(arrays(), 0, pairs->size);
     is_remembered = true;
   }
 

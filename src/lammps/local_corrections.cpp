@@ -19,8 +19,9 @@ bool ForceSolver::correct_some(Evaluation &now)
   constexpr double FEW = 0.25, NO_WORSE = 2.0;
   constexpr int OFTEN = 4;
   const double limit = target * now.largest;
-  if (local_corrections == OFTEN || !corrector.knows_bounds() || pairs->tilts || !now.exists ||
-      now.forces <= limit || now.norm2 == 0.0)    // only rings without force touch
+  if (local_corrections == OFTEN || evaluations + 2 >= max_evaluations ||
+      !corrector.knows_bounds() || pairs->tilts || !now.exists || now.forces <= limit ||
+      now.norm2 == 0.0)    // only rings without force touch
     return false;
   BlockLevels::Choice chosen(blocks.count());
   for (int k = 0; k < blocks.count(); ++k) chosen[k] = of_blocks[k].error > limit;

@@ -110,12 +110,12 @@ void PairDeformable::coeff(int narg, char **arg)
 void PairDeformable::init_style()
 {
   if (domain->dimension != 2)
-    error->all(FLERR, "Pair style deformable is two-dimensional: use 'dimension 2'");
+    error->all(FLERR, "Pair styles deformable/* are two-dimensional: use 'dimension 2'");
   if (force->newton_pair == 0)
-    error->all(FLERR, "Pair style deformable needs 'newton on': its forces act on ghost atoms");
+    error->all(FLERR, "Pair styles deformable/* need 'newton on': their forces act on ghost atoms");
   if (radius_by_atom && !atom->radius_flag)
     error->all(FLERR,
-               "Pair style deformable with 'radius atom' needs atoms that have radii: use "
+               "Pair styles deformable/* with 'radius atom' need atoms that have radii: use "
                "'atom_style sphere', not {}",
                atom->get_style());
   // or each pair of this rank's particles once, pairs with a ghost on both ranks
