@@ -43,7 +43,8 @@ def compress_command(
     context: typer.Context,
     number: Annotated[int, typer.Option(help="Number of particles.")] = 128,
     radii: Annotated[
-        tuple[float, float], typer.Option(help="Radii of small and large particles [length].")
+        tuple[float, float],
+        typer.Option(metavar="SMALL LARGE", help="Radii of small and large particles [length]."),
     ] = (0.5, 0.7),
     fraction: Annotated[float, typer.Option(help="Number fraction of large particles.")] = 0.5,
     polydispersity: Annotated[

@@ -33,7 +33,9 @@ def plot_command(
     colormap: Annotated[str, typer.Option(help="Color map of matplotlib.")] = "YlGnBu",
     limits: Annotated[
         tuple[float, float] | None,
-        typer.Option(help="Values of the first and the last color.", show_default=False),
+        typer.Option(
+            metavar="FIRST LAST", help="Values of the first and the last color.", show_default=False
+        ),
     ] = None,
     title: Annotated[
         str | None, typer.Option(help="Title; by default phi and pressure.", show_default=False)

@@ -170,7 +170,8 @@ def _jammed_disks(
     start = relax(separated(packing))
     if start.pressure > _LOOSE:
         raise ParameterError(
-            f"packing is rigid already at phi = {packing.phi:.4f}: start from a lower phi"
+            f"packing is rigid already at phi = {packing.phi:.4f}: start from a lower phi, "
+            "`packing.at(phi)`"
         )
     loose = start.packing
     while True:

@@ -130,7 +130,8 @@ def table(output: str) -> dict[str, list[str]]:
     """The rows of `compare` by name, which may contain spaces."""
     lines = output.splitlines()
     head = next(n for n, line in enumerate(lines) if line.startswith("law "))
-    rows = [line for line in lines[head + 1 :] if not line.startswith("no law")]
+    notes = ("no law", "rings have")
+    rows = [line for line in lines[head + 1 :] if not line.startswith(notes)]
     width = lines[head].index("I") - 8  # a column of nine digits
     return {line[:width].strip(): line[width:].split(maxsplit=5) for line in rows}
 
