@@ -61,6 +61,7 @@ struct TurnBy {
   float conjugation, length;
   const float *products;                                 // the last ones of all contacts
   const float *residual = nullptr, *weight = nullptr;    // of pairs
+  double per_scale = 1.0;                                // exact: scales are powers of two
 };
 
 // C d/scale of each ring. Conjugate gradients also need the sum of d C d/scale, Chebyshev's iteration (ADVANCE) does not.
@@ -110,7 +111,7 @@ DEFORMABLE_LANE_FUNCTION void multiply_lanes(const TurnBy &by, int contacts, con
     constant = load<Floats>(rings.rate) * sum - mixed * along;
   }
   for (int w = 0; w < FLOATS; ++w)
-    per_p[w] = static_cast<float>(rings.per_pressure[w] / rings.scale);
+    per_p[w] = static_cast<float>(rings.per_pressure[w] * by.per_scale);
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
     Floats y = product[m] - of_share * share[m];
@@ -129,9 +130,10 @@ DEFORMABLE_LANE_FUNCTION CorrectionArrays corrections_of(CorrectionArrays g, int
   return g;
 }
 
-template <bool SOFT, Turn TURN> static double multiply_all(const RingBatches &b, const TurnBy &by)
+template <bool SOFT, Turn TURN> static double multiply_all(RingBatches b, TurnBy by)
 {
   Sum sum;
+  by.per_scale = 1.0 / b.rings.scale;
   for_all<FLOATS>(
       b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
         const int first = static_cast<int>(c.seat - b.contacts.seat);
@@ -141,28 +143,28 @@ template <bool SOFT, Turn TURN> static double multiply_all(const RingBatches &b,
   return sum.total();
 }
 
-template <Turn TURN> static double multiply_rings(const RingBatches &b, const TurnBy &by)
+template <Turn TURN> static double multiply_rings(RingBatches b, TurnBy by)
 {
   return b.soft ? multiply_all<true, TURN>(b, by) : multiply_all<false, TURN>(b, by);
 }
 
-static double begin_corrections(const RingBatches &b, const PairArrays &pairs)
+static double begin_corrections(RingBatches b, PairArrays pairs)
 {
   return multiply_rings<Turn::FIRST>(b, {0.0F, 0.0F, nullptr, pairs.residual, pairs.weight});
 }
 
-static double multiply(const RingBatches &b, double conjugation)
+static double multiply(RingBatches b, double conjugation)
 {
   return multiply_rings<Turn::ANOTHER>(b, {static_cast<float>(conjugation), 0.0F, nullptr});
 }
 
-static void advance_and_multiply(const RingBatches &b, double length, double conjugation)
+static void advance_and_multiply(RingBatches b, double length, double conjugation)
 {
   multiply_rings<Turn::ADVANCE>(
       b, {static_cast<float>(conjugation), static_cast<float>(length), b.corrections.last_product});
 }
 
-static double advance(const RingBatches &b, double length)
+static double advance(RingBatches b, double length)
 {
   const CorrectionArrays &g = b.corrections;
   const float along = static_cast<float>(length);
@@ -178,7 +180,7 @@ static double advance(const RingBatches &b, double length)
 }
 
 // Nobody asks for r after the last one.
-static void advance_twice(const RingBatches &b, double length, double conjugation, double last)
+static void advance_twice(RingBatches b, double length, double conjugation, double last)
 {
   const CorrectionArrays &g = b.corrections;
   const float along = static_cast<float>(length), part = static_cast<float>(conjugation),

@@ -110,47 +110,49 @@ struct LineArrays {
   double part;                          // of the step to the next tilt
 };
 
+// Structures come by value: behind a reference, whatever a kernel stores might change them, and each use would load them
+// again.
 struct ForceKernels {
   // Shapes rings by the forces of pairs. False: a ring does not exist.
-  bool (*shape)(const RingBatches &, const PairDirections &);
+  bool (*shape)(RingBatches, PairDirections);
   // The same after small changes of the forces; the changes are in this unit and in single precision.
-  bool (*adapt)(const RingBatches &, const double *forces, const float *changes, double unit);
+  bool (*adapt)(RingBatches, const double *forces, const float *changes, double unit);
   // Slopes of outlines; also how they change as contacts turn (tilt.h), by contact, unless null.
-  void (*slopes)(const RingBatches &, const PairDirections &, double *slope_rate);
+  void (*slopes)(RingBatches, PairDirections, double *slope_rate);
 
   // Iterations for C x = r of the pairs that have a positive weight w. Sums are over the contacts of this rank; each
   // pair of two rings has two of them. begin: takes residuals and weights, d = w r and C d; returns d C d. multiply: the
   // same for d = w r + conjugation d. advance: a step of this length along d; returns w r^2 of all pairs.
-  double (*begin)(const RingBatches &, const PairArrays &);
-  double (*multiply)(const RingBatches &, double conjugation);
-  double (*advance)(const RingBatches &, double length);
+  double (*begin)(RingBatches, PairArrays);
+  double (*multiply)(RingBatches, double conjugation);
+  double (*advance)(RingBatches, double length);
   // In one: advance, then multiply; and the last two steps, of which the second one needs no product.
-  void (*advance_and_multiply)(const RingBatches &, double length, double conjugation);
-  void (*advance_twice)(const RingBatches &, double length, double conjugation, double last);
+  void (*advance_and_multiply)(RingBatches, double length, double conjugation);
+  void (*advance_twice)(RingBatches, double length, double conjugation, double last);
 
   // Loops over pairs, from `begin` to before `end`.
 
   // Distances, directions and overlaps. Returns whether all contact lines lie between the centers:
   // d^2 > |R_i^2 - R_j^2|.
-  bool (*locate)(const PairPlaces &, int begin, int end);
+  bool (*locate)(PairPlaces, int begin, int end);
 
   // r and weights from the indentations.
-  Residuals (*find_residuals)(const PairArrays &, int begin, int end);
+  Residuals (*find_residuals)(PairArrays, int begin, int end);
 
   // First forces: c[0] of those of the last call + c[1] of those before + c[2] of those before that, none negative;
   // c[0] + c[1] + c[2] = 1.
-  void (*extrapolate)(const PairArrays &, const double *c, int begin, int end);
+  void (*extrapolate)(PairArrays, const double *c, int begin, int end);
 
   // Turns the change of forces into one that leaves no force negative, and takes it; alone: each pair changes for
   // itself, instead of Newton's method. Returns the slope of the dual energy along the step.
-  double (*take_step)(const PairArrays &, bool alone, int begin, int end);
+  double (*take_step)(PairArrays, bool alone, int begin, int end);
 
   // The forces become past ones.
-  void (*remember)(const PairArrays &, int begin, int end);
+  void (*remember)(PairArrays, int begin, int end);
 
   // The next tilts, by Newton's method for each line alone; returns the largest imbalance. Lines take their next tilts.
-  double (*find_tilts)(const LineArrays &, int begin, int end);
-  void (*turn_lines)(const LineArrays &, int begin, int end);
+  double (*find_tilts)(LineArrays, int begin, int end);
+  void (*turn_lines)(LineArrays, int begin, int end);
 
   double (*dot)(const float *, const float *, int begin, int end);
 };

@@ -236,7 +236,7 @@ DEFORMABLE_LANE_FUNCTION void for_all(const RingBatches &b, Kernel &&kernel)
     }
 }
 
-template <bool SOFT> static bool shape_all(const RingBatches &b, const PairDirections &pairs)
+template <bool SOFT> static bool shape_all(RingBatches b, PairDirections pairs)
 {
   bool exist = true;
   for_all(b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
@@ -246,13 +246,13 @@ template <bool SOFT> static bool shape_all(const RingBatches &b, const PairDirec
   return exist;
 }
 
-static bool shape_rings(const RingBatches &b, const PairDirections &pairs)
+static bool shape_rings(RingBatches b, PairDirections pairs)
 {
   return b.soft ? shape_all<true>(b, pairs) : shape_all<false>(b, pairs);
 }
 
 template <bool SOFT>
-static bool adapt_all(const RingBatches &b, const double *forces, const float *changes, double unit)
+static bool adapt_all(RingBatches b, const double *forces, const float *changes, double unit)
 {
   bool exist = true;
   for_all(
@@ -262,14 +262,13 @@ static bool adapt_all(const RingBatches &b, const double *forces, const float *c
   return exist;
 }
 
-static bool adapt_rings(const RingBatches &b, const double *forces, const float *changes,
-                        double unit)
+static bool adapt_rings(RingBatches b, const double *forces, const float *changes, double unit)
 {
   return b.soft ? adapt_all<true>(b, forces, changes, unit)
                 : adapt_all<false>(b, forces, changes, unit);
 }
 
-static void slopes_of_rings(const RingBatches &b, const PairDirections &pairs, double *rate)
+static void slopes_of_rings(RingBatches b, PairDirections pairs, double *rate)
 {
   for_all(b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
                  DEFORMABLE_LANE_LAMBDA {

@@ -33,7 +33,7 @@ template <class Term> DEFORMABLE_LANE_FUNCTION double sum_of(int begin, int end,
   return sum;
 }
 
-static bool locate_pairs(const PairPlaces &p, int begin, int end)
+static bool locate_pairs(PairPlaces p, int begin, int end)
 {
   bool apart = true;
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
@@ -81,7 +81,7 @@ template <class T> DEFORMABLE_LANE_FUNCTION T imbalance_at(const PairArrays &p, 
                       load<T>(p.stiffening + k), force);
 }
 
-static Residuals find_residuals(const PairArrays &p, int begin, int end)
+static Residuals find_residuals(PairArrays p, int begin, int end)
 {
   constexpr double INFINITE = __builtin_inf();
   const double per_length = 1.0 / p.length, per_unit = 1.0 / p.unit;
@@ -124,7 +124,7 @@ static Residuals find_residuals(const PairArrays &p, int begin, int end)
   return all;
 }
 
-static void extrapolate(const PairArrays &p, const double *c, int begin, int end)
+static void extrapolate(PairArrays p, const double *c, int begin, int end)
 {
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
@@ -135,7 +135,7 @@ static void extrapolate(const PairArrays &p, const double *c, int begin, int end
   });
 }
 
-static double take_step(const PairArrays &p, bool alone, int begin, int end)
+static double take_step(PairArrays p, bool alone, int begin, int end)
 {
   constexpr double ALONE = 0.5;
   const double per_unit = 1.0 / p.unit;
@@ -159,7 +159,7 @@ static double take_step(const PairArrays &p, bool alone, int begin, int end)
   return slope * p.length * p.unit;
 }
 
-static void remember(const PairArrays &p, int begin, int end)
+static void remember(PairArrays p, int begin, int end)
 {
   const double per_unit = 1.0 / p.unit;
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
@@ -174,7 +174,7 @@ static void remember(const PairArrays &p, int begin, int end)
 
 // The torque d sin(tilt) - t_i - t_j, over d, should vanish, unless the line is at an end of the range and would tilt
 // further. The part of the stiffness against tilts that the outlines leave is not below STABLE.
-static double find_tilts(const LineArrays &p, int begin, int end)
+static double find_tilts(LineArrays p, int begin, int end)
 {
   constexpr double STABLE = 0.3;
   Lanes worst = Lanes{};
@@ -200,7 +200,7 @@ static double find_tilts(const LineArrays &p, int begin, int end)
   return last_worst;
 }
 
-static void turn_lines(const LineArrays &p, int begin, int end)
+static void turn_lines(LineArrays p, int begin, int end)
 {
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
