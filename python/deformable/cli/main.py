@@ -147,7 +147,7 @@ def compare(
     if smooth:
         print_once(
             "rings have an error of their own, which falls with the square of the number of beads: "
-            "--beads 160 tells more of balanced and tilted contacts"
+            f"--beads {2 * beads} tells more of balanced and tilted contacts"
         )
     elif not any(row["energy_ratio"] for row in rows):
         print_once(

@@ -9,6 +9,7 @@ stay caught, at up to twice the energy (benchmarks/ring_minimizers.py).
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import product
 
@@ -188,22 +189,19 @@ def _step(rings: SmoothRings, at: core.SmoothRings, damping: float) -> tuple[Arr
     columns = np.concatenate([column, area, of_all, last, of_all])
     fixed = np.concatenate([value, slope, slope, -1.0 / rings.rings.kA[rings.species]])
     right = np.concatenate([-gradient, np.zeros(extra)])
-    while True:
+    while damping <= _MOST_DAMPING:
         values = np.concatenate([fixed, np.full(size, damping)])
         matrix = csc_matrix((values, (rows, columns)), shape=(size + extra, size + extra))
         # symmetric: without exchange of rows the factors stay sparse
-        try:
+        with suppress(RuntimeError):  # of a singular matrix
             factors = splu(
                 matrix, "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
             )
-        except RuntimeError:  # singular
-            if damping > _MOST_DAMPING:
-                raise
-        else:
             step = factors.solve(right)[:size]
             if gradient @ step < 0.0:
                 return step.reshape(-1, 2), damping
         damping *= 10.0
+    return at.gradient / -damping, damping  # the damping is all that counts
 
 
 def _line_search(

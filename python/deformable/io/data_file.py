@@ -98,7 +98,7 @@ def packing_in(text: str, radii: list[float]) -> Packing:
     table, _, _ = rows.strip("\n").partition("\n\n")  # sections of LAMMPS follow
     atoms = [row.split() for row in table.splitlines()]
     complete = sum(len(row) in (width, width + 3) for row in atoms)  # LAMMPS adds image flags
-    if complete != len(atoms) or complete != int(words["atoms"][0]):
+    if not atoms or complete != len(atoms) or complete != int(words["atoms"][0]):
         raise ValueError(f"it has {complete} of {words['atoms'][0]} atoms")
     numbers = np.array([row[:width] for row in atoms], dtype=np.float64)
     ids, types, *values = numbers[np.argsort(numbers[:, 0])].T

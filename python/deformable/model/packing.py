@@ -165,7 +165,9 @@ class Packing(FormerAttributes):
         """
         packing = replace(self, walls=as_walls(walls))
         if seed is None:
-            rng = np.random.default_rng(self.positions.astype("<f8").view("<u4").ravel())
+            rng = np.random.default_rng(
+                np.frombuffer(self.positions.astype("<f8").tobytes(), "<u4")
+            )
         else:
             rng = _generator(seed)
         places = room.random_places(packing.walls, packing.box, len(self), rng)

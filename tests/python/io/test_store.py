@@ -80,6 +80,13 @@ BROKEN = {
         lambda path: path.write_text(re.sub(r".*(?=xhi)", "", path.read_text())),
         "it is no packing as",
     ),
+    "no atoms": (
+        "packing.data",
+        lambda path: path.write_text(
+            re.sub(r"(Atoms # .*\n)[^$]*", r"\1", path.read_text()).replace("32 atoms", "0 atoms")
+        ),
+        "it has 0 of 0 atoms",
+    ),
     "half": ("packing.data", halved, r"it has \d+ of 32 atoms"),
 }
 
