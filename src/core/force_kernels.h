@@ -140,7 +140,7 @@ struct ForceKernels {
   Residuals (*find_residuals)(PairArrays, int begin, int end);
 
   // First forces: c[0] of those of the last call + c[1] of those before + c[2] of those before that, none negative;
-  // c[0] + c[1] + c[2] = 1.
+  // c[0] + c[1] + c[2] = 1. And no step since.
   void (*extrapolate)(PairArrays, const double *c, int begin, int end);
 
   // Turns the change of forces into one that leaves no force negative, and takes it; alone: each pair changes for

@@ -33,6 +33,12 @@ class BlockLevels {
     }
   }
 
+  // visit(other) for the blocks that have contacts with this one.
+  template <class Visit> void for_neighbors(int block, Visit &&visit) const
+  {
+    for (int n = first[block]; n < first[block + 1]; ++n) visit(neighbors[n]);
+  }
+
   using Choice = std::vector<char>;
   // Adds the blocks that have contacts with chosen ones.
   void widen(Choice &) const;

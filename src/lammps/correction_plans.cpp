@@ -34,7 +34,7 @@ double ForceSolver::accuracy_of(const Evaluation &from) const
 
 double ForceSolver::accuracy_of_first() const
 {
-  constexpr double FINE = 1e-4;
+  constexpr double FINE = 1e-5;
   const double least = tries_coarse > 0 ? coarse : FINE;
   return std::min(
       COARSE, std::max(MARGIN * target * first_evaluation.largest / first_evaluation.usual, least));
@@ -43,11 +43,13 @@ double ForceSolver::accuracy_of_first() const
 void ForceSolver::learn_from_first(double left, bool all_were_corrected)
 {
   constexpr double LEAST = 1e-3, MOST = 0.01, WORSE = 2.5;
-  constexpr int TRIES = 16;
-  if (tries_coarse > 0)
+  constexpr int TRIES = 16, OFTEN = 2;
+  if (tries_coarse > 0) {
     --tries_coarse;
-  else if (all_were_corrected)
-    tries_coarse = TRIES;
+  } else {
+    failures = all_were_corrected ? failures + 1 : 0;
+    if (failures >= OFTEN) tries_coarse = TRIES;
+  }
   coarse = std::clamp(WORSE * left, LEAST, MOST);
 }
 

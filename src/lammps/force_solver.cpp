@@ -51,6 +51,7 @@ void ForceSolver::make_room()
 void ForceSolver::arrange(const ForceBatches &b, const NearPairs &p, bool new_list)
 {
   blocks.arrange(b, p);
+  relaxation.arrange(b, p);
   if (new_list) corrector.doubt_bounds();
 }
 
@@ -203,9 +204,12 @@ ForceSolver::Evaluation ForceSolver::accept(Evaluation now, const Evaluation &fr
 
 ForceSolver::Evaluation ForceSolver::evaluate_and_correct()
 {
+  constexpr double RELAXED = 1e3;    // of the tolerance
   evaluations = 1;
+  relaxation.begin(RELAXED * target, first_evaluation.largest);
   const int corrections = corrector.plan(accuracy_of_first());
-  std::vector<Stage> stages = {Stage::LOCATE, Stage::SHAPE, Stage::LOOK};
+  std::vector<Stage> stages = {Stage::LOCATE, Stage::SHAPE, Stage::LOOK, Stage::WAIT,
+                               Stage::RELAX,  Stage::WAIT,  Stage::TURN, Stage::LOOK};
   stages.insert(stages.end(), corrections, Stage::CORRECT);
   const Stage shape = shape_after(first_evaluation);
   stages.insert(stages.end(), {Stage::STEP, shape, Stage::LOOK});
@@ -319,5 +323,6 @@ ForceSolver::Evaluation ForceSolver::line_search(Evaluation now, const Evaluatio
 
 double ForceSolver::memory_usage() const
 {
-  return bytes_of(residual, weight, step) + tilts.bytes() + blocks.bytes() + bytes_of(of_blocks);
+  return bytes_of(residual, weight, step) + tilts.bytes() + blocks.bytes() + relaxation.bytes() +
+         bytes_of(of_blocks);
 }

@@ -14,6 +14,9 @@
 // least k r^3 as between circles (a ring without force has infinite compliance), and not below -f. Pairs without force
 // keep it, then negative, as a force that continues the positive ones: it tells when a contact will form.
 //
+// In motion most pairs are close to balance from the start, but for those that open or close: they are relaxed first
+// (PairRelaxation), and one step for all is mostly enough.
+//
 // Where contact lines tilt, the energy is smallest over their tilts too. They take a step (LineTilts) with each of
 // Newton's method, as soon as forces are close to balance.
 
@@ -27,6 +30,7 @@
 #include "force_corrector.h"
 #include "line_tilts.h"
 #include "near_pairs.h"
+#include "pair_relaxation.h"
 #include "remote_sides.h"
 
 #include <algorithm>
@@ -108,6 +112,7 @@ class ForceSolver : protected Pointers {
 
   const deformable::ForceKernels &kernels;
   ForceCorrector corrector;
+  PairRelaxation relaxation;
   NearPairs *pairs = nullptr;
   ForceBatches *batches = nullptr;
   RemoteSides *remote = nullptr;
@@ -141,6 +146,7 @@ class ForceSolver : protected Pointers {
   double accuracy_of(const Evaluation &) const;
   double coarse = 0.003;    // accuracy of the first correction of a call
   int tries_coarse = 0;     // calls that still use it
+  int failures = 0;         // of fine ones, one after the other
   double accuracy_of_first() const;
   void learn_from_first(double left, bool all_were_corrected);
   bool is_balanced(Evaluation &);
@@ -151,8 +157,9 @@ class ForceSolver : protected Pointers {
   Evaluation line_search(Evaluation now, const Evaluation &from, bool turned);
 
   // What a run through the blocks may do: places and first forces of the pairs, new shapes of the rings, what is left of
-  // overlaps then; an iteration of the corrector, the step of all forces, and shapes after a small one.
-  enum class Stage { LOCATE, SHAPE, LOOK, CORRECT, STEP, ADAPT };
+  // overlaps then; relaxation of a few pairs, between two stages in which blocks wait for those two away, and new shapes of
+  // their rings; an iteration of the corrector, the step of all forces, and shapes after a small one.
+  enum class Stage { LOCATE, SHAPE, LOOK, WAIT, RELAX, TURN, CORRECT, STEP, ADAPT };
   Evaluation run(const std::vector<Stage> &, Evaluation *before = nullptr,
                  const BlockLevels::Choice * = nullptr);
   Evaluation sum_up(int first, bool exist) const;

@@ -49,6 +49,16 @@ ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evalu
               kernels.extrapolate(loop, coefficients, a, z);
             });
             break;
+          case Stage::WAIT: break;
+          case Stage::RELAX:
+            found = {};
+            relaxation.relax(block, blocks, *pairs, *batches, loop);
+            break;
+          case Stage::TURN:
+            relaxation.take_turned(here, [&](const deformable::RingBatches &turned) {
+              exist &= kernels.adapt(turned, pairs->force.data(), step.data(), loop.unit);
+            });
+            break;
           case Stage::CORRECT: corrector.iterate(here, loop, stage - first); break;
           case Stage::STEP:
             blocks.for_pairs(block, [&](int a, int z, double part) {

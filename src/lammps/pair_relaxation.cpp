@@ -1,0 +1,114 @@
+#include "pair_relaxation.h"
+
+#include "green.h"
+
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using deformable::LANES;
+using deformable::PairArrays;
+
+void PairRelaxation::arrange(const ForceBatches &b, const NearPairs &p)
+{
+  pairs = p.size;
+  waits.assign(p.size, false);
+  has_turned.assign(b.batches, 0);
+  near_block.assign(b.batches * LANES / ForceBatches::BLOCK + 1, -1);
+}
+
+void PairRelaxation::begin(double least, double largest_force)
+{
+  constexpr double MANY = 0.05, FEW = 0.01;    // of the pairs
+  constexpr double MOST = 0.01;                // of the largest force: what is of first order
+  if (found > MANY * pairs) part *= 2.0;
+  if (found < FEW * pairs) part *= 0.5;
+  part = std::clamp(part, least, std::max(least, MOST));
+  limit = part * largest_force;
+  most = MOST * largest_force;
+  found = 0;
+}
+
+// The change of the force of a pair that balances it if all others stay.
+static double change_alone(const PairArrays &a, int k)
+{
+  return std::max(a.residual[k] * std::fabs(a.weight[k]) * a.unit, -a.force[k]);
+}
+
+void PairRelaxation::wait_for(const PairArrays &a, int k)
+{
+  if (!(std::fabs(a.residual[k] * a.weight[k]) * a.unit > limit) || waits[k] ||
+      !(std::fabs(change_alone(a, k)) > limit))
+    return;
+  waits[k] = true;
+  waiting.push_back(k);
+}
+
+// The residuals of all pairs of a ring after the force of its contact c has changed: those of CorrectionArrays, with C of
+// ContactArrays.
+void PairRelaxation::turn(const ForceBatches &b, const PairArrays &a, int ring, int c, float by)
+{
+  const int batch = ring / LANES, first = b.first[batch] + ring % LANES, m = (c - first) / LANES;
+  const float *const green = b.green.data() + b.first_green[batch] + ring % LANES;
+  const float *const share = b.share.data() + first;
+  const int *const seat = b.seat.data() + first;
+  const float along = share[m * LANES] * by;
+  float of_share = b.square[ring] * along, constant = 0.0F;
+  if (b.soft) {
+    of_share += b.mixed[ring] * by;
+    constant = b.rate[ring] * by - b.mixed[ring] * along;
+  }
+  const float per_p = static_cast<float>(b.per_pressure[ring] / b.scale);
+  has_turned[batch] = 1;
+  for (int q = 0; q < b.size[batch]; ++q) {
+    const int k = seat[q * LANES] >> 1;
+    if (k == pairs) continue;    // an empty place
+    const int low = std::min(q, m), high = std::max(q, m);
+    const float between = q == m ? static_cast<float>(deformable::GREEN_AT_ZERO)
+                                 : green[(high * (high - 1) / 2 + low) * LANES];
+    a.residual[k] -= (between * by - of_share * share[q * LANES] + constant) * per_p;
+    wait_for(a, k);
+  }
+}
+
+void PairRelaxation::relax(int block, const BlockLevels &blocks, const NearPairs &p,
+                           const ForceBatches &b, const PairArrays &a)
+{
+  constexpr double CROWD = 0.1;    // of the pairs
+  constexpr std::size_t OFTEN = 50, ANY = 1000;
+  waiting.clear();
+  std::size_t of_block = 0;
+  blocks.for_pairs(block, [&](int begin, int end, double) {
+    if (begin >= p.remote && begin < p.wall) return;
+    of_block += end - begin;
+    for (int k = begin; k < end; ++k) wait_for(a, k);
+  });
+  const std::size_t first_ones = waiting.size();
+  found += static_cast<int>(first_ones);
+  const bool is_crowded = first_ones > CROWD * of_block + 10;
+  const std::size_t last = is_crowded ? 0 : OFTEN * first_ones + ANY;
+
+  near_block[block] = block;
+  blocks.for_neighbors(block, [&](int other) { near_block[other] = block; });
+  const auto may_turn = [&](int ring) {
+    if (near_block[BlockLevels::of_ring(ring)] != block) return false;
+    for (int m = 0; m < b.size[ring / LANES] && p.remote < p.wall; ++m) {
+      const int k = b.seat[b.contact(ring, m)] >> 1;
+      if (k >= p.remote && k < p.wall) return false;
+    }
+    return true;
+  };
+  for (std::size_t next = 0; next < waiting.size(); ++next) {
+    const int k = waiting[next];
+    waits[k] = false;
+    const double wanted = change_alone(a, k);
+    if (next >= last || !(std::fabs(wanted) > limit && std::fabs(wanted) < most)) continue;
+    const int i = b.place[p.i[k]], j = k < p.wall ? b.place[p.second(k)] : i;
+    if (!may_turn(i) || !may_turn(j)) continue;
+    const float before = a.step[k];
+    a.step[k] += static_cast<float>(wanted / a.unit);
+    const float by = a.step[k] - before;
+    a.force[k] = std::max(a.force[k] + by * a.unit, 0.0);
+    turn(b, a, i, p.side[0][k], by);
+    if (k < p.wall) turn(b, a, j, p.side[1][k], by);
+  }
+}

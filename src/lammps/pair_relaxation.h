@@ -1,0 +1,69 @@
+// Pairs that are far from balance, relaxed one by one.
+//
+// Forces are predicted well but where a contact opens or closes: there they are a thousand times worse than elsewhere. What
+// balances such a pair decays within a few rings. So those pairs take a step each, again and again, until they are about as
+// good as the others, before all are corrected together. That is the method of Gauss and Seidel only where something is
+// left to do (R. V. Southwell, Relaxation Methods in Engineering Science, 1940).
+
+#ifndef LMP_PAIR_RELAXATION_H
+#define LMP_PAIR_RELAXATION_H
+
+#include "block_levels.h"
+#include "force_batches.h"
+#include "near_pairs.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class PairRelaxation {
+ public:
+  void arrange(const ForceBatches &, const NearPairs &);    // contacts are new
+
+  // A new force call. Pairs are relaxed whose imbalance is above `least`, or above more if there were many of them in the
+  // last call: then it is cheaper to correct all together.
+  void begin(double least, double largest_force);
+
+  // Relaxes pairs whose first ring is in the block, and those that this puts off balance, in this block and those beside
+  // it; none with a ring that touches one of another rank. Forces and residuals are those after that, to first order in
+  // the changes of forces, which are added to the steps.
+  void relax(int block, const BlockLevels &, const NearPairs &, const ForceBatches &,
+             const deformable::PairArrays &);
+
+  // act(batches) for those of a block that have turned since the last time.
+  template <class Act> void take_turned(deformable::RingBatches block, Act &&act)
+  {
+    const int end = block.end;
+    for (int batch = block.begin; batch < end; ++batch) {
+      if (!has_turned[batch]) continue;
+      has_turned[batch] = 0;
+      block.begin = batch;
+      block.end = batch + 1;
+      act(block);
+    }
+  }
+
+  double bytes() const
+  {
+    return bytes_of(waiting, has_turned, near_block) + static_cast<double>(waits.size() / 8);
+  }
+
+ private:
+  double part = 0.0;     // of the largest force: smaller imbalances stay
+  double limit = 0.0;    // part x largest
+  double most = 0.0;     // larger imbalances stay too
+  int pairs = 0, found = 0;
+
+  std::vector<int> waiting;        // pairs
+  std::vector<bool> waits;         // by pair
+  std::vector<char> has_turned;    // by batch
+  std::vector<int> near_block;     // of each block, the last one that it was beside
+
+  void turn(const ForceBatches &, const deformable::PairArrays &, int ring, int contact, float by);
+  void wait_for(const deformable::PairArrays &, int pair);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
