@@ -41,7 +41,7 @@ const BatchKernels kernels = {
      soft_rings<7>,  soft_rings<8>,  tense_rings<1>, tense_rings<2>, tense_rings<3>,
      tense_rings<4>, tense_rings<5>, tense_rings<6>, tense_rings<7>, tense_rings<8>},
     {shape_rings, adapt_rings, slopes_of_rings, begin_corrections, multiply, advance,
-     advance_and_multiply, advance_twice, locate_pairs, find_residuals, extrapolate, take_step,
-     remember, find_tilts, turn_lines, dot}};
+     advance_and_multiply, advance_twice, locate_pairs, find_residuals, find_unbalanced,
+     extrapolate, take_step, remember, find_tilts, turn_lines, dot}};
 
 }    // namespace deformable::DEFORMABLE_LEVEL

@@ -124,6 +124,26 @@ static Residuals find_residuals(PairArrays p, int begin, int end)
   return all;
 }
 
+static int find_unbalanced(PairArrays p, double limit, int begin, int end, int *found)
+{
+  int count = 0;
+  const auto change_alone = [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const T linear = load<T>(p.residual + k) * magnitude(load<T>(p.weight + k));
+    return magnitude(larger(linear * p.unit, -load<T>(p.force + k)));
+  };
+  int k = begin;
+  for (; k + W <= end; k += W) {
+    const Lanes change = change_alone(Lanes{}, k);
+    if (!any(change > limit)) continue;
+    for (int w = 0; w < W; ++w)
+      if (change[w] > limit) found[count++] = k + w;
+  }
+  for (; k < end; ++k)
+    if (change_alone(0.0, k) > limit) found[count++] = k;
+  return count;
+}
+
 static void extrapolate(PairArrays p, const double *c, int begin, int end)
 {
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {

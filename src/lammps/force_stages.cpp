@@ -52,7 +52,7 @@ ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evalu
           case Stage::WAIT: break;
           case Stage::RELAX:
             found = {};
-            relaxation.relax(block, blocks, *pairs, *batches, loop);
+            relaxation.relax(block, kernels, blocks, *pairs, *batches, loop);
             break;
           case Stage::TURN:
             relaxation.take_turned(here, [&](const deformable::RingBatches &turned) {

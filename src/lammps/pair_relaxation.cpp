@@ -36,9 +36,7 @@ static double change_alone(const PairArrays &a, int k)
 
 void PairRelaxation::wait_for(const PairArrays &a, int k)
 {
-  if (!(std::fabs(a.residual[k] * a.weight[k]) * a.unit > limit) || waits[k] ||
-      !(std::fabs(change_alone(a, k)) > limit))
-    return;
+  if (waits[k] || !(std::fabs(change_alone(a, k)) > limit)) return;
   waits[k] = true;
   waiting.push_back(k);
 }
@@ -70,19 +68,21 @@ void PairRelaxation::turn(const ForceBatches &b, const PairArrays &a, int ring, 
   }
 }
 
-void PairRelaxation::relax(int block, const BlockLevels &blocks, const NearPairs &p,
-                           const ForceBatches &b, const PairArrays &a)
+void PairRelaxation::relax(int block, const deformable::ForceKernels &kernels,
+                           const BlockLevels &blocks, const NearPairs &p, const ForceBatches &b,
+                           const PairArrays &a)
 {
   constexpr double CROWD = 0.1;    // of the pairs
   constexpr std::size_t OFTEN = 50, ANY = 1000;
-  waiting.clear();
-  std::size_t of_block = 0;
+  std::size_t of_block = 0, first_ones = 0;
   blocks.for_pairs(block, [&](int begin, int end, double) {
     if (begin >= p.remote && begin < p.wall) return;
     of_block += end - begin;
-    for (int k = begin; k < end; ++k) wait_for(a, k);
+    if (waiting.size() < of_block) waiting.resize(of_block);
+    first_ones += kernels.find_unbalanced(a, limit, begin, end, waiting.data() + first_ones);
   });
-  const std::size_t first_ones = waiting.size();
+  waiting.resize(first_ones);
+  for (const int k : waiting) waits[k] = true;
   found += static_cast<int>(first_ones);
   const bool is_crowded = first_ones > CROWD * of_block + 10;
   const std::size_t last = is_crowded ? 0 : OFTEN * first_ones + ANY;

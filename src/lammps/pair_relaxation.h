@@ -28,8 +28,8 @@ class PairRelaxation {
   // Relaxes pairs whose first ring is in the block, and those that this puts off balance, in this block and those beside
   // it; none with a ring that touches one of another rank. Forces and residuals are those after that, to first order in
   // the changes of forces, which are added to the steps.
-  void relax(int block, const BlockLevels &, const NearPairs &, const ForceBatches &,
-             const deformable::PairArrays &);
+  void relax(int block, const deformable::ForceKernels &, const BlockLevels &, const NearPairs &,
+             const ForceBatches &, const deformable::PairArrays &);
 
   // act(batches) for those of a block that have turned since the last time.
   template <class Act> void take_turned(deformable::RingBatches block, Act &&act)
