@@ -61,7 +61,7 @@ class BlockLevels {
     }
     // A few iterations at a time, each group a chunk behind the one before it: what they go through at once fits the
     // processor's own cache.
-    constexpr int GROUP = 4, CHUNK = 8;
+    constexpr int GROUP = 4, CHUNK = 4;
     const int groups = (last + GROUP - 1) / GROUP, chunks = (count() + CHUNK - 1) / CHUNK;
     for (int turn = 0; turn < chunks + groups - 1; ++turn)
       for (int group = std::max(0, turn - chunks + 1); group <= std::min(turn, groups - 1);

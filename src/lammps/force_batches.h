@@ -16,7 +16,7 @@ namespace LAMMPS_NS {
 
 struct ForceBatches {
   static constexpr int BLOCK =
-      256;    // rings are sorted by their numbers of contacts within blocks only
+      512;    // rings are sorted by their numbers of contacts within blocks only
 
   int batches = 0;
   int contacts =

@@ -7,7 +7,7 @@ from scene import HEADER, PACKINGS, SPECIES, Scene
 from test_parallel import lmp
 
 TOLERANCE = 1e-8
-COPIES = 40  # of a packing of 24: 150 blocks of 256 rings
+COPIES = 40  # of a packing of 24: 75 blocks of 512 rings
 MOVERS = (2, 9, 20)  # of one copy
 GRIDS = {"1": (1, "1 1 1"), "2, across x": (2, "2 1 1"), "2, across y": (2, "1 2 1")}
 SCRIPT = (

@@ -11,7 +11,7 @@ change_box all x final -0.55 {EDGE} y final -0.55 {EDGE}
 region walls block -0.55 {EDGE} -0.55 {EDGE} -0.5 0.5
 fix walls all deformable/wall walls
 """
-MANY = "unfix shape\nreplicate 10 10 1"  # 2400 rings in ten blocks
+MANY = "unfix shape\nreplicate 10 10 1"  # 2400 rings in five blocks
 SCENES = {
     "rigid": (("small", "large"), "p p p", MANY),
     "soft": (("both", "bothlarge"), "p p p", MANY),
