@@ -139,12 +139,12 @@ struct ForceKernels {
   // r and weights from the indentations.
   Residuals (*find_residuals)(PairArrays, int begin, int end);
 
-  // The numbers of the pairs whose force would change by more than `limit` if that alone should balance them. Returns how
-  // many; there is room for all.
+  // Finds the indices of the pairs whose imbalance, to first order, is above `limit`; returns how many. `found` has room
+  // for all pairs.
   int (*find_unbalanced)(PairArrays, double limit, int begin, int end, int *found);
 
   // First forces: c[0] of those of the last call + c[1] of those before + c[2] of those before that, none negative;
-  // c[0] + c[1] + c[2] = 1. And no step since.
+  // c[0] + c[1] + c[2] = 1.
   void (*extrapolate)(PairArrays, const double *c, int begin, int end);
 
   // Turns the change of forces into one that leaves no force negative, and takes it; alone: each pair changes for

@@ -152,7 +152,6 @@ static void extrapolate(PairArrays p, const double *c, int begin, int end)
     const T change = (c[1] + c[2]) * last + c[2] * load<T>(p.earlier[1] + k);
     store(p.force + k, larger(load<T>(p.past + k) + change * p.unit, zero));
     store(p.earlier[1] + k, last);
-    store(p.step + k, zero);
   });
 }
 

@@ -206,10 +206,10 @@ ForceSolver::Evaluation ForceSolver::evaluate_and_correct()
 {
   constexpr double RELAXED = 1e3;    // of the tolerance
   evaluations = 1;
-  relaxation.begin(RELAXED * target, first_evaluation.largest);
+  const bool relaxes = relaxation.begin(RELAXED * target, first_evaluation.largest);
   const int corrections = corrector.plan(accuracy_of_first());
-  std::vector<Stage> stages = {Stage::LOCATE, Stage::SHAPE, Stage::LOOK, Stage::WAIT,
-                               Stage::RELAX,  Stage::WAIT,  Stage::TURN, Stage::LOOK};
+  std::vector<Stage> stages = {Stage::LOCATE, Stage::SHAPE, Stage::LOOK};
+  if (relaxes) stages.insert(stages.end(), {Stage::WAIT, Stage::RELAX, Stage::TURN, Stage::LOOK});
   stages.insert(stages.end(), corrections, Stage::CORRECT);
   const Stage shape = shape_after(first_evaluation);
   stages.insert(stages.end(), {Stage::STEP, shape, Stage::LOOK});

@@ -157,8 +157,8 @@ class ForceSolver : protected Pointers {
   Evaluation line_search(Evaluation now, const Evaluation &from, bool turned);
 
   // What a run through the blocks may do: places and first forces of the pairs, new shapes of the rings, what is left of
-  // overlaps then; relaxation of a few pairs, between two stages in which blocks wait for those two away, and new shapes of
-  // their rings; an iteration of the corrector, the step of all forces, and shapes after a small one.
+  // overlaps then; relaxation of a few pairs, after a stage in which blocks wait for those two away, and new shapes of their
+  // rings; an iteration of the corrector, the step of all forces, and shapes after a small one.
   enum class Stage { LOCATE, SHAPE, LOOK, WAIT, RELAX, TURN, CORRECT, STEP, ADAPT };
   Evaluation run(const std::vector<Stage> &, Evaluation *before = nullptr,
                  const BlockLevels::Choice * = nullptr);
@@ -167,7 +167,7 @@ class ForceSolver : protected Pointers {
   struct OfBlock : deformable::Residuals {
     double slope = 0.0;
   };
-  // of this call; until it has one, of the last call: its correction is planned from that
+  // of this call, after relaxation if there was one; until then, of the last call: the correction is planned from that
   Evaluation first_evaluation;
   bool needs_correction = false;
   int local_corrections = 0;    // of this call

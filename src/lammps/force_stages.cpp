@@ -56,7 +56,7 @@ ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evalu
             break;
           case Stage::TURN:
             relaxation.take_turned(here, [&](const deformable::RingBatches &turned) {
-              exist &= kernels.adapt(turned, pairs->force.data(), step.data(), loop.unit);
+              exist &= kernels.shape(turned, pairs->directions());
             });
             break;
           case Stage::CORRECT: corrector.iterate(here, loop, stage - first); break;

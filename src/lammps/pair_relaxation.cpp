@@ -13,10 +13,12 @@ void PairRelaxation::arrange(const ForceBatches &b, const NearPairs &p)
   pairs = p.size;
   waits.assign(p.size, false);
   has_turned.assign(b.batches, 0);
+  may_turn.assign(b.batches, 1);
+  for (int k = p.remote; k < p.wall; ++k) may_turn[b.place[p.i[k]] / LANES] = 0;
   near_block.assign(b.batches * LANES / ForceBatches::BLOCK + 1, -1);
 }
 
-void PairRelaxation::begin(double least, double largest_force)
+bool PairRelaxation::begin(double least, double largest_force)
 {
   constexpr double MANY = 0.05, FEW = 0.01;    // of the pairs
   constexpr double MOST = 0.01;                // of the largest force: what is of first order
@@ -26,12 +28,14 @@ void PairRelaxation::begin(double least, double largest_force)
   limit = part * largest_force;
   most = MOST * largest_force;
   found = 0;
+  return limit < most;
 }
 
 // The change of the force of a pair that balances it if all others stay.
 static double change_alone(const PairArrays &a, int k)
 {
-  return std::max(a.residual[k] * std::fabs(a.weight[k]) * a.unit, -a.force[k]);
+  const double residual = a.residual[k], weight = std::fabs(a.weight[k]);
+  return std::max(residual * weight * a.unit, -a.force[k]);
 }
 
 void PairRelaxation::wait_for(const PairArrays &a, int k)
@@ -73,6 +77,7 @@ void PairRelaxation::relax(int block, const deformable::ForceKernels &kernels,
                            const PairArrays &a)
 {
   constexpr double CROWD = 0.1;    // of the pairs
+  constexpr double PART = 0.3;     // of what a ring bears
   constexpr std::size_t OFTEN = 50, ANY = 1000;
   std::size_t of_block = 0, first_ones = 0;
   blocks.for_pairs(block, [&](int begin, int end, double) {
@@ -89,25 +94,19 @@ void PairRelaxation::relax(int block, const deformable::ForceKernels &kernels,
 
   near_block[block] = block;
   blocks.for_neighbors(block, [&](int other) { near_block[other] = block; });
-  const auto may_turn = [&](int ring) {
-    if (near_block[BlockLevels::of_ring(ring)] != block) return false;
-    for (int m = 0; m < b.size[ring / LANES] && p.remote < p.wall; ++m) {
-      const int k = b.seat[b.contact(ring, m)] >> 1;
-      if (k >= p.remote && k < p.wall) return false;
-    }
-    return true;
+  const auto may_change = [&](int ring, double by) {
+    return may_turn[ring / LANES] && near_block[BlockLevels::of_ring(ring)] == block &&
+           by < PART * b.total[ring];
   };
   for (std::size_t next = 0; next < waiting.size(); ++next) {
     const int k = waiting[next];
     waits[k] = false;
-    const double wanted = change_alone(a, k);
-    if (next >= last || !(std::fabs(wanted) > limit && std::fabs(wanted) < most)) continue;
+    const double change = change_alone(a, k), size = std::fabs(change);
+    if (next >= last || !(size > limit && size < most)) continue;
     const int i = b.place[p.i[k]], j = k < p.wall ? b.place[p.second(k)] : i;
-    if (!may_turn(i) || !may_turn(j)) continue;
-    const float before = a.step[k];
-    a.step[k] += static_cast<float>(wanted / a.unit);
-    const float by = a.step[k] - before;
-    a.force[k] = std::max(a.force[k] + by * a.unit, 0.0);
+    if (!may_change(i, size) || !may_change(j, size)) continue;
+    a.force[k] += change;
+    const float by = static_cast<float>(change / a.unit);
     turn(b, a, i, p.side[0][k], by);
     if (k < p.wall) turn(b, a, j, p.side[1][k], by);
   }

@@ -22,12 +22,13 @@ class PairRelaxation {
   void arrange(const ForceBatches &, const NearPairs &);    // contacts are new
 
   // A new force call. Pairs are relaxed whose imbalance is above `least`, or above more if there were many of them in the
-  // last call: then it is cheaper to correct all together.
-  void begin(double least, double largest_force);
+  // last call: then it is cheaper to correct all together. Those that are far off are left to Newton's method, which knows
+  // when it goes astray. All are parts of the largest force. Returns whether any imbalance is between these limits.
+  bool begin(double least, double largest_force);
 
   // Relaxes pairs whose first ring is in the block, and those that this puts off balance, in this block and those beside
-  // it; none with a ring that touches one of another rank. Forces and residuals are those after that, to first order in
-  // the changes of forces, which are added to the steps.
+  // it; none with a ring in one batch with those that touch another rank's, which would not know. Forces and residuals are
+  // those after that, to first order in the changes of forces.
   void relax(int block, const deformable::ForceKernels &, const BlockLevels &, const NearPairs &,
              const ForceBatches &, const deformable::PairArrays &);
 
@@ -46,19 +47,20 @@ class PairRelaxation {
 
   double bytes() const
   {
-    return bytes_of(waiting, has_turned, near_block) + static_cast<double>(waits.size() / 8);
+    return bytes_of(waiting, may_turn, has_turned, near_block) +
+           static_cast<double>(waits.size() / 8);
   }
 
  private:
   double part = 0.0;     // of the largest force: smaller imbalances stay
   double limit = 0.0;    // part x largest
-  double most = 0.0;     // larger imbalances stay too
+  double most = 0.0;     // larger imbalances stay too, MOST x largest
   int pairs = 0, found = 0;
 
-  std::vector<int> waiting;        // pairs
-  std::vector<bool> waits;         // by pair
-  std::vector<char> has_turned;    // by batch
-  std::vector<int> near_block;     // of each block, the last one that it was beside
+  std::vector<int> waiting;                  // pairs
+  std::vector<bool> waits;                   // by pair
+  std::vector<char> may_turn, has_turned;    // by batch
+  std::vector<int> near_block;               // of each block, the last one that it was beside
 
   void turn(const ForceBatches &, const deformable::PairArrays &, int ring, int contact, float by);
   void wait_for(const deformable::PairArrays &, int pair);

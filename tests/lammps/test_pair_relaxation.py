@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 from balanced import DEFAULT, of_compute_pair
+from deformable import core
+from moved import Moved
 from scene import PACKINGS, Scene
 
 EDGE = PACKINGS[0]["L"] + 0.55  # a room a little larger than the packing's box
@@ -19,13 +21,19 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize(("species", "boundary", "commands"), SCENES.values(), ids=SCENES)
-def test_one_correction_is_enough(species, boundary, commands):
-    """In each step some contacts open or close. Without relaxation it takes three evaluations."""
+def moving(species, boundary, commands):
+    """A scene after its first steps, in which forces have no history."""
     scene = Scene.packing(PACKINGS[0], DEFAULT, species, boundary=boundary)
     scene.run(commands)
     scene.run("velocity all create 1e-5 4711 loop geom\nfix move all nve\ntimestep 0.05")
-    scene.run("thermo 1\nrun 20 post no")  # forces have no history at first
+    scene.run("thermo 1\nrun 20 post no")
+    return scene
+
+
+@pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
+def test_one_correction_is_enough(scene):
+    """In each step some contacts open or close. Without relaxation it takes three evaluations."""
+    scene = moving(*scene)
     found = []
     for _ in range(60):
         scene.run("run 1 pre no post no")
@@ -33,3 +41,33 @@ def test_one_correction_is_enough(species, boundary, commands):
     evaluations, imbalance = np.array(found).T
     assert evaluations.mean() <= 2.1
     assert imbalance.max() <= 1e-8
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_levels_agree_to_the_last_bit(name, monkeypatch):
+    forces = []
+    for level in core.simd_levels():
+        monkeypatch.setenv("DEFORMABLE_SIMD", level)
+        scene = moving(*SCENES[name])
+        assert of_compute_pair(scene)[0] == 2  # with relaxation
+        forces.append(scene.gather("f", 3))
+    for force in forces[1:]:
+        np.testing.assert_array_equal(force, forces[0])
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_forces_are_those_from_scratch(ranks, tolerance, tmp_path):
+    """Of 6144 rings in twelve blocks: each rank has some that are far from the border."""
+    rings = 16 * 16 * len(PACKINGS[0]["x"])
+    moved = Moved(
+        ranks,
+        tmp_path,
+        grid="* * 1",
+        copies=16,
+        movers=f"1:{rings}",
+        temperature=1e-5,
+        steps=30,
+        tolerance=tolerance,
+    )
+    assert moved.error <= 10 * tolerance

@@ -65,7 +65,7 @@ def test_unknown_level(monkeypatch):
 def test_forces_in_motion(contact, number, accuracy, kP):
     """Particles lose and find contacts between two neighbor lists: their first guess is that of
     the step before, also if no contact is left. Forces are those of a fresh start; balanced ones,
-    in three blocks of particles, up to their tolerance, 1e-8 of the largest contact force for a
+    in two blocks of particles, up to their tolerance, 1e-8 of the largest contact force for a
     contact that changes alone. Contacts are up to 7 times as soft together (the least eigenvalue is
     0.15), and a particle has 6 of them.
     """

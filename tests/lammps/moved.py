@@ -1,0 +1,56 @@
+"""Many rings with balanced contacts that have moved, on one or more ranks."""
+
+import numpy as np
+from balanced import DEFAULT
+from scene import HEADER, PACKINGS, SPECIES, Scene
+from test_parallel import lmp
+
+SCRIPT = (
+    HEADER.format(boundary="p p p")
+    + f"""
+processors {{grid}}
+read_data {{data}}
+replicate {{copies}} {{copies}} 1
+pair_style {DEFAULT} balance {{tolerance}} 100
+pair_coeff * * {SPECIES} small large
+neighbor 0.3 bin
+group movers id {{movers}}
+velocity movers create {{temperature}} 4711 loop geom
+fix move movers nve
+timestep 0.05
+compute contact all deformable/contact
+compute largest all reduce max c_contact[5] inputs local
+compute pair all pair deformable/ring
+thermo_style custom step c_pair[3] c_largest
+thermo_modify norm no format float %.17g
+thermo 1
+run {{steps}}
+write_dump all custom moved.atoms id fx fy modify sort id format float %.17g
+pair_style {DEFAULT} balance 1e-12 100
+pair_coeff * * {SPECIES} small large
+run 0
+write_dump all custom exact.atoms id fx fy modify sort id format float %.17g
+"""
+)
+
+
+class Moved:
+    """Copies of a packing of which some rings, by their numbers, have moved.
+
+    Attributes:
+        evaluations: of each step.
+        error: of the forces against those of the same places from scratch, over the largest force
+            of a contact.
+    """
+
+    def __init__(self, ranks, folder, **fields):
+        Scene.packing(PACKINGS[0], DEFAULT).run(f"write_data {folder}/data nofix")
+        result = lmp(ranks, SCRIPT.format(data=folder / "data", **fields), folder)
+        assert result.returncode == 0, result.stdout + result.stderr
+        report = [line.split() for line in result.stdout.splitlines()]
+        steps = np.array([row for row in report if len(row) == 3 and row[0].isdigit()], float)
+        self.evaluations = steps[:-1, 1]
+        moved, exact = (
+            np.loadtxt(folder / f"{name}.atoms", skiprows=9)[:, 1:] for name in ("moved", "exact")
+        )
+        self.error = np.abs(moved - exact).max() / steps[-1, 2]
