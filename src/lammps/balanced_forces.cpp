@@ -37,9 +37,9 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
   for (int lists = 0;; ++lists) {
     is_balanced = solver.solve(near.remote_sides);
     if (!solver.lines_are_apart()) return near.pairs.first_behind(p.radius);
-    const double growth = find_bulges();
+    find_bulges();
     if (without_room() >= 0) break;    // its forces have no limit, nor have bulges
-    if (lists < MOST_LISTS && !near.is_sufficient_after(p, growth)) {
+    if (lists < MOST_LISTS && !near.is_sufficient_after(p)) {
       solver.remember();
       near.build(p, false);
       arrange(p, false);
@@ -83,22 +83,18 @@ void BalancedForces::set_material(const DeformableParticles &p)
   }
 }
 
-// Returns how much the bulge of a ring has grown at most.
-double BalancedForces::find_bulges()
+void BalancedForces::find_bulges()
 {
-  double growth = 0.0;
   constexpr double MOST = 0.10199;    // -G at its minimum
+  near.forget_growth();
   crowded.clear();
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
     const int i = batches.particle[ring];
     if (i < 0) continue;
     const double lengths = batches.total[ring] * batches.per_pressure[ring];
-    const double bulge = std::max(MOST * lengths + batches.loaded(ring).expansion, 0.0);
-    growth = std::max(growth, bulge - near.bulge[i]);
-    near.bulge[i] = bulge;
+    near.set_bulge(i, std::max(MOST * lengths + batches.loaded(ring).expansion, 0.0));
     if (arc_radius_at_least(ring, lengths) < 0.0) crowded.push_back(i);
   }
-  return growth;
 }
 
 // Where no split of the overlaps leaves room for its area, the free arcs of a ring vanish as its forces grow.

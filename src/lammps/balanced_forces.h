@@ -92,7 +92,7 @@ class BalancedForces : protected Pointers {
   {
     return batches.radius[ring] + batches.loaded(ring).expansion - lengths * (1.5 / deformable::PI);
   }
-  double find_bulges();
+  void find_bulges();
   int collapsed() const;
   void warn_unbalanced();
   void warn_limited();

@@ -8,9 +8,10 @@ static constexpr int BATCHES = ForceBatches::BLOCK / deformable::LANES;
 
 void BlockLevels::arrange(const ForceBatches &b, const NearPairs &pairs)
 {
-  const int blocks = (b.batches + BATCHES - 1) / BATCHES;
+  batches = b.batches;
+  const int blocks = (batches + BATCHES - 1) / BATCHES;
   std::vector<int> end(blocks);    // of the contacts
-  for (int k = 0; k < blocks; ++k) end[k] = b.first[std::min((k + 1) * BATCHES, b.batches)];
+  for (int k = 0; k < blocks; ++k) end[k] = b.first[std::min((k + 1) * BATCHES, batches)];
   first.assign(1, 0);
   neighbors.clear();
   borders.clear();
@@ -45,11 +46,10 @@ void BlockLevels::arrange(const ForceBatches &b, const NearPairs &pairs)
   }
 }
 
-deformable::RingBatches BlockLevels::rings(deformable::RingBatches all, int block)
+void BlockLevels::choose(deformable::RingBatches &rings, int block) const
 {
-  all.begin = block * BATCHES;
-  all.end = std::min(all.begin + BATCHES, all.end);
-  return all;
+  rings.begin = block * BATCHES;
+  rings.end = std::min(rings.begin + BATCHES, batches);
 }
 
 void BlockLevels::widen(Choice &chosen) const

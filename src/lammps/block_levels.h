@@ -21,8 +21,8 @@ class BlockLevels {
 
   int count() const { return static_cast<int>(level.size()); }
 
-  // all.begin and all.end for one block
-  static deformable::RingBatches rings(deformable::RingBatches all, int block);
+  // begin and end of the batches of a block
+  void choose(deformable::RingBatches &, int block) const;
 
   // act(begin, end, part) for the pairs whose first ring is in the block; part: 1/2 for pairs of two ranks, or 1.
   template <class Act> void for_pairs(int block, Act &&act) const
@@ -82,7 +82,8 @@ class BlockLevels {
   std::vector<int> first, neighbors;             // of each block
   std::vector<int> borders;                      // blocks with contacts of other ranks
   std::vector<int> level;                        // the last iteration of each block
-  std::vector<int> first_pair[KINDS];            // of each block, and the end
+  int batches = 0;
+  std::vector<int> first_pair[KINDS];    // of each block, and the end
 
   template <class Work> void raise(int k, Work &work)
   {

@@ -78,10 +78,11 @@ class ForceSolver : protected Pointers {
   // Remembers the forces, finds the slopes of the outlines and calls act(begin, end) for all pairs.
   template <class Act> void finish(Act &&act)
   {
-    const deformable::RingBatches rings = batches->arrays();
+    deformable::RingBatches here = batches->arrays();
     const auto work = [&](int block, int stage) {
+      blocks.choose(here, block);
       if (stage == 1 && !pairs->tilts)    // those have slopes
-        kernels.slopes(BlockLevels::rings(rings, block), pairs->directions(), nullptr);
+        kernels.slopes(here, pairs->directions(), nullptr);
       blocks.for_pairs(block, [&](int a, int z, double) {
         if (stage == 2)
           act(a, z);

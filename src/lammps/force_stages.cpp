@@ -25,6 +25,7 @@ ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evalu
 {
   batches->clear_none();
   const deformable::RingBatches rings = batches->arrays();
+  deformable::RingBatches here = rings;    // of the block that has its turn
   const PairArrays loop = arrays();
   const int last = static_cast<int>(stages.size());
   const int corrections =
@@ -40,7 +41,7 @@ ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evalu
       [&](int block, int stage) {
         const bool is_before = before && stage <= first;
         OfBlock &found = of_blocks[is_before ? blocks.count() + block : block];
-        const deformable::RingBatches here = BlockLevels::rings(rings, block);
+        blocks.choose(here, block);
         switch (stages[stage - 1]) {
           case Stage::LOCATE:
             blocks.for_pairs(block, [&](int a, int z, double) {

@@ -63,6 +63,7 @@ void ForceSolver::hold_others(const BlockLevels::Choice &chosen)
   const NearPairs &p = *pairs;
   const ForceBatches &b = *batches;
   const deformable::RingBatches all = batches->arrays();
+  deformable::RingBatches here = all;
   const auto is_chosen = [&](int particle) {
     return chosen[BlockLevels::of_ring(b.place[particle])] != 0;
   };
@@ -78,7 +79,7 @@ void ForceSolver::hold_others(const BlockLevels::Choice &chosen)
     if (!is_chosen(p.i[k])) drop_product(side[k]);
   for (int block = 0; block < blocks.count(); ++block) {
     if (!chosen[block]) continue;
-    const deformable::RingBatches here = BlockLevels::rings(all, block);
+    blocks.choose(here, block);
     for (int c = here.first[here.begin]; c < here.first[here.end]; ++c) {
       const int k = b.seat[c] >> 1;
       if (k >= p.wall) continue;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 using namespace LAMMPS_NS;
 
@@ -96,7 +97,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
   if (p.radii_vary) radius_then.assign(p.radius, p.radius + nlocal);
   box_then = {domain->xprd, domain->yprd, domain->xy};
   missed_wall = false;
-  slack = 0.0;
+  farthest = grown = slack = 0.0;
 }
 
 // The neighbor list is new: particles have other indices now, pairs still have the former ones.
@@ -310,29 +311,53 @@ bool NearList::none_on_all_ranks(int here) const
   return any == 0;
 }
 
+// Since the last build, squared.
+double NearList::move_of(int i, const double *x) const
+{
+  const double dx = x[3 * i] - x_then[2 * i], dy = x[3 * i + 1] - x_then[2 * i + 1];
+  return dx * dx + dy * dy;
+}
+
 bool NearList::is_sufficient(const DeformableParticles &p)
 {
   const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
-  const double most = 0.5 * (margin - box_change());
-  double farthest2 = 0.0, largest = 0.0;
-  int missing = missed_wall;
+  constexpr double INFINITE = std::numeric_limits<double>::infinity();
+  double farthest2 = 0.0;
+  bool are_finite = true;
   for (int ii = 0; ii < p.list->inum; ++ii) {    // others may be fast
-    const int i = p.list->ilist[ii];
-    const double dx = x[3 * i] - x_then[2 * i], dy = x[3 * i + 1] - x_then[2 * i + 1];
-    const double grown = (p.radii_vary ? std::fabs(p.radius[i] - radius_then[i]) : 0.0) +
-                         std::max(bulge[i] - bulge_then[i], 0.0);
-    const double left = most - grown, d2 = dx * dx + dy * dy;
-    missing |= !(d2 <= left * std::fabs(left));
+    const double d2 = move_of(p.list->ilist[ii], x);
+    are_finite &= d2 < INFINITE;
     farthest2 = std::max(farthest2, d2);
-    largest = std::max(largest, grown);
   }
-  slack = missing != 0 ? 0.0 : most - largest - std::sqrt(farthest2);
-  return none_on_all_ranks(missing);
+  farthest = are_finite ? std::sqrt(farthest2) : INFINITE;
+  slack = grown_now = 0.0;
+  return is_sufficient_after(p);
 }
 
-bool NearList::is_sufficient_after(const DeformableParticles &p, double growth)
+// Mostly even a particle that moved and bulged as much as any one could is near enough.
+bool NearList::is_sufficient_after(const DeformableParticles &p)
 {
-  return growth < slack ? none_on_all_ranks(0) : is_sufficient(p);
+  const double most = 0.5 * (margin - box_change());
+  const bool is_clear = !p.radii_vary && farthest + grown <= most;
+  if (!is_clear && !(grown_now < slack)) slack = find_slack(p, most);
+  return none_on_all_ranks(missed_wall || !(is_clear || slack >= 0.0));
+}
+
+// Not more than any particle may still move or bulge; negative if one is too far.
+double NearList::find_slack(const DeformableParticles &p, double most) const
+{
+  const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
+  double least = most * most;
+  bool are_near = true;
+  for (int ii = 0; ii < p.list->inum; ++ii) {
+    const int i = p.list->ilist[ii];
+    const double left = most - std::max(bulge[i] - bulge_then[i], 0.0) -
+                        (p.radii_vary ? std::fabs(p.radius[i] - radius_then[i]) : 0.0);
+    const double square = left * std::fabs(left) - move_of(i, x);
+    are_near &= square >= 0.0;
+    least = std::min(least, square);
+  }
+  return are_near ? least / (2.0 * most) : -1.0;    // left - move >= square/(2 most)
 }
 
 /* ---------------------------------------------------------------------- */

@@ -17,6 +17,7 @@
 
 #include "neigh_list.h"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -57,8 +58,17 @@ class NearList : protected Pointers {
 
   // Whether the list is sufficient, on all ranks, for the present positions and bulges.
   bool is_sufficient(const DeformableParticles &);
-  // The same after no bulge has grown by more than this.
-  bool is_sufficient_after(const DeformableParticles &, double growth);
+  // The same after bulges have changed.
+  bool is_sufficient_after(const DeformableParticles &);
+
+  // Bulges that a force call has found.
+  void forget_growth() { grown = grown_now = 0.0; }
+  void set_bulge(int i, double b)
+  {
+    grown = std::max(grown, b - bulge_then[i]);
+    grown_now = std::max(grown_now, b - bulge[i]);
+    bulge[i] = b;
+  }
 
   // The particles of a list, in the order of the pairs.
   const int *order(const NeighList &list) const
@@ -73,7 +83,11 @@ class NearList : protected Pointers {
   double margin = 0.0;
   int calls = 0;    // since the last build
   bool missed_wall = false;
-  double slack = 0.0;    // all bulges may grow by so much
+  double farthest = 0.0, grown = 0.0;    // moves and bulges, the largest since the last build
+  double grown_now = 0.0;                // in this call
+  double slack = 0.0;                    // all bulges may grow by so much in this call
+  double move_of(int i, const double *x) const;
+  double find_slack(const DeformableParticles &, double most) const;
   bool none_on_all_ranks(int here) const;
 
   // as of the last build
