@@ -15,18 +15,22 @@ using namespace LAMMPS_NS;
 
 static constexpr double COARSE = 0.1, MARGIN = 0.1;    // of corrections
 
+// The typical imbalance: of r, times the mean weight.
+double ForceSolver::typical_of(const Evaluation &from) const
+{
+  return std::sqrt(from.norm2 * from.weights) / pairs_of_all * pairs->unit();
+}
+
 double ForceSolver::accuracy_of(const Evaluation &from) const
 {
   constexpr double SQUARE = 10.0;
-  // of r, times the mean weight
-  const double typical = std::sqrt(from.norm2 * from.weights) / pairs_of_all * pairs->unit();
-  const double most = SQUARE * typical / from.largest;
+  const double most = SQUARE * typical_of(from) / from.largest;
   return std::min(COARSE, std::max(MARGIN * target * from.largest / from.forces, most));
 }
 
 /* ----------------------------------------------------------------------
-   The first step of a call finds which contacts open or close, and leaves more
-   where they do. One step is enough but for a few blocks (correct_some) if it
+   Contacts that open or close in the first step of a call leave more than
+   others. One step is enough but for a few blocks (correct_some) if it
    brings what is usual below the tolerance. Where contacts change everywhere
    that fails: then all take a second step, and the first one need not be much
    better than what it leaves anyway.

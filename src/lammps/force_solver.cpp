@@ -104,11 +104,12 @@ bool ForceSolver::solve(RemoteSides &r)
   needs_correction = first_evaluation.usual > target * first_evaluation.largest;
   first_solution = false;
   local_corrections = 0;
+  has_relaxed = false;
   const double left = now.forces / first_evaluation.forces;
   bool all_were_corrected = false;
   while (!is_balanced(now) && evaluations < max_evaluations && std::isfinite(now.largest)) {
     forget();
-    if (correct_some(now)) continue;
+    if (relax_some(now) || correct_some(now)) continue;
     all_were_corrected = true;
     now = correct(now);
     // forces that were extrapolated too far may lead to rings that do not exist

@@ -144,6 +144,7 @@ class ForceSolver : protected Pointers {
   Evaluation evaluate_and_correct();
   double find_torques();
   int begin_corrections(const Evaluation &);
+  double typical_of(const Evaluation &) const;
   double accuracy_of(const Evaluation &) const;
   double coarse = 0.003;    // accuracy of the first correction of a call
   int tries_coarse = 0;     // calls that still use it
@@ -152,6 +153,8 @@ class ForceSolver : protected Pointers {
   void learn_from_first(double left, bool all_were_corrected);
   bool is_balanced(Evaluation &);
   Evaluation correct(const Evaluation &);
+  bool relax_some(Evaluation &);
+  bool has_relaxed = false;    // some, in this call
   bool correct_some(Evaluation &);
   void hold_others(const BlockLevels::Choice &);
   Evaluation accept(Evaluation now, const Evaluation &from, bool iterated, bool turns);

@@ -1,17 +1,37 @@
 // Corrections of the forces only where they are not balanced.
 //
 // Where a contact opens or closes, or a ring bears hardly anything, the imbalance is many times that of all others. What
-// corrects it decays within a few rings. So the blocks of such pairs and their neighbors are corrected on their own, with
-// the forces on all others held.
+// corrects it decays within a few rings. So such pairs are relaxed; if that is not enough, their blocks and the neighbors
+// of these are corrected on their own, with the forces on all others held.
 
 #include "force_solver.h"
 
 #include "comm.h"
+#include "update.h"
 
 #include <algorithm>
 #include <cmath>
 
 using namespace LAMMPS_NS;
+
+// In motion, if few pairs are off, and by little more than the tolerance. False: nothing has changed.
+bool ForceSolver::relax_some(Evaluation &now)
+{
+  constexpr double LITTLE = 100.0, ENOUGH = 0.3, USUAL = 0.3;    // times the tolerance
+  const double limit = target * now.largest;
+  if (has_relaxed || consecutive_calls != 3 || update->whichflag == 2 || pairs->tilts ||
+      evaluations + 2 >= max_evaluations || !now.exists || now.forces <= limit ||
+      now.forces > LITTLE * limit || typical_of(now) > USUAL * limit)
+    return false;
+  has_relaxed = true;
+  BlockLevels::Choice chosen(blocks.count());
+  for (int k = 0; k < blocks.count(); ++k) chosen[k] = of_blocks[k].error > limit;
+  relaxation.go_on(ENOUGH * limit, chosen);
+  blocks.widen(chosen);    // what may turn
+  blocks.widen(chosen);    // what sees that
+  now = run({Stage::RELAX, Stage::TURN, Stage::LOOK}, nullptr, &chosen);
+  return true;
+}
 
 // False: all have to be corrected. The state may be another one then too.
 bool ForceSolver::correct_some(Evaluation &now)

@@ -28,6 +28,7 @@ bool PairRelaxation::begin(double least, double largest_force)
   limit = part * largest_force;
   most = MOST * largest_force;
   found = 0;
+  chosen.clear();
   return limit < most;
 }
 
@@ -79,6 +80,7 @@ void PairRelaxation::relax(int block, const deformable::ForceKernels &kernels,
   constexpr double CROWD = 0.1;    // of the pairs
   constexpr double PART = 0.3;     // of what a ring bears
   constexpr std::size_t OFTEN = 50, ANY = 1000;
+  if (!chosen.empty() && !chosen[block]) return;
   std::size_t of_block = 0, first_ones = 0;
   blocks.for_pairs(block, [&](int begin, int end, double) {
     if (begin >= p.remote && begin < p.wall) return;

@@ -26,6 +26,13 @@ class PairRelaxation {
   // when it goes astray. All are parts of the largest force. Returns whether any imbalance is between these limits.
   bool begin(double least, double largest_force);
 
+  // The same call goes on in some blocks, with imbalances above this force.
+  void go_on(double above, const BlockLevels::Choice &blocks_)
+  {
+    limit = above;
+    chosen = blocks_;
+  }
+
   // Relaxes pairs whose first ring is in the block, and those that this puts off balance, in this block and those beside
   // it; none with a ring in one batch with those that touch another rank's, which would not know. Forces and residuals are
   // those after that, to first order in the changes of forces.
@@ -47,7 +54,7 @@ class PairRelaxation {
 
   double bytes() const
   {
-    return bytes_of(waiting, may_turn, has_turned, near_block) +
+    return bytes_of(waiting, chosen, may_turn, has_turned, near_block) +
            static_cast<double>(waits.size() / 8);
   }
 
@@ -56,6 +63,7 @@ class PairRelaxation {
   double limit = 0.0;    // part x largest
   double most = 0.0;     // larger imbalances stay too, MOST x largest
   int pairs = 0, found = 0;
+  BlockLevels::Choice chosen;    // all blocks if empty
 
   std::vector<int> waiting;                  // pairs
   std::vector<bool> waits;                   // by pair
