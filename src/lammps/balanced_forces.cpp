@@ -141,6 +141,14 @@ void BalancedForces::forget()
 
 /* ---------------------------------------------------------------------- */
 
+double BalancedForces::energy() const
+{
+  double sum = 0.0;
+  for (std::size_t ring = 0; ring < batches.particle.size(); ++ring)
+    if (batches.particle[ring] >= 0) sum += energy_of(ring, batches.loaded(ring));
+  return sum;
+}
+
 BalancedForces::Ring BalancedForces::ring(int i) const
 {
   const int ring = batches.place[i], n = batches.count[i];
@@ -157,9 +165,7 @@ BalancedForces::Ring BalancedForces::ring(int i) const
     }
     arc_radius += (lengths - std::hypot(mx, my) * batches.per_pressure[ring]) / PI;
   }
-  const double energy =
-      loaded.energy(batches.radius[ring], batches.stiffness(ring), batches.work[ring]);
-  return {{energy, loaded.pressure}, loaded.expansion, arc_radius, n};
+  return {{energy_of(ring, loaded), loaded.pressure}, loaded.expansion, arc_radius, n};
 }
 
 int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<int> &seats,

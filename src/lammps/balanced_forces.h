@@ -59,6 +59,9 @@ class BalancedForces : protected Pointers {
   double tilt(int k) const { return near.pairs.tilts ? std::asin(near.pairs.tilt[k]) : 0.0; }
   double limited_tilts() const { return solver.tilts.limited; }
 
+  // Of all rings of this rank. What is left of the overlaps is not in it.
+  double energy() const;
+
   // The rings whose smallest radius of curvature may be negative.
   const std::vector<int> &crowded_rings() const { return crowded; }
 
@@ -91,6 +94,10 @@ class BalancedForces : protected Pointers {
   double arc_radius_at_least(std::size_t ring, double lengths) const
   {
     return batches.radius[ring] + batches.loaded(ring).expansion - lengths * (1.5 / deformable::PI);
+  }
+  double energy_of(std::size_t ring, const deformable::LoadedRing &loaded) const
+  {
+    return loaded.energy(batches.radius[ring], batches.stiffness(ring), batches.work[ring]);
   }
   void find_bulges();
   int collapsed() const;

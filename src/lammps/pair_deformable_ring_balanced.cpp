@@ -44,7 +44,8 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
     }
   }
   pvector[5] = balanced->limited_tilts();
-  if (eflag_either || needs_shapes() || neighbor->ago == 0)
+  if (eflag_global) eng_vdwl += balanced->energy();
+  if (eflag_atom || needs_shapes() || neighbor->ago == 0)
     for (int ii = 0; ii < list->inum; ++ii) finish_balanced(list->ilist[ii]);
   else
     for (const int i : balanced->crowded_rings()) finish_balanced(i);
@@ -67,8 +68,10 @@ void PairDeformableRing::push_pairs(int begin, int end)
   double *const f = atom->f[0];
   const bool plain = begin < p.remote && !p.tilts && !eflag_atom && !vflag_either;
   const int usual = plain ? end : begin;
+  double rest_of_usual = 0.0;
   for (int k = begin; k < usual && eflag_global; ++k)
-    eng_vdwl += p.force[k] * balanced->residual(k);
+    rest_of_usual += p.force[k] * balanced->residual(k);
+  eng_vdwl += rest_of_usual;
   // usual pairs of which only forces count: the same sums as below
   for (int k = begin; k < usual; ++k) {
     const double force = p.force[k], nx = p.nx[k], ny = p.ny[k];
@@ -141,7 +144,6 @@ bool PairDeformable::needs_errors() const
 void PairDeformableRing::finish_balanced(int i)
 {
   const BalancedForces::Ring ring = balanced->ring(i);
-  if (eflag_global) eng_vdwl += ring.energy.value;
   if (eflag_atom) eatom[i] += ring.energy.value;
   const bool is_circle = ring.energy.value == 0.0, is_beyond = ring.arc_radius < 0.0;
   beyond_model += is_beyond;
