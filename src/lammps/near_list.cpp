@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 using namespace LAMMPS_NS;
 
@@ -286,78 +285,6 @@ int NearList::locate(const DeformableParticles &p, bool only_shared)
     });
   }
   return -1;
-}
-
-// Images of a particle move with the edges of the box, by as many edges as they are away.
-double NearList::box_change() const
-{
-  double change = 0.0, edges = 1.0;
-  const double cutoff = comm->get_comm_cutoff();
-  if (domain->xperiodic) {
-    change += std::fabs(domain->xprd - box_then[0]);
-    edges = std::max(edges, 1.0 + cutoff / domain->xprd);
-  }
-  if (domain->yperiodic) {
-    change += std::fabs(domain->yprd - box_then[1]) + std::fabs(domain->xy - box_then[2]);
-    edges = std::max(edges, 1.0 + cutoff / domain->yprd);
-  }
-  return edges * change;
-}
-
-bool NearList::none_on_all_ranks(int here) const
-{
-  int any = here;
-  if (comm->nprocs > 1) MPI_Allreduce(&here, &any, 1, MPI_INT, MPI_MAX, world);
-  return any == 0;
-}
-
-// Since the last build, squared.
-double NearList::move_of(int i, const double *x) const
-{
-  const double dx = x[3 * i] - x_then[2 * i], dy = x[3 * i + 1] - x_then[2 * i + 1];
-  return dx * dx + dy * dy;
-}
-
-bool NearList::is_sufficient(const DeformableParticles &p)
-{
-  const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
-  constexpr double INFINITE = std::numeric_limits<double>::infinity();
-  double farthest2 = 0.0;
-  bool are_finite = true;
-  for (int ii = 0; ii < p.list->inum; ++ii) {    // others may be fast
-    const double d2 = move_of(p.list->ilist[ii], x);
-    are_finite &= d2 < INFINITE;
-    farthest2 = std::max(farthest2, d2);
-  }
-  farthest = are_finite ? std::sqrt(farthest2) : INFINITE;
-  slack = grown_now = 0.0;
-  return is_sufficient_after(p);
-}
-
-// Mostly even a particle that moved and bulged as much as any one could is near enough.
-bool NearList::is_sufficient_after(const DeformableParticles &p)
-{
-  const double most = 0.5 * (margin - box_change());
-  const bool is_clear = !p.radii_vary && farthest + grown <= most;
-  if (!is_clear && !(grown_now < slack)) slack = find_slack(p, most);
-  return none_on_all_ranks(missed_wall || !(is_clear || slack >= 0.0));
-}
-
-// Not more than any particle may still move or bulge; negative if one is too far.
-double NearList::find_slack(const DeformableParticles &p, double most) const
-{
-  const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
-  double least = most * most;
-  bool are_near = true;
-  for (int ii = 0; ii < p.list->inum; ++ii) {
-    const int i = p.list->ilist[ii];
-    const double left = most - std::max(bulge[i] - bulge_then[i], 0.0) -
-                        (p.radii_vary ? std::fabs(p.radius[i] - radius_then[i]) : 0.0);
-    const double square = left * std::fabs(left) - move_of(i, x);
-    are_near &= square >= 0.0;
-    least = std::min(least, square);
-  }
-  return are_near ? least / (2.0 * most) : -1.0;    // left - move >= square/(2 most)
 }
 
 /* ---------------------------------------------------------------------- */
