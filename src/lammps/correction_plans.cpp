@@ -15,7 +15,7 @@ using namespace LAMMPS_NS;
 
 static constexpr double COARSE = 0.1, MARGIN = 0.1;    // of corrections
 
-// The typical imbalance: of r, times the mean weight.
+// The typical imbalance: the weighted root mean square of r, times the mean weight.
 double ForceSolver::typical_of(const Evaluation &from) const
 {
   return std::sqrt(from.norm2 * from.weights) / pairs_of_all * pairs->unit();
@@ -30,7 +30,7 @@ double ForceSolver::accuracy_of(const Evaluation &from) const
 
 /* ----------------------------------------------------------------------
    Contacts that open or close in the first step of a call leave more than
-   others. One step is enough but for a few blocks (correct_some) if it
+   others. One step is enough but for a few blocks (relax_some, correct_some) if it
    brings what is usual below the tolerance. Where contacts change everywhere
    that fails: then all take a second step, and the first one need not be much
    better than what it leaves anyway.

@@ -52,6 +52,7 @@ void ForceSolver::arrange(const ForceBatches &b, const NearPairs &p, bool new_li
 {
   blocks.arrange(b, p);
   relaxation.arrange(b, p);
+  in_vain = 0;
   if (new_list) corrector.doubt_bounds();
 }
 
@@ -109,9 +110,10 @@ bool ForceSolver::solve(RemoteSides &r)
   bool all_were_corrected = false;
   while (!is_balanced(now) && evaluations < max_evaluations && std::isfinite(now.largest)) {
     forget();
-    if (relax_some(now) || correct_some(now)) continue;
-    all_were_corrected = true;
-    now = correct(now);
+    if (!relax_some(now) && !correct_some(now)) {
+      all_were_corrected = true;
+      now = correct(now);
+    }
     // forces that were extrapolated too far may lead to rings that do not exist
     if (!now.exists && !anew && evaluations < max_evaluations) begin_anew();
   }

@@ -155,14 +155,16 @@ class ForceSolver : protected Pointers {
   Evaluation correct(const Evaluation &);
   bool relax_some(Evaluation &);
   bool has_relaxed = false;    // some, in this call
+  int in_vain = 0;             // relaxations one after the other, since the pairs are new
   bool correct_some(Evaluation &);
   void hold_others(const BlockLevels::Choice &);
   Evaluation accept(Evaluation now, const Evaluation &from, bool iterated, bool turns);
   Evaluation line_search(Evaluation now, const Evaluation &from, bool turned);
 
   // What a run through the blocks may do: places and first forces of the pairs, new shapes of the rings, what is left of
-  // overlaps then; relaxation of a few pairs, after a stage in which blocks wait for those two away, and new shapes of their
-  // rings; an iteration of the corrector, the step of all forces, and shapes after a small one.
+  // overlaps then; relaxation of a few pairs, after WAIT if LOOK was in the same run (a block waits there until those two
+  // away have looked), new shapes of their rings; an iteration of the corrector, the step of all forces, and shapes after a
+  // small one.
   enum class Stage { LOCATE, SHAPE, LOOK, WAIT, RELAX, TURN, CORRECT, STEP, ADAPT };
   Evaluation run(const std::vector<Stage> &, Evaluation *before = nullptr,
                  const BlockLevels::Choice * = nullptr);
@@ -171,7 +173,8 @@ class ForceSolver : protected Pointers {
   struct OfBlock : deformable::Residuals {
     double slope = 0.0;
   };
-  // of this call, after relaxation if there was one; until then, of the last call: the correction is planned from that
+  // of this call, after the relaxation before the correction; until that is known, of the last call: the correction is
+  // planned from it
   Evaluation first_evaluation;
   bool needs_correction = false;
   int local_corrections = 0;    // of this call

@@ -1,9 +1,8 @@
 // Vectors of many numbers: where they begin decides how fast a loop through several of them is.
 //
 // Linux gives them large pages if it may: with small ones a virtual machine spends a tenth of the time of balanced
-// contacts on addresses, from some ten thousand particles on. And those that are made one after
-// the other do not begin at the same place of a page, where their equal elements would compete for the same few lines of a
-// cache.
+// contacts on addresses, from some ten thousand particles on. And those that are made one after the other do not begin at
+// the same place of a page, where their equal elements would compete for the same few lines of a cache.
 
 #ifndef DEFORMABLE_LARGE_VECTOR_H
 #define DEFORMABLE_LARGE_VECTOR_H
@@ -45,7 +44,7 @@ template <class T> struct LargePages {
     void *const memory = std::aligned_alloc(page, all);
     if (!memory) throw std::bad_alloc();
 #ifdef __linux__
-    // The rest of a vector, less than a large page, stays on small ones: no memory is wasted. If it fails, all of it does.
+    // The rest of a vector, less than a large page, stays on small ones: no memory is wasted.
     if (page == LARGE) madvise(memory, (shift + bytes) / page * page, MADV_HUGEPAGE);
 #endif
     return reinterpret_cast<T *>(static_cast<char *>(memory) + shift);

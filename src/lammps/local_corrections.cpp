@@ -14,22 +14,25 @@
 
 using namespace LAMMPS_NS;
 
-// In motion, if few pairs are off, and by little more than the tolerance. False: nothing has changed.
+// In motion, once in a call, if the typical imbalance is below the tolerance and the largest one not far above it. False:
+// nothing has changed. Beside other ranks nothing may change, so there it would often be in vain.
 bool ForceSolver::relax_some(Evaluation &now)
 {
   constexpr double LITTLE = 100.0, ENOUGH = 0.3, USUAL = 0.3;    // times the tolerance
+  constexpr int TRIES = 3;
   const double limit = target * now.largest;
-  if (has_relaxed || consecutive_calls != 3 || update->whichflag == 2 || pairs->tilts ||
-      evaluations + 2 >= max_evaluations || !now.exists || now.forces <= limit ||
+  if (has_relaxed || in_vain == TRIES || consecutive_calls != 3 || update->whichflag == 2 ||
+      pairs->tilts || evaluations + 2 >= max_evaluations || !now.exists || now.forces <= limit ||
       now.forces > LITTLE * limit || typical_of(now) > USUAL * limit)
     return false;
   has_relaxed = true;
   BlockLevels::Choice chosen(blocks.count());
   for (int k = 0; k < blocks.count(); ++k) chosen[k] = of_blocks[k].error > limit;
-  relaxation.go_on(ENOUGH * limit, chosen);
-  blocks.widen(chosen);    // what may turn
-  blocks.widen(chosen);    // what sees that
+  relaxation.go_on(ENOUGH * limit, now.largest, chosen);
+  blocks.widen(chosen);    // these rings may change
+  blocks.widen(chosen);    // their pairs have new residuals
   now = run({Stage::RELAX, Stage::TURN, Stage::LOOK}, nullptr, &chosen);
+  in_vain = now.forces <= limit ? 0 : in_vain + 1;
   return true;
 }
 

@@ -61,7 +61,7 @@ class NearList : protected Pointers {
   // The same after bulges have changed.
   bool is_sufficient_after(const DeformableParticles &);
 
-  // Bulges that a force call has found.
+  // A solution sets all bulges anew: first this, then one by one.
   void forget_growth() { grown = grown_now = 0.0; }
   void set_bulge(int i, double b)
   {
@@ -83,9 +83,9 @@ class NearList : protected Pointers {
   double margin = 0.0;
   int calls = 0;    // since the last build
   bool missed_wall = false;
-  double farthest = 0.0, grown = 0.0;    // moves and bulges, the largest since the last build
-  double grown_now = 0.0;                // in this call
-  double slack = 0.0;                    // all bulges may grow by so much in this call
+  // the longest move and the largest growth of a bulge since the last build, and the latter in the last solution
+  double farthest = 0.0, grown = 0.0, grown_now = 0.0;
+  double slack = 0.0;    // all bulges may grow by so much in this call
   double move_of(int i, const double *x) const;
   double find_slack(const DeformableParticles &, double most) const;
   bool none_on_all_ranks(int here) const;

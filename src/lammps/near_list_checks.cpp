@@ -58,7 +58,8 @@ bool NearList::is_sufficient(const DeformableParticles &p)
   return is_sufficient_after(p);
 }
 
-// Mostly even a particle that moved and bulged as much as any one could is near enough.
+// Mostly the longest move and the largest growth of a bulge are together below half of the margin: then no particle needs a
+// look of its own.
 bool NearList::is_sufficient_after(const DeformableParticles &p)
 {
   const double most = 0.5 * (margin - box_change());
@@ -67,7 +68,7 @@ bool NearList::is_sufficient_after(const DeformableParticles &p)
   return none_on_all_ranks(missed_wall || !(is_clear || slack >= 0.0));
 }
 
-// Not more than any particle may still move or bulge; negative if one is too far.
+// By how much each bulge may still grow, at least; negative if a particle is too far already.
 double NearList::find_slack(const DeformableParticles &p, double most) const
 {
   const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;

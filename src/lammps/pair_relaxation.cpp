@@ -21,7 +21,6 @@ void PairRelaxation::arrange(const ForceBatches &b, const NearPairs &p)
 bool PairRelaxation::begin(double least, double largest_force)
 {
   constexpr double MANY = 0.05, FEW = 0.01;    // of the pairs
-  constexpr double MOST = 0.01;                // of the largest force: what is of first order
   if (found > MANY * pairs) part *= 2.0;
   if (found < FEW * pairs) part *= 0.5;
   part = std::clamp(part, least, std::max(least, MOST));
@@ -90,7 +89,7 @@ void PairRelaxation::relax(int block, const deformable::ForceKernels &kernels,
   });
   waiting.resize(first_ones);
   for (const int k : waiting) waits[k] = true;
-  found += static_cast<int>(first_ones);
+  if (chosen.empty()) found += static_cast<int>(first_ones);
   const bool is_crowded = first_ones > CROWD * of_block + 10;
   const std::size_t last = is_crowded ? 0 : OFTEN * first_ones + ANY;
 

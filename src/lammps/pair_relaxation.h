@@ -3,7 +3,8 @@
 // Forces are predicted well but where a contact opens or closes: there they are a thousand times worse than elsewhere. What
 // balances such a pair decays within a few rings. So those pairs take a step each, again and again, until they are about as
 // good as the others, before all are corrected together. That is the method of Gauss and Seidel only where something is
-// left to do (R. V. Southwell, Relaxation Methods in Engineering Science, 1940).
+// left to do (R. V. Southwell, Relaxation Methods in Engineering Science, 1940). The same is done, once in a call, if that
+// correction leaves few pairs off balance.
 
 #ifndef LMP_PAIR_RELAXATION_H
 #define LMP_PAIR_RELAXATION_H
@@ -27,15 +28,16 @@ class PairRelaxation {
   bool begin(double least, double largest_force);
 
   // The same call goes on in some blocks, with imbalances above this force.
-  void go_on(double above, const BlockLevels::Choice &blocks_)
+  void go_on(double above, double largest_force, const BlockLevels::Choice &blocks_)
   {
     limit = above;
+    most = MOST * largest_force;
     chosen = blocks_;
   }
 
-  // Relaxes pairs whose first ring is in the block, and those that this puts off balance, in this block and those beside
-  // it; none with a ring in one batch with those that touch another rank's, which would not know. Forces and residuals are
-  // those after that, to first order in the changes of forces.
+  // Relaxes the pairs whose first ring is in the block, then those that this brings out of balance, in this block and its
+  // neighbors. Rings of a batch do not change if one of them touches a ring of another rank, which would not learn of it.
+  // Forces and residuals are those after that, to first order in the changes of forces.
   void relax(int block, const deformable::ForceKernels &, const BlockLevels &, const NearPairs &,
              const ForceBatches &, const deformable::PairArrays &);
 
@@ -59,9 +61,9 @@ class PairRelaxation {
   }
 
  private:
-  double part = 0.0;     // of the largest force: smaller imbalances stay
-  double limit = 0.0;    // part x largest
-  double most = 0.0;     // larger imbalances stay too, MOST x largest
+  static constexpr double MOST = 0.01;    // of the largest force: what is of first order
+  double part = 0.0;                      // of the largest force, for begin
+  double limit = 0.0, most = 0.0;         // smaller and larger imbalances stay
   int pairs = 0, found = 0;
   BlockLevels::Choice chosen;    // all blocks if empty
 

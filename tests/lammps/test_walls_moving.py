@@ -66,7 +66,7 @@ def given(scene):
 def test_energy_that_walls_take(law, machine):
     """Total energy changes by the work of the walls, which is as large as the energy."""
     scene = scene_of(X, SPECIES, law, machine)
-    scene.run("velocity all create 0.002 123\nfix move all nve\ntimestep 0.0125\nrun 0")
+    scene.run("velocity all create 0.002 125\nfix move all nve\ntimestep 0.0125\nrun 0")
     assert given(scene) == 0
     before, found, most = total(scene), [], 0.0
     for _ in range(10):
