@@ -79,13 +79,20 @@ struct PairArrays {
   float *step;
   double length, unit;
   double *past;    // forces of the last call
-  // what has to be added for those of the call before, and of the one before that
-  float *earlier[2];
+  // what has to be added for those of the call before, for those of the one before that, and once more
+  float *earlier[3];
   // the forces before a step, at the place of earlier[0], which is made anew at the end of a call
   float *before;
 };
 
 constexpr double UNKNOWN_FORCE = -1e300;
+
+// The next force f(0) from the last ones, f(-1) to f(-4): f(-1) + slope D + bend D2 + twist D3, with the differences D =
+// f(-1) - f(-2), D2 of D and D3 of D2. Where a force has a kink, D3 is about as large as D2, not much smaller: then a
+// straight line is best. Smaller D3 than `smooth`, in `unit`, do not matter.
+struct Extrapolation {
+  double slope, bend, twist, smooth;
+};
 
 // The largest imbalance, force, and r/length; over the pairs with a positive weight, sums of w r^2/length^2 and of the
 // weights.
@@ -145,7 +152,7 @@ struct ForceKernels {
 
   // First forces: c[0] of those of the last call + c[1] of those before + c[2] of those before that, none negative;
   // c[0] + c[1] + c[2] = 1.
-  void (*extrapolate)(PairArrays, const double *c, int begin, int end);
+  void (*extrapolate)(PairArrays, Extrapolation, int begin, int end);
 
   // Turns the change of forces into one that leaves no force negative, and takes it; alone: each pair changes for
   // itself, instead of Newton's method. Returns the slope of the dual energy along the step.

@@ -144,14 +144,19 @@ static int find_unbalanced(PairArrays p, double limit, int begin, int end, int *
   return count;
 }
 
-static void extrapolate(PairArrays p, const double *c, int begin, int end)
+static void extrapolate(PairArrays p, Extrapolation by, int begin, int end)
 {
+  constexpr double KINK = 0.5;    // D3 over D2, at least
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
-    const T last = load<T>(p.earlier[0] + k), zero = T{};
-    const T change = (c[1] + c[2]) * last + c[2] * load<T>(p.earlier[1] + k);
+    const T last = load<T>(p.earlier[0] + k), second = load<T>(p.earlier[1] + k), zero = T{};
+    const T bend = last - second, twist = bend - (second - load<T>(p.earlier[2] + k));
+    const T usual = larger(KINK * larger(bend, -bend), zero + by.smooth);
+    const T curve = select(larger(twist, -twist) > usual, zero, by.bend * bend + by.twist * twist);
+    const T change = -(by.slope * last + curve);
     store(p.force + k, larger(load<T>(p.past + k) + change * p.unit, zero));
     store(p.earlier[1] + k, last);
+    store(p.earlier[2] + k, second);
   });
 }
 

@@ -136,7 +136,7 @@ void BalancedForces::forget()
   NearPairs &p = near.pairs;
   const auto fill = [](auto value, auto &...v) { (std::fill(v.begin(), v.end(), value), ...); };
   fill(UNKNOWN_FORCE, p.past, p.past_tilt[0], p.past_tilt[1], p.past_tilt[2]);
-  fill(0.0F, p.earlier[0], p.earlier[1]);
+  fill(0.0F, p.earlier[0], p.earlier[1], p.earlier[2]);
 }
 
 /* ---------------------------------------------------------------------- */

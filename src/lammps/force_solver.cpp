@@ -11,27 +11,34 @@ using namespace LAMMPS_NS;
 using deformable::PairArrays;
 
 /* ----------------------------------------------------------------------
-   At successive steps forces start from an extrapolation in time: a quadratic
-   one, or, where a loose tolerance leaves errors that it would amplify, one
-   that is stable if each step corrects it (J. Kolafa, J. Comput. Chem. 25,
-   335 (2004)).
+   At successive steps forces start from an extrapolation in time: a cubic one,
+   or, where a loose tolerance leaves errors that it would amplify, one that is
+   stable if each step corrects it (J. Kolafa, J. Comput. Chem. 25, 335 (2004)).
+   The error of a cubic one is even in time, so what the correction leaves of it
+   neither heats nor cools. That of a quadratic one does: over 1e6 steps the
+   energy drifted ten times as far.
 ------------------------------------------------------------------------- */
 
 void ForceSolver::begin_call(NearPairs &p, ForceBatches &b, const deformable::PairPlaces *places)
 {
   pairs = &p;
   batches = &b;
-  static constexpr double COEFFICIENTS[][3] = {{1, 0, 0}, {1, 0, 0}, {2, -1, 0}, {3, -3, 1}};
-  static constexpr double STABLE[3] = {2.5, -2, 0.5};
-  consecutive_calls = update->ntimestep == last_step + 1 ? std::min(consecutive_calls + 1, 3) : 0;
+  constexpr double INFINITE = std::numeric_limits<double>::infinity();
+  constexpr double SMOOTH = 300.0;    // of the tolerance
+  constexpr int MOST = 4;
+  consecutive_calls =
+      update->ntimestep == last_step + 1 ? std::min(consecutive_calls + 1, MOST) : 0;
   last_step = update->ntimestep;
-  const bool predicts = consecutive_calls == 3;
-  must_correct = predicts && tolerance > LOOSE;
-  const double *const c = must_correct ? STABLE : COEFFICIENTS[consecutive_calls];
-  coefficients = c;
+  must_correct = predicts() && tolerance > LOOSE;
+  const bool is_cubic = consecutive_calls == MOST && !must_correct;
+  extrapolation.slope = consecutive_calls > 1 ? 1.0 : 0.0;
+  extrapolation.bend = must_correct ? 0.5 : predicts() ? 1.0 : 0.0;
+  extrapolation.twist = is_cubic ? 1.0 : 0.0;
+  extrapolation.smooth =
+      is_cubic ? SMOOTH * tolerance * first_evaluation.largest / p.unit() : INFINITE;
   make_room();
-  kernels.extrapolate(arrays(), c, places ? p.remote : 0, p.size);
-  if (p.tilts) LineTilts::predict(p, c);
+  kernels.extrapolate(arrays(), extrapolation, places ? p.remote : 0, p.size);
+  if (p.tilts) LineTilts::predict(p, extrapolation);
   evaluations = 0;
   first_solution = true;
   is_remembered = false;
@@ -73,8 +80,8 @@ bool ForceSolver::solve(RemoteSides &r)
   if (!first_solution) --evaluations;    // of the same forces as the last one
   const bool minimizing = update->whichflag == 2;
   Evaluation now;
-  const bool in_one = unlocated && consecutive_calls == 3 && needs_correction && !minimizing &&
-                      corrector.knows_bounds();
+  const bool in_one =
+      unlocated && predicts() && needs_correction && !minimizing && corrector.knows_bounds();
   if (in_one) {
     now = evaluate_and_correct();
   } else {
@@ -235,11 +242,21 @@ PairArrays ForceSolver::arrays()
 {
   NearPairs &p = *pairs;
   const ForceBatches &b = *batches;
-  return {p.overlap.data(),   p.stiffening.data(),  p.side[0].data(),
-          p.side[1].data(),   b.indentation.data(), b.compliance.data(),
-          b.step.data(),      p.force.data(),       residual.data(),
-          weight.data(),      step.data(),          p.length,
-          p.unit(),           p.past.data(),        {p.earlier[0].data(), p.earlier[1].data()},
+  return {p.overlap.data(),
+          p.stiffening.data(),
+          p.side[0].data(),
+          p.side[1].data(),
+          b.indentation.data(),
+          b.compliance.data(),
+          b.step.data(),
+          p.force.data(),
+          residual.data(),
+          weight.data(),
+          step.data(),
+          p.length,
+          p.unit(),
+          p.past.data(),
+          {p.earlier[0].data(), p.earlier[1].data(), p.earlier[2].data()},
           p.earlier[0].data()};
 }
 

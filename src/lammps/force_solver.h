@@ -121,7 +121,7 @@ class ForceSolver : protected Pointers {
   // by pair
   LargeVector<float> residual, weight, step;    // see PairArrays
 
-  const double *coefficients = nullptr;                 // of the extrapolation
+  deformable::Extrapolation extrapolation{};
   const deformable::PairPlaces *unlocated = nullptr;    // of pairs that are to be located
   bool is_apart = true;                                 // lines of this rank
   void make_room();
@@ -129,7 +129,8 @@ class ForceSolver : protected Pointers {
   void move(double from, double to, int begin, int end);
 
   bigint last_step = -2;
-  int consecutive_calls = 0;     // at successive steps before this one, up to 3
+  int consecutive_calls = 0;    // at successive steps before this one, up to 4
+  bool predicts() const { return consecutive_calls >= 3; }
   bool first_solution = true;    // of this call
   bool is_remembered = false;    // the present forces are the past ones
   static constexpr double LOOSE =

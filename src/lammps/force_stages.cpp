@@ -47,7 +47,7 @@ ForceSolver::Evaluation ForceSolver::run(const std::vector<Stage> &stages, Evalu
             blocks.for_pairs(block, [&](int a, int z, double) {
               if (a >= pairs->remote) return;
               is_apart &= kernels.locate(*unlocated, a, z);
-              kernels.extrapolate(loop, coefficients, a, z);
+              kernels.extrapolate(loop, extrapolation, a, z);
             });
             break;
           case Stage::WAIT: break;

@@ -8,14 +8,18 @@
 using namespace LAMMPS_NS;
 using deformable::LARGEST_SINE;
 
-void LineTilts::predict(NearPairs &p, const double *c)
+// From three past tilts: without the twist.
+void LineTilts::predict(NearPairs &p, const deformable::Extrapolation &by)
 {
   const double *const now = p.past_tilt[0].data(), *const last = p.past_tilt[1].data();
   double *const before = p.past_tilt[2].data();
   for (int k = 0; k < p.size; ++k)
-    before[k] = now[k] == deformable::UNKNOWN_FORCE
-                    ? now[k]
-                    : c[0] * now[k] + c[1] * last[k] + c[2] * before[k];
+    if (now[k] == deformable::UNKNOWN_FORCE) {
+      before[k] = now[k];
+    } else {
+      const double change = now[k] - last[k], bend = change - (last[k] - before[k]);
+      before[k] = now[k] + by.slope * change + by.bend * bend;
+    }
   std::swap(p.past_tilt[1], p.past_tilt[2]);
   std::swap(p.past_tilt[0], p.past_tilt[1]);
 }

@@ -24,7 +24,7 @@ class LineTilts {
   double limited = 0.0;
 
   // Extrapolates the tilts of the last calls, which the pairs have.
-  static void predict(NearPairs &, const double *coefficients);
+  static void predict(NearPairs &, const deformable::Extrapolation &);
 
   // Of pairs that do not tilt yet: their lines take the first of the past tilts.
   void start(NearPairs &, ForceBatches &, const deformable::ForceKernels &);

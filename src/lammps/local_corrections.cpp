@@ -21,8 +21,8 @@ bool ForceSolver::relax_some(Evaluation &now)
   constexpr double LITTLE = 100.0, ENOUGH = 0.3, USUAL = 0.3;    // times the tolerance
   constexpr int TRIES = 3;
   const double limit = target * now.largest;
-  if (has_relaxed || in_vain == TRIES || consecutive_calls != 3 || update->whichflag == 2 ||
-      pairs->tilts || evaluations + 2 >= max_evaluations || !now.exists || now.forces <= limit ||
+  if (has_relaxed || in_vain == TRIES || !predicts() || update->whichflag == 2 || pairs->tilts ||
+      evaluations + 2 >= max_evaluations || !now.exists || now.forces <= limit ||
       now.forces > LITTLE * limit || typical_of(now) > USUAL * limit)
     return false;
   has_relaxed = true;

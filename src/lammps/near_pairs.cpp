@@ -14,7 +14,7 @@ void NearPairs::clear(const KnownPairs &old)
   scale = old.scale;
   length = old.length;
   const auto make_room = [most](auto &...v) { (v.reserve(most), ...); };
-  make_room(i, j, past, earlier[0], earlier[1]);
+  make_room(i, j, past, earlier[0], earlier[1], earlier[2]);
   if (tilts) make_room(past_tilt[0], past_tilt[1], past_tilt[2]);
 }
 

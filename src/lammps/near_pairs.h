@@ -14,11 +14,12 @@
 
 namespace LAMMPS_NS {
 
-// The force of a pair at the last call; negative: see ForceSolver. And what has to be added to have that of the call
-// before, and then that of the one before that. The sines of the tilts of its contact line at these calls, see LineTilts.
+// The force of a pair at the last call; negative: see ForceSolver. What has to be added to have that of the call before,
+// then that of the one before that, and once more. The sines of the tilts of its contact line at the last three calls, see
+// LineTilts.
 struct PastForces {
   double force = deformable::UNKNOWN_FORCE;
-  double earlier[2] = {0.0, 0.0};
+  double earlier[3] = {0.0, 0.0, 0.0};
   double tilt[3] = {deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE,
                     deformable::UNKNOWN_FORCE};
 };
@@ -32,15 +33,18 @@ struct KnownPairs {
       j;    // local indices, as in the neighbor list; of a wall: its code, -1 - (w + n feature)
   bool tilts = false;    // contact lines may tilt: without, the arrays of tilts are empty
   LargeVector<double> past, past_tilt[3];
-  LargeVector<float> earlier[2];       // in `unit`; see PastForces
+  LargeVector<float> earlier[3];       // in `unit`; see PastForces
   double scale = 1.0, length = 1.0;    // powers of two, of 1/(k R^2) and R: see PairArrays
   double unit() const { return length / scale; }
 
   PastForces past_of(int k) const
   {
-    PastForces found = {past[k], {earlier[0][k] * unit(), earlier[1][k] * unit()}};
-    if (tilts)
-      for (int n = 0; n < 3; ++n) found.tilt[n] = past_tilt[n][k];
+    PastForces found;
+    found.force = past[k];
+    for (int n = 0; n < 3; ++n) {
+      found.earlier[n] = earlier[n][k] * unit();
+      if (tilts) found.tilt[n] = past_tilt[n][k];
+    }
     return found;
   }
 };
@@ -66,7 +70,7 @@ struct NearPairs : KnownPairs {
     i.push_back(i_);
     j.push_back(j_);
     past.push_back(past_.force);
-    for (int n = 0; n < 2; ++n) earlier[n].push_back(static_cast<float>(past_.earlier[n] / unit()));
+    for (int n = 0; n < 3; ++n) earlier[n].push_back(static_cast<float>(past_.earlier[n] / unit()));
     for (int n = 0; n < 3 && tilts; ++n) past_tilt[n].push_back(past_.tilt[n]);
     return size++;
   }
@@ -98,7 +102,7 @@ struct NearPairs : KnownPairs {
 
   double bytes() const
   {
-    return bytes_of(i, j, owned, stiffening, past, earlier[0], earlier[1], past_tilt[0],
+    return bytes_of(i, j, owned, stiffening, past, earlier[0], earlier[1], earlier[2], past_tilt[0],
                     past_tilt[1], past_tilt[2], force, overlap, per_distance, angle, nx, ny, tilt,
                     side[0], side[1]);
   }

@@ -20,7 +20,7 @@ void PairRelaxation::arrange(const ForceBatches &b, const NearPairs &p)
 
 bool PairRelaxation::begin(double least, double largest_force)
 {
-  constexpr double MANY = 0.05, FEW = 0.01;    // of the pairs
+  constexpr double MANY = 0.07, FEW = 0.01;    // of the pairs
   if (found > MANY * pairs) part *= 2.0;
   if (found < FEW * pairs) part *= 0.5;
   part = std::clamp(part, least, std::max(least, MOST));

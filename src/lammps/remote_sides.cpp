@@ -42,7 +42,7 @@ void RemoteSides::set_rows(int values)
 
 void RemoteSides::match(std::vector<Candidate> &candidates, bool tilts)
 {
-  enum { PARTNER, X, Y, PAST, EARLIER, TILT = EARLIER + 2 };
+  enum { PARTNER, X, Y, PAST, EARLIER, TILT = EARLIER + 3 };
   const int values = tilts ? TILT + 3 : TILT;
   constexpr double ROUNDING = 1e-12;
   const auto square = [](double x) { return x * x; };
@@ -66,7 +66,7 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool tilts)
     at(i, slot, X) = pair.x;
     at(i, slot, Y) = pair.y;
     at(i, slot, PAST) = pair.past.force;
-    for (int n = 0; n < 2; ++n) at(i, slot, EARLIER + n) = pair.past.earlier[n];
+    for (int n = 0; n < 3; ++n) at(i, slot, EARLIER + n) = pair.past.earlier[n];
     for (int n = 0; n < 3 && tilts; ++n) at(i, slot, TILT + n) = pair.past.tilt[n];
   }
   comm->forward_comm_array(slots * values, rows.data());
@@ -87,7 +87,7 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool tilts)
     if (found < 0) continue;    // by rounding at the end of the list: too far to bear a force
     if (pair.past.force == deformable::UNKNOWN_FORCE) {
       pair.past.force = at(j, found, PAST);
-      for (int n = 0; n < 2; ++n) pair.past.earlier[n] = at(j, found, EARLIER + n);
+      for (int n = 0; n < 3; ++n) pair.past.earlier[n] = at(j, found, EARLIER + n);
       for (int n = 0; n < 3 && tilts; ++n) pair.past.tilt[n] = at(j, found, TILT + n);
     }
     candidates[kept] = pair;

@@ -9,6 +9,7 @@ import pytest
 from scene import Scene
 
 sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
+import conservation
 import nve
 import sector_stall
 
@@ -33,6 +34,14 @@ def test_energy_of_a_large_packing(jammed, phi):
     assert 1.7 < row["order"] < 2.3
     # what kinks add at random grows by a factor 4, a drift would by 16
     assert nve.growth(jammed[64], row) < 0.5 * nve.LONGER
+
+
+@pytest.mark.slow
+def test_balanced_contacts_do_not_heat(jammed):
+    """A row of benchmarks/results/conservation.json. Quadratic predictions made it 8e-5."""
+    packing = jammed[64].at(0.9)
+    runs = [conservation.error_and_drift(packing, 1e-8, 0.05, 10**6, seed) for seed in range(1, 5)]
+    assert abs(np.mean([drift for _, drift in runs])) < 3e-5
 
 
 def between_walls(law, top):

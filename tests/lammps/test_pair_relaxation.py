@@ -25,7 +25,7 @@ def moving(species, boundary, commands):
     """A scene after its first steps, in which forces have no history."""
     scene = Scene.packing(PACKINGS[0], DEFAULT, species, boundary=boundary)
     scene.run(commands)
-    scene.run("velocity all create 1e-5 4711 loop geom\nfix move all nve\ntimestep 0.05")
+    scene.run("velocity all create 3e-6 4711 loop geom\nfix move all nve\ntimestep 0.05")
     scene.run("thermo 1\nrun 20 post no")
     return scene
 
