@@ -30,7 +30,8 @@ void ForceSolver::begin_call(NearPairs &p, ForceBatches &b, const deformable::Pa
       update->ntimestep == last_step + 1 ? std::min(consecutive_calls + 1, MOST) : 0;
   last_step = update->ntimestep;
   must_correct = predicts() && tolerance > LOOSE;
-  const bool is_cubic = consecutive_calls == MOST && !must_correct;
+  const bool minimizing = update->whichflag == 2;    // then velocities jump
+  const bool is_cubic = consecutive_calls == MOST && !must_correct && !minimizing;
   extrapolation.slope = consecutive_calls > 1 ? 1.0 : 0.0;
   extrapolation.bend = must_correct ? 0.5 : predicts() ? 1.0 : 0.0;
   extrapolation.twist = is_cubic ? 1.0 : 0.0;
