@@ -125,7 +125,8 @@ void check(int n, std::mt19937 &random, Tensions tensions = Tensions::NONE)
   }
   // a step along the last direction, and in one with the next product
   const std::vector<float> before = b.direction, left = b.left;
-  const TurnBy by = {0.5F, 0.25F, b.last_product.data()};
+  TurnBy by = {0.5F, 0.25F, b.last_product.data()};
+  by.per_scale = 1.0 / b.rings(0).scale;
   Sum none, curvature;
   for (int w = 0; w < LANES; w += FLOATS)
     multiply_lanes<SIZE, SOFT, Turn::ADVANCE>(by, n, b.contacts(w), b.corrections(w), b.rings(w),

@@ -10,18 +10,22 @@ import pytest
 HERE = Path(__file__).parent
 CORE = HERE.parents[1] / "src" / "core"
 
-pytestmark = pytest.mark.slow  # all widths and sizes take a minute to compile
+MEMORY = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+slow = pytest.mark.slow  # checks of memory take half a minute to compile
 
 
-@pytest.mark.parametrize("lanes", [2, 4, 8])
-def test_force_lanes(tmp_path, lanes):
+@pytest.mark.parametrize(
+    ("lanes", "checks"),
+    [(4, []), *(pytest.param(n, MEMORY, marks=slow) for n in (2, 4, 8))],
+    ids=["4", "2-checked", "4-checked", "8-checked"],
+)
+def test_force_lanes(tmp_path, lanes, checks):
     """To 1e-12 of the largest entry; with the compiler's checks of memory, where it has them."""
     compiler = shutil.which(os.environ.get("CXX", "g++"))
     assert compiler, "the plugin was built by a compiler that is not here: name it by CXX"
     program, source = tmp_path / "lanes", str(HERE / "force_lanes.cpp")
     command = [compiler, "-std=c++17", "-O1", "-Wno-psabi", "-fno-math-errno"]
     command += [f"-DDEFORMABLE_LANES={lanes}", f"-I{CORE}", source]
-    checks = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
     for flags in (checks, []):
         done = subprocess.run([*command, *flags, "-o", program], capture_output=True, text=True)
         if done.returncode == 0:
