@@ -108,9 +108,32 @@ int BalancedForces::without_room() const
     if (!std::isinf(stiffness.kA) && stiffness.tension == 0.0) continue;
     const double q = batches.radius[ring] + batches.loaded(ring).expansion -
                      batches.total[ring] * batches.per_pressure[ring] * (0.5 / PI);
-    if (!(q >= NONE * batches.radius[ring])) return batches.particle[ring];    // also if nan
+    if (!(q >= NONE * batches.radius[ring]))
+      return most_crowded(batches.particle[ring]);    // also if nan
   }
   return collapsed();
+}
+
+// Forces without limit spread to rings that have room. So the ring is named whose contacts overlap most, in its radii, of
+// those that keep their area; this one if none overlaps.
+int BalancedForces::most_crowded(int found) const
+{
+  const NearPairs &p = near.pairs;
+  std::vector<double> crowd(atom->nlocal, 0.0);
+  for (int k = 0; k < p.size; ++k) {
+    const double overlap = std::max(p.overlap[k], 0.0);
+    crowd[p.i[k]] += overlap;
+    if (k < p.remote) crowd[p.second(k)] += overlap;
+  }
+  double most = 0.0;
+  for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
+    const int i = batches.particle[ring];
+    if (i < 0 || !std::isinf(batches.kA[ring]) || !(crowd[i] > most * batches.radius[ring]))
+      continue;
+    most = crowd[i] / batches.radius[ring];
+    found = i;
+  }
+  return found;
 }
 
 // A bubble of gas that cannot bear the forces of its contacts: they do not grow, and most of an overlap is left.

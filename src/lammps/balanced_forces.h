@@ -101,6 +101,7 @@ class BalancedForces : protected Pointers {
   }
   void find_bulges();
   int collapsed() const;
+  int most_crowded(int found) const;
   void warn_unbalanced();
   void warn_limited();
 };

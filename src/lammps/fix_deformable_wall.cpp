@@ -23,13 +23,14 @@ FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg) : Fix(lm
     require(sources.read_words(narg - 3, arg + 3, lmp));
     require(scene.assign(std::move(sources)));
   } else {
+    region_id = arg[3];
+    const bool exists = domain->get_region_by_id(region_id);
     if (narg > 4)
-      error->all(FLERR_WORD(4),
+      error->all(FLERR_WORD(exists ? 4 : 3),
                  "Unknown fix deformable/wall argument '{}': it needs a region ID only, or shapes "
                  "that begin with 'plane', 'circle', 'disk', 'segment' or 'polygon'",
-                 arg[4]);
-    region_id = arg[3];
-    if (!domain->get_region_by_id(region_id))
+                 arg[exists ? 4 : 3]);
+    if (!exists)
       error->all(FLERR_WORD(3), "Region '{}' of fix deformable/wall does not exist", region_id);
   }
 

@@ -126,7 +126,14 @@ void *PairDeformableRing::extract(const char *name, int &dim)
 
 bool PairDeformableRing::take_ramps()
 {
+  const std::string odd = ramps.of_two_types(species);
+  if (!odd.empty())
+    error->all(FLERR,
+               "A fix adapt sets {}, but stiffnesses and tensions belong to one type: give it the "
+               "same type twice",
+               odd);
   if (ramps.take(species) == 0) return false;
+  ramps.fill(species);
   for (const Species &s : species) {
     if (s.name.empty()) continue;
     const std::string wrong = invalid_values(s);

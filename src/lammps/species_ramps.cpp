@@ -1,5 +1,7 @@
 #include "species_ramps.h"
 
+#include "utils.h"
+
 #include <cstring>
 
 using namespace LAMMPS_NS;
@@ -30,6 +32,21 @@ void SpeciesRamps::fill(const std::vector<Species> &species)
     for (std::size_t i = 0; i < arrays[k].rows.size(); ++i)
       for (std::size_t j = 0; j < arrays[k].rows.size(); ++j)
         arrays[k].rows[i][j] = species[i].stiffness.*MEMBERS[k];
+}
+
+// Wildcards of fix adapt write the value of a type to its pairs with others too.
+std::string SpeciesRamps::of_two_types(const std::vector<Species> &species) const
+{
+  for (std::size_t k = 0; k < arrays.size(); ++k) {
+    const std::vector<double *> &rows = arrays[k].rows;
+    for (std::size_t i = 1; i < rows.size(); ++i)
+      for (std::size_t j = i + 1; j < rows.size(); ++j) {
+        const double value = rows[i][j];
+        if (value != species[i].stiffness.*MEMBERS[k] && value != rows[i][i] && value != rows[j][j])
+          return fmt::format("{} of types {} and {}", NAMES[k], i, j);
+      }
+  }
+  return "";
 }
 
 int SpeciesRamps::take(std::vector<Species> &species) const

@@ -6,6 +6,7 @@
 #include "species.h"
 
 #include <array>
+#include <string>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -19,6 +20,10 @@ class SpeciesRamps {
 
   // The present values, where something else has changed them.
   void fill(const std::vector<Species> &);
+
+  // A pair of different types with a value of its own, such as "kA of types 1 and 2", before the species take the values.
+  // Empty if there is none.
+  std::string of_two_types(const std::vector<Species> &) const;
 
   // Gives the species the values of the arrays. Returns the first type with a new value, or 0.
   int take(std::vector<Species> &) const;

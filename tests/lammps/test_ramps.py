@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scene import PACKINGS, Scene
 from tense import BALANCED, RADICAL, TILTED
+from test_refusals import refuses
 from test_soft_rings import pushed
 
 EXACT = f"{BALANCED} balance 1e-12 100"
@@ -121,3 +122,14 @@ def test_unknown_parameter(tmp_path):
     adapt(some, "skin", 0.1)
     with pytest.raises(Exception, match="skin not supported"):
         some.energy()
+
+
+def test_values_of_two_types(tmp_path):
+    """They would have no effect. Wildcards that include the type itself are fine."""
+    some = scene(tmp_path, EXACT)
+    some.run("variable v equal 2.5\nvariable w equal 0.5")
+    for types in ("* *", "1* 2"):
+        some.run(f"fix ramp all adapt 1 pair deformable/ring kA {types} v_v\nrun 0\nunfix ramp")
+    some.run("fix ramp all adapt 1 pair deformable/ring kA 1 2 v_w")
+    with refuses("kA of types 1 and 2.*same type twice"):
+        some.run("run 0")

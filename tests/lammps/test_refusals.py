@@ -131,6 +131,17 @@ def test_ring_that_cannot_keep_its_area(contact):
             scene.energy()
 
 
+@pytest.mark.parametrize("contact", ["balanced", "tilted"])
+def test_the_crowded_ring_is_named(contact):
+    """Four droplets crush the one between them; a small one that two of them touch has room."""
+    places = np.array([[0, 0], [1.0, 0], [-1.0, 0], [0, 1.0], [0, -1.0], [1.1, 1.1]])
+    scene = Scene(
+        places, ["droplarge"] * 5 + ["drop"], BOX, f"deformable/ring contact {contact} reach 1"
+    )
+    with refuses("Atom 1 has no shape.*5 contacts.*species droplarge"):
+        scene.energy()
+
+
 @laws
 def test_three_dimensions(law):
     lmp = two_particles(dimension=3)

@@ -40,13 +40,16 @@ def replay(folder: str | Path, frame: int | None = None) -> Iterator[State]:
     if not path.exists():
         raise FileError(f"no recorded run in '{folder}': {path} is missing")
     frames = path.read_text().split("ITEM: TIMESTEP\n")[1:]
+    if not frames:
+        raise FileError(f"{path} has no state: it is empty, or no trajectory of a recorded run")
     chosen = range(len(frames)) if frame is None else [_number(frame, len(frames))]
     with progress("replaying", unit="state", total=len(chosen)) as bar:
         for number in chosen:
             try:
                 recorded, velocities = _read_frame(frames[number], packing)
             except (ValueError, LookupError) as error:
-                raise FileError(f"frame {number} of {path} cannot be read: {error}") from None
+                reason = str(error).split(";")[0]  # what follows is advice on NumPy
+                raise FileError(f"frame {number} of {path} cannot be read: {reason}") from None
             with Simulation(recorded, law) as sim:
                 yield replace(sim.state(), velocities=velocities)
             bar.update()
