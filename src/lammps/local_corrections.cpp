@@ -94,7 +94,7 @@ void ForceSolver::hold_others(const BlockLevels::Choice &chosen)
     for (const int k : {0, 1}) ForceCorrector::products(all, k)[contact] = 0.0F;
   };
   // of other ranks, as their contacts
-  std::vector<double> are_chosen(b.indentation.size());
+  std::vector<double> are_chosen(comm->nprocs > 1 ? b.indentation.size() : 0);
   const int *const side = p.side[0].data();
   for (int k = p.remote; k < p.wall; ++k) are_chosen[side[k]] = is_chosen(p.i[k]);
   remote->exchange(side + p.remote, b.contacts, are_chosen.data());

@@ -20,7 +20,7 @@ using namespace LAMMPS_NS;
 void NearList::build(const DeformableParticles &p, bool new_list)
 {
   constexpr double LEAST = 0.03, MOST = 0.2, CHANGE = 1.5;
-  constexpr int OFTEN = 15, SELDOM = 60;
+  constexpr int OFTEN = 30, SELDOM = 120;
   if (calls > 0 && calls < OFTEN) margin *= CHANGE;
   if (calls > SELDOM) margin /= CHANGE;
   margin = std::clamp(margin, LEAST * p.smallest, MOST * p.smallest);

@@ -87,6 +87,7 @@ class NearList : protected Pointers {
   double farthest = 0.0, grown = 0.0, grown_now = 0.0;
   double slack = 0.0;    // all bulges may grow by so much in this call
   double move_of(int i, const double *x) const;
+  bool has_slack(const DeformableParticles &, double growth);
   double find_slack(const DeformableParticles &, double most) const;
   bool none_on_all_ranks(int here) const;
 

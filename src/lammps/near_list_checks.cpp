@@ -42,8 +42,11 @@ double NearList::move_of(int i, const double *x) const
   return dx * dx + dy * dy;
 }
 
+// Bulges may grow in the solution that follows, about as much as in the last one. A list that is too small for that is
+// found again now: afterwards it would cost a second solution.
 bool NearList::is_sufficient(const DeformableParticles &p)
 {
+  constexpr double MOST = 0.1;    // of the margin, as the last growth may have been a jump
   const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
   constexpr double INFINITE = std::numeric_limits<double>::infinity();
   double farthest2 = 0.0;
@@ -54,18 +57,24 @@ bool NearList::is_sufficient(const DeformableParticles &p)
     farthest2 = std::max(farthest2, d2);
   }
   farthest = are_finite ? std::sqrt(farthest2) : INFINITE;
+  const double expected = std::min(grown_now, MOST * margin);
   slack = grown_now = 0.0;
-  return is_sufficient_after(p);
+  return none_on_all_ranks(missed_wall || !has_slack(p, expected));
 }
 
-// Mostly the longest move and the largest growth of a bulge are together below half of the margin: then no particle needs a
-// look of its own.
 bool NearList::is_sufficient_after(const DeformableParticles &p)
 {
+  return none_on_all_ranks(missed_wall || !has_slack(p, 0.0));
+}
+
+// Whether each bulge may still grow by so much. Mostly the longest move and the largest growth of a bulge are together below
+// half of the margin: then no particle needs a look of its own.
+bool NearList::has_slack(const DeformableParticles &p, double growth)
+{
   const double most = 0.5 * (margin - box_change());
-  const bool is_clear = !p.radii_vary && farthest + grown <= most;
-  if (!is_clear && !(grown_now < slack)) slack = find_slack(p, most);
-  return none_on_all_ranks(missed_wall || !(is_clear || slack >= 0.0));
+  if (!p.radii_vary && farthest + grown + growth <= most) return true;
+  if (!(grown_now + growth < slack)) slack = find_slack(p, most);
+  return slack >= growth;
 }
 
 // By how much each bulge may still grow, at least; negative if a particle is too far already.
