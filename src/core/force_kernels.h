@@ -150,8 +150,7 @@ struct ForceKernels {
   // for all pairs.
   int (*find_unbalanced)(PairArrays, double limit, int begin, int end, int *found);
 
-  // First forces: c[0] of those of the last call + c[1] of those before + c[2] of those before that, none negative;
-  // c[0] + c[1] + c[2] = 1.
+  // First forces, none negative, and the differences moved on by a call.
   void (*extrapolate)(PairArrays, Extrapolation, int begin, int end);
 
   // Turns the change of forces into one that leaves no force negative, and takes it; alone: each pair changes for

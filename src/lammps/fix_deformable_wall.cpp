@@ -2,12 +2,14 @@
 
 #include "lammps_release.h"
 
+#include "comm.h"
 #include "domain.h"
 #include "error.h"
 #include "force.h"
 #include "pair.h"
 #include "update.h"
 
+#include <cmath>
 #include <utility>
 
 using namespace LAMMPS_NS;
@@ -64,8 +66,12 @@ void FixDeformableWall::init()
   if (!force->pair_match("^deformable/", 0) && !force->pair_match("^deformable/", 0, 1))
     error->all(FLERR, "Fix {} deformable/wall needs a deformable pair style, but pair_style is {}",
                id, force->pair_style ? force->pair_style : "none");
-  if (region_id.empty()) return;
+  if (!region_id.empty()) read_region();
+  if (comm->me == 0) warn_of_box();
+}
 
+void FixDeformableWall::read_region()
+{
   region = domain->get_region_by_id(region_id);
   if (!region)
     error->all(FLERR, "Region '{}' of fix {} deformable/wall does not exist", region_id, id);
@@ -73,6 +79,26 @@ void FixDeformableWall::init()
   require(sources.read_region(region, 0.5 * (domain->boxlo[0] + domain->boxhi[0]),
                               0.5 * (domain->boxlo[1] + domain->boxhi[1])));
   require(scene.assign(std::move(sources)));
+}
+
+// A shrink-wrapped boundary follows the particles; others hold them up before they meet the wall.
+void FixDeformableWall::warn_of_box() const
+{
+  enum { PERIODIC, FIXED };
+  constexpr double ROUNDING = 1e-9;    // of the box
+  for (int axis = 0; axis < 2 && !domain->triclinic; ++axis) {
+    const int *const kind = domain->boundary[axis];
+    const double low = domain->boxlo[axis], high = domain->boxhi[axis];
+    const double rest = ROUNDING * (high - low);
+    const int wall = scene.first_outside(axis, kind[0] <= FIXED ? low - rest : -INFINITY,
+                                         kind[1] <= FIXED ? high + rest : INFINITY);
+    if (wall < 0) continue;
+    error->warning(FLERR,
+                   "Fix {} deformable/wall: '{}' lies outside of the simulation box in {} ({:.6g} "
+                   "to {:.6g}): particles leave the box before they meet it. Enlarge the box "
+                   "(change_box), or use a boundary s or m",
+                   id, scene.source(wall).name, axis == 0 ? 'x' : 'y', low, high);
+  }
 }
 
 /* ---------------------------------------------------------------------- */

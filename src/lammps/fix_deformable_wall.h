@@ -95,6 +95,8 @@ class FixDeformableWall : public Fix {
 
   void place(bool counts);
   void require(const std::string &problem);
+  void read_region();
+  void warn_of_box() const;
   [[noreturn]] void refuse_center(int i, int wall);
 };
 

@@ -60,6 +60,24 @@ HalfPlane WallScene::present(const WallSource::Side &side) const
 
 /* ---------------------------------------------------------------------- */
 
+int WallScene::first_outside(int axis, double low, double high) const
+{
+  bool any_face = false;
+  for (const Wall &wall : walls) any_face |= wall.kind == WallSource::FACE;
+  for (const Wall &wall : walls) {
+    const double n = axis == 0 ? wall.line.nx : wall.line.ny, center = axis == 0 ? wall.x : wall.y;
+    if (wall.kind == WallSource::FACE && std::fabs(n) == 1.0 &&
+        (n > 0.0 ? wall.line.offset > high : -wall.line.offset < low))
+      return wall.source;
+    if (wall.kind == WallSource::RIM && !any_face &&
+        (center - wall.radius < low || center + wall.radius > high))
+      return wall.source;
+  }
+  return -1;
+}
+
+/* ---------------------------------------------------------------------- */
+
 std::string WallScene::update()
 {
   for (WallShape &shape : sources.shapes) {

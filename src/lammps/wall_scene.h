@@ -27,6 +27,10 @@ class WallScene {
   std::string update();
   Period period = {0.0, 0.0, 0.0};
 
+  // The first wall of a container that lies outside of these bounds in x (axis 0) or y (1), or -1. Straight walls may cut a
+  // round one.
+  int first_outside(int axis, double low, double high) const;
+
   // Calls visitor(nearest point) for each wall within the cutoff of a center. The feature of the point counts
   // over all walls. Returns -1, or the first wall that has the center on its wrong side.
   template <class Visitor> int visit(double x, double y, double cutoff, Visitor &&visitor) const

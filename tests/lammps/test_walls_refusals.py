@@ -1,5 +1,7 @@
 """Regions that are no walls are refused by name and with advice, before the first step."""
 
+import re
+
 import numpy as np
 import pytest
 from obstacles import ROOM, scene_of
@@ -171,3 +173,38 @@ def test_bulge_message_has_a_bound_and_a_way_out():
     assert "fix walls cuts it 0.7 from its center" in found
     enough = float(found.split("use a reach of ")[1].split()[0])
     assert message(enough) == ""
+
+
+BOXES = {
+    "inside": ("region walls block -9 9 -9 9 -1 1", "f f p", None),
+    "too wide": ("region walls block -9 10 -9 9 -1 1", "f f p", "'walls' .*in x .-9 to 9."),
+    "too high": ("region walls block -9 9 -10 9 -1 1", "f p p", "'walls' .*in y .-9 to 9."),
+    "shrink-wrapped": ("region walls block -9 10 -9 9 -1 1", "s f p", None),
+    "round": ("region walls cylinder z 0 2 8 -1 1", "f f p", "'walls' .*in y .-9 to 9."),
+    "round in a block": (
+        "region round cylinder z 0 2 8 -1 1\nregion block block -9 9 -9 9 -1 1\n"
+        "region walls intersect 2 round block",
+        "f f p",
+        None,
+    ),
+    "obstacle": ("region walls block -10 -8 -1 1 -1 1 side out", "f f p", None),
+}
+
+
+@pytest.mark.parametrize(("walls", "boundary", "message"), BOXES.values(), ids=BOXES)
+def test_walls_outside_of_the_box(walls, boundary, message, tmp_path):
+    """Particles would leave the box before they meet them."""
+    log = tmp_path / "log"
+    scene = Scene(
+        np.array([[1.0, 2.0], [-3.0, -2.0]]),
+        ["small", "small"],
+        ROOM,
+        "deformable/ring contact radical",
+        boundary=boundary,
+        commands=walls + FIX,
+        log=log,
+    )
+    scene.run("run 0")
+    found = [line for line in log.read_text().splitlines() if "simulation box" in line]
+    assert len(found) == (message is not None)
+    assert message is None or re.search(f"WARNING: Fix walls deformable/wall: {message}", found[0])
