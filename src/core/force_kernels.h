@@ -79,7 +79,7 @@ struct PairArrays {
   float *step;
   double length, unit;
   double *past;    // forces of the last call
-  // what has to be added for those of the call before, for those of the one before that, and once more
+  // f(-2) - f(-1), f(-3) - f(-2) and f(-4) - f(-3), in `unit`, if f(-1) are those of the last call
   float *earlier[3];
   // the forces before a step, at the place of earlier[0], which is made anew at the end of a call
   float *before;
@@ -150,7 +150,7 @@ struct ForceKernels {
   // for all pairs.
   int (*find_unbalanced)(PairArrays, double limit, int begin, int end, int *found);
 
-  // First forces, none negative, and the differences moved on by a call.
+  // First forces, none negative. Also moves `earlier` on, so that each pair has it once in a call.
   void (*extrapolate)(PairArrays, Extrapolation, int begin, int end);
 
   // Turns the change of forces into one that leaves no force negative, and takes it; alone: each pair changes for

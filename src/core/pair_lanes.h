@@ -151,8 +151,8 @@ static void extrapolate(PairArrays p, Extrapolation by, int begin, int end)
     using T = decltype(kind);
     const T last = load<T>(p.earlier[0] + k), second = load<T>(p.earlier[1] + k), zero = T{};
     const T bend = last - second, twist = bend - (second - load<T>(p.earlier[2] + k));
-    const T usual = larger(KINK * larger(bend, -bend), zero + by.smooth);
-    const T curve = select(larger(twist, -twist) > usual, zero, by.bend * bend + by.twist * twist);
+    const T most = larger(KINK * magnitude(bend), zero + by.smooth);
+    const T curve = select(magnitude(twist) > most, zero, by.bend * bend + by.twist * twist);
     const T change = -(by.slope * last + curve);
     store(p.force + k, larger(load<T>(p.past + k) + change * p.unit, zero));
     store(p.earlier[1] + k, last);

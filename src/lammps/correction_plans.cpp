@@ -10,7 +10,7 @@ using namespace LAMMPS_NS;
 /* ----------------------------------------------------------------------
    Newton's method squares its relative error in each step: its direction need
    not be better than that, nor much better than the tolerance. The margin is
-   for the energy: over 1e6 steps its drift is in proportion to what is left.
+   for the energy: what is left acts in each of millions of steps.
 ------------------------------------------------------------------------- */
 
 static constexpr double COARSE = 0.1, MARGIN = 0.1;    // of corrections
@@ -30,10 +30,10 @@ double ForceSolver::accuracy_of(const Evaluation &from) const
 
 /* ----------------------------------------------------------------------
    Contacts that open or close in the first step of a call leave more than
-   others. One step is enough but for a few blocks (relax_some, correct_some) if it
-   brings what is usual below the tolerance. Where contacts change everywhere
-   that fails: then all take a second step, and the first one need not be much
-   better than what it leaves anyway.
+   others. One step is enough but for a few blocks (relax_some, correct_some)
+   if it brings what is usual below the tolerance. Where contacts change
+   everywhere that fails: then all take a second step, and the first one need
+   not be much better than what it leaves anyway.
 ------------------------------------------------------------------------- */
 
 double ForceSolver::accuracy_of_first() const

@@ -10,33 +10,15 @@
 using namespace LAMMPS_NS;
 using deformable::PairArrays;
 
-/* ----------------------------------------------------------------------
-   At successive steps forces start from an extrapolation in time: a cubic one,
-   or, where a loose tolerance leaves errors that it would amplify, one that is
-   stable if each step corrects it (J. Kolafa, J. Comput. Chem. 25, 335 (2004)).
-   The error of a cubic one is even in time, so what the correction leaves of it
-   neither heats nor cools. That of a quadratic one does: over 1e6 steps the
-   energy drifted ten times as far.
-------------------------------------------------------------------------- */
-
 void ForceSolver::begin_call(NearPairs &p, ForceBatches &b, const deformable::PairPlaces *places)
 {
   pairs = &p;
   batches = &b;
-  constexpr double INFINITE = std::numeric_limits<double>::infinity();
-  constexpr double SMOOTH = 300.0;    // of the tolerance
-  constexpr int MOST = 4;
   consecutive_calls =
       update->ntimestep == last_step + 1 ? std::min(consecutive_calls + 1, MOST) : 0;
   last_step = update->ntimestep;
   must_correct = predicts() && tolerance > LOOSE;
-  const bool minimizing = update->whichflag == 2;    // then velocities jump
-  const bool is_cubic = consecutive_calls == MOST && !must_correct && !minimizing;
-  extrapolation.slope = consecutive_calls > 1 ? 1.0 : 0.0;
-  extrapolation.bend = must_correct ? 0.5 : predicts() ? 1.0 : 0.0;
-  extrapolation.twist = is_cubic ? 1.0 : 0.0;
-  extrapolation.smooth =
-      is_cubic ? SMOOTH * tolerance * first_evaluation.largest / p.unit() : INFINITE;
+  extrapolation = find_extrapolation();
   make_room();
   kernels.extrapolate(arrays(), extrapolation, places ? p.remote : 0, p.size);
   if (p.tilts) LineTilts::predict(p, extrapolation);
@@ -45,6 +27,11 @@ void ForceSolver::begin_call(NearPairs &p, ForceBatches &b, const deformable::Pa
   is_remembered = false;
   is_apart = true;
   unlocated = places;
+}
+
+bool ForceSolver::minimizing() const
+{
+  return update->whichflag == 2;
 }
 
 void ForceSolver::make_room()
@@ -79,10 +66,9 @@ bool ForceSolver::solve(RemoteSides &r)
   pairs_of_all = 1.0 + sum_over_pairs([](int a, int z) { return z - a; });
 
   if (!first_solution) --evaluations;    // of the same forces as the last one
-  const bool minimizing = update->whichflag == 2;
   Evaluation now;
   const bool in_one =
-      unlocated && predicts() && needs_correction && !minimizing && corrector.knows_bounds();
+      unlocated && predicts() && needs_correction && !minimizing() && corrector.knows_bounds();
   if (in_one) {
     now = evaluate_and_correct();
   } else {
@@ -108,8 +94,8 @@ bool ForceSolver::solve(RemoteSides &r)
   // call corrects it, also below the tolerance.
   constexpr double TENTH = 0.1;
   if (first_solution)
-    target = minimizing ? std::max(tolerance, TENTH * std::min(now.relative(), 1.0)) : tolerance;
-  must_correct |= first_solution && minimizing;
+    target = minimizing() ? std::max(tolerance, TENTH * std::min(now.relative(), 1.0)) : tolerance;
+  must_correct |= first_solution && minimizing();
   needs_correction = first_evaluation.usual > target * first_evaluation.largest;
   first_solution = false;
   local_corrections = 0;

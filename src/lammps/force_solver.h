@@ -129,8 +129,11 @@ class ForceSolver : protected Pointers {
   void move(double from, double to, int begin, int end);
 
   bigint last_step = -2;
-  int consecutive_calls = 0;    // at successive steps before this one, up to 4
-  bool predicts() const { return consecutive_calls >= 3; }
+  static constexpr int ENOUGH = 3, MOST = 4;    // past forces for a prediction
+  int consecutive_calls = 0;                    // at successive steps before this one, up to MOST
+  bool predicts() const { return consecutive_calls >= ENOUGH; }
+  bool minimizing() const;
+  deformable::Extrapolation find_extrapolation() const;
   bool first_solution = true;    // of this call
   bool is_remembered = false;    // the present forces are the past ones
   static constexpr double LOOSE =

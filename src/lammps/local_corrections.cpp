@@ -14,14 +14,14 @@
 
 using namespace LAMMPS_NS;
 
-// In motion, once in a call, if the typical imbalance is below the tolerance and the largest one not far above it. False:
+// In motion, once in a call, if the typical imbalance is well below the tolerance and the largest one not far above it. False:
 // nothing has changed. Beside other ranks nothing may change, so there it would often be in vain.
 bool ForceSolver::relax_some(Evaluation &now)
 {
   constexpr double LITTLE = 100.0, ENOUGH = 0.3, USUAL = 0.3;    // times the tolerance
   constexpr int TRIES = 3;
   const double limit = target * now.largest;
-  if (has_relaxed || in_vain == TRIES || !predicts() || update->whichflag == 2 || pairs->tilts ||
+  if (has_relaxed || in_vain == TRIES || !predicts() || minimizing() || pairs->tilts ||
       evaluations + 2 >= max_evaluations || !now.exists || now.forces <= limit ||
       now.forces > LITTLE * limit || typical_of(now) > USUAL * limit)
     return false;

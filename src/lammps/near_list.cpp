@@ -292,6 +292,6 @@ int NearList::locate(const DeformableParticles &p, bool only_shared)
 double NearList::memory_usage() const
 {
   return pairs.bytes() + remote_sides.bytes() + history.bytes() +
-         bytes_of(bulge, x_then, bulge_then, radius_then, first_wall, tags, remote_tags,
+         bytes_of(bulge, x_then, bulge_then, radius_then, first_wall, columns, tags, remote_tags,
                   candidates);
 }

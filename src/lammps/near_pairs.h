@@ -14,9 +14,8 @@
 
 namespace LAMMPS_NS {
 
-// The force of a pair at the last call; negative: see ForceSolver. What has to be added to have that of the call before,
-// then that of the one before that, and once more. The sines of the tilts of its contact line at the last three calls, see
-// LineTilts.
+// The force of a pair at the last call; negative: see ForceSolver. Its differences from call to call, further and further
+// back, see PairArrays. The sines of the tilts of its contact line at the last three calls, see LineTilts.
 struct PastForces {
   double force = deformable::UNKNOWN_FORCE;
   double earlier[3] = {0.0, 0.0, 0.0};

@@ -58,8 +58,8 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
    The force f cos(tilt) along the line of centers, and dU/dtheta over the lever
    across it, of both rings. That is f along the normal of a line whose torques
    balance, and the derivative of the energy for any tilt. Of a pair that two
-   ranks share each adds the part of its own ring. f r completes the energy to that of the dual, whose error is of
-   second order.
+   ranks share each adds the part of its own ring. f r completes the energy to
+   that of the dual, whose error is of second order.
 ------------------------------------------------------------------------- */
 
 void PairDeformableRing::push_pairs(int begin, int end)

@@ -4,6 +4,7 @@
 #define DEFORMABLE_LEVEL level
 
 #include "correction_lanes.h"
+#include "pair_lanes.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -228,11 +229,55 @@ template <bool SOFT> void check_sizes(std::mt19937 &random)
   }
 }
 
+// The forces of the last four calls, the last one first, predict this one.
+void check_prediction(const double (&f)[4], Extrapolation by, double expected)
+{
+  const int pairs = LANES + 3;    // vectors, and a rest
+  const double unit = 0.25;
+  std::vector<double> force(pairs), past(pairs, f[0]);
+  std::vector<float> earlier[3];
+  for (int n = 0; n < 3; ++n)
+    earlier[n].assign(pairs, static_cast<float>((f[n + 1] - f[n]) / unit));
+  PairArrays p = {};
+  p.force = force.data();
+  p.past = past.data();
+  p.unit = unit;
+  for (int n = 0; n < 3; ++n) p.earlier[n] = earlier[n].data();
+  const std::vector<float> first = earlier[0], second = earlier[1];
+  by.smooth /= unit;
+  extrapolate(p, by, 0, pairs);
+  for (const double found : force) require_equal(found, expected, 1.0, "prediction", pairs, 1e-15);
+  if (earlier[1] != first || earlier[2] != second) std::exit(5);
+}
+
+// Numbers that single precision has exactly.
+void check_predictions()
+{
+  const Extrapolation last = {0, 0, 0, 0}, line = {1, 0, 0, 0}, quadratic = {1, 1, 0, 100.0},
+                      stable = {1, 0.5, 0, 100.0}, cubic = {1, 1, 1, 0},
+                      no_kinks = {1, 1, 1, 100.0};
+  const double parabola[] = {9.0, 4.0, 1.0, 0.0},
+               cube[] = {32.0 + 27.0, 32.0 + 8.0, 32.0 + 1.0, 32.0}, kink[] = {1.5, 1.0, 1.0, 1.0},
+               falling[] = {1.0, 3.0, 5.0, 7.0};
+  check_prediction(parabola, last, 9.0);
+  check_prediction(parabola, line, 14.0);
+  check_prediction(parabola, stable, 15.0);
+  for (const Extrapolation &by : {quadratic, cubic, no_kinks}) check_prediction(parabola, by, 16.0);
+  check_prediction(cube, no_kinks, 32.0 + 64.0);
+  // third differences of 6 beside a second one of 12, and one as large as the second one
+  check_prediction(cube, cubic, 32.0 + 64.0);
+  check_prediction(kink, cubic, 2.0);
+  check_prediction(kink, no_kinks, 3.0);
+  for (const Extrapolation &by : {line, quadratic, cubic, no_kinks})
+    check_prediction(falling, by, 0.0);
+}
+
 }    // namespace
 
 int main()
 {
   std::mt19937 random(1);
+  check_predictions();
   check_sizes<false>(random);
   check_sizes<true>(random);
   std::printf("%d\n", compared);

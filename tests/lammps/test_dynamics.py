@@ -38,7 +38,7 @@ def test_energy_of_a_large_packing(jammed, phi):
 
 @pytest.mark.slow
 def test_balanced_contacts_do_not_heat(jammed):
-    """A row of benchmarks/results/conservation.json. Quadratic predictions made it 8e-5."""
+    """As in benchmarks/results/conservation.json. Quadratic predictions made it 8e-5."""
     packing = jammed[64].at(0.9)
     runs = [conservation.error_and_drift(packing, 1e-8, 0.05, 10**6, seed) for seed in range(1, 5)]
     assert abs(np.mean([drift for _, drift in runs])) < 3e-5

@@ -30,10 +30,10 @@ def moving(species, boundary, commands):
     return scene
 
 
-@pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
-def test_one_correction_is_enough(scene):
+@pytest.mark.parametrize("name", ["rigid", "soft"])  # between walls it is enough anyway
+def test_one_correction_is_enough(name):
     """In each step some contacts open or close. Without relaxation it takes three evaluations."""
-    scene = moving(*scene)
+    scene = moving(*SCENES[name])
     found = []
     for _ in range(60):
         scene.run("run 1 pre no post no")
@@ -49,7 +49,7 @@ def test_levels_agree_to_the_last_bit(name, monkeypatch):
     for level in core.simd_levels():
         monkeypatch.setenv("DEFORMABLE_SIMD", level)
         scene = moving(*SCENES[name])
-        assert of_compute_pair(scene)[0] == 2  # with relaxation
+        assert of_compute_pair(scene)[0] == 2  # one correction, after relaxation
         forces.append(scene.gather("f", 3))
     for force in forces[1:]:
         np.testing.assert_array_equal(force, forces[0])
