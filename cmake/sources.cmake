@@ -12,16 +12,16 @@ target_include_directories(deformable_core INTERFACE ${DEFORMABLE_DIR}/src/core)
 # Strict warnings are for tests: containers check their indices too.
 target_compile_definitions(deformable_core
                            INTERFACE $<$<BOOL:${DEFORMABLE_WERROR}>:_GLIBCXX_ASSERTIONS>)
-# Square roots become vector instructions only without errno and floating-point traps, which are not used. Wide vectors
-# never cross a call, so that their ABI does not matter.
+# Square roots become vector instructions only without errno and floating-point traps, which are not used. Products and
+# sums are not contracted: all processors compute the same bits. Wide vectors never cross a call, so that their ABI does
+# not matter.
 target_compile_options(
   deformable_core INTERFACE -Wall -Wextra -Wsuggest-override -fno-math-errno -fno-trapping-math
-                            -Wno-psabi
+                            -ffp-contract=off -Wno-psabi
                             $<$<BOOL:${DEFORMABLE_WERROR}>:-Werror>
                             $<$<BOOL:${DEFORMABLE_NATIVE}>:-march=native>)
 
-# The contact laws for batches of particles, for each level of SIMD instructions. Products and sums are not contracted:
-# all levels compute the same bits.
+# The contact laws for batches of particles, for each level of SIMD instructions.
 file(GLOB BATCH_SOURCES CONFIGURE_DEPENDS ${DEFORMABLE_DIR}/src/batches/*.cpp)
 list(FILTER BATCH_SOURCES EXCLUDE REGEX "/avx[0-9]+\\.cpp$")
 include(CheckCXXCompilerFlag)
@@ -39,7 +39,6 @@ if(DEFORMABLE_KNOWS_X86_LEVELS)
 endif()
 add_library(deformable_batches OBJECT ${BATCH_SOURCES})
 set_target_properties(deformable_batches PROPERTIES POSITION_INDEPENDENT_CODE ON)
-target_compile_options(deformable_batches PRIVATE -ffp-contract=off)
 target_link_libraries(deformable_batches PUBLIC deformable_core)
 
 # The LAMMPS styles, and what only the plugin needs.

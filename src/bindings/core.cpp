@@ -19,6 +19,7 @@ NB_MODULE(core, m)
   deformable::bind_smooth_rings(m);
   deformable::bind_batches(m);
   deformable::bind_disk_pairs(m);
+  deformable::bind_arithmetic(m);
   deformable::bind_energy_blocks(m);
   deformable::bind_ring_blocks(m);
 }

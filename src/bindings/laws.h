@@ -41,6 +41,7 @@ void bind_edge_contacts(nb::module_ &m);
 void bind_smooth_rings(nb::module_ &m);
 void bind_batches(nb::module_ &m);
 void bind_disk_pairs(nb::module_ &m);
+void bind_arithmetic(nb::module_ &m);
 void bind_energy_blocks(nb::module_ &m);
 void bind_ring_blocks(nb::module_ &m);
 

@@ -20,6 +20,7 @@ from ..io.ring_commands import (
     without_region,
 )
 from ..model.beads import Beads
+from ..model.lattice import cartesian
 from ..model.packing import Packing
 from ..model.walls import Walls
 from ..state.bead_state import BeadState, RingContacts, steiner_point, sum_contacts
@@ -288,7 +289,7 @@ class BeadReference(Engine):
     def _positions(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Places of the beads in the box, and the shifts that unwrap rings, shape (V, 2)."""
         image = np.array(self.lmp.gather("image", 0, 3)).reshape(-1, 3)[:, :2]
-        return gather(self.lmp, "x", 3)[:, :2], image @ self.box
+        return gather(self.lmp, "x", 3)[:, :2], cartesian(image, self.box)
 
     def state(self) -> BeadState:
         """The present state, not relaxed."""

@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
+from ..core import unit_vectors
 from ..io.data_file import data_file
 from ..model.beads import Beads, Rings
+from ..model.lattice import cartesian, fractional
 from ..model.packing import Packing
 from ..model.walls import Walls
 
@@ -17,17 +19,15 @@ def undeformed(packing: Packing, rings: Rings) -> list[NDArray[np.float64]]:
     positions = []
     for center, kind in zip(packing.positions, packing.species, strict=True):
         angle = 2.0 * np.pi * np.arange(rings.number[kind]) / rings.number[kind]
-        positions.append(
-            center + rings.radius[kind] * np.column_stack([np.cos(angle), np.sin(angle)])
-        )
+        positions.append(center + rings.radius[kind] * unit_vectors(angle))
     return positions
 
 
 def _translations(box: NDArray[np.float64]) -> NDArray[np.float64]:
     """The shortest lattice vectors, one of each pair v, -v, shape (4, 2) [length]."""
     (lx, _), (xy, ly) = box.tolist()
-    upright = [[lx, 0.0], [xy - lx * np.rint(xy / lx), ly]]  # a cell of the same lattice
-    return np.array([(1, 0), (-1, 1), (0, 1), (1, 1)]) @ upright
+    upright = np.array([[lx, 0.0], [xy - lx * np.rint(xy / lx), ly]])  # a cell of the same lattice
+    return cartesian(np.array([(1, 0), (-1, 1), (0, 1), (1, 1)]), upright)
 
 
 def refuse_overlap(packing: Packing, beads: Beads) -> None:
@@ -37,7 +37,7 @@ def refuse_overlap(packing: Packing, beads: Beads) -> None:
     steps = np.vstack([np.zeros(2), steps, -steps])
     for n, (center, radius) in enumerate(zip(packing.positions, packing.radius, strict=True)):
         apart = packing.positions[n + 1 :] - center
-        apart -= np.rint(apart @ np.linalg.inv(cell)) @ cell
+        apart -= cartesian(np.rint(fractional(apart, cell)), cell)
         distance = np.hypot(*np.moveaxis(apart[:, None] + steps, -1, 0)).min(axis=1)
         overlap = packing.radius[n + 1 :] + radius - distance
         if overlap.max(initial=0.0) > beads.radius:

@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 from ..common.errors import StalledWarning
 from ..common.renamed import former_arguments
 from ..common.validate import expect, positive, zero_or_more
+from ..core import unit_vectors
 from ..io.lammps_commands import minimizer_commands
+from ..model.lattice import fractional
 from ..model.packing import Packing
 from ..model.room import Distances, check_fit
 from ..model.wall_shapes import Wall
@@ -126,8 +128,9 @@ class Disks(Engine):
         forces = -overlap[..., None] * out
         f[:] = 0.0
         f[:, :2] = forces.sum(axis=0)
-        lever = (-distance[..., None] * out).reshape(-1, 2)
-        (xx, xy), (_, yy) = (lever.T @ forces.reshape(-1, 2)).tolist()
+        lever = -distance[..., None] * out
+        xx, yy = np.sum(lever * forces, axis=(0, 1)).tolist()
+        xy = float(np.sum(lever[..., 0] * forces[..., 1]))
         self.lmp.fix_external_set_virial_global("deformable_walls", [xx, yy, 0.0, xy, 0.0, 0.0])
 
     @former_arguments(bearing="minimum_contact_force")
@@ -229,7 +232,7 @@ class Disks(Engine):
 
 def separated(packing: Packing) -> Packing:
     """The packing with no two centers at one place; the same for the same packing."""
-    place = np.rint(packing.positions @ np.linalg.inv(packing.box) / _SAME_PLACE)
+    place = np.rint(fractional(packing.positions, packing.box) / _SAME_PLACE)
     _, first, group = np.unique(
         place % round(1.0 / _SAME_PLACE), axis=0, return_index=True, return_inverse=True
     )
@@ -241,8 +244,8 @@ def separated(packing: Packing) -> Packing:
     rank = np.empty(len(packing))
     rank[order] = np.arange(len(packing)) - start  # 0, 1, ... among the centers at each place
     distance = _SEPARATION * float(packing.radius.min()) * np.sqrt(rank)
-    spiral = distance * np.array([np.cos(_GOLDEN * rank), np.sin(_GOLDEN * rank)])
-    return replace(packing, positions=packing.positions + spiral.T)
+    spiral = distance[:, None] * unit_vectors(_GOLDEN * rank)
+    return replace(packing, positions=packing.positions + spiral)
 
 
 def open_disks(packing: Packing, comm: MPI.Comm = MPI.COMM_SELF) -> lammps:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import core
+from ..common.factored import factored
 from ..model.neighbors import near_pairs
 from ..model.packing import Packing
 from ..model.room import Distances, stretched
@@ -108,10 +110,9 @@ class Enthalpy:
 
         with an overlap or gap o and m in proportion to the pressure, because the minimizer opens
         and closes contacts. Without the negative part of contacts under pressure it is positive
-        definite. It is factored by SuperLU.
+        definite.
         """
-        from scipy.sparse import csc_matrix, csr_matrix, identity
-        from scipy.sparse.linalg import splu
+        from scipy.sparse import csr_matrix, identity
 
         pressure = self._applied
         x, scale = self._unpacked(z)
@@ -140,28 +141,23 @@ class Enthalpy:
         rigidity = csr_matrix((values.ravel(), columns.ravel(), ends), shape=(len(share), count))
         weighted = rigidity.T.multiply(share).tocsr()
         shift = self.softest
-        factors = splu(
-            csc_matrix(weighted @ rigidity + shift * identity(count)),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
+        inverse = factored(weighted @ rigidity + shift * identity(count))
         coupling = weighted @ lever / self._length
-        response = factors.solve(coupling)
+        response = inverse(coupling)
         area = self._start.area * scale**2
-        work = 4.0 * pressure * area + float(share @ lever**2)
-        stiffness = work / self._length**2 + shift - float(coupling @ response)
+        work = 4.0 * pressure * area + core.dot(share, lever**2)
+        stiffness = work / self._length**2 + shift - core.dot(coupling, response)
 
         def solve(gradient: Floats) -> Floats:
-            centers = factors.solve(gradient[:-1])
-            size = (gradient[-1] - float(coupling @ centers)) / stiffness
+            centers = inverse(gradient[:-1])
+            size = (gradient[-1] - core.dot(coupling, centers)) / stiffness
             return np.append(centers - size * response, size)
 
         return solve
 
     def _unpacked(self, z: Floats) -> tuple[Floats, float]:
         """Centers in the box of the packing, and e^s."""
-        return z[:-1].reshape(-1, 2), float(np.exp(z[-1] / self._length))
+        return z[:-1].reshape(-1, 2), math.exp(z[-1] / self._length)
 
     def _list(self, x: Floats, scale: float) -> None:
         """List near pairs, unless all that overlap are in the last list."""
@@ -169,13 +165,13 @@ class Enthalpy:
         if self._listed:
             before, size = self._listed
             step = x - before
-            moved = scale * float(np.sqrt(np.einsum("ij,ij->i", step, step).max()))
+            moved = scale * float(np.hypot(*step.T).max())
             ratio = scale / size
             widest = 2.0 * float(self._radius.max() if ratio < 1.0 else self._smallest)
             if ratio * (widest + skin) - 2.0 * moved > widest:
                 return
         self._listed = x.copy(), scale
-        placed = self.packing(np.append(x, self._length * np.log(scale)))
+        placed = self.packing(np.append(x, self._length * math.log(scale)))
         self._i, self._j, shift = near_pairs(placed, skin)
         self._shift = shift / scale
         self._contact = self._radius[self._i] + self._radius[self._j]

@@ -8,6 +8,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core import dot, norm
+
 Floats = NDArray[np.float64]
 
 # Steps that are remembered.
@@ -71,7 +73,7 @@ def minimize(
             steps.clear()
         direction = _direction(gradient, steps, precondition)
         direction *= min(1.0, largest_step / float(np.abs(direction).max(initial=1e-300)))
-        slope = float(gradient @ direction)
+        slope = dot(gradient, direction)
         found = _search(function, z, value, direction, slope) if slope < 0.0 else None
         if found is None:
             failures, renewal = failures + 1, iteration
@@ -81,8 +83,8 @@ def minimize(
             continue
         failures = 0
         step, change = found[0] - z, found[2] - gradient
-        curvature = float(step @ change)
-        if curvature > 1e-14 * float(np.sqrt((step @ step) * (change @ change))):
+        curvature = dot(step, change)
+        if curvature > 1e-14 * norm(step) * norm(change):
             steps.append((step, change, 1.0 / curvature))
         z, value, gradient = found
     _, gradient = function(z)
@@ -95,21 +97,19 @@ def _direction(
     precondition: Inverse | None,
 ) -> Floats:
     """Minus the gradient times the inverse Hessian that the steps and preconditioner tell."""
-    from scipy.linalg.blas import daxpy, ddot
-
     q, weights = -gradient, []
     for step, change, inverse in reversed(steps):
-        weights.append(inverse * ddot(step, q))
-        daxpy(change, q, a=-weights[-1])
+        weights.append(inverse * dot(step, q))
+        q -= weights[-1] * change
     if precondition is not None:
         q = precondition(q)
     elif steps:
         _, change, inverse = steps[-1]
-        q /= inverse * ddot(change, change)
+        q /= inverse * dot(change, change)
     else:
         q *= _FIRST
     for (step, change, inverse), weight in zip(steps, reversed(weights), strict=True):
-        daxpy(step, q, a=weight - inverse * ddot(change, q))
+        q += (weight - inverse * dot(change, q)) * step
     return q
 
 
@@ -121,7 +121,7 @@ def _search(
     for _ in range(_TRIALS):
         there = z + part * direction
         new, gradient = function(there)
-        flatter = float(gradient @ direction)
+        flatter = dot(gradient, direction)
         if new <= value + _DECREASE * part * slope or (
             abs(flatter) <= _SLOPE * abs(slope) and new <= value * (1.0 + _ROUNDING)
         ):

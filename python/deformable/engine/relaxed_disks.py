@@ -10,6 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core import norm
+from ..model.lattice import fractional
 from ..model.packing import Packing
 from .damped import settle
 from .enthalpy import Enthalpy
@@ -104,7 +106,7 @@ def _relax(
 
     def residual(gradient: Floats) -> float:
         forces = gradient[:-1].reshape(-1, 2)
-        on_particles = math.sqrt(np.einsum("ij,ij->i", forces, forces).max())
+        on_particles = float(np.hypot(*forces.T).max())
         largest = max(on_particles, abs(float(gradient[-1])))
         scale = smallest * (enthalpy.pressure if applied is None else applied)
         return largest / scale if largest > rounding and scale > 0.0 else 0.0
@@ -114,7 +116,7 @@ def _relax(
         last = residual(gradient)
         if rigid and enthalpy.pressure >= rigid[0]:
             bearing = rigid[1] * smallest * enthalpy.pressure
-            if np.linalg.norm(gradient) <= bearing * math.sqrt(len(packing)):
+            if norm(gradient) <= bearing * math.sqrt(len(packing)):
                 return True
         return enthalpy.pressure <= loose or last <= tolerance
 
@@ -135,7 +137,7 @@ def _relax(
 
 def _rows(packing: Packing) -> NDArray[np.int64]:
     """The order of disks in rows along x, each about a diameter high."""
-    x, y = (packing.positions @ np.linalg.inv(packing.box)).T % 1.0
+    x, y = fractional(packing.positions, packing.box).T % 1.0
     return np.lexsort((x, np.floor(y * math.sqrt(len(packing)))))
 
 

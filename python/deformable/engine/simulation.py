@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..common.errors import LammpsError
 from ..common.renamed import FormerAttributes, former_arguments
 from ..common.validate import expect, positive, zero_or_more
+from ..core import dot
 from ..io.lammps_commands import law_commands, pair_style, species_file
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing, shown_box
@@ -279,9 +280,8 @@ class Simulation(FormerAttributes, Engine):
         strain = 1.0 - area / (np.pi * radius**2) + perimeter / (2.0 * np.pi * radius) - 1.0
         self._largest_pressure = float(pressure.max())
         self._loose = bool(strain.max() <= _ROUND)
-        mean = (
-            self._single_contact_force if self._loose else float(pressure @ length / contacts.sum())
-        )
+        force = dot(pressure, length) / float(max(contacts.sum(), 1.0))
+        mean = self._single_contact_force if self._loose else force
         return Forces(largest_force(self.lmp), scale=max(mean, minimum_contact_force))
 
     def _run(self, commands: str) -> None:

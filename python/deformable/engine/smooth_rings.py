@@ -17,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import core
+from ..common.factored import factored
 from ..model.beads import Beads, Rings
+from ..model.lattice import cartesian, fractional
 from .relaxation import ring_forces
 
 Array = NDArray[np.float64]
@@ -126,11 +128,11 @@ def have_crossed(rings: SmoothRings, vertices: Array) -> bool:
 
     owner = np.repeat(np.arange(len(rings.species)), rings.number)
     center = np.add.reduceat(vertices, np.cumsum(rings.number) - rings.number, axis=0)
-    box = np.floor(center / rings.number[:, None] @ np.linalg.inv(rings.box)) @ rings.box
+    box = cartesian(np.floor(fractional(center / rings.number[:, None], rings.box)), rings.box)
     home = vertices - box[owner]  # rings are smaller than the box: neighbors are next to it
     tree = shapely.STRtree(shapely.linearrings(home, indices=owner))
     for x, y in product((0, 1), (-1, 0, 1)):
-        image = shapely.linearrings(home + np.array([x, y]) @ rings.box, indices=owner)
+        image = shapely.linearrings(home + cartesian(np.array([x, y]), rings.box), indices=owner)
         a, b = tree.query(image, predicate="intersects")
         if np.any((a != b) | ((x, y) != (0, 0))):
             return True
@@ -177,7 +179,6 @@ def _step(rings: SmoothRings, at: core.SmoothRings, damping: float) -> tuple[Arr
     unknowns it is sparse:  (H' + damping) s + grad(A) t = -g,   grad(A)^T s - t/kA = 0.
     """
     from scipy.sparse import csc_matrix
-    from scipy.sparse.linalg import splu
 
     gradient, slope = at.gradient.ravel(), at.area_gradient.ravel()
     size, extra = gradient.size, len(rings.species)
@@ -192,13 +193,9 @@ def _step(rings: SmoothRings, at: core.SmoothRings, damping: float) -> tuple[Arr
     while damping <= _MOST_DAMPING:
         values = np.concatenate([fixed, np.full(size, damping)])
         matrix = csc_matrix((values, (rows, columns)), shape=(size + extra, size + extra))
-        # symmetric: without exchange of rows the factors stay sparse
         with suppress(RuntimeError):  # of a singular matrix
-            factors = splu(
-                matrix, "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-            )
-            step = factors.solve(right)[:size]
-            if gradient @ step < 0.0:
+            step = factored(matrix)(right)[:size]
+            if core.dot(gradient, step) < 0.0:
                 return step.reshape(-1, 2), damping
         damping *= 10.0
     return at.gradient / -damping, damping  # the damping is all that counts
@@ -211,12 +208,12 @@ def _line_search(
 
     Evaluations are cheap against the factors of a step. Returns None if no part was found.
     """
-    start, slope = at.energy, float(np.vdot(at.gradient, step))
+    start, slope = at.energy, core.dot(at.gradient, step)
     low, high, low_slope, part = 0.0, 1.0, slope, 1.0
     lowest: tuple[float, core.SmoothRings | None] = (0.0, None)
     for _ in range(_TRIALS):
         there = energy(x + part * step)
-        here = float(np.vdot(there.gradient, step))
+        here = core.dot(there.gradient, step)
         rounded = abs(there.energy - start) < _ROUNDING * start and abs(here) < abs(slope)
         lower = there.energy < start + 1e-4 * part * slope or rounded
         if lower:

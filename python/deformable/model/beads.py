@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.validate import positive, shown
+from ..core import unit_vectors
 from .laws import one_or_each, per_species
 
 # Least spacing of beads over their radius p. LAMMPS lists at most 2000 neighbors of a bead, within
@@ -103,7 +104,8 @@ class Beads:
         share = ring / ring.min() if one else np.ones_like(ring)
         number = np.rint(np.asarray(self.number, dtype=np.float64) * share)
         half = np.pi / number  # of the angle of an edge
-        spacing = 2.0 * ring * (half if self.smooth else np.sin(half))
+        cosine, sine = unit_vectors(half).T
+        spacing = 2.0 * ring * (half if self.smooth else sine)
         widest, closest = int(spacing.argmax()), int(spacing.argmin())
         if spacing[widest] >= 4.0 * self.radius and not self.smooth:  # edges have no gaps
             enough = np.floor(_beads_at(4.0 * self.radius, ring)) + 1.0
@@ -126,9 +128,9 @@ class Beads:
         effective_radius = radii.astype(np.float64) if self.smooth else rough
         return Rings(
             number=number.astype(np.int64),
-            radius=0.5 * spacing / np.sin(half),
+            radius=0.5 * spacing / sine,
             spacing=spacing,
-            area=0.25 * number * spacing**2 / np.tan(half),
+            area=0.25 * number * spacing**2 * cosine / sine,
             effective_radius=effective_radius,
             skin=effective_radius - ring,
             kL=np.array(per_species(self.kL, len(radii))),

@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from .lattice import cartesian, fractional
 from .packing import Packing
 from .room import closed
 
@@ -29,7 +30,7 @@ def near_pairs(packing: Packing, skin: float) -> tuple[Integers, Integers, Float
 
     box, radius = packing.box, packing.radius
     reach = 2.0 * float(radius.max()) + skin
-    fractions = packing.positions @ np.linalg.inv(box)
+    fractions = fractional(packing.positions, box)
     cell = np.where(closed(packing.walls), 0.0, np.floor(fractions))
     fractions = fractions - cell
     # the box is so wide between its sides along each direction
@@ -45,7 +46,7 @@ def near_pairs(packing: Packing, skin: float) -> tuple[Integers, Integers, Float
             images.append((number, np.broadcast_to(np.array(step, float), (len(number), 2))))
     number = np.concatenate([which for which, _ in images])
     lattice = np.concatenate([steps for _, steps in images])
-    tree = cKDTree((fractions[number] + lattice) @ box)
+    tree = cKDTree(cartesian(fractions[number] + lattice, box))
     i, image = np.sort(tree.query_pairs(reach, output_type="ndarray").astype(np.int64), axis=1).T
     j, step = number[image], lattice[image]
     # particles of the box come first; i with an image of j is also j with the opposite image of i
@@ -56,4 +57,4 @@ def near_pairs(packing: Packing, skin: float) -> tuple[Integers, Integers, Float
     near = np.hypot(*apart.T) < radius[i] + radius[j] + skin
     i, j, step = i[near], j[near], step[near] + cell[i[near]] - cell[j[near]]
     order = np.lexsort((step[:, 1], step[:, 0], j, i))
-    return i[order], j[order], step[order] @ box
+    return i[order], j[order], cartesian(step[order], box)

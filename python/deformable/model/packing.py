@@ -14,6 +14,7 @@ from ..common.errors import ParameterError
 from ..common.renamed import FormerAttributes, former_arguments
 from ..common.validate import count, finite, numbers, positive, shown, whole
 from . import room
+from .lattice import cartesian, fractional
 from .wall_shapes import Wall, as_walls
 
 # Largest packing fraction: far beyond any use, and far below percent.
@@ -75,7 +76,7 @@ class Packing(FormerAttributes):
                 f"positions must have shape (N, 2) and species (N,) with N > 0, "
                 f"not {self.positions.shape} and {self.species.shape}"
             )
-        boxes = np.abs(np.linalg.solve(self.box.T, self.positions.T)).max(axis=0)
+        boxes = np.abs(fractional(self.positions, self.box)).max(axis=1)
         if boxes.max() > _FARTHEST:
             far = int(boxes.argmax())
             raise ParameterError(
@@ -244,7 +245,7 @@ def bidisperse(
     small, large = (positive("radii", radius) for radius in pair)
     species = (np.arange(number) >= number - round(fraction * number)).astype(np.int64)
     box = _box(np.where(species == 1, large, small), phi, aspect, tilt)
-    return Packing(positions @ box, species, np.array([small, large]), box)
+    return Packing(cartesian(positions, box), species, np.array([small, large]), box)
 
 
 class Distribution(Protocol):
@@ -269,7 +270,9 @@ def polydisperse(
     Args:
         number: number of particles N.
         radii: of all particles, shape (N,) [length]; or a distribution of scipy.stats; or a
-            function that draws all of them with a generator of random numbers.
+            function that draws all of them with a generator of random numbers. Those of a
+            distribution are rounded to single precision: the last digits that scipy computes
+            depend on the processor.
         phi: packing fraction, sum pi R^2 / box area, at most 10.
         aspect: height over width of the box, ly / lx.
         tilt: shear of the box, xy / ly; 0 is a rectangle.
@@ -285,7 +288,7 @@ def polydisperse(
     positions = _random_positions(number, rng)
     drawn: Any = radii
     if hasattr(radii, "rvs"):
-        drawn = radii.rvs(size=number, random_state=rng)
+        drawn = np.float32(radii.rvs(size=number, random_state=rng))
     elif callable(radii):
         drawn = radii(rng)
     particle_radii = numbers("radii", drawn)
@@ -301,7 +304,8 @@ def polydisperse(
         )
     box = _box(particle_radii, phi, aspect, tilt)
     species = np.zeros(number, dtype=np.int64)
-    return Packing(positions @ box, species, np.array([particle_radii.max()]), box, particle_radii)
+    largest = np.array([particle_radii.max()])
+    return Packing(cartesian(positions, box), species, largest, box, particle_radii)
 
 
 def _fraction(phi: float) -> float:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
+from .lattice import cartesian
 from .wall_shapes import Circle, Disk, Plane, Wall
 
 # Components of a unit normal below this are rounding.
@@ -136,7 +137,7 @@ def obstacles(walls: Sequence[Wall], box: Floats) -> list[Any]:
     from shapely.affinity import translate
 
     steps = [(0,) if shut else (-1, 0, 1) for shut in closed(walls)]
-    shifts = [np.array([a, b]) @ box for a in steps[0] for b in steps[1]]
+    shifts = [cartesian(np.array([a, b]), box) for a in steps[0] for b in steps[1]]
     solid = [
         _round(wall) if isinstance(wall, Disk) else shapely.MultiPoint(wall.corners).convex_hull
         for wall in walls
@@ -265,7 +266,7 @@ def random_places(
     distances, places = Distances(walls, box), np.empty((0, 2))
     for _ in range(_TRIALS):
         tried = rng.random((number, 2))
-        tried = low + tried * (high - low) if any(closed(walls)) else tried @ box
+        tried = low + tried * (high - low) if any(closed(walls)) else cartesian(tried, box)
         free = (distances(tried)[1] > 0.0).all(axis=0)
         places = np.concatenate([places, tried[free]])[:number]
         if len(places) == number:

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import ParameterError
 from ..common.validate import numbers
+from ..core import unit_vectors
 from .wall_shapes import Plane
 
 
@@ -49,7 +50,7 @@ class Walls:
     @property
     def normal(self) -> NDArray[np.float64]:
         """Outward normals, shape (n, 2)."""
-        return np.column_stack([np.cos(self.angle), np.sin(self.angle)])
+        return unit_vectors(self.angle)
 
     @property
     def planes(self) -> tuple[Plane, ...]:
@@ -61,7 +62,7 @@ class Walls:
 
     def distances_from(self, center: ArrayLike) -> NDArray[np.float64]:
         """Distance of each side from a point, negative beyond the side, shape (n,) [length]."""
-        return self.height - self.normal @ np.asarray(center)
+        return self.height - np.sum(self.normal * np.asarray(center), axis=1)
 
 
 def _turns_once(angle: NDArray[np.float64]) -> bool:

@@ -92,11 +92,10 @@ def jam(
     particles start from disks at their phi - phi_J, and phi follows their pressure until it is
     above the threshold by at most a factor two.
 
-    Every rank of an MPI run does the same work, so that the result does not depend on the number of
-    ranks. On one machine the same packing leads to the same result; beyond some 5000 disks numpy's
-    BLAS has to use the same number of threads too (`OMP_NUM_THREADS`). With a communicator its
-    ranks share the compression of soft disks and the relaxation of deformable particles. That pays
-    from some 1e4 particles on. The result then depends on the number of ranks, and on nothing else.
+    The same packing leads to the same result, to the last bit, on any x86-64 processor and any
+    number of ranks, each of which does the same work. With a communicator its ranks share the
+    compression of soft disks and the relaxation of deformable particles. That pays from some 1e4
+    particles on. The result then depends on the number of ranks, and on nothing else.
 
     Args:
         packing: a packing below jamming, e.g. from `bidisperse`, or from `Packing.between` with
@@ -253,7 +252,7 @@ def _jammed_particles(
 def _excess_phi(p: float, packing: Packing, law: Law) -> float:
     """phi - phi_J at a pressure in natural units: p = 5 x^3 of rings, p = x of droplets."""
     droplets = bool(np.all(law.species_parameters(packing.radii).tension > 0.0))
-    return p / _DROPLETS if droplets else float(np.cbrt(max(p, 0.0) / _RINGS))
+    return p / _DROPLETS if droplets else (max(p, 0.0) / _RINGS) ** (1.0 / 3.0)
 
 
 def push_off(packing: Packing) -> Packing:

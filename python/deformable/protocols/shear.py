@@ -83,7 +83,8 @@ def shear_steps(
 
 def sheared(box: NDArray[np.float64], strain: float) -> NDArray[np.float64]:
     """A box, lattice vectors as rows, after simple shear along x, shape (2, 2) [length]."""
-    return box @ np.array([[1.0, 0.0], [strain, 1.0]])
+    (lx, _), (xy, ly) = box.tolist()
+    return np.array([[lx, 0.0], [xy + strain * ly, ly]])
 
 
 def straighten(sim: Shearable[Any]) -> None:

@@ -14,6 +14,7 @@ from ..engine.disks import open_disks
 from ..engine.lammps import run
 from ..engine.simulation import Simulation
 from ..io.lammps_commands import pair_style
+from ..model.lattice import cartesian, fractional
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing, bidisperse
 from ..protocols.jamming import jam
@@ -106,7 +107,7 @@ def _free_packing(number: int) -> tuple[Packing, str]:
     with Simulation(start.at(0.90), Ring(contact="radical"), MPI.COMM_SELF) as sim:
         relaxed = sim.relax(1e-2).packing
     margin = 3.0 * float(start.radii.max())
-    place = relaxed.positions @ np.linalg.inv(relaxed.box) % 1.0 @ relaxed.box
+    place = cartesian(fractional(relaxed.positions, relaxed.box) % 1.0, relaxed.box)
     box = relaxed.box + 2.0 * margin * np.eye(2)
     low = (margin - 0.98 * float(start.radii.max())) * np.ones(2)
     high = box.diagonal() - low

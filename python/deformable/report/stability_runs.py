@@ -17,6 +17,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..common.errors import LammpsError
+from ..common.fits import power_law
 from ..common.ranks import launched
 from ..engine.lammps import run
 from ..engine.simulation import Simulation
@@ -121,7 +122,7 @@ def _order(packing: Packing, law: Law) -> float:
     """Power of the time step with which the energy error falls."""
     steps = 0.4 / 2.0 ** np.arange(5)
     errors = [energies(packing, law, dt, round(40.0 / dt), 20)[0].std() for dt in steps.tolist()]
-    return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
+    return power_law(steps, errors)
 
 
 def _drift(packing: Packing, law: Law, steps: int) -> tuple[float, float]:

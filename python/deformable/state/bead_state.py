@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core import angles
 from ..model.beads import Beads, Rings
 from ..model.packing import Packing
 
@@ -66,9 +67,10 @@ def steiner_point(outline: NDArray[np.float64]) -> NDArray[np.float64]:
     edge = np.roll(outline, -1, axis=0) - outline
     before = np.roll(edge, 1, axis=0)
     x, y = edge.T
-    turn = np.arctan2(before[:, 0] * y - before[:, 1] * x, np.sum(before * edge, axis=1))
-    center: NDArray[np.float64] = outline[0] + turn @ (outline - outline[0]) / (2.0 * np.pi)
-    return center
+    across = before[:, 0] * y - before[:, 1] * x
+    turn = angles(np.column_stack([np.sum(before * edge, axis=1), across]))
+    center: NDArray[np.float64] = np.sum(turn[:, None] * (outline - outline[0]), axis=0)
+    return outline[0] + center / (2.0 * np.pi)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import ParameterError
+from ..common.factored import factored
 from ..common.validate import numbers
 from ..core import EnergyBlocks
 from ..model.packing import Packing
@@ -205,17 +206,3 @@ class Hessian:
         """Product with M_ll^-1; None without lines."""
         lines = self.matrix[self.size :, self.size :]
         return factored(lines) if lines.shape[0] else None
-
-
-def factored(matrix: Any) -> Callable[[Floats], Floats]:
-    """Product with the inverse of a sparse symmetric matrix."""
-    from scipy.sparse import csc_matrix
-    from scipy.sparse.linalg import splu
-
-    solve: Callable[[Floats], Floats] = splu(
-        csc_matrix(matrix),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=1e-3,
-        options={"SymmetricMode": True},
-    ).solve
-    return solve

@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
+from ..common.factored import factored
 from ..core import RingBlocks, ring_blocks
 from ..model.laws import Law, Ring
 from ..model.packing import Packing
 from .contact_table import ContactTable
-from .hessian import Hessian, factored
+from .hessian import Hessian
 from .sides import Sides, bearing, between, by_centers, by_strains, joined, with_walls
 
 Floats = NDArray[np.float64]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..common.errors import ParameterError
 from ..common.renamed import former_arguments
 from ..common.validate import expect
+from ..core import norm
 from ..engine.simulation import Simulation
 from ..model.laws import Law
 from ..state.bead_state import BeadState
@@ -41,7 +42,7 @@ class Comparison:
         """Root mean square of S - S_beads over that of S_beads; inf if all S_beads are zero."""
         exact = self.beads.area_deficit
         wrong = self.state.area_deficit - exact
-        return _over(float(np.linalg.norm(wrong)), float(np.linalg.norm(exact)))
+        return _over(norm(wrong), norm(exact))
 
     @property
     def energy_ratio(self) -> float:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError, StalledWarning, UnjammedWarning
+from ..common.fits import power_law
 from ..common.validate import zero_or_more
 from ..engine.relaxation import TOLERANCE
 from ..model import laws
@@ -261,7 +262,7 @@ def jackknife(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, fl
         mean_x, mean_y = (np.nanmean(values[kept][:, fitted], axis=0) for values in (x, y))
         if fitted.sum() < 2 or mean_y.min() <= 0.0:
             return float("nan")
-        return float(np.polyfit(np.log(mean_x), np.log(mean_y), 1)[0])
+        return power_law(mean_x, mean_y)
 
     of_all = slope(np.ones(count, dtype=bool))
     if count < 2:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.beads import Beads, Rings
+from ..model.lattice import cartesian, fractional
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing
 from ..state.bead_state import BeadState
@@ -90,8 +91,8 @@ def _held(state: State | BeadState) -> NDArray[np.bool_]:
 def _rms(a: Packing, b: Packing, held: NDArray[np.bool_]) -> float | None:
     if not held.any():
         return None
-    apart = (b.positions - a.positions)[held] @ np.linalg.inv(b.box)
+    apart = fractional((b.positions - a.positions)[held], b.box)
     apart -= apart[0]  # then the nearest image does not depend on the drift
-    apart = (apart - np.rint(apart)) @ b.box
+    apart = cartesian(apart - np.rint(apart), b.box)
     apart -= apart.mean(axis=0)
     return float(np.sqrt(np.mean(np.sum(apart**2, axis=1))) / b.radius.mean())

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import core
+from ..common.fits import power_law
 from ..common.parallel import parallel_map
 from ..engine.bead_reference import BeadReference
 from ..model.beads import Beads
@@ -167,12 +168,12 @@ class Limit:
     @property
     def number_rate(self) -> float:
         """Slope of the error over N_v in a doubly logarithmic plot; -2 expected."""
-        return _slope(self.numbers, self.number_error)
+        return power_law(self.numbers, self.number_error)
 
     @property
     def stiffness_rate(self) -> float:
         """Slope of the error over kP in a doubly logarithmic plot; -1 expected."""
-        return _slope(self.stiffness, self.stiffness_error)
+        return power_law(self.stiffness, self.stiffness_error)
 
 
 def polygon_stiffness(sides: int) -> float:
@@ -219,10 +220,6 @@ def limit(
         stiffness=np.array(kP),
         stiffness_error=np.array([error[most, k] - rigid[most] for k in kP]),
     )
-
-
-def _slope(x: NDArray[Any], y: NDArray[np.float64]) -> float:
-    return float(np.polyfit(np.log(x), np.log(np.abs(y)), 1)[0])
 
 
 def packing(

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import ParameterError
+from ..core import angles, unit_vectors
 
 # Corners that coincide may differ in direction by rounding [rad].
 _ROUNDING = 1e-12
@@ -25,7 +26,7 @@ def radial_distance(outline: ArrayLike, angle: ArrayLike) -> NDArray[np.float64]
         ParameterError: a ray crosses the polygon more than once: the particle is beyond the model.
     """
     corners = np.asarray(outline, dtype=np.float64)
-    turn = np.arctan2(corners[:, 1], corners[:, 0])
+    turn = angles(corners)
     start = int(turn.argmin())
     corners = np.roll(corners, -start, axis=0)
     turn = np.roll(turn, -start)
@@ -39,7 +40,8 @@ def radial_distance(outline: ArrayLike, angle: ArrayLike) -> NDArray[np.float64]
     side = np.searchsorted(turn, ray, side="right") - 1
     a, b = corners[side], corners[(side + 1) % len(corners)]
     edge = b - a
-    across = np.cos(ray) * edge[:, 1] - np.sin(ray) * edge[:, 0]
+    x, y = unit_vectors(ray).T
+    across = x * edge[:, 1] - y * edge[:, 0]
     return np.asarray((a[:, 0] * edge[:, 1] - a[:, 1] * edge[:, 0]) / across)
 
 
@@ -51,7 +53,7 @@ def deviation(beads: ArrayLike, outline: ArrayLike) -> NDArray[np.float64]:
         outline: as for `radial_distance`, of the line of bead centers in the law.
     """
     v = np.asarray(beads, dtype=np.float64)
-    return np.hypot(v[:, 0], v[:, 1]) - radial_distance(outline, np.arctan2(v[:, 1], v[:, 0]))
+    return np.hypot(v[:, 0], v[:, 1]) - radial_distance(outline, angles(v))
 
 
 def shape_error(beads: ArrayLike, outline: ArrayLike, radius: float) -> float:

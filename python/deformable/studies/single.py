@@ -89,8 +89,7 @@ class Squeezed:
     @property
     def angle(self) -> NDArray[np.float64]:
         """Direction of each bead from the center, shape (N_v,) [rad]."""
-        x, y = (self.beads.outlines[0] - self.center).T
-        return np.asarray(np.arctan2(y, x))
+        return core.angles(self.beads.outlines[0] - self.center)
 
     @property
     def kL(self) -> float:

@@ -16,6 +16,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
+from ..core import angles, norm
 from ..engine.bead_reference import BeadReference
 from ..engine.simulation import Simulation
 from ..model.beads import Beads
@@ -162,12 +163,12 @@ def timed(results: Iterable[T]) -> Iterator[tuple[T, float]]:
 def _against(exact: BeadState, other: State | BeadState, seconds: float | None) -> dict[str, Any]:
     """The errors of a law, or of other rings, see `smooth_rows`."""
     loose = is_unjammed(other, exact)
-    wrong = np.linalg.norm(other.area_deficit - exact.area_deficit)
+    wrong = norm(other.area_deficit - exact.area_deficit)
     return {
         "energy_ratio": None if loose else _over(other.energy, exact.energy),
         "pressure_ratio": None if loose else _over(other.pressure, exact.pressure),
         "told": None if loose else _told(exact, other),
-        "S_rms": _over(float(wrong), float(np.linalg.norm(exact.area_deficit))),
+        "S_rms": _over(wrong, norm(exact.area_deficit)),
         "I": _shape_error(exact, other),
         "distance": 0.0 if seconds is None else centers_rms(exact, other),
         "law_residual": None if seconds is None else other.residual,
@@ -200,7 +201,7 @@ def _dents(state: BeadState) -> NDArray[np.float64]:
     for ring, center, kind in zip(
         state.outlines, state.packing.positions, state.packing.species, strict=True
     ):
-        x, y = (ring - center).T
-        inward = state.rings.radius[kind] - np.hypot(x, y)
-        found.append(np.interp(_DIRECTIONS, np.arctan2(y, x), inward, period=2.0 * np.pi))
+        out = ring - center
+        inward = state.rings.radius[kind] - np.hypot(*out.T)
+        found.append(np.interp(_DIRECTIONS, angles(out), inward, period=2.0 * np.pi))
     return np.array(found)

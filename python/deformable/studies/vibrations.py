@@ -9,6 +9,7 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from ..common.fits import power_law
 from ..engine.disks import Disks
 from ..engine.relaxed_disks import relax_at_pressure
 from ..engine.simulation import Simulation
@@ -246,8 +247,7 @@ def exponent(summary: Sequence[Row], name: str, lowest: float, highest: float) -
     ]
     if len(points) < 2:
         return float("nan")
-    x, y = np.log(np.array(points)).T
-    return float(np.polyfit(x, y, 1)[0])
+    return power_law(*zip(*points, strict=True))
 
 
 def _jackknife(value: Callable[[list[Row]], float], rows: list[Row]) -> tuple[float, float]:

@@ -1,0 +1,132 @@
+"""Whether packings and their figures are the same to the last bit on other processors.
+
+    python benchmarks/digits.py [--short] [--out benchmarks/results/digits.json]
+
+A library of linear algebra has kernels for each processor, numpy and the mathematical functions of
+the C library too, and so has this package. Environment variables choose the kernels of other
+processors than this one. Every case is computed with each choice and reduced to a digest of all its
+bits: a minimizer of disks makes another packing of another last digit.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import subprocess
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import deformable as df
+import numpy as np
+from scipy import stats
+
+HERE = Path(__file__).parent
+STRAIN, STEPS = 0.01, 2
+
+
+def processors() -> dict[str, dict[str, str]]:
+    """Environment variables that choose kernels, by what they stand for."""
+    extensions = np.show_config(mode="dicts")["SIMD Extensions"]
+    return {
+        "AVX-512": {"OPENBLAS_CORETYPE": "SkylakeX"},
+        "Haswell": {"OPENBLAS_CORETYPE": "Haswell"},
+        "older": {
+            "OPENBLAS_CORETYPE": "Prescott",
+            "DEFORMABLE_SIMD": "plain",
+            "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX2_Usable",
+            "NPY_DISABLE_CPU_FEATURES": " ".join(extensions.get("found", [])),
+        },
+    }
+
+
+def cases(short: bool) -> Iterator[tuple[str, Callable[[], object]]]:
+    """Names of cases, and what they compute: packings and numbers."""
+    droplets = df.Ring(kA=float("inf"), kP=0.0, tension=1.0)
+    walls = [df.Circle((0.0, 0.0), 7.0), df.Disk((2.0, 0.0), 1.0)]
+    yield "bidisperse, tilted box", lambda: df.bidisperse(256, tilt=0.3, seed=3)
+    yield "polydisperse", lambda: df.polydisperse(64, stats.lognorm(0.1), tilt=0.3)
+    for number in (64,) if short else (64, 128, 512, 1000, 4096):
+        yield f"jam, {number} disks", lambda n=number: df.jam(df.bidisperse(n))
+    yield "jam, 60 disks between walls", lambda: df.jam(df.bidisperse(60).between(walls).at(0.5))
+    for name, law in {"balanced": df.Ring(), "droplets": droplets, "sector": df.Sector()}.items():
+        yield f"jam, 32 particles, {name}", lambda law=law: df.jam(df.bidisperse(32), law)
+    for name, law in {
+        "radical": df.Ring(contact="radical"),
+        "tilted": df.Ring(contact="tilted"),
+    }.items():
+        yield f"compress, 64 particles, {name}", lambda law=law: strained(law, df.compress)
+    yield "shear, 64 particles, balanced", lambda: strained(df.Ring(), df.shear)
+    yield "compress, 6 smooth rings", rings
+
+
+def strained(law: df.Ring, protocol: Callable[..., Iterator[df.State]]) -> list[object]:
+    """Packings, energies, stresses and areas on the way."""
+    with df.Simulation(df.jam(df.bidisperse(64)).at(0.86), law) as sim:
+        states = list(protocol(sim, STRAIN, STEPS))
+    return [[s.packing, s.energy, s.stress, s.area, s.contact_table["force"]] for s in states]
+
+
+def rings() -> list[object]:
+    """The reference model."""
+    with df.BeadReference(df.jam(df.bidisperse(6)), df.Beads(number=30, smooth=True)) as sim:
+        states = list(df.compress(sim, STRAIN, STEPS))
+    return [[s.energy, s.stress, s.area_deficit, *s.outlines] for s in states]
+
+
+def digest(found: object) -> str:
+    """The first digits of a hash of all bits."""
+    total = hashlib.sha256()
+
+    def add(value: object) -> None:
+        if isinstance(value, list):
+            for each in value:
+                add(each)
+        elif isinstance(value, df.Packing):
+            add([value.positions, value.box, value.radius])
+        else:
+            total.update(np.ascontiguousarray(value, dtype=np.float64).tobytes())
+
+    add(found)
+    return total.hexdigest()[:12]
+
+
+def compute(short: bool) -> dict[str, str]:
+    """The digest of each case, with the kernels of this process."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", df.StalledWarning)
+        return {name: digest(function()) for name, function in cases(short)}
+
+
+def compare(short: bool) -> dict[str, dict[str, str]]:
+    """The digest of each case, with the kernels of each processor, in processes side by side."""
+    command = [sys.executable, __file__, "--here", *(["--short"] if short else [])]
+    started = {
+        name: subprocess.Popen(command, env=os.environ | chosen, stdout=subprocess.PIPE, text=True)
+        for name, chosen in processors().items()
+    }
+    return {name: json.loads(process.communicate()[0]) for name, process in started.items()}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--short", action="store_true", help="small cases only")
+    parser.add_argument("--here", action="store_true", help="with the kernels of this process only")
+    parser.add_argument("--out", type=Path, default=HERE / "results" / "digits.json")
+    options = parser.parse_args()
+    if options.here:
+        print(json.dumps(compute(options.short)))
+        return
+    found = compare(options.short)
+    print(f"{'':36}" + "".join(f"{name:>14}" for name in found))
+    for case in next(iter(found.values())):
+        print(f"{case:36}" + "".join(f"{digests[case]:>14}" for digests in found.values()))
+    options.out.write_text(json.dumps(found, indent=1) + "\n")
+    print(f"wrote {options.out}")
+
+
+if __name__ == "__main__":
+    main()
