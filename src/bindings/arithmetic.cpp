@@ -56,8 +56,10 @@ ValueError
   m.def(
       "norm", [](Numbers a) { return std::sqrt(dot(a.data(), a.data(), a.size())); }, "a"_a,
       "sqrt(sum_k a_k^2), the same to the last bit on every processor.");
-  m.def("unit_vectors", &unit_vectors, "angle"_a,
-        R"((cos, sin) of angles [rad], shape (n, 2), the same to the last bit on every processor.)");
-  m.def("angles", &angles, "vector"_a,
-        R"(Angles of vectors, shape (n, 2), from -pi to pi, the same to the last bit on every processor.)");
+  m.def(
+      "unit_vectors", &unit_vectors, "angle"_a,
+      R"((cos, sin) of angles [rad], shape (n, 2), the same to the last bit on every processor.)");
+  m.def(
+      "angles", &angles, "vector"_a,
+      R"(Angles of vectors, shape (n, 2), from -pi to pi, the same to the last bit on every processor.)");
 }
