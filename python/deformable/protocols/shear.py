@@ -81,10 +81,10 @@ def shear_steps(
             yield state
 
 
-def sheared(box: NDArray[np.float64], strain: float) -> NDArray[np.float64]:
-    """A box, lattice vectors as rows, after simple shear along x, shape (2, 2) [length]."""
-    (lx, _), (xy, ly) = box.tolist()
-    return np.array([[lx, 0.0], [xy + strain * ly, ly]])
+def sheared(points: NDArray[np.float64], strain: float) -> NDArray[np.float64]:
+    """Points, or the lattice vectors of a box, after simple shear along x, shape (n, 2) [length]."""
+    x, y = points.T
+    return np.column_stack([x + strain * y, y])
 
 
 def straighten(sim: Shearable[Any]) -> None:
