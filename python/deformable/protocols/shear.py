@@ -82,7 +82,7 @@ def shear_steps(
 
 
 def sheared(points: NDArray[np.float64], strain: float) -> NDArray[np.float64]:
-    """Points, or the lattice vectors of a box, after simple shear along x, shape (n, 2) [length]."""
+    """Points, or the rows of a box, after simple shear along x, shape (n, 2) [length]."""
     x, y = points.T
     return np.column_stack([x + strain * y, y])
 
