@@ -25,7 +25,7 @@ double ForceSolver::accuracy_of(const Evaluation &from) const
 {
   constexpr double SQUARE = 10.0;
   const double most = SQUARE * typical_of(from) / from.largest;
-  return std::min(COARSE, std::max(MARGIN * target * from.largest / from.forces, most));
+  return std::min(COARSE, std::max(MARGIN * tolerance * from.largest / from.forces, most));
 }
 
 /* ----------------------------------------------------------------------
@@ -41,7 +41,8 @@ double ForceSolver::accuracy_of_first() const
   constexpr double FINE = 1e-5;
   const double least = tries_coarse > 0 ? coarse : FINE;
   return std::min(
-      COARSE, std::max(MARGIN * target * first_evaluation.largest / first_evaluation.usual, least));
+      COARSE,
+      std::max(MARGIN * tolerance * first_evaluation.largest / first_evaluation.usual, least));
 }
 
 void ForceSolver::learn_from_first(double left, bool all_were_corrected)
@@ -70,5 +71,5 @@ int ForceSolver::begin_corrections(const Evaluation &from)
 ForceSolver::Stage ForceSolver::shape_after(const Evaluation &from) const
 {
   constexpr double SMALL_STEP = 1e4;
-  return from.forces <= SMALL_STEP * target * from.largest ? Stage::ADAPT : Stage::SHAPE;
+  return from.forces <= SMALL_STEP * tolerance * from.largest ? Stage::ADAPT : Stage::SHAPE;
 }

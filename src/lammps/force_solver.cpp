@@ -90,13 +90,7 @@ bool ForceSolver::solve(RemoteSides &r)
     now = evaluate();
   };
   if (!now.exists) begin_anew();
-  // A minimizer needs only a tenth of the imbalance that its last step caused: the rest vanishes as its steps do, if each
-  // call corrects it, also below the tolerance.
-  constexpr double TENTH = 0.1;
-  if (first_solution)
-    target = minimizing() ? std::max(tolerance, TENTH * std::min(now.relative(), 1.0)) : tolerance;
-  must_correct |= first_solution && minimizing();
-  needs_correction = first_evaluation.usual > target * first_evaluation.largest;
+  needs_correction = first_evaluation.usual > tolerance * first_evaluation.largest;
   first_solution = false;
   local_corrections = 0;
   has_relaxed = false;
@@ -115,7 +109,7 @@ bool ForceSolver::solve(RemoteSides &r)
   if (p.tilts && !now.knows_torques) now.torques = find_torques();
   if (p.tilts) tilts.remember(p);
   imbalance = now.relative();
-  return now.exists && now.worst() <= target * now.largest;
+  return now.exists && now.worst() <= tolerance * now.largest;
 }
 
 // Along the last step, from this part of it to that one. Single precision has the smaller one of two numbers well.
@@ -135,12 +129,12 @@ void ForceSolver::move(double from, double to, int begin, int end)
 // Torques count only where forces balance: before, they are not worth their evaluation.
 bool ForceSolver::is_balanced(Evaluation &now)
 {
-  if (!now.exists || now.forces > target * now.largest || (must_correct && now.forces > 0.0))
+  if (!now.exists || now.forces > tolerance * now.largest || (must_correct && now.forces > 0.0))
     return false;
   if (!pairs->tilts) return true;
   now.torques = find_torques();
   now.knows_torques = true;
-  return now.torques <= target * now.largest;
+  return now.torques <= tolerance * now.largest;
 }
 
 ForceSolver::Evaluation ForceSolver::correct(const Evaluation &from)
@@ -203,7 +197,7 @@ ForceSolver::Evaluation ForceSolver::evaluate_and_correct()
 {
   constexpr double RELAXED = 1e3;    // of the tolerance
   evaluations = 1;
-  const bool relaxes = relaxation.begin(RELAXED * target, first_evaluation.largest);
+  const bool relaxes = relaxation.begin(RELAXED * tolerance, first_evaluation.largest);
   const int corrections = corrector.plan(accuracy_of_first());
   std::vector<Stage> stages = {Stage::LOCATE, Stage::SHAPE, Stage::LOOK};
   if (relaxes) stages.insert(stages.end(), {Stage::WAIT, Stage::RELAX, Stage::TURN, Stage::LOOK});
@@ -289,7 +283,7 @@ template <class Sum> double ForceSolver::sum_over_pairs(Sum &&sum) const
    The dual energy is concave along the step. A step that is much too long
    has a negative slope at its end, and the search looks for the place where
    the slope vanishes. What single precision leaves of a small step is far
-   below the target.
+   below the tolerance.
 ------------------------------------------------------------------------- */
 
 ForceSolver::Evaluation ForceSolver::line_search(Evaluation now, const Evaluation &from,
@@ -300,7 +294,7 @@ ForceSolver::Evaluation ForceSolver::line_search(Evaluation now, const Evaluatio
   if (!(slope > 0.0)) return now;    // no step
   double low = 0.0, low_slope = slope, high = 1.0, at = 1.0;
   for (;;) {
-    const double good = std::max((turned ? NO_WORSE : BETTER) * imbalance, target * now.largest);
+    const double good = std::max((turned ? NO_WORSE : BETTER) * imbalance, tolerance * now.largest);
     if (now.exists && now.forces <= good) return now;
     corrector.doubt_bounds();
     double here = -std::numeric_limits<double>::infinity();

@@ -139,7 +139,6 @@ class ForceSolver : protected Pointers {
   static constexpr double LOOSE =
       1e-7;    // larger tolerances leave errors that matter for predictions
   bool must_correct = false;
-  double target = 0.0;
   double pairs_of_all = 1.0;    // ranks
 
   void agree();

@@ -93,18 +93,6 @@ def test_neighborhoods():
     assert 4 < scalar(packing, "mean") < 7
 
 
-def test_minimization():
-    """Balanced contacts are accurate again in the run of no steps that follows."""
-    packing = evaluated("balanced", "compute contacts all deformable/contact")
-    packing.run("minimize 0 1e-10 20 50")
-    during = packing.results()
-    packing.run("run 0")
-    after, imbalance = packing.results(), packing.lmp.extract_compute("pair", 0, 1)[3]
-    assert imbalance < 1e-12
-    assert during["energy"] == pytest.approx(after["energy"], rel=1e-6)
-    assert during["energy"] != after["energy"]
-
-
 # ---- files ----
 
 

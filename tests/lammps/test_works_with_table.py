@@ -37,7 +37,6 @@ OTHERS = {
     "compute reduce": outputs.test_reduce_of_contacts,
     "fix numdiff": outputs.test_numdiff,
     "dynamical_matrix": outputs.test_dynamical_matrix,
-    "minimize with balanced contacts": outputs.test_minimization,
     "restart": outputs.test_restart,
     "write_data": fresh.test_as_a_fresh_run,
     "rerun": outputs.test_rerun,
