@@ -21,25 +21,29 @@ target_compile_options(
                             $<$<BOOL:${DEFORMABLE_WERROR}>:-Werror>
                             $<$<BOOL:${DEFORMABLE_NATIVE}>:-march=native>)
 
-# The contact laws for batches of particles, for each level of SIMD instructions.
-file(GLOB BATCH_SOURCES CONFIGURE_DEPENDS ${DEFORMABLE_DIR}/src/batches/*.cpp)
-list(FILTER BATCH_SOURCES EXCLUDE REGEX "/avx[0-9]+\\.cpp$")
+# The contact laws for batches of particles, once for each level of SIMD instructions. -O3 makes them no faster.
+add_library(deformable_batches OBJECT ${DEFORMABLE_DIR}/src/batches/levels.cpp)
+target_link_libraries(deformable_batches PRIVATE deformable_core)
+set_target_properties(deformable_batches PROPERTIES POSITION_INDEPENDENT_CODE ON)
+set(BATCH_OBJECTS $<TARGET_OBJECTS:deformable_batches>)
+function(add_level level lanes)
+  set(library deformable_batches_${level})
+  add_library(${library} OBJECT ${DEFORMABLE_DIR}/src/batches/forces.cpp
+                                ${DEFORMABLE_DIR}/src/batches/rings.cpp)
+  target_link_libraries(${library} PRIVATE deformable_core)
+  target_compile_definitions(${library} PRIVATE DEFORMABLE_LEVEL=${level} DEFORMABLE_LANES=${lanes})
+  target_compile_options(${library} PRIVATE -O2 ${ARGN})
+  set_target_properties(${library} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  set(BATCH_OBJECTS ${BATCH_OBJECTS} $<TARGET_OBJECTS:${library}> PARENT_SCOPE)
+endfunction()
+add_level(plain 2)
 include(CheckCXXCompilerFlag)
 check_cxx_compiler_flag(-march=x86-64-v4 DEFORMABLE_KNOWS_X86_LEVELS)
 if(DEFORMABLE_KNOWS_X86_LEVELS)
-  list(APPEND BATCH_SOURCES ${DEFORMABLE_DIR}/src/batches/avx2.cpp
-       ${DEFORMABLE_DIR}/src/batches/avx512.cpp)
-  set_source_files_properties(${DEFORMABLE_DIR}/src/batches/avx2.cpp PROPERTIES COMPILE_OPTIONS
-                                                                             -march=x86-64-v3)
-  set_source_files_properties(
-    ${DEFORMABLE_DIR}/src/batches/avx512.cpp
-    PROPERTIES COMPILE_OPTIONS "-march=x86-64-v4;-mprefer-vector-width=512")
-  set_source_files_properties(${DEFORMABLE_DIR}/src/batches/levels.cpp
-                              PROPERTIES COMPILE_DEFINITIONS DEFORMABLE_X86_LEVELS)
+  target_compile_definitions(deformable_batches PRIVATE DEFORMABLE_X86_LEVELS)
+  add_level(avx2 4 -march=x86-64-v3)
+  add_level(avx512 8 -march=x86-64-v4 -mprefer-vector-width=512)
 endif()
-add_library(deformable_batches OBJECT ${BATCH_SOURCES})
-set_target_properties(deformable_batches PROPERTIES POSITION_INDEPENDENT_CODE ON)
-target_link_libraries(deformable_batches PUBLIC deformable_core)
 
 # The LAMMPS styles, and what only the plugin needs.
 file(GLOB STYLE_SOURCES CONFIGURE_DEPENDS ${DEFORMABLE_DIR}/src/lammps/*.cpp)

@@ -6,16 +6,17 @@
 
 namespace deformable {
 
-namespace plain {
-extern const BatchKernels kernels;
-}
+#define DEFORMABLE_KERNELS_OF(LEVEL)                                                               \
+  namespace LEVEL {                                                                                \
+  extern const BatchKernel sector_kernels[], ring_kernels[];                                       \
+  extern const ForceKernels force_kernels;                                                         \
+  static const BatchKernels kernels = {#LEVEL, sector_kernels, ring_kernels, force_kernels};       \
+  }
+
+DEFORMABLE_KERNELS_OF(plain)
 #ifdef DEFORMABLE_X86_LEVELS
-namespace avx2 {
-extern const BatchKernels kernels;
-}
-namespace avx512 {
-extern const BatchKernels kernels;
-}
+DEFORMABLE_KERNELS_OF(avx2)
+DEFORMABLE_KERNELS_OF(avx512)
 #endif
 
 const BatchKernels *batch_kernels(const char *level)

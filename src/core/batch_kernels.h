@@ -18,10 +18,10 @@ using BatchKernel = void (*)(BlockParticle *const *particles, int count, Place *
 // Kernels by the number of active contacts.
 struct BatchKernels {
   const char *level;
-  BatchKernel sector[MOST_IN_BATCH + 1];
+  const BatchKernel *sector;
   // Beyond MOST_IN_BATCH: rings that change their perimeter; beyond twice that: with a tension.
-  BatchKernel ring[3 * MOST_IN_BATCH + 1];
-  ForceKernels forces;
+  const BatchKernel *ring;
+  const ForceKernels &forces;
 };
 
 // The kernels of this level, or the fastest ones of this processor for an empty name. Null if the level is unknown,

@@ -90,6 +90,8 @@ bool ForceSolver::solve(RemoteSides &r)
     now = evaluate();
   };
   if (!now.exists) begin_anew();
+  // The forces of a minimizer vanish. Those of contacts go on with them below the tolerance if each call corrects them.
+  must_correct |= first_solution && minimizing();
   needs_correction = first_evaluation.usual > tolerance * first_evaluation.largest;
   first_solution = false;
   local_corrections = 0;

@@ -1,10 +1,6 @@
-// The kernels of one level. A source file for each level defines DEFORMABLE_LEVEL and DEFORMABLE_LANES, includes
-// this file and is compiled with the options of its level.
+// The contact laws for batches of particles. Compiled for each level of SIMD instructions, see cmake/sources.cmake.
 
 #include "batch_kernels.h"
-#include "correction_lanes.h"
-#include "force_lanes.h"
-#include "pair_lanes.h"
 #include "ring_batch.h"
 #include "sector_batch.h"
 
@@ -27,21 +23,15 @@ DEFORMABLE_BATCHES(soft_rings, (ring_batch<N, Perimeter::SOFT>))
 DEFORMABLE_BATCHES(tense_rings, (ring_batch<N, Perimeter::TENSE>))
 DEFORMABLE_BATCHES(sectors, sector_batch<N>)
 
-extern const BatchKernels kernels;
+extern const BatchKernel sector_kernels[MOST_IN_BATCH + 1], ring_kernels[3 * MOST_IN_BATCH + 1];
 
-#define DEFORMABLE_STRING_OF(x) #x
-#define DEFORMABLE_STRING(x) DEFORMABLE_STRING_OF(x)
-const BatchKernels kernels = {
-    DEFORMABLE_STRING(DEFORMABLE_LEVEL),
-    {nullptr, nullptr, sectors<2>, sectors<3>, sectors<4>, sectors<5>, sectors<6>, sectors<7>,
-     sectors<8>},
-    {nullptr,        rings<1>,       rings<2>,       rings<3>,       rings<4>,
-     rings<5>,       rings<6>,       rings<7>,       rings<8>,       soft_rings<1>,
-     soft_rings<2>,  soft_rings<3>,  soft_rings<4>,  soft_rings<5>,  soft_rings<6>,
-     soft_rings<7>,  soft_rings<8>,  tense_rings<1>, tense_rings<2>, tense_rings<3>,
-     tense_rings<4>, tense_rings<5>, tense_rings<6>, tense_rings<7>, tense_rings<8>},
-    {shape_rings, adapt_rings, slopes_of_rings, begin_corrections, multiply, advance,
-     advance_and_multiply, advance_twice, locate_pairs, find_residuals, find_unbalanced,
-     extrapolate, take_step, remember, find_tilts, turn_lines, dot}};
+const BatchKernel sector_kernels[] = {nullptr,    nullptr,    sectors<2>, sectors<3>, sectors<4>,
+                                      sectors<5>, sectors<6>, sectors<7>, sectors<8>};
+const BatchKernel ring_kernels[] = {
+    nullptr,        rings<1>,       rings<2>,       rings<3>,       rings<4>,
+    rings<5>,       rings<6>,       rings<7>,       rings<8>,       soft_rings<1>,
+    soft_rings<2>,  soft_rings<3>,  soft_rings<4>,  soft_rings<5>,  soft_rings<6>,
+    soft_rings<7>,  soft_rings<8>,  tense_rings<1>, tense_rings<2>, tense_rings<3>,
+    tense_rings<4>, tense_rings<5>, tense_rings<6>, tense_rings<7>, tense_rings<8>};
 
 }    // namespace deformable::DEFORMABLE_LEVEL

@@ -1,5 +1,0 @@
-// See kernels.h.
-
-#define DEFORMABLE_LEVEL plain
-#define DEFORMABLE_LANES 2
-#include "kernels.h"
