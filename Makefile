@@ -18,21 +18,22 @@ JOBS ?= 2
 
 VENV := .venv
 BIN := $(VENV)/bin
-PIP_INSTALL := SKBUILD_CMAKE_DEFINE=DEFORMABLE_WERROR=$(WERROR) \
-  $(BIN)/python -m pip --disable-pip-version-check install --quiet
+PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
+PIP_INSTALL := $(PIP) install --no-compile
 SOURCES := $(shell find cmake potentials python src -type f -not -name '*.pyc') CMakeLists.txt pyproject.toml
 
 .PHONY: demo test test-slow lint docs wheel clean
 .DELETE_ON_ERROR:
+.PRECIOUS: $(VENV)/requirements-%
 
 demo: $(VENV)/installed
 	@$(BIN)/deformable compress --number 128 --strain 0.01 --steps 10 --seed 1 --out demo --overwrite
 	@$(BIN)/deformable compare --number 16
 
-test: $(VENV)/installed
+test: $(VENV)/installed-test
 	@$(BIN)/python -m pytest -q -n $(JOBS) -m "not slow" tests
 
-test-slow: $(VENV)/installed
+test-slow: $(VENV)/installed-test
 	@$(BIN)/python -m pytest -q -n $(JOBS) -m slow tests
 
 lint: $(VENV)/installed-dev
@@ -69,10 +70,26 @@ $(VENV)/bin/python:
 	  { rm -rf $(VENV); \
 	    echo "$(PYTHON) cannot make virtual environments (Debian, Ubuntu: apt install python3-venv)" >&2; exit 1; }
 
-# installed-dev installs the tests as well, so that both need only one compilation
-$(VENV)/installed $(VENV)/installed-dev: $(VENV)/bin/python $(SOURCES)
+# Compilation uses both cores for a minute; what the package needs at run time is downloaded meanwhile.
+$(VENV)/installed: $(VENV)/requirements-build $(SOURCES)
 	@command -v $${CXX:-c++} >/dev/null || command -v g++ >/dev/null || command -v clang++ >/dev/null || \
 	  { echo "No C++ compiler found: install g++ or clang++, or name one: make CXX=..." >&2; exit 1; }
-	@echo "Installing into $(VENV)" >&2
-	@$(PIP_INSTALL) '.[$(if $(findstring dev,$(notdir $@)),dev,test)]'
-	@touch $(VENV)/installed $@
+	@echo "Compiling, and installing into $(VENV)" >&2
+	@rm -rf $(VENV)/wheel
+	@$(MAKE) --no-print-directory -j2 $(VENV)/wheel $(VENV)/requirements-run-plot
+	@$(PIP_INSTALL) --no-deps --force-reinstall $(VENV)/wheel/*.whl
+	@touch $@
+
+# without an environment of its own, whose path is another each time, so that only what has changed is compiled
+$(VENV)/wheel:
+	@PATH="$(CURDIR)/$(BIN):$$PATH" SKBUILD_BUILD_DIR=build/make \
+	  SKBUILD_CMAKE_DEFINE=DEFORMABLE_WERROR=$(WERROR) \
+	  $(PIP) wheel --no-build-isolation --no-deps --wheel-dir $@ .
+
+# requirements of pyproject.toml: to build, to run, and of an extra
+$(VENV)/requirements-%: $(VENV)/bin/python pyproject.toml
+	@$(BIN)/python cmake/requirements.py $(subst -, ,$*) | xargs $(PIP_INSTALL)
+	@touch $@
+
+$(VENV)/installed-%: $(VENV)/installed $(VENV)/requirements-run-%
+	@touch $@

@@ -11,10 +11,10 @@ using namespace deformable;
 
 namespace {
 
-using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
-using Pairs = nb::ndarray<const double, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+using Values = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+using Vectors = nb::ndarray<const double, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
 
-double dot_of(Numbers a, Numbers b)
+double dot_of(Values a, Values b)
 {
   if (a.size() != b.size())
     refuse("a and b must have as many numbers, not " + std::to_string(a.size()) + " and " +
@@ -30,7 +30,7 @@ Matrix unit_vectors(nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::dev
   return to_numpy<Matrix>(found.data(), {angle.size(), 2});
 }
 
-Vector angles(Pairs vector)
+Vector angles(Vectors vector)
 {
   std::vector<double> found;
   for (std::size_t k = 0; k < vector.shape(0); ++k)
@@ -54,7 +54,7 @@ Raises
 ValueError
     Arrays of different sizes.)");
   m.def(
-      "norm", [](Numbers a) { return std::sqrt(dot(a.data(), a.data(), a.size())); }, "a"_a,
+      "norm", [](Values a) { return std::sqrt(dot(a.data(), a.data(), a.size())); }, "a"_a,
       "sqrt(sum_k a_k^2), the same to the last bit on every processor.");
   m.def(
       "unit_vectors", &unit_vectors, "angle"_a,
