@@ -9,7 +9,7 @@ for name, phi in (("fluid", 0.6), ("glass", 0.9)):
     packing = deformable.push_off(deformable.bidisperse(64, phi=phi, seed=1))
     sim = deformable.Simulation(packing, deformable.Ring(kA=1.0))
     bath = {"temperature": TEMPERATURE, "friction": FRICTION, "timestep": TIMESTEP, "every": EVERY}
-    for _ in deformable.move(sim, 8_000, **bath):
+    for _ in deformable.move(sim, 8_000, **bath, seed=1):
         pass  # until it is in equilibrium
     run = deformable.record(deformable.move(sim, 20_000, **bath, seed=2), name, bath)
     measured = np.mean([state.temperature for state in run]) / TEMPERATURE

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
+
 from ..common.errors import LammpsError, ParameterError
 from ..common.progress import progress
 from ..common.validate import count, expect, positive, whole, zero_or_more
-from ..engine.lammps import run
+from ..engine.lammps import gather, run
 from ..engine.simulation import Simulation
 from ..model.laws import Sector
 from ..model.timestep import accurate_step, longest_step
@@ -27,6 +29,9 @@ _ENOUGH = 0.5
 _BATH = "fix deformable_move all gjf {temperature!r} {temperature!r} {time!r} {seed}"
 _FLATTEN = 1000
 
+# LAMMPS takes seeds up to 9e8, and adds the rank to them.
+_SEEDS = 890_000_000
+
 
 def move(
     sim: Simulation,
@@ -35,7 +40,7 @@ def move(
     temperature: float | None = None,
     friction: float = 0.0,
     every: int | None = None,
-    seed: int = 1,
+    seed: int | None = None,
 ) -> Iterator[State]:
     """Let particles of mass 1 move by their forces F.
 
@@ -51,21 +56,25 @@ def move(
             depends on the pressure in the particles and on the temperature; where these grow, steps
             become shorter. Give one if other forces than those of contacts, by fixes of `sim.lmp`,
             move particles that are at rest.
-        temperature: of the initial velocities, which are drawn with zero total momentum, and of the
-            heat bath if there is friction [energy]. If not given, the velocities are those of the
-            simulation: zero after `relax`, those of the last state after another `move`.
+        temperature: of the heat bath if there is friction, and of initial velocities [energy].
+            These are Maxwell's, with zero total momentum. A bath draws them where all particles are
+            at rest, as after `relax`; others go on with the velocities that they have.
+            If not given, none are drawn: the velocities are those of the simulation.
         friction: rate at which velocities decay [1/time].
         every: number of steps between states, a divisor of `steps`; if not given 100, or all steps
             if there are fewer.
-        seed: of velocities and noise; the noise also depends on the number of ranks.
+        seed: of velocities and noise, together with the number of steps of LAMMPS so far: a second
+            call draws others. The noise also depends on the number of ranks. If not given, none
+            is ever drawn again.
 
     Yields:
         The state after each `every` steps, with its `time` and `velocities`.
 
     Raises:
-        ParameterError: a value is out of range, the time step is too long for the contacts, or the
-            law is `Sector`, whose energy jumps.
-        LammpsError: particles overlap too much, at the start (`push_off` helps) or later.
+        ParameterError: a value is out of range, the time step is too long for the contacts, the law
+            is `Sector`, whose energy jumps, or another `move` of this simulation has not ended.
+        LammpsError: particles overlap too much, at the start (`push_off` helps) or later; or the
+            simulation was restarted between two states.
 
     Source: heat bath: Gronbech-Jensen and Farago, Mol. Phys. 111, 983 (2013), and Jensen and
     Gronbech-Jensen, Mol. Phys. 117, 2511 (2019); velocity Verlet: Swope et al., J. Chem. Phys. 76,
@@ -82,15 +91,17 @@ def move(
     if temperature is not None:
         temperature = zero_or_more("temperature", temperature)
     friction = zero_or_more("friction", friction)
-    steps, seed = count("steps", steps), whole("seed", seed)
+    steps = count("steps", steps)
     every = min(steps, _EVERY) if every is None else count("every", every)
-    if temperature and sim.lmp.get_natoms() < 2:
-        raise ParameterError("a single particle has no temperature: take at least two")
+    if temperature and not friction and sim.lmp.get_natoms() < 2:
+        raise ParameterError(
+            "a single particle has no temperature without a heat bath: give it friction"
+        )
     if steps % every:
         raise ParameterError(
             f"steps must be a multiple of every, not {steps} and {every}: give another every"
         )
-    if not 0 < seed < 2**31:
+    if seed is not None and not 0 < whole("seed", seed) < 2**31:
         raise ParameterError(f"seed must lie between 1 and 2^31 - 1, not {seed}")
     return _move(sim, steps, timestep, temperature, friction, every, seed)
 
@@ -102,16 +113,27 @@ def _move(
     temperature: float | None,
     friction: float,
     every: int,
-    seed: int,
+    seed: int | None,
 ) -> Iterator[State]:
-    if temperature is not None:
-        run(sim.lmp, f"velocity all create {temperature!r} {seed} loop all mom yes")
+    lmp = sim.lmp
+    if "deformable_move" in lmp.available_ids("fix"):
+        raise ParameterError(
+            "another move of this simulation has not ended: finish its loop, or close() it first"
+        )
+    of_velocities, of_noise = _seeds(sim, seed)
+    # in a bath, particles keep the velocities that they have
+    at_rest = not gather(lmp, "v", 3).any()
+    if temperature is not None and lmp.get_natoms() > 1 and (at_rest or not friction):
+        run(
+            lmp,
+            f"velocity all create {temperature!r} {of_velocities} loop all mom yes dist gaussian",
+        )
     state = sim.state()
     dt = accurate_step(*state.step_limits()) if timestep is None else timestep
     began, before = 0, 0.0  # where this time step began, and the time before
-    bath = _BATH.format(temperature=temperature or 0.0, time=1.0 / (friction or 1.0), seed=seed)
+    bath = _BATH.format(temperature=temperature or 0.0, time=1.0 / (friction or 1.0), seed=of_noise)
     run(
-        sim.lmp,
+        lmp,
         (bath if friction else "fix deformable_move all nve")
         + "\nfix deformable_plane all enforce2d",
     )
@@ -126,9 +148,21 @@ def _move(
                 bar.set_postfix(temperature=f"{state.temperature:.3g}")
                 bar.update()
                 yield state
+                if not sim.closed and sim.lmp is not lmp:
+                    raise LammpsError(
+                        "the simulation was restarted while its particles move: begin a new move "
+                        "after restart"
+                    )
     finally:
-        if not sim.closed:  # a caller may close it before the motion ends
-            run(sim.lmp, "unfix deformable_move\nunfix deformable_plane")
+        if not sim.closed and sim.lmp is lmp:  # a caller may close it before the motion ends
+            run(lmp, "unfix deformable_move\nunfix deformable_plane")
+
+
+def _seeds(sim: Simulation, seed: int | None) -> list[int]:
+    """Two seeds for LAMMPS, others for each number of steps; without a seed others each time."""
+    entropy = sim.comm.bcast(np.random.SeedSequence(seed).entropy)
+    words = np.random.SeedSequence([entropy, sim.lmp.extract_global("ntimestep")])
+    return [1 + int(word) % _SEEDS for word in words.generate_state(2)]
 
 
 def _advance(sim: Simulation, steps: int, timestep: float, hint: str) -> State:
@@ -151,11 +185,14 @@ def _hint(thermal: bool, default: float | None) -> str:
 
 def _check(state: State, timestep: float) -> None:
     """Refuse a time step at which contacts are unstable."""
-    longest = longest_step(*state.step_limits())
+    packing, law, pressure, temperature = state.step_limits()
+    longest = longest_step(packing, law, pressure, temperature)
     if timestep > longest:
         n = int(state.particle_pressure.argmax())
+        cause = f"particle {n}, whose pressure is {pressure:.3g}, at temperature {temperature:.3g}"
+        if longest < longest_step(packing, law, pressure, 0.0):
+            cause = f"the temperature of {temperature:.3g}, at which particles collide so hard"
         raise ParameterError(
-            f"timestep = {timestep:g} is too long for particle {n}, whose pressure is "
-            f"{state.particle_pressure[n]:.3g}, at temperature {state.temperature:.3g}: take "
-            f"at most {longest:.2g}, or leave it out"
+            f"timestep = {timestep:g} is too long for {cause}: take at most {longest:.2g}, or "
+            "leave it out"
         )

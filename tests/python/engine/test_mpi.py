@@ -107,8 +107,8 @@ import deformable
 
 packing = deformable.push_off(deformable.bidisperse(32, phi=0.9, seed=3))
 with deformable.Simulation(packing, deformable.Ring()) as sim:
-    (free,) = deformable.move(sim, 100, 0.2, temperature=1e-6)
-    *_, bath = deformable.move(sim, 100, 0.2, temperature=1e-6, friction=0.1, every=50)
+    (free,) = deformable.move(sim, 100, 0.2, temperature=1e-6, seed=1)
+    *_, bath = deformable.move(sim, 100, 0.2, temperature=1e-6, friction=0.1, every=50, seed=1)
 seen = [free.energy, free.kinetic_energy, bath.temperature]
 assert MPI.COMM_WORLD.allgather(seen) == [seen] * MPI.COMM_WORLD.size
 if free.root:

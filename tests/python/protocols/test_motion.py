@@ -45,7 +45,7 @@ def test_temperature_of_a_heat_bath(loose: deformable.Packing, law: deformable.R
     """Kinetic temperature of all particles, of each size and along each axis: 1 % at four sigma."""
     temperature, friction, steps = 1e-5, 1.0, 14_000
     with deformable.Simulation(loose, law) as sim:
-        states = list(move(sim, steps, None, temperature, friction, every=20))
+        states = list(move(sim, steps, None, temperature, friction, every=20, seed=1))
     error = scatter(len(loose), friction, states[-1].time)
     assert 4.0 * error < 0.01
     found = np.mean([state.temperature for state in states])
@@ -65,7 +65,7 @@ def test_heat_bath_does_not_depend_on_ends_of_runs() -> None:
     """Forces drawn anew at each state would halve the temperature, as fix langevin does."""
     gas = deformable.push_off(deformable.bidisperse(64, phi=0.05, seed=3))
     with deformable.Simulation(gas, deformable.Ring()) as sim:
-        states = list(move(sim, 400, 0.5, 1e-6, friction=1.0, every=1))
+        states = list(move(sim, 400, 0.5, 1e-6, friction=1.0, every=1, seed=1))
     error = scatter(len(gas), 1.0, states[-1].time)
     found = np.mean([state.temperature for state in states])
     assert found == pytest.approx(1e-6, rel=4.0 * error)
@@ -77,7 +77,7 @@ def test_potential_energy_has_its_share(dense: deformable.Packing) -> None:
     with deformable.Simulation(dense, deformable.Ring(contact="radical")) as sim:
         lowest = sim.relax(1e-8)
         assert not lowest.rattlers.any()
-        *_, _ = move(sim, 1000, None, temperature, friction, every=1000)
+        *_, _ = move(sim, 1000, None, temperature, friction, every=1000, seed=1)
         states = list(move(sim, 10_000, None, temperature, friction, every=20, seed=2))
     share = np.mean([state.energy - lowest.energy for state in states])
     # the energy of an oscillator decorrelates at the rate `friction`, half that of a free velocity
@@ -92,7 +92,9 @@ def test_energy_error_falls_with_the_square_of_the_time_step(phi: float) -> None
     for step in steps:
         with deformable.Simulation(packing, deformable.Ring()) as sim:
             sim.relax()
-            states = list(move(sim, round(160 / step), float(step), 1e-6, every=round(4 / step)))
+            states = list(
+                move(sim, round(160 / step), float(step), 1e-6, every=round(4 / step), seed=1)
+            )
         total = [state.energy + state.kinetic_energy for state in states]
         errors.append(np.std(total))
         momentum = states[-1].velocities.sum(axis=0)
@@ -105,7 +107,7 @@ def test_energy_error_falls_with_the_square_of_the_time_step(phi: float) -> None
 def test_relaxing_on_the_way_leaves_the_time_step(dense: deformable.Packing) -> None:
     """FIRE has its own time step, which must not become that of the motion."""
     with deformable.Simulation(dense, deformable.Ring()) as sim:
-        motion = deformable.move(sim, 4, 0.01, temperature=1e-6, every=2)
+        motion = deformable.move(sim, 4, 0.01, temperature=1e-6, every=2, seed=1)
         next(motion)
         sim.relax()
         assert sim.lmp.extract_global("dt") != 0.01
@@ -127,7 +129,7 @@ def test_velocities_decay_at_the_rate_of_friction() -> None:
     gas = deformable.push_off(deformable.bidisperse(16, phi=0.01, seed=3))
     friction, dt = 0.1, 0.5
     with deformable.Simulation(gas, deformable.Ring()) as sim:
-        (_,) = move(sim, 1, dt, temperature=1e-6, every=1)
+        (_,) = move(sim, 1, dt, temperature=1e-6, every=1, seed=1)
         first, *_, last = move(sim, 40, dt, friction=friction, every=10)
     assert not last.contacts.any()
     decay = np.exp(-friction * (last.time - first.time))
@@ -137,9 +139,9 @@ def test_velocities_decay_at_the_rate_of_friction() -> None:
 
 def test_motion_goes_on_where_it_was(loose: deformable.Packing) -> None:
     with deformable.Simulation(loose, SOFT) as sim:
-        (whole,) = move(sim, 200, 0.2, 1e-5, every=200)
+        (whole,) = move(sim, 200, 0.2, 1e-5, every=200, seed=1)
     with deformable.Simulation(loose, SOFT) as sim:
-        (half,) = move(sim, 100, 0.2, 1e-5)
+        (half,) = move(sim, 100, 0.2, 1e-5, seed=1)
         (other,) = move(sim, 100, 0.2)
         assert not sim.relax().velocities.any()
     assert other.time == half.time == pytest.approx(20.0)
@@ -149,9 +151,90 @@ def test_motion_goes_on_where_it_was(loose: deformable.Packing) -> None:
     assert np.abs(other.velocities - whole.velocities).max() < 1e-8 * np.abs(whole.velocities).max()
 
 
+@pytest.fixture
+def free() -> deformable.Packing:
+    """Far apart, so that none touches another in a short motion."""
+    x, y = np.divmod(np.arange(400), 20)
+    return deformable.Packing(
+        2.0 + 4.0 * np.column_stack([x, y]), [0] * 400, [0.5], 80.0 * np.eye(2)
+    )
+
+
+def correlation(a: np.ndarray, b: np.ndarray) -> float:
+    return float(np.sum(a * b) / np.sqrt(np.sum(a**2) * np.sum(b**2)))
+
+
+def test_initial_velocities_are_those_of_maxwell(free: deformable.Packing) -> None:
+    """The fourth moment of a normal distribution is 3, with an error of (96/n)^(1/2); that of a uniform one is 1.8."""
+    with deformable.Simulation(free, SOFT) as sim:
+        (state,) = move(sim, 1, 1e-3, temperature=1e-6, seed=1)
+    v = state.velocities / state.velocities.std()
+    assert np.mean(v**4) == pytest.approx(3.0, abs=3.0 * np.sqrt(96.0 / v.size))
+    assert state.temperature == pytest.approx(1e-6)
+
+
+def test_a_heat_bath_goes_on_in_a_second_call(free: deformable.Packing) -> None:
+    """The same velocities, and other noise, so that free particles diffuse as in a single call."""
+    with deformable.Simulation(free, SOFT) as sim:
+        *_, first = move(sim, 100, 0.1, temperature=1e-6, friction=1e-6, seed=1)
+        (second,) = move(sim, 1, 0.1, temperature=1e-6, friction=1e-6, seed=1)
+        assert second.velocities == pytest.approx(first.velocities, abs=1e-2 * 1e-3)
+    friction, dt, steps, moved = 2.0, 0.1, 100, []
+    with deformable.Simulation(free, SOFT) as sim:
+        for _ in range(10):
+            before = sim.state().packing.positions
+            *_, last = move(sim, steps, dt, temperature=1e-6, friction=friction, seed=1)
+            moved.append(last.packing.positions - before)
+    scatter = 4.0 / np.sqrt(moved[0].size)
+    assert abs(correlation(moved[3], moved[4])) < scatter
+    diffusion = 1e-6 / friction * 10 * steps * dt
+    error = 4.0 / np.sqrt(len(free))  # and the memory of the noise of a call, 1/(friction time)
+    assert np.mean(np.sum(moved, axis=0) ** 2) == pytest.approx(2.0 * diffusion, rel=error)
+
+
+def test_without_a_seed_no_noise_is_repeated(free: deformable.Packing) -> None:
+    def end(seed: int | None) -> np.ndarray:
+        with deformable.Simulation(free, SOFT) as sim:
+            *_, last = move(sim, 20, 0.1, temperature=1e-6, friction=1.0, seed=seed)
+        return last.velocities
+
+    assert (end(7) == end(7)).all()
+    assert abs(correlation(end(7), end(8))) < 0.15
+    assert abs(correlation(end(None), end(None))) < 0.25  # seven standard errors
+
+
+def test_a_restart_within_a_motion_is_refused(loose: deformable.Packing) -> None:
+    with deformable.Simulation(loose, SOFT) as sim:
+        motion = move(sim, 300, temperature=1e-6, seed=1)
+        state = next(motion)
+        sim.restart(state.packing)
+        with pytest.raises(deformable.LammpsError, match="restarted while its particles move"):
+            next(motion)
+        assert next(move(sim, 100, temperature=1e-6, seed=1)).temperature > 0.0
+
+
+def test_one_motion_at_a_time(loose: deformable.Packing) -> None:
+    with deformable.Simulation(loose, SOFT) as sim:
+        first, second = move(sim, 300, temperature=1e-6, seed=1), move(sim, 100)
+        next(first)
+        with pytest.raises(deformable.ParameterError, match=r"another move .* has not ended"):
+            next(second)
+        assert next(first).temperature > 0.0  # which goes on
+        first.close()
+        assert next(move(sim, 100)).temperature > 0.0
+
+
+def test_too_long_steps_name_their_cause(loose: deformable.Packing) -> None:
+    with (
+        deformable.Simulation(loose.at(0.3), SOFT) as sim,
+        pytest.raises(deformable.ParameterError, match=r"too long for the temperature of 0\.01"),
+    ):
+        next(move(sim, 100, 50.0, temperature=0.01, seed=1))
+
+
 def test_an_early_end_leaves_no_trace(loose: deformable.Packing) -> None:
     with deformable.Simulation(loose, SOFT) as sim:
-        motion = move(sim, 3000, temperature=1e-5, friction=1.0, every=1500)
+        motion = move(sim, 3000, temperature=1e-5, friction=1.0, every=1500, seed=1)
         next(motion)
         assert not sim.lmp.numpy.extract_atom("x")[: len(loose), 2].any()  # all in the plane
         motion.close()
@@ -161,7 +244,7 @@ def test_an_early_end_leaves_no_trace(loose: deformable.Packing) -> None:
 @pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
 def test_a_motion_may_outlive_its_simulation(loose: deformable.Packing) -> None:
     with deformable.Simulation(loose, SOFT) as sim:
-        motion = move(sim, 200, temperature=1e-5)
+        motion = move(sim, 200, temperature=1e-5, seed=1)
         next(motion)
     motion.close()
     with pytest.raises(StopIteration):
@@ -171,7 +254,7 @@ def test_a_motion_may_outlive_its_simulation(loose: deformable.Packing) -> None:
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"timestep": 50.0}, r"timestep = 50 is too long for particle \d+, .* take at most 0\.\d+"),
+        ({"timestep": 50.0}, r"timestep = 50 is too long for the temp.* take at most 0\.\d+"),
         ({"timestep": -1.0}, "timestep .* -1"),
         ({"temperature": -1.0}, "temperature .* -1"),
         ({"temperature": "warm"}, "temperature .* 'warm'"),
@@ -209,13 +292,13 @@ def test_sector_is_refused_before_other_values(loose: deformable.Packing) -> Non
 
 def test_steps_that_become_too_long_are_refused(loose: deformable.Packing) -> None:
     def squeeze(sim: deformable.Simulation) -> None:
-        for state in move(sim, 1000, 2.5, temperature=1e-7, friction=0.1, every=10):
+        for state in move(sim, 1000, 2.5, temperature=1e-7, friction=0.1, every=10, seed=1):
             assert state.phi < 0.95
             sim.deform(0.995 * sim.box)
 
     with (
         deformable.Simulation(loose, SOFT) as sim,
-        pytest.raises(deformable.ParameterError, match=r"timestep = 2\.5 is too long for particle"),
+        pytest.raises(deformable.ParameterError, match=r"timestep = 2\.5 is too long for"),
     ):
         squeeze(sim)
 
@@ -232,7 +315,7 @@ def test_default_steps_become_shorter_with_the_pressure() -> None:
             list(move(sim, 600, friction=0.01, every=300))
     with deformable.Simulation(start, deformable.Ring()) as sim:
         sim.lmp.command("fix down all gravity 1e-3 vector 0 -1 0")
-        states = list(move(sim, 600, temperature=1e-6, friction=0.01, every=300))
+        states = list(move(sim, 600, temperature=1e-6, friction=0.01, every=300, seed=1))
     assert states[1].time - states[0].time < 0.5 * states[0].time
     assert states[1].packing.positions[:, 1].mean() < start.positions[:, 1].mean() - 1.0
 
@@ -245,7 +328,7 @@ def test_longest_step_is_stable_and_not_by_far(
     packing = deformable.push_off(deformable.bidisperse(32, phi=phi, seed=3))
 
     def motion(sim: deformable.Simulation, timestep: float | None) -> list[deformable.State]:
-        return list(move(sim, 1000, timestep, temperature, every=20))
+        return list(move(sim, 1000, timestep, temperature, every=20, seed=1))
 
     with deformable.Simulation(packing, deformable.Ring()) as sim:
         sim.relax()
@@ -265,15 +348,15 @@ def test_too_high_temperatures_are_named(loose: deformable.Packing) -> None:
         deformable.Simulation(loose, SOFT) as sim,
         pytest.raises(deformable.LammpsError, match=r"atom.* or lower the temperature$"),
     ):
-        list(move(sim, 5000, temperature=1.0))
+        list(move(sim, 5000, temperature=1.0, seed=1))
 
 
 def test_one_particle_has_no_temperature() -> None:
     alone = deformable.Packing([[1.0, 1.0]], [0], [0.5], 4.0 * np.eye(2))
     with deformable.Simulation(alone, SOFT) as sim:
         with pytest.raises(deformable.ParameterError, match="temperature"):
-            next(move(sim, 100, temperature=1e-5))
-        assert next(move(sim, 100)).temperature == 0.0
+            next(move(sim, 100, temperature=1e-5, seed=1))
+        assert next(move(sim, 100, seed=1)).temperature == 0.0
 
 
 def test_particles_of_any_size_and_stiffness_move() -> None:
@@ -281,7 +364,7 @@ def test_particles_of_any_size_and_stiffness_move() -> None:
     radii = np.random.default_rng(2).uniform(0.4, 0.8, 32)
     packing = deformable.push_off(deformable.polydisperse(32, radii, phi=0.85, seed=2))
     with deformable.Simulation(packing, deformable.Ring()) as sim:
-        states = list(move(sim, 4000, temperature=1e-6, every=200))
+        states = list(move(sim, 4000, temperature=1e-6, every=200, seed=1))
     total = [state.energy + state.kinetic_energy for state in states]
     assert np.std(total) < 1e-3 * states[-1].kinetic_energy
     mixed = deformable.bidisperse(16, phi=0.3, seed=2)
@@ -289,7 +372,7 @@ def test_particles_of_any_size_and_stiffness_move() -> None:
     for kA in ((1.0, 1.0), (1.0, 16.0)):
         mixture = deformable.Ring(kA=kA, kP=(np.inf, 1.0))
         with deformable.Simulation(deformable.push_off(mixed), mixture) as sim:
-            pace.append(next(move(sim, 1, temperature=1e-6, every=1)).time)
+            pace.append(next(move(sim, 1, temperature=1e-6, every=1, seed=1)).time)
     # 1 and kP/R^2 = 1/0.49, to the power of 1/4
     assert pace[1] / pace[0] == pytest.approx(0.49**0.25)
 
