@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -15,7 +16,7 @@ from ..common.errors import FileError
 from ..common.files import write_whole, writing
 from ..model.packing import Packing
 from ..model.room import closed
-from .run_folder import DATA, SERIES, TRAJECTORY
+from .run_folder import DATA, SERIES, SETUPS, TRAJECTORY
 
 
 def frames_in(folder: Path) -> int:
@@ -69,10 +70,43 @@ def _frames_of_trajectory(path: Path) -> Iterator[int]:
             yield int(head[1])
 
 
+def refuse_foreign(folder: Path) -> None:
+    """Raise an error if the folder has a series that is none of a recorded run."""
+    path = folder / SERIES
+    if path.exists() and "phi" not in path.read_text(errors="replace").split("\n")[0].split(","):
+        raise FileError(f"{path} is no series of a recorded run: name another folder")
+
+
 def keep_frames(folder: Path, first: int) -> None:
     """Cut the series and the trajectory after their first frames: a killed run may have more."""
     _keep(folder / TRAJECTORY, first, r"(?=ITEM: TIMESTEP\n)")
     _keep(folder / SERIES, first + 1 if first > 0 else 0, r"(?<=\n)")
+    lines = _setups(folder)
+    before = [line for line in lines if line["frame"] < first]
+    if len(before) < len(lines):
+        write_whole(folder / SETUPS, "".join(json.dumps(line) + "\n" for line in before))
+
+
+def append_setup(folder: Path, number: int, setup: Mapping[str, Any]) -> None:
+    """Append what a frame is made of besides its particles, if the frame before had another."""
+    line = json.dumps({"frame": number} | dict(setup)) + "\n"
+    if json.loads(line) != (setup_of(folder, number) or {}) | {"frame": number}:
+        _append(folder / SETUPS, line)
+
+
+def setup_of(folder: Path, number: int) -> dict[str, Any] | None:
+    """What a frame is made of besides its particles; None in a run of version 0.1."""
+    return next((line for line in reversed(_setups(folder)) if line["frame"] <= number), None)
+
+
+def _setups(folder: Path) -> list[dict[str, Any]]:
+    """The complete lines: a killed run may have a part of one at the end."""
+    path = folder / SETUPS
+    lines = path.read_text().split("\n")[:-1] if path.exists() else []
+    try:
+        return [dict(json.loads(line)) for line in lines]
+    except ValueError as error:
+        raise FileError(f"{path} cannot be read: {error}") from None
 
 
 def append_frame(

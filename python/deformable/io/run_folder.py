@@ -12,7 +12,7 @@ from ..common.validate import expect
 
 # Files of a run, see `runs.record`.
 DATA, SUMMARY = "packing.data", "summary.json"
-SERIES, TRAJECTORY = "series.csv", "trajectory.lammpstrj"
+SERIES, TRAJECTORY, SETUPS = "series.csv", "trajectory.lammpstrj", "setups.jsonl"
 SPECIES, SCRIPT = "species.deformable", "in.lammps"
 
 # `deformable jam` writes this table first, and a summary of its own at the end.

@@ -45,12 +45,9 @@ def save(
         frames: number of recorded frames up to this state, if any.
     """
     folder = make_folder(folder)
-    settings = {name: _strict(value) for name, value in asdict(law).items() if name != "contact"}
     summary = {
         "state": dict(numbers),
-        "law": {"name": law.name} | settings,
-        "radii": packing.radii.tolist(),
-        "walls": [{"shape": wall.kind, **asdict(wall)} for wall in packing.walls],
+        **setup(packing, law),
         "parameters": {name: _strict(value) for name, value in (parameters or {}).items()},
         "versions": versions(),
     }
@@ -58,6 +55,33 @@ def save(
     write_whole(folder / SCRIPT, script(packing, law, *timesteps))
     write_whole(folder / SUMMARY, json.dumps(summary, indent=2, default=str) + "\n")
     write_whole(folder / DATA, packing_file(packing, frames))  # last: it completes the state
+
+
+def setup(packing: Packing, law: Law) -> dict[str, Any]:
+    """What a state is made of besides its particles: the law, the radii of species, the walls."""
+    settings = {name: _strict(value) for name, value in asdict(law).items() if name != "contact"}
+    return {
+        "law": {"name": law.name} | settings,
+        "radii": packing.radii.tolist(),
+        "walls": [{"shape": wall.kind, **asdict(wall)} for wall in packing.walls],
+    }
+
+
+def read_setup(saved: Mapping[str, Any]) -> tuple[Law, list[float], tuple[Wall, ...]]:
+    """The inverse of `setup`.
+
+    Raises:
+        KeyError, ValueError, TypeError: it is damaged.
+    """
+    settings = dict(saved["model"] if "model" in saved else saved["law"])  # version 0.1
+    given: str = settings.pop("name")
+    name = _FORMER_NAMES.get(given, given)
+    if given == "Ring":  # version 0.1.0 had radical axes only, and no word for them
+        settings.setdefault("contact", "radical")
+    if name not in LAWS:
+        raise ValueError(f"there is no law {name!r}")
+    law = replace(LAWS[name], **{key: _setting(value) for key, value in settings.items()})
+    return law, saved["radii"], tuple(_wall(**each) for each in saved.get("walls", []))
 
 
 def _strict(value: Any) -> Any:
@@ -114,16 +138,7 @@ def read(folder: Path) -> tuple[Packing, Law]:
     """
     summary, path = summary_in(refuse(folder, but="compression")), folder / SUMMARY
     try:
-        settings = dict(summary["model"] if "model" in summary else summary["law"])  # version 0.1
-        given: str = settings.pop("name")
-        name = _FORMER_NAMES.get(given, given)
-        if given == "Ring":  # version 0.1.0 had radical axes only, and no word for them
-            settings.setdefault("contact", "radical")
-        if name not in LAWS:
-            raise ValueError(f"there is no law {name!r}")
-        law = replace(LAWS[name], **{key: _setting(value) for key, value in settings.items()})
-        radii = summary["radii"]
-        walls = tuple(_wall(**each) for each in summary.get("walls", []))
+        law, radii, walls = read_setup(summary)
         path = folder / DATA
         packing = packing_in(_text(path, folder), radii)
         return (replace(packing, walls=walls) if walls else packing), law

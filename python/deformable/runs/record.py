@@ -6,6 +6,7 @@
     summary.json            numbers of the last state, law, parameters and versions
     series.csv              one row per state
     trajectory.lammpstrj    LAMMPS dump for OVITO and MDAnalysis
+    setups.jsonl            law, radii and walls of the frames: a line for each change
 
 `State.save` writes the first four, `record` all of them while a run goes on, and `load` continues
 from the last state. A run may be interrupted at any moment: the packing is written last and
@@ -24,9 +25,16 @@ from ..common.files import make_folder
 from ..common.validate import expect
 from ..engine.lammps import communicator
 from ..engine.simulation import Simulation
-from ..io.frames import append_frame, check_frames, frames_in, keep_frames
+from ..io.frames import (
+    append_frame,
+    append_setup,
+    check_frames,
+    frames_in,
+    keep_frames,
+    refuse_foreign,
+)
 from ..io.run_folder import DATA, SERIES
-from ..io.store import read, summary_in
+from ..io.store import read, setup, summary_in
 from ..state.state import State
 
 
@@ -68,12 +76,13 @@ def record(
 
     Raises:
         ParameterError: these are no states, of a `Simulation`, or no parameters.
-        FileError: a file cannot be written.
+        FileError: a file cannot be written, or `series.csv` is that of another program.
     """
     expect("folder", folder, str, Path)
     expect("states", states, Iterable)
     expect("parameters", parameters, Mapping, type(None))
     folder = Path(folder)
+    refuse_foreign(folder)
     goes_on = append and (folder / SERIES).exists()
     first, before = recorded(folder) if goes_on else (0, {})
     return write(states, folder, {**(parameters or {}), **before}, first)
@@ -97,6 +106,7 @@ def write(
                 if frames_in(folder) > 0 == first:  # another run is replaced
                     (folder / DATA).unlink(missing_ok=True)
                 keep_frames(folder, first)
+            append_setup(folder, number, setup(state.packing, state.law))
             append_frame(folder, number, state.packing, state.particle_values(), state.numbers())
             state.save(folder, parameters, frames=number + 1)
         yield state

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,11 +13,12 @@ from ..common.errors import FileError, ParameterError
 from ..common.progress import progress
 from ..common.validate import whole
 from ..engine.simulation import Simulation
+from ..io.frames import setup_of
 from ..io.run_folder import TRAJECTORY
+from ..io.store import read, read_setup
 from ..model.packing import Packing
 from ..model.room import stretched
 from ..state.state import State
-from .record import load
 
 
 def replay(folder: str | Path, frame: int | None = None) -> Iterator[State]:
@@ -34,9 +35,9 @@ def replay(folder: str | Path, frame: int | None = None) -> Iterator[State]:
         ParameterError: there is no such frame.
         FileError: a file is missing or cannot be read.
     """
-    with load(folder) as sim:
-        packing, law = sim.state().packing, sim.law
-    path = Path(folder, TRAJECTORY)
+    folder = Path(folder)
+    last, law = read(folder)
+    path = folder / TRAJECTORY
     if not path.exists():
         raise FileError(f"no recorded run in '{folder}': {path} is missing")
     frames = path.read_text().split("ITEM: TIMESTEP\n")[1:]
@@ -46,7 +47,14 @@ def replay(folder: str | Path, frame: int | None = None) -> Iterator[State]:
     with progress("replaying", unit="state", total=len(chosen)) as bar:
         for number in chosen:
             try:
-                recorded, velocities = _read_frame(frames[number], packing)
+                saved, by_particle = setup_of(folder, number), last.particle_radii is not None
+                law, radii, walls = (
+                    read_setup(saved) if saved else (law, last.radii.tolist(), last.walls)
+                )
+                recorded, velocities = _read_frame(frames[number], radii, by_particle)
+                if not saved:  # version 0.1
+                    walls = stretched(walls, last.box, recorded.box)
+                recorded = replace(recorded, walls=walls)
             except (ValueError, LookupError) as error:
                 reason = str(error).split(";")[0]  # what follows is advice on NumPy
                 raise FileError(f"frame {number} of {path} cannot be read: {reason}") from None
@@ -62,14 +70,17 @@ def _number(frame: int, count: int) -> int:
     return int(frame) % count
 
 
-def _read_frame(frame: str, last: Packing) -> tuple[Packing, NDArray[np.float64]]:
+def _read_frame(
+    frame: str, radii: Sequence[float], by_particle: bool
+) -> tuple[Packing, NDArray[np.float64]]:
     """Packing and velocities of a frame as `record` writes it.
 
     Particles may have been added or deleted and their radii and species changed since.
 
     Args:
         frame: its text, without the first line.
-        last: packing of the last state, which gives the radii of the species and the walls.
+        radii: of the species.
+        by_particle: whether each particle has a radius of its own.
     """
     lines = frame.splitlines()
     x, y, _ = (np.array(line.split(), dtype=float) for line in lines[4:7])
@@ -79,17 +90,11 @@ def _read_frame(frame: str, last: Packing) -> tuple[Packing, NDArray[np.float64]
     values = dict(zip(names, np.loadtxt(lines[8:], ndmin=2).T, strict=True))
     if len(values["x"]) != int(lines[2]):
         raise ValueError(f"it has {len(values['x'])} of {lines[2]} particles")
-    species, radii, particle_radii = values["type"].astype(np.int64) - 1, last.radii.copy(), None
-    if last.particle_radii is not None:
+    species, largest, particle_radii = values["type"].astype(np.int64) - 1, np.array(radii), None
+    if by_particle:
         particle_radii = values["radius"]
-        np.maximum.at(radii, species, particle_radii)
-    packing = Packing(
-        np.column_stack([values["x"], values["y"]]),
-        species,
-        radii,
-        box,
-        particle_radii,
-        stretched(last.walls, last.box, box),
-    )
+        np.maximum.at(largest, species, particle_radii)
+    places = np.column_stack([values["x"], values["y"]])
+    packing = Packing(places, species, largest, box, particle_radii)
     at_rest = np.zeros(len(packing))  # runs of version 0.1 lack velocities
     return packing, np.column_stack([values.get("vx", at_rest), values.get("vy", at_rest)])

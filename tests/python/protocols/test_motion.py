@@ -165,7 +165,7 @@ def correlation(a: np.ndarray, b: np.ndarray) -> float:
 
 
 def test_initial_velocities_are_those_of_maxwell(free: deformable.Packing) -> None:
-    """The fourth moment of a normal distribution is 3, with an error of (96/n)^(1/2); that of a uniform one is 1.8."""
+    """The fourth moment is 3, of a uniform distribution 1.8; n values scatter by (96/n)^(1/2)."""
     with deformable.Simulation(free, SOFT) as sim:
         (state,) = move(sim, 1, 1e-3, temperature=1e-6, seed=1)
     v = state.velocities / state.velocities.std()

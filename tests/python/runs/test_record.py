@@ -158,3 +158,10 @@ def test_nothing_is_added_to_a_broken_trajectory(
         next(deformable.record([state], tmp_path, append=True))
     assert (trajectory.read_text() if cut else "") == cut
     assert len((tmp_path / "series.csv").read_text().splitlines()) == 3
+
+
+def test_a_foreign_series_is_not_overwritten(tmp_path: Path) -> None:
+    (tmp_path / "series.csv").write_text("year,price\n1999,3\n")
+    with pytest.raises(deformable.FileError, match=r"series\.csv is no series of a recorded run"):
+        deformable.record([], tmp_path)
+    assert "1999" in (tmp_path / "series.csv").read_text()

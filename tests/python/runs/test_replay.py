@@ -66,3 +66,30 @@ def test_other_species(tmp_path: Path) -> None:
     for found, state in zip(deformable.replay(tmp_path), states, strict=True):
         assert np.array_equal(found.packing.species, state.packing.species)
         assert found.energy == pytest.approx(state.energy, rel=1e-10)
+
+
+def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
+    """Those of the last state would give other packing fractions, energies and forces."""
+    packing = deformable.push_off(deformable.bidisperse(16, seed=2).at(0.7))
+    grown = replace(packing, radii=1.1 * packing.radii)
+    obstacle = deformable.Disk(packing.positions[0] + [0.0, 1.2], 0.2)
+    moved = replace(obstacle, center=packing.positions[1] + [0.0, 1.2])
+    states = []
+    for each, law, walls in (
+        (packing, Ring(), ()),
+        (grown, Ring(kA=2.0), ()),
+        (packing, Ring(contact="radical", kP=0.5), ()),
+        (packing, Ring(), (obstacle,)),
+        (packing, Ring(), (moved,)),
+    ):
+        with deformable.Simulation(deformable.push_off(replace(each, walls=walls)), law) as sim:
+            states.append(sim.state())
+    list(deformable.record(states, tmp_path))
+    list(deformable.record(states[:2], tmp_path, append=True))
+    states += states[:2]
+    for found, state in zip(deformable.replay(tmp_path), states, strict=True):
+        assert found.law == state.law
+        assert found.packing.walls == state.packing.walls
+        assert found.phi == pytest.approx(state.phi, rel=1e-12)
+        assert found.energy == pytest.approx(state.energy, rel=1e-9)
+    assert (tmp_path / "setups.jsonl").read_text().count("\n") == 7

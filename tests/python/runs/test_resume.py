@@ -14,7 +14,7 @@ from deformable.cli import main as cli
 
 FILES = (
     *("packing.data", "species.deformable", "in.lammps", "summary.json"),
-    *("series.csv", "trajectory.lammpstrj"),
+    *("series.csv", "trajectory.lammpstrj", "setups.jsonl"),
 )
 
 # A command that kills itself before it opens for writing, renames or removes a file of the run for
@@ -96,7 +96,7 @@ def test_killed_again_and_again(uninterrupted: dict[str, bytes], tmp_path: Path)
     assert "packing.data is missing" in result.stderr
 
     killed("before", 10, *START, cwd=tmp_path)  # before the first frame
-    killed("torn", 3, "--resume", cwd=tmp_path)  # within the second
+    killed("torn", 4, "--resume", cwd=tmp_path)  # within the second
     killed("torn", 2, "--resume", cwd=tmp_path)  # within the second row
     killed("before", 23, "--resume", cwd=tmp_path)  # between summary and packing of the third step
     result = compress("--resume", cwd=tmp_path)
@@ -129,7 +129,7 @@ def test_the_same_command_resumes(
     """Another option is refused, and so is going further from an interrupted run."""
     monkeypatch.chdir(tmp_path)
     law = ("--kA", "1", "--kP", "inf", "--radii", "0.5", "0.7", "--law", "balanced")
-    killed("torn", 5, *START, *law, cwd=tmp_path)
+    killed("torn", 6, *START, *law, cwd=tmp_path)
     broken = contents(tmp_path / "run")
     for option, saved, given in (
         ("--seed", "5", "2"),
