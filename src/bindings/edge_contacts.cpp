@@ -1,5 +1,6 @@
 #include "laws.h"
 
+#include "convex_polygon.h"
 #include "edge_contact.h"
 
 #include <cmath>
@@ -8,11 +9,7 @@ using namespace deformable;
 
 namespace {
 
-struct Coordinates {
-  double x, y;
-};
-
-Coordinates place(const std::string &name, nb::handle given)
+Point place(const std::string &name, nb::handle given)
 {
   const std::vector<double> xy = vector_of(name, given);
   if (xy.size() != 2)
@@ -27,7 +24,7 @@ void deformable::bind_edge_contacts(nb::module_ &m)
   m.def(
       "edge_contact",
       [](nb::handle vertex, nb::handle begin, nb::handle end, double kr, double c) {
-        const Coordinates a = place("vertex", vertex), v = place("begin", begin), w = place("end", end);
+        const Point a = place("vertex", vertex), v = place("begin", begin), w = place("end", end);
         require_positive("kr", kr);
         require_positive("c", c);
         const double px = a.x - v.x, py = a.y - v.y, ex = w.x - v.x, ey = w.y - v.y;

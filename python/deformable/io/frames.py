@@ -73,39 +73,51 @@ def _frames_of_trajectory(path: Path) -> Iterator[int]:
 def refuse_foreign(folder: Path) -> None:
     """Raise an error if the folder has a series that is none of a recorded run."""
     path = folder / SERIES
-    if path.exists() and "phi" not in path.read_text(errors="replace").split("\n")[0].split(","):
+    with writing(path):  # names may be too long
+        if not path.exists():
+            return
+        with path.open(errors="replace") as file:
+            columns = file.readline().rstrip("\n")
+    if columns and "phi" not in columns.split(","):
         raise FileError(f"{path} is no series of a recorded run: name another folder")
 
 
 def keep_frames(folder: Path, first: int) -> None:
-    """Cut the series and the trajectory after their first frames: a killed run may have more."""
+    """Cut series, trajectory and setups after their first frames: a killed run may have more."""
     _keep(folder / TRAJECTORY, first, r"(?=ITEM: TIMESTEP\n)")
     _keep(folder / SERIES, first + 1 if first > 0 else 0, r"(?<=\n)")
-    lines = _setups(folder)
-    before = [line for line in lines if line["frame"] < first]
-    if len(before) < len(lines):
-        write_whole(folder / SETUPS, "".join(json.dumps(line) + "\n" for line in before))
+    former = [setup for setup in setups_in(folder) if setup["frame"] < first]
+    text = "".join(json.dumps(setup) + "\n" for setup in former)
+    if (folder / SETUPS).exists() and (folder / SETUPS).read_text() != text:
+        write_whole(folder / SETUPS, text)
 
 
 def append_setup(folder: Path, number: int, setup: Mapping[str, Any]) -> None:
     """Append what a frame is made of besides its particles, if the frame before had another."""
     line = json.dumps({"frame": number} | dict(setup)) + "\n"
-    if json.loads(line) != (setup_of(folder, number) or {}) | {"frame": number}:
+    if json.loads(line) != (setup_of(setups_in(folder), number) or {}) | {"frame": number}:
         _append(folder / SETUPS, line)
 
 
-def setup_of(folder: Path, number: int) -> dict[str, Any] | None:
-    """What a frame is made of besides its particles; None in a run of version 0.1."""
-    return next((line for line in reversed(_setups(folder)) if line["frame"] <= number), None)
+def setup_of(setups: list[dict[str, Any]], number: int) -> dict[str, Any] | None:
+    """That of a frame among those of its run; None if version 0.1 wrote the frame."""
+    return next((setup for setup in reversed(setups) if setup["frame"] <= number), None)
 
 
-def _setups(folder: Path) -> list[dict[str, Any]]:
-    """The complete lines: a killed run may have a part of one at the end."""
+def setups_in(folder: Path) -> list[dict[str, Any]]:
+    """What frames are made of besides their particles, each with the number of its first frame.
+
+    A killed run may have a part of a line at the end, which is left out.
+
+    Raises:
+        FileError: the file is damaged.
+    """
     path = folder / SETUPS
     lines = path.read_text().split("\n")[:-1] if path.exists() else []
     try:
-        return [dict(json.loads(line)) for line in lines]
-    except ValueError as error:
+        setups = [dict(json.loads(line)) for line in lines]
+        return [setup | {"frame": int(setup["frame"])} for setup in setups]
+    except (ValueError, TypeError, LookupError) as error:
         raise FileError(f"{path} cannot be read: {error}") from None
 
 

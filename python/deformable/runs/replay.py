@@ -13,7 +13,7 @@ from ..common.errors import FileError, ParameterError
 from ..common.progress import progress
 from ..common.validate import whole
 from ..engine.simulation import Simulation
-from ..io.frames import setup_of
+from ..io.frames import setup_of, setups_in
 from ..io.run_folder import TRAJECTORY
 from ..io.store import read, read_setup
 from ..model.packing import Packing
@@ -37,6 +37,7 @@ def replay(folder: str | Path, frame: int | None = None) -> Iterator[State]:
     """
     folder = Path(folder)
     last, law = read(folder)
+    of_last, setups = (law, last.radii.tolist(), last.walls), setups_in(folder)
     path = folder / TRAJECTORY
     if not path.exists():
         raise FileError(f"no recorded run in '{folder}': {path} is missing")
@@ -47,15 +48,13 @@ def replay(folder: str | Path, frame: int | None = None) -> Iterator[State]:
     with progress("replaying", unit="state", total=len(chosen)) as bar:
         for number in chosen:
             try:
-                saved, by_particle = setup_of(folder, number), last.particle_radii is not None
-                law, radii, walls = (
-                    read_setup(saved) if saved else (law, last.radii.tolist(), last.walls)
-                )
-                recorded, velocities = _read_frame(frames[number], radii, by_particle)
-                if not saved:  # version 0.1
+                setup = setup_of(setups, number)
+                law, radii, walls = read_setup(setup) if setup else of_last
+                recorded, velocities = _read_frame(frames[number], radii)
+                if not setup:
                     walls = stretched(walls, last.box, recorded.box)
                 recorded = replace(recorded, walls=walls)
-            except (ValueError, LookupError) as error:
+            except (ValueError, TypeError, LookupError) as error:
                 reason = str(error).split(";")[0]  # what follows is advice on NumPy
                 raise FileError(f"frame {number} of {path} cannot be read: {reason}") from None
             with Simulation(recorded, law) as sim:
@@ -70,17 +69,15 @@ def _number(frame: int, count: int) -> int:
     return int(frame) % count
 
 
-def _read_frame(
-    frame: str, radii: Sequence[float], by_particle: bool
-) -> tuple[Packing, NDArray[np.float64]]:
+def _read_frame(frame: str, radii: Sequence[float]) -> tuple[Packing, NDArray[np.float64]]:
     """Packing and velocities of a frame as `record` writes it.
 
-    Particles may have been added or deleted and their radii and species changed since.
+    Particles may have been added or deleted and their radii and species changed since. They have
+    radii of their own where these are others than those of their species.
 
     Args:
         frame: its text, without the first line.
         radii: of the species.
-        by_particle: whether each particle has a radius of its own.
     """
     lines = frame.splitlines()
     x, y, _ = (np.array(line.split(), dtype=float) for line in lines[4:7])
@@ -90,11 +87,10 @@ def _read_frame(
     values = dict(zip(names, np.loadtxt(lines[8:], ndmin=2).T, strict=True))
     if len(values["x"]) != int(lines[2]):
         raise ValueError(f"it has {len(values['x'])} of {lines[2]} particles")
-    species, largest, particle_radii = values["type"].astype(np.int64) - 1, np.array(radii), None
-    if by_particle:
-        particle_radii = values["radius"]
-        np.maximum.at(largest, species, particle_radii)
+    species, largest = values["type"].astype(np.int64) - 1, np.array(radii)
+    own = bool((values["radius"] != largest[species]).any())
+    np.maximum.at(largest, species, values["radius"])
     places = np.column_stack([values["x"], values["y"]])
-    packing = Packing(places, species, largest, box, particle_radii)
+    packing = Packing(places, species, largest, box, values["radius"] if own else None)
     at_rest = np.zeros(len(packing))  # runs of version 0.1 lack velocities
     return packing, np.column_stack([values.get("vx", at_rest), values.get("vy", at_rest)])

@@ -19,7 +19,7 @@ from ..common.validate import expect, positive
 from ..engine.lammps import communicator
 from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
-from ..io.frames import check_frames, frames_in
+from ..io.frames import check_frames, frames_in, refuse_foreign
 from ..io.run_folder import DATA, refuse
 from ..io.store import read, summary_in
 from ..model.packing import Packing
@@ -115,6 +115,7 @@ def _begin(
     ways = ("finish it with resume", "go on with append=True", "replace it with overwrite=True")
     sim.comm.barrier()  # rank 0 may still be writing
     folder = refuse(folder, "compression" if append or overwrite else None, ways)
+    refuse_foreign(folder)
     first, before = 0, dict[str, Any]()
     if append:
         _check_complete(folder)

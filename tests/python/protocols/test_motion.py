@@ -8,26 +8,6 @@ from deformable.protocols.motion import move
 SOFT = deformable.Ring(kP=0.3)
 
 
-@pytest.fixture(scope="module")
-def dense() -> deformable.Packing:
-    """Particles from random positions far above jamming."""
-    return deformable.push_off(deformable.bidisperse(32, phi=0.95, seed=3))
-
-
-@pytest.fixture(scope="module")
-def loose() -> deformable.Packing:
-    return deformable.push_off(deformable.bidisperse(64, phi=0.6, seed=3))
-
-
-def scatter(particles: float, friction: float, time: float) -> float:
-    """Standard error of a mean kinetic temperature over its value.
-
-    With f = 2 (N - 1) degrees of freedom the kinetic energy varies by (2/f)^(1/2) and forgets at
-    the rate 2 friction: (2/f)/(friction time) is the square of the error of its mean.
-    """
-    return (1.0 / ((particles - 1) * friction * time)) ** 0.5
-
-
 def test_random_places_are_a_start_after_push_off(dense: deformable.Packing) -> None:
     assert dense.phi == pytest.approx(0.95)
     with deformable.Simulation(dense, deformable.Ring()) as sim:
@@ -38,51 +18,6 @@ def test_random_places_are_a_start_after_push_off(dense: deformable.Packing) -> 
         pytest.raises(deformable.LammpsError, match=r"of atoms \d+ and \d+ .*push_off"),
     ):
         next(move(sim, 100))
-
-
-@pytest.mark.parametrize("law", [deformable.Ring(contact="radical"), SOFT])
-def test_temperature_of_a_heat_bath(loose: deformable.Packing, law: deformable.Ring) -> None:
-    """Kinetic temperature of all particles, of each size and along each axis: 1 % at four sigma."""
-    temperature, friction, steps = 1e-5, 1.0, 14_000
-    with deformable.Simulation(loose, law) as sim:
-        states = list(move(sim, steps, None, temperature, friction, every=20, seed=1))
-    error = scatter(len(loose), friction, states[-1].time)
-    assert 4.0 * error < 0.01
-    found = np.mean([state.temperature for state in states])
-    assert found == pytest.approx(temperature, rel=4.0 * error)
-    energy = np.mean([state.velocities**2 for state in states], axis=0)
-    for part in (
-        energy[:, 0],
-        energy[:, 1],
-        energy[loose.species == 0],
-        energy[loose.species == 1],
-    ):
-        assert part.mean() == pytest.approx(temperature, rel=4.0 * np.sqrt(2.0) * error)
-    assert max(state.contacts.max() for state in states) > 1  # particles are in contact
-
-
-def test_heat_bath_does_not_depend_on_ends_of_runs() -> None:
-    """Forces drawn anew at each state would halve the temperature, as fix langevin does."""
-    gas = deformable.push_off(deformable.bidisperse(64, phi=0.05, seed=3))
-    with deformable.Simulation(gas, deformable.Ring()) as sim:
-        states = list(move(sim, 400, 0.5, 1e-6, friction=1.0, every=1, seed=1))
-    error = scatter(len(gas), 1.0, states[-1].time)
-    found = np.mean([state.temperature for state in states])
-    assert found == pytest.approx(1e-6, rel=4.0 * error)
-
-
-def test_potential_energy_has_its_share(dense: deformable.Packing) -> None:
-    """The energy is (N - 1) T in a solid packing without rattlers, for small T."""
-    temperature, friction = 1e-9, 0.1
-    with deformable.Simulation(dense, deformable.Ring(contact="radical")) as sim:
-        lowest = sim.relax(1e-8)
-        assert not lowest.rattlers.any()
-        *_, _ = move(sim, 1000, None, temperature, friction, every=1000, seed=1)
-        states = list(move(sim, 10_000, None, temperature, friction, every=20, seed=2))
-    share = np.mean([state.energy - lowest.energy for state in states])
-    # the energy of an oscillator decorrelates at the rate `friction`, half that of a free velocity
-    error = np.sqrt(2.0) * scatter(len(dense), friction, states[-1].time)
-    assert share == pytest.approx((len(dense) - 1) * temperature, rel=4.0 * error)
 
 
 @pytest.mark.parametrize("phi", [0.6, 0.9])
@@ -149,58 +84,6 @@ def test_motion_goes_on_where_it_was(loose: deformable.Packing) -> None:
     assert np.abs(apart).max() < 1e-9
     # forces have no other tolerance than 1e-8, and another start leads to another rest of it
     assert np.abs(other.velocities - whole.velocities).max() < 1e-8 * np.abs(whole.velocities).max()
-
-
-@pytest.fixture
-def free() -> deformable.Packing:
-    """Far apart, so that none touches another in a short motion."""
-    x, y = np.divmod(np.arange(400), 20)
-    return deformable.Packing(
-        2.0 + 4.0 * np.column_stack([x, y]), [0] * 400, [0.5], 80.0 * np.eye(2)
-    )
-
-
-def correlation(a: np.ndarray, b: np.ndarray) -> float:
-    return float(np.sum(a * b) / np.sqrt(np.sum(a**2) * np.sum(b**2)))
-
-
-def test_initial_velocities_are_those_of_maxwell(free: deformable.Packing) -> None:
-    """The fourth moment is 3, of a uniform distribution 1.8; n values scatter by (96/n)^(1/2)."""
-    with deformable.Simulation(free, SOFT) as sim:
-        (state,) = move(sim, 1, 1e-3, temperature=1e-6, seed=1)
-    v = state.velocities / state.velocities.std()
-    assert np.mean(v**4) == pytest.approx(3.0, abs=3.0 * np.sqrt(96.0 / v.size))
-    assert state.temperature == pytest.approx(1e-6)
-
-
-def test_a_heat_bath_goes_on_in_a_second_call(free: deformable.Packing) -> None:
-    """The same velocities, and other noise, so that free particles diffuse as in a single call."""
-    with deformable.Simulation(free, SOFT) as sim:
-        *_, first = move(sim, 100, 0.1, temperature=1e-6, friction=1e-6, seed=1)
-        (second,) = move(sim, 1, 0.1, temperature=1e-6, friction=1e-6, seed=1)
-        assert second.velocities == pytest.approx(first.velocities, abs=1e-2 * 1e-3)
-    friction, dt, steps, moved = 2.0, 0.1, 100, []
-    with deformable.Simulation(free, SOFT) as sim:
-        for _ in range(10):
-            before = sim.state().packing.positions
-            *_, last = move(sim, steps, dt, temperature=1e-6, friction=friction, seed=1)
-            moved.append(last.packing.positions - before)
-    scatter = 4.0 / np.sqrt(moved[0].size)
-    assert abs(correlation(moved[3], moved[4])) < scatter
-    diffusion = 1e-6 / friction * 10 * steps * dt
-    error = 4.0 / np.sqrt(len(free))  # and the memory of the noise of a call, 1/(friction time)
-    assert np.mean(np.sum(moved, axis=0) ** 2) == pytest.approx(2.0 * diffusion, rel=error)
-
-
-def test_without_a_seed_no_noise_is_repeated(free: deformable.Packing) -> None:
-    def end(seed: int | None) -> np.ndarray:
-        with deformable.Simulation(free, SOFT) as sim:
-            *_, last = move(sim, 20, 0.1, temperature=1e-6, friction=1.0, seed=seed)
-        return last.velocities
-
-    assert (end(7) == end(7)).all()
-    assert abs(correlation(end(7), end(8))) < 0.15
-    assert abs(correlation(end(None), end(None))) < 0.25  # seven standard errors
 
 
 def test_a_restart_within_a_motion_is_refused(loose: deformable.Packing) -> None:
@@ -349,14 +232,6 @@ def test_too_high_temperatures_are_named(loose: deformable.Packing) -> None:
         pytest.raises(deformable.LammpsError, match=r"atom.* or lower the temperature$"),
     ):
         list(move(sim, 5000, temperature=1.0, seed=1))
-
-
-def test_one_particle_has_no_temperature() -> None:
-    alone = deformable.Packing([[1.0, 1.0]], [0], [0.5], 4.0 * np.eye(2))
-    with deformable.Simulation(alone, SOFT) as sim:
-        with pytest.raises(deformable.ParameterError, match="temperature"):
-            next(move(sim, 100, temperature=1e-5, seed=1))
-        assert next(move(sim, 100, seed=1)).temperature == 0.0
 
 
 def test_particles_of_any_size_and_stiffness_move() -> None:

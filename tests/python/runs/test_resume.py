@@ -96,6 +96,7 @@ def test_killed_again_and_again(uninterrupted: dict[str, bytes], tmp_path: Path)
     assert "packing.data is missing" in result.stderr
 
     killed("before", 10, *START, cwd=tmp_path)  # before the first frame
+    killed("torn", 1, "--resume", cwd=tmp_path)  # within the line of its law and walls
     killed("torn", 4, "--resume", cwd=tmp_path)  # within the second
     killed("torn", 2, "--resume", cwd=tmp_path)  # within the second row
     killed("before", 23, "--resume", cwd=tmp_path)  # between summary and packing of the third step
