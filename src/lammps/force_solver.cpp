@@ -98,7 +98,16 @@ bool ForceSolver::solve(RemoteSides &r)
   has_relaxed = false;
   const double left = now.forces / first_evaluation.forces;
   bool all_were_corrected = false;
+  // beyond confluence, tilted lines may have no balance: so many evaluations that do not halve the imbalance are enough
+  constexpr int STUCK = 100;
+  double halved = std::numeric_limits<double>::infinity();
+  int since = evaluations;
   while (!is_balanced(now) && evaluations < max_evaluations && std::isfinite(now.largest)) {
+    if (now.worst() < 0.5 * halved) {
+      halved = now.worst();
+      since = evaluations;
+    } else if (evaluations > since + STUCK)
+      break;
     forget();
     if (!relax_some(now) && !correct_some(now)) {
       all_were_corrected = true;

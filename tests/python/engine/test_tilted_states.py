@@ -98,3 +98,17 @@ def test_series_of_an_older_version(states: dict[str, deformable.State], tmp_pat
     assert head == ["frame", *old]
     assert [len(row) for row in rows] == [len(head)] * 2
     assert rows[0][1:] == rows[1][1:]
+
+
+def test_contacts_that_have_no_balance_end_a_relaxation() -> None:
+    """Past confluence tilted lines may have none, and forces are no better balanced."""
+    jammed = deformable.jam(deformable.bidisperse(16, seed=1))
+    law = deformable.Ring(contact="tilted", reach=1.0)
+    with deformable.Simulation(jammed.at(1.12), law) as sim:
+        with pytest.warns(deformable.BeyondModelWarning):
+            state = sim.relax()
+        assert sim.lmp.extract_global("ntimestep") < 20_000  # not the patience of 60 000
+        evaluations, imbalance = sim.lmp.numpy.extract_compute("deformable_beyond", 0, 1)[2:4]
+    assert state.beyond > 0
+    assert state.stalled == (state.residual > 1e-6)
+    assert imbalance < 1e-8 or evaluations < 500  # of 1000 that it may take
