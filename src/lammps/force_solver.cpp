@@ -99,7 +99,7 @@ bool ForceSolver::solve(RemoteSides &r)
   const double left = now.forces / first_evaluation.forces;
   bool all_were_corrected = false;
   // beyond confluence, tilted lines may have no balance: so many evaluations that do not halve the imbalance are enough
-  constexpr int STUCK = 100;
+  constexpr int STUCK = 200;
   double halved = std::numeric_limits<double>::infinity();
   int since = evaluations;
   while (!is_balanced(now) && evaluations < max_evaluations && std::isfinite(now.largest)) {

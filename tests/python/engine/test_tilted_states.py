@@ -108,7 +108,5 @@ def test_contacts_that_have_no_balance_end_a_relaxation() -> None:
         with pytest.warns(deformable.BeyondModelWarning):
             state = sim.relax()
         assert sim.lmp.extract_global("ntimestep") < 20_000  # not the patience of 60 000
-        evaluations, imbalance = sim.lmp.numpy.extract_compute("deformable_beyond", 0, 1)[2:4]
     assert state.beyond > 0
     assert state.stalled == (state.residual > 1e-6)
-    assert imbalance < 1e-8 or evaluations < 500  # of 1000 that it may take
