@@ -17,12 +17,12 @@ void require_fine(int points)
 }
 
 Points outline_points(const std::string &law, double radius, nb::handle angle,
-                      nb::handle indentation, int points)
+                      nb::handle indentation, int points, bool same_area)
 {
   require_fine(points);
   Call call = checked(radius, angle, indentation);
   int *const order = call.order.data();
-  Outline outline;
+  Outline outline = {same_area};
   if (law == "ring") {
     const Result result = ring_result(call);
     ring_outline(radius, call.view(), result.shape, order, points, outline);
@@ -70,7 +70,7 @@ Arcs arcs_of(double radius, nb::handle angle, nb::handle indentation, bool close
   return to_numpy<Arcs>(rows.data(), {rows.size() / 5, 5});
 }
 
-Points points_of_arcs(nb::handle given, int points)
+Points points_of_arcs(nb::handle given, int points, bool same_area)
 {
   require_fine(points);
   const nb::object array =
@@ -78,7 +78,7 @@ Points points_of_arcs(nb::handle given, int points)
   const auto rows = nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(array);
   if (rows.ndim() != 2 || rows.shape(1) != 5)
     refuse("arcs must have the shape (m, 5): center x, y, radius, from, to");
-  Outline outline;
+  Outline outline = {same_area};
   for (std::size_t k = 0; k < rows.shape(0); ++k) {
     const double *row = rows.data() + 5 * k;
     const bool finite = std::all_of(row, row + 5, [](double v) { return std::isfinite(v); });
@@ -123,12 +123,13 @@ nb::object lines_of(nb::handle distances, nb::handle radii_i, nb::handle radii_j
 void deformable::bind_outlines(nb::module_ &m)
 {
   m.def("outline", &outline_points, "law"_a, "radius"_a, "angle"_a, "indentation"_a,
-        "points"_a = 180,
+        "points"_a = 180, "same_area"_a = false,
         R"(The outline that a law ('ring', 'sector' or 'area_sector') gives a particle.
 
 Returns an array (m, 2), a closed polygon about the center, counterclockwise, the last point not
 repeated; every point is exact, the ends of the contacts among them. `points` sets how fine a whole
-turn is divided. Parameters and errors as for the law.)");
+turn is divided. With `same_area` the points between contacts lie a little outside, so that the polygon
+has the area of the outline, 2e-4 more for 180 points. Parameters and errors as for the law.)");
   m.def("sector_arcs", &arcs_of, "radius"_a, "angle"_a, "indentation"_a, "closed"_a = true,
         R"(The arcs of `sector`, one a sector, by rising angle.
 
@@ -137,7 +138,7 @@ and to of the arc's normals [rad], from < to. Straight flats join them to the ou
 contacts leave the circle. With `closed` false the last contact is not joined to the first one: the
 contacts divide an arc of the circle, whose two ends are contacts of indentation 0. Parameters and errors
 as for `sector`.)");
-  m.def("arc_outline", &points_of_arcs, "arcs"_a, "points"_a = 180,
+  m.def("arc_outline", &points_of_arcs, "arcs"_a, "points"_a = 180, "same_area"_a = false,
         R"(The outline of arcs as `sector_arcs` gives them, as from `outline`.)");
   m.def("contact_line", &lines_of, "distance"_a, "radius_i"_a, "radius_j"_a,
         R"(Indentation of particle i by j, with the contact on the radical axis.

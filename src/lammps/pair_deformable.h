@@ -24,6 +24,10 @@
 
 namespace LAMMPS_NS {
 
+struct Push {
+  double fx, fy;
+};
+
 // A contact from one of its two sides.
 struct RecordedContact {
   int atom;
@@ -33,6 +37,7 @@ struct RecordedContact {
   double angle;       // of the direction to the line
   double distance;    // of the partner's center, or of the wall
   double tilt;        // of the line: its normal turns by this from the line of centers
+  Push push;          // force on the particle from its own energy; from a wall all of it
 };
 
 class PairDeformable : public Pair {
@@ -111,7 +116,7 @@ class PairDeformable : public Pair {
 
   // For compute deformable/contact, if there is one.
   void record(int i, int partner, const deformable::Contact &, double length, double force,
-              double distance, double tilt = 0.0);
+              const Push &push, double distance, double tilt = 0.0);
 
   bool tells_error = false;    // the law estimates its own error
   bool needs_errors() const;
@@ -151,6 +156,11 @@ class PairDeformable : public Pair {
   static constexpr int SLOTS = 32;    // bits of active_slots
   void remember_active(const deformable::BlockParticle &);
   void push_mirror(const deformable::BlockParticle &, const deformable::Place &);
+  struct WallPush {
+    Push push;
+    double shift;    // of its line from the point of the wall nearest to the center
+  };
+  static WallPush push_of(const WallContact &, const deformable::Place &);
   void observe(const deformable::BlockParticle &);
   void check_own_images(const deformable::BlockParticle &);
 

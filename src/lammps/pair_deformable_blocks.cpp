@@ -150,17 +150,24 @@ template void PairDeformable::push_block<true>();
    nearest point, its force acts beside this point.
 ------------------------------------------------------------------------- */
 
-void PairDeformable::push_mirror(const BlockParticle &p, const Place &place)
+PairDeformable::WallPush PairDeformable::push_of(const WallContact &wall, const Place &place)
 {
-  if (place.fx == 0.0 && place.fy == 0.0) return;
-  const WallContact &wall = wall_contacts[-1 - place.partner];
   const double nx = wall.nx, ny = wall.ny;
   const double along = 2.0 * (place.fx * nx + place.fy * ny);
   const double torque = 2.0 * wall.height * (place.fy * nx - place.fx * ny);
   const double across = torque * wall.per_lever;
   const double rest = 1.0 - wall.height * wall.per_lever;
-  push_wall(p.name, wall.wall, along * nx - across * ny, along * ny + across * nx,
-            {0.0, nx, ny, p.radius - wall.height}, along < 0.0 ? -rest * torque / along : 0.0);
+  return {{along * nx - across * ny, along * ny + across * nx},
+          along < 0.0 ? -rest * torque / along : 0.0};
+}
+
+void PairDeformable::push_mirror(const BlockParticle &p, const Place &place)
+{
+  if (place.fx == 0.0 && place.fy == 0.0) return;
+  const WallContact &wall = wall_contacts[-1 - place.partner];
+  const auto [push, shift] = push_of(wall, place);
+  push_wall(p.name, wall.wall, push.fx, push.fy, {0.0, wall.nx, wall.ny, p.radius - wall.height},
+            shift);
 }
 
 /* ----------------------------------------------------------------------
@@ -187,10 +194,12 @@ void PairDeformable::observe(const BlockParticle &p)
   if (recording)
     for_each_active(block, p, [&](const Place &place) {
       const PlacedLine line = line_of(p, place);
-      const bool wall = place.partner < 0;
-      const int partner = wall ? wall_contacts[-1 - place.partner].wall : place.partner;
-      record(p.name, partner, line.contact, place.length, place.force,
-             (wall ? 0.5 : 1.0) / line.per_distance);
+      if (place.partner >= 0)
+        return record(p.name, place.partner, line.contact, place.length, place.force,
+                      {place.fx, place.fy}, 1.0 / line.per_distance);
+      const WallContact &wall = wall_contacts[-1 - place.partner];
+      record(p.name, wall.wall, line.contact, place.length, place.force, push_of(wall, place).push,
+             0.5 / line.per_distance);
     });
 }
 

@@ -49,6 +49,7 @@ class PairDeformableRing : public PairDeformable {
   std::vector<int> seats;
   std::vector<double> errors;    // of the model, by particle
   void evaluate_balanced(bool new_material);
+  Push push_of(int k, const NearPairs::Centers &, double share, double slope) const;
   void push_pairs(int begin, int end);
   void finish_balanced(int i);
 

@@ -55,6 +55,20 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
 }
 
 /* ----------------------------------------------------------------------
+   The force on the first particle of a pair: this share of the one along the
+   line of centers, and the one across it from these slopes.
+------------------------------------------------------------------------- */
+
+Push PairDeformableRing::push_of(int k, const NearPairs::Centers &centers, double share,
+                                 double slope) const
+{
+  const NearPairs &p = balanced->pairs();
+  const double along = -share * p.force[k] * centers.cosine;
+  const double across = -p.force[k] * slope * p.per_distance[k];
+  return {along * centers.nx - across * centers.ny, along * centers.ny + across * centers.nx};
+}
+
+/* ----------------------------------------------------------------------
    The force f cos(tilt) along the line of centers, and dU/dtheta over the lever
    across it, of both rings. That is f along the normal of a line whose torques
    balance, and the derivative of the energy for any tilt. Of a pair that two
@@ -87,14 +101,12 @@ void PairDeformableRing::push_pairs(int begin, int end)
   for (int k = usual; k < end; ++k) {
     const double force = p.force[k];
     const int i = p.i[k], j = p.j[k];
-    const NearPairs::Centers centers = p.centers(k);
-    const double nx = centers.nx, ny = centers.ny;
     const bool is_wall = k >= p.wall, is_remote = !is_wall && k >= p.remote;
     double slope = balanced->outline_slope(k, 0);
     if (!is_wall && !is_remote) slope += balanced->outline_slope(k, 1);
-    const double along = (is_remote ? -0.5 * force : -force) * centers.cosine;
-    const double across = -force * slope * p.per_distance[k];
-    const double px = along * nx - across * ny, py = along * ny + across * nx;    // on i
+    const NearPairs::Centers centers = p.centers(k);
+    const double nx = centers.nx, ny = centers.ny;
+    const auto [px, py] = push_of(k, centers, is_remote ? 0.5 : 1.0, slope);
     if (eflag_either) {
       const double rest = force * balanced->residual(k);
       if (eflag_global) eng_vdwl += is_remote ? 0.5 * rest : rest;
@@ -160,7 +172,12 @@ void PairDeformableRing::finish_balanced(int i)
   for (int c = 0; c < row.size; ++c) {
     const int k = seats[c] >> 1, other = partner(c);
     const double distance = other < 0 ? radii[i] - row[c].indentation : 1.0 / p.per_distance[k];
-    record(i, other, row[c], shape.contact[c].length, p.force[k], distance, balanced->tilt(k));
+    // each of two particles has half of the force along the line of centers
+    const int side = seats[c] & 1;
+    Push push = push_of(k, p.centers(k), other < 0 ? 1.0 : 0.5, balanced->outline_slope(k, side));
+    if (side) push = {-push.fx, -push.fy};
+    record(i, other, row[c], shape.contact[c].length, p.force[k], push, distance,
+           balanced->tilt(k));
   }
   store_shape(i, row, ring.energy.derivative);
   const double r = ring_radius_of(i);

@@ -179,7 +179,7 @@ template <bool WALLS> void PairDeformableSector::repel(const SingleContact &sing
     const Energy energy = harmonic(stiffness(i), 1.0 - distance / ri);
     const double force = energy.derivative / ri;
     push_wall(i, j, -force * nx, -force * ny, single.contact, 0.0);
-    record(i, j, single.contact, 0.0, force, distance);
+    record(i, j, single.contact, 0.0, force, {-force * nx, -force * ny}, distance);
     if (eflag_global) eng_vdwl += energy.value;
     if (eflag_atom) eatom[i] += energy.value;
     return;
@@ -190,7 +190,8 @@ template <bool WALLS> void PairDeformableSector::repel(const SingleContact &sing
   const Energy energy = harmonic(0.5 * share * (stiffness(i) + stiffness(j)), 1.0 - distance / sum);
   const double force_per_distance = energy.derivative / (sum * distance);
   const double dx = -distance * nx, dy = -distance * ny;    // from the partner to i
-  record(i, j, single.contact, 0.0, force_per_distance * distance / share, distance);
+  record(i, j, single.contact, 0.0, force_per_distance * distance / share,
+         {force_per_distance * dx, force_per_distance * dy}, distance);
   double *const *const f = atom->f;
   f[i][0] += force_per_distance * dx;
   f[i][1] += force_per_distance * dy;

@@ -7,7 +7,7 @@ from scene import LAWS, PACKINGS, Scene, box_walls
 
 COLUMNS = (
     *("atom", "partner", "indentation", "length", "force", "x", "y"),
-    *("angle", "distance", "tilt"),
+    *("angle", "distance", "tilt", "fx", "fy"),
 )
 CONTACTS = "compute contacts all deformable/contact"
 
@@ -63,6 +63,24 @@ def test_packing(case, style):
             assert abs(seen["force"][a] - seen["force"][b]) < 1e-8 * seen["force"].max()
 
 
+def check_force_vectors(scene):
+    """Forces on particles, tangential parts included, are sums over rows: to rounding."""
+    seen = contacts(scene)
+    force = np.array(scene.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
+    net = np.zeros((len(force) + 1, 2))  # walls in the first row
+    side = np.column_stack([seen["fx"], seen["fy"]])
+    np.add.at(net, seen["atom"].astype(int), side)
+    np.subtract.at(net, seen["partner"].astype(int), side)
+    rounding = 30 * np.finfo(float).eps * seen["force"].max()
+    np.testing.assert_allclose(net[1:], force, rtol=0, atol=rounding)
+
+
+@pytest.mark.parametrize("style", ["sector", "ring", "ring contact radical", "ring contact tilted"])
+@pytest.mark.parametrize("case", PACKINGS)
+def test_force_vectors(case, style):
+    check_force_vectors(Scene.packing(case, f"deformable/{style}", commands=CONTACTS))
+
+
 @pytest.mark.parametrize("law", LAWS)
 def test_walls_are_partner_zero(law):
     x = np.array([[-0.481, -0.477], [0.483, -0.479], [0.478, 0.482], [-0.479, 0.479]])
@@ -81,6 +99,9 @@ def test_walls_are_partner_zero(law):
     push = seen["force"] * np.array([np.cos(seen["angle"]), np.sin(seen["angle"])])
     found = scene.force_on_wall("walls")
     np.testing.assert_allclose(push[:, walls].sum(axis=1), found, rtol=1e-12)
+    check_force_vectors(scene)
+    on_walls = [-seen[name][walls].sum() for name in ("fx", "fy")]
+    np.testing.assert_allclose(on_walls, found, rtol=1e-12)
 
 
 def test_one_contact_of_the_sector_law():

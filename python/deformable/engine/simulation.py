@@ -21,7 +21,7 @@ from ..model.packing import Packing, shown_box
 from ..model.room import check_centers, check_fit
 from ..model.timestep import STIFFNESS_PER_PRESSURE
 from ..model.wall_shapes import Wall, as_walls
-from ..state.contact_table import contact_table
+from ..state.contact_table import ROWS, contact_table
 from ..state.state import State
 from .followed import refuse_other, setup, unsaved
 from .lammps import (
@@ -270,7 +270,7 @@ class Simulation(FormerAttributes, Engine):
         try:
             self._run("run 0 post no")
             self._results = gather(self.lmp, "f_deformable_results", len(names))
-            self._contact_rows = local_array(self.lmp, "deformable_rows", 10)
+            self._contact_rows = local_array(self.lmp, "deformable_rows", len(ROWS))
         finally:
             run(self.lmp, "unfix deformable_results\nuncompute deformable_rows")
 

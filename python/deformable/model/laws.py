@@ -154,6 +154,7 @@ class Ring:
         indentation: ArrayLike,
         inset: float = 0.0,
         points: int = 180,
+        same_area: bool = False,
     ) -> NDArray[np.float64]:
         """Outline of a particle about its center, a closed polygon of shape (m, 2) [length].
 
@@ -164,13 +165,15 @@ class Ring:
             indentation: of each, shape (z,) [length].
             inset: distance of the line that is returned to the outline, inward [length].
             points: number of points on a whole turn.
+            same_area: move points between contacts a little outward, see `core.outline`.
         """
         a = np.asarray(indentation, dtype=np.float64)
         kA, kP, skin, tension = (_at(values, species) for values in self._parameters)
         expansion = 0.0
         if math.isfinite(kP):  # the radius changes, and with it all indentations
             expansion = core.soft_ring(radius, angle, a, kA, kP, skin, tension).delta
-        return core.outline("ring", radius - inset + expansion, angle, a + expansion, points)
+        whole, deeper = radius - inset + expansion, a + expansion
+        return core.outline("ring", whole, angle, deeper, points, same_area)
 
 
 @dataclass(frozen=True, repr=False)
@@ -243,9 +246,10 @@ class Sector:
         indentation: ArrayLike,
         inset: float = 0.0,
         points: int = 180,
+        same_area: bool = False,
     ) -> NDArray[np.float64]:
         """As for `Ring`; an inset is right for sectors that keep their perimeter."""
-        return core.outline(self.kernel, radius - inset, angle, indentation, points)
+        return core.outline(self.kernel, radius - inset, angle, indentation, points, same_area)
 
 
 Law = Ring | Sector

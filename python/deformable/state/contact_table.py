@@ -23,7 +23,14 @@ COLUMNS = np.dtype(
         ("force", float),  # of this side, dU_i/da [energy/length]
         ("position", float, 2),  # of the contact line's point nearest to i [length]
         ("tilt", float),  # of the line: angle less the direction from i to j [rad]
+        ("force_vector", float, 2),  # on i by the contact; their sum is the force on i
     ]
+)
+
+# Those of compute deformable/contact. Its force vector is that of the energy of i alone.
+ROWS = (
+    *("i", "j", "indentation", "length", "force", "x", "y"),
+    *("angle", "distance", "tilt", "fx", "fy"),
 )
 
 ContactTable = NDArray[np.void]
@@ -33,7 +40,7 @@ def contact_table(rows: NDArray[np.float64], packing: Packing, comm: MPI.Comm) -
     """All contacts, sorted by (i, j, image), the same on every rank.
 
     Args:
-        rows: of compute deformable/contact on this rank, shape (M, 10).
+        rows: of compute deformable/contact on this rank, shape (M, len(ROWS)).
         packing: centers and box at the same time.
         comm: of the ranks with the other rows.
 
@@ -42,15 +49,13 @@ def contact_table(rows: NDArray[np.float64], packing: Packing, comm: MPI.Comm) -
         in LAMMPS; here it has one with length and force 0, and the rest of the overlap.
     """
     rows = np.concatenate(comm.allgather(rows))
+    told = dict(zip(ROWS, rows.T, strict=True))
     table = np.zeros(len(rows), COLUMNS)
-    table["i"], table["j"] = rows[:, 0] - 1, rows[:, 1] - 1
-    names = ("indentation", "length", "force")
-    for name, column in (
-        *zip(names, rows.T[2:5], strict=True),
-        *zip(("angle", "distance", "tilt"), rows.T[7:], strict=True),
-    ):
-        table[name] = column
-    table["position"] = rows[:, 5:7]
+    table["i"], table["j"] = told["i"] - 1, told["j"] - 1
+    for name in ("indentation", "length", "force", "angle", "distance", "tilt"):
+        table[name] = told[name]
+    table["position"] = np.column_stack([told["x"], told["y"]])
+    table["force_vector"] = np.column_stack([told["fx"], told["fy"]])
     pair = table["j"] >= 0
     # an exact integer, equal for both sides in spite of rounding
     i, j = table["i"][pair], table["j"][pair]
@@ -59,7 +64,18 @@ def contact_table(rows: NDArray[np.float64], packing: Packing, comm: MPI.Comm) -
     apart = packing.positions[i] + table["distance"][pair, None] * out - packing.positions[j]
     table["image"][pair] = np.rint(apart @ np.linalg.inv(packing.box)).astype(np.int64)
     table = np.concatenate([table, _missing_sides(table[pair], packing)])
-    return table[np.lexsort((table["image"][:, 1], table["image"][:, 0], table["j"], table["i"]))]
+    table = table[_order(table["i"], table["j"], table["image"])]
+    pair = table["j"] >= 0
+    both = table["force_vector"][pair]
+    # in this order the other sides come in the order of their own
+    other = _order(table["j"][pair], table["i"][pair], -table["image"][pair])
+    table["force_vector"][pair] -= both[other]
+    return table
+
+
+def _order(i: NDArray[np.int64], j: NDArray[np.int64], image: NDArray[np.int64]) -> NDArray[Any]:
+    """Indices that sort sides by (i, j, image)."""
+    return np.lexsort((image[:, 1], image[:, 0], j, i))
 
 
 def _missing_sides(pairs: ContactTable, packing: Packing) -> ContactTable:
@@ -74,7 +90,7 @@ def _missing_sides(pairs: ContactTable, packing: Packing) -> ContactTable:
     sides["angle"] += np.where(sides["angle"] > 0.0, -np.pi, np.pi)
     sides["indentation"] = overlap - sides["indentation"]
     sides["position"] += sides["image"] @ packing.box
-    sides["length"] = sides["force"] = 0.0
+    sides["length"] = sides["force"] = sides["force_vector"] = 0.0
     return sides
 
 

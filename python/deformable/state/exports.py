@@ -118,14 +118,10 @@ class Exports:
                 {"x": x, "y": y, "species": self.packing.species} | _values(self), index=index
             )
         columns: dict[str, NDArray[Any]] = {}
+        pairs = {"image": ("image_a", "image_b"), "position": "xy", "force_vector": ("fx", "fy")}
         for name in self.contact_table.dtype.names or ():
             column = self.contact_table[name]
-            if column.ndim == 1:
-                columns[name] = column
-            elif name == "position":
-                columns["x"], columns["y"] = column.T
-            else:
-                columns[f"{name}_a"], columns[f"{name}_b"] = column.T
+            columns |= zip(pairs.get(name, [name]), np.atleast_2d(column.T), strict=True)
         return pandas.DataFrame(columns)
 
     def export(self: _Snapshot, path: str | Path) -> None:

@@ -108,7 +108,7 @@ def resolve_secondary(state: State, iterations: int = 3) -> SecondaryOutlines:
                     [_divided(arc, found.get((n, k), [])) for k, arc in enumerate(arcs[n])]
                 )
             if len(arcs[n]) > 1:
-                outlines[n] = state.packing.positions[n] + core.arc_outline(arcs[n])
+                outlines[n] = state.packing.positions[n] + core.arc_outline(arcs[n], same_area=True)
     beyond = sum(int(np.sum(rows[:, 2] <= 0.0)) for rows in arcs)
     return SecondaryOutlines(outlines, arcs, residual, overlaps, beyond)
 

@@ -56,7 +56,8 @@ class State(ContactNetwork, RingResponse, Exports):
         velocities: of the centers, zero after a relaxation, shape (N, 2) [length/time].
         contact_table: active contacts, with a row for each side, sorted by (i, j, image):
             structured array with the fields i, j (-1 for a wall), image (2,), angle, distance,
-            indentation, length, force, position (2,), tilt, see `contact_table.COLUMNS`.
+            indentation, length, force, position (2,), tilt, force_vector (2,), see
+            `contact_table.COLUMNS`.
         root: whether this process writes files (rank 0 of the run).
         time: since the start of `move`, 0 without motion [time].
         strain: shear strain since the start of `shear`; None in other states.
@@ -142,20 +143,29 @@ class State(ContactNetwork, RingResponse, Exports):
 
     @cached_property
     def outlines(self) -> list[NDArray[np.float64]]:
-        """Exact outline of each particle, closed polygons of shape (m, 2) [length]."""
+        """Outline of each particle, closed polygons of its area, of shape (m, 2) [length].
+
+        Points between contacts lie outside of the exact outline by 1e-4 of the radius.
+        """
         return [
             center + outline
-            for center, outline in zip(self.packing.positions, self.parallels(), strict=True)
+            for center, outline in zip(
+                self.packing.positions, self.parallels(same_area=True), strict=True
+            )
         ]
 
     def parallels(
-        self, inset: NDArray[np.float64] | None = None, points: int = 180
+        self,
+        inset: NDArray[np.float64] | None = None,
+        points: int = 180,
+        same_area: bool = False,
     ) -> list[NDArray[np.float64]]:
         """Lines parallel to the outlines, about each particle's center, arrays (m, 2) [length].
 
         Args:
             inset: distance inward from each outline, shape (N,) [length]; 0 if not given.
             points: number of points on a whole turn.
+            same_area: move points between contacts a little outward, see `core.outline`.
 
         Raises:
             ParameterError: a value is out of range.
@@ -165,7 +175,9 @@ class State(ContactNetwork, RingResponse, Exports):
             raise ParameterError(f"inset must have shape ({len(self.packing)},), not {inset.shape}")
         count("points", points)
         return [
-            self.law.outline(kind, radius, rows["angle"], rows["indentation"], distance, points)
+            self.law.outline(
+                kind, radius, rows["angle"], rows["indentation"], distance, points, same_area
+            )
             for kind, radius, distance, rows in zip(
                 self.packing.species,
                 self.packing.radius,

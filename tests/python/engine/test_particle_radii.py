@@ -202,6 +202,6 @@ def test_outline_is_of_the_radius_of_its_own(state: deformable.State) -> None:
     n = int(state.packing.radius.argmin())
     seen = state.particle_contacts[n]
     expected = core.outline(
-        "ring", state.packing.radius[n], seen["angle"], seen["indentation"], 180
+        "ring", state.packing.radius[n], seen["angle"], seen["indentation"], same_area=True
     )
     assert np.array_equal(state.outlines[n], state.packing.positions[n] + expected)
