@@ -227,6 +227,7 @@ class Disks(Engine):
             wall_pairs=self._wall_pairs,
             residual=forces.residual,
             stalled=stalled,
+            strain=self.strain,
         )
 
 

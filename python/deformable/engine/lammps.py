@@ -46,8 +46,10 @@ class Engine:
 
     Attributes:
         lmp: the LAMMPS instance.
+        strain: shear strain of all calls of `shear` so far; None before the first one.
     """
 
+    strain: float | None = None
     _walls: tuple[Wall, ...] = ()
 
     @property
@@ -244,6 +246,14 @@ def place_particles(lmp: lammps, positions: NDArray[np.float64]) -> None:
     x = np.zeros((len(positions), 3))
     x[:, :2] = positions
     lmp.scatter("x", 1, 3, np.ctypeslib.as_ctypes(x.ravel()))
+
+
+def place_velocities(lmp: lammps, velocities: NDArray[np.float64]) -> None:
+    """Give all particles these velocities, in the order of their IDs, shape (N, 2)."""
+    if velocities.any() or gather(lmp, "v", 3).any():
+        v = np.zeros((len(velocities), 3))
+        v[:, :2] = velocities
+        lmp.scatter("v", 1, 3, np.ctypeslib.as_ctypes(v.ravel()))
 
 
 def local_array(lmp: lammps, compute: str, columns: int) -> NDArray[np.float64]:

@@ -31,6 +31,7 @@ from .lammps import (
     gather,
     local_array,
     open_lammps,
+    place_velocities,
     place_walls,
     run,
     shared_file,
@@ -111,6 +112,8 @@ class Simulation(FormerAttributes, Engine):
             boundaries and the thermo output belong to this object.
         law: the contact law.
         comm: the communicator.
+        time: of all calls of `move` so far [time]; relaxations take none.
+        strain: shear strain of all calls of `shear` so far; None before the first one.
 
     Raises:
         ParameterError: no packing or no law; or radii too large for LAMMPS' neighbor bins, choose
@@ -151,8 +154,8 @@ class Simulation(FormerAttributes, Engine):
         count = f"{self.lmp.get_natoms()} particles"
         return f"<Simulation: {count}, law {self.law!r}, {shown_box(self.box)}>"
 
-    def restart(self, packing: Packing) -> None:
-        """Start anew from a packing, with the same law: later results depend on it alone.
+    def restart(self, packing: Packing | State) -> None:
+        """Start anew from a packing or a state, with the same law: results depend on it alone.
 
         Otherwise the last digits depend on data that LAMMPS and the pair style keep, such as the
         order of particles and the shares of both sides in a contact. Where a packing rearranges,
@@ -160,16 +163,23 @@ class Simulation(FormerAttributes, Engine):
 
         Args:
             packing: that of a state of this simulation, or another one: particles may be added,
-                removed or have other radii.
+                removed or have other radii. They are at rest, and time and strain begin anew; those
+                of a state go on, with its velocities.
         """
-        expect("packing", packing, Packing)
+        expect("packing", packing, Packing, State)
+        state = packing if isinstance(packing, State) else None
+        packing = packing.packing if isinstance(packing, State) else packing
         species_file(self.law, packing.radii)  # or fail before the old LAMMPS is gone
         close_lammps(self.lmp)
         self._start = self._start and packing
         self._open(packing)
+        if state:
+            place_velocities(self.lmp, state.velocities)
+            self.time, self.strain = state.time, state.strain
 
     def _open(self, packing: Packing) -> None:
         law = self.law
+        self.time, self.strain = 0.0, None
         self._species, self._radii = packing.species, packing.radii
         species = species_file(law, self._radii)  # or fail before LAMMPS is open
         self._check_walls(packing.walls, packing.box)
@@ -324,6 +334,8 @@ class Simulation(FormerAttributes, Engine):
             stalled=stalled,
             beyond=round(self.lmp.numpy.extract_compute("deformable_beyond", 0, 1)[0]),
             velocities=gather(self.lmp, "v", 3)[:, :2],
+            time=self.time,
+            strain=self.strain,
             contact_table=contact_table(self._contact_rows, packing, self.comm),
             root=self.comm.rank == 0,
             wall_forces=wall_forces(self.lmp, self._walls),

@@ -2,14 +2,29 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..model.packing import Packing
 from .lammps_commands import atom_style
+
+
+class Motion(NamedTuple):
+    """How far a simulation has come, beside its packing.
+
+    Attributes:
+        velocities: of the particles, shape (N, 2) [length/time].
+        time: of the motion so far [time].
+        strain: shear strain so far; None without shear.
+    """
+
+    velocities: NDArray[np.float64]
+    time: float = 0.0
+    strain: float | None = None
 
 
 def data_file(
@@ -21,6 +36,7 @@ def data_file(
     positions: NDArray[np.float64],
     bonds: NDArray[np.int64] | None = None,
     origin: Sequence[float] = (0, 0),
+    velocities: NDArray[np.float64] | None = None,
 ) -> str:
     """Text of the LAMMPS data file of a two-dimensional system, with every digit.
 
@@ -33,6 +49,7 @@ def data_file(
         positions: of the atoms, shape (N, 2) [length].
         bonds: type and both atoms of each bond, shape (M, 3).
         origin: lower left corner of the box [length].
+        velocities: of the atoms, shape (N, 2) [length/time]; at rest if not given.
     """
     (lx, _), (xy, ly) = np.asarray(box, dtype=np.float64).tolist()
     x0, y0 = origin
@@ -51,20 +68,32 @@ def data_file(
     lines += [f"Atoms # {style}", ""]
     rows = zip(*(column.tolist() for column in columns), *positions.T.tolist(), strict=True)
     lines += [f"{n} {' '.join(map(repr, row))} 0" for n, row in enumerate(rows, start=1)]
+    if velocities is not None:
+        spin = " 0 0 0" if style == "sphere" else ""
+        lines += ["", "Velocities", ""]
+        lines += [f"{n} {x!r} {y!r} 0{spin}" for n, (x, y) in enumerate(velocities.tolist(), 1)]
     if bonds is not None:
         lines += ["", "Bonds", ""]
         lines += [f"{n} {a} {b} {c}" for n, (a, b, c) in enumerate(bonds.tolist(), start=1)]
     return "\n".join(lines) + "\n"
 
 
-def packing_file(packing: Packing, frames: int | None) -> str:
-    """A packing as a LAMMPS data file; its title has the number of recorded frames, if given."""
+def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
+    """A packing as a LAMMPS data file.
+
+    Its title has the time and the strain where these are not 0, and the number of recorded frames,
+    if given.
+    """
     style = atom_style(packing)
     title = f"LAMMPS data file by lammps-deformable, units lj, atom_style {style}, two-dimensional"
     columns: list[NDArray[Any]] = [packing.species + 1]
     if packing.particle_radii is not None:
         density = 0.75 / (np.pi * packing.particle_radii**3)  # of a sphere of mass 1
         columns += [2.0 * packing.particle_radii, density]
+    if motion.time:
+        title += f", time {motion.time!r}"
+    if motion.strain is not None:
+        title += f", strain {motion.strain!r}"
     return data_file(
         title if frames is None else f"{title}, {frames} frames",
         style,
@@ -73,6 +102,7 @@ def packing_file(packing: Packing, frames: int | None) -> str:
         columns,
         packing.positions,
         origin=packing.origin.tolist() if packing.walls else (0, 0),
+        velocities=motion.velocities if motion.velocities.any() else None,
     )
 
 
@@ -111,3 +141,22 @@ def packing_in(text: str, radii: list[float]) -> Packing:
         box=np.array([[lx, 0.0], [xy, ly]]),
         particle_radii=values[0] / 2.0 if style == "sphere" else None,
     )
+
+
+def motion_in(text: str, number: int) -> Motion:
+    """The motion in a data file of so many atoms, as `packing_file` or `write_data` writes it.
+
+    Raises:
+        ValueError: velocities are missing or damaged.
+    """
+    title, _, body = text.partition("\n")
+    time, strain = (re.search(rf", {name} ([^,]+)", title) for name in ("time", "strain"))
+    velocities = np.zeros((number, 2))
+    _, _, section = body.partition("\nVelocities\n\n")
+    rows = [row.split()[:3] for row in section.partition("\n\n")[0].splitlines()]
+    if rows:
+        ids, *columns = np.array(rows, dtype=np.float64).T
+        if sorted(ids) != list(range(1, number + 1)):
+            raise ValueError(f"it has velocities of {len(ids)} of {number} atoms")
+        velocities[ids.astype(np.int64) - 1] = np.column_stack(columns)
+    return Motion(velocities, float(time[1]) if time else 0.0, float(strain[1]) if strain else None)

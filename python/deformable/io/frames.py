@@ -70,6 +70,16 @@ def _frames_of_trajectory(path: Path) -> Iterator[int]:
             yield int(head[1])
 
 
+def clock_of(folder: Path) -> list[tuple[float, float | None]]:
+    """Time and shear strain of each frame in the series; None without shear."""
+    if not (folder / SERIES).exists():
+        return []
+    with (folder / SERIES).open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    given = [(row.get("time") or 0.0, row.get("strain") or None) for row in rows]
+    return [(float(time), None if strain is None else float(strain)) for time, strain in given]
+
+
 def refuse_foreign(folder: Path) -> None:
     """Raise an error if the folder has a series that is none of a recorded run."""
     path = folder / SERIES

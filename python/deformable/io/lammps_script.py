@@ -25,15 +25,14 @@ run 0
 
 # To let it move at constant energy (not with deformable/sector):
 # timestep {moving!r}
-# velocity all create {temperature!r} 12345
-# fix move all nve
+{velocity}# fix move all nve
 # fix plane all enforce2d
 # thermo 100
 # run 1000
 """
 
 
-def script(packing: Packing, law: Law, timestep: float, moving: float) -> str:
+def script(packing: Packing, law: Law, timestep: float, moving: float, moves: bool = False) -> str:
     """Text of a LAMMPS script that reads a saved packing and evaluates it.
 
     Args:
@@ -41,9 +40,11 @@ def script(packing: Packing, law: Law, timestep: float, moving: float) -> str:
         law: its contact law.
         timestep: of a minimization [time].
         moving: time step of a motion at the temperature `TEMPERATURE` [time].
+        moves: whether the saved particles have velocities.
     """
     commands = law_commands(packing, law, SPECIES) + wall_commands(packing.walls)
     commands += f"timestep {timestep!r}\n"
     setup = SETUP.format(style=atom_style(packing), boundary=boundary(packing.walls))
-    motion = {"moving": moving, "temperature": TEMPERATURE}
+    velocity = "" if moves else f"# velocity all create {TEMPERATURE!r} 12345\n"
+    motion = {"moving": moving, "velocity": velocity}
     return _SCRIPT.format(script=SCRIPT, setup=setup, data=DATA, law=commands, **motion).lstrip()

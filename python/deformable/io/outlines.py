@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -84,12 +85,17 @@ def _add(parent: ElementTree.Element, name: str, array: NDArray[Any], **attribut
     element.text = base64.b64encode(np.uint64(len(content)).tobytes() + content).decode()
 
 
-def collection(files: Sequence[str]) -> str:
-    """Text of a ParaView file, .pvd, that lists the files of a series in order."""
+def collection(files: Sequence[str], times: Sequence[float]) -> str:
+    """Text of a ParaView file, .pvd, that lists the files of a series in order.
+
+    Files have their times, or their numbers where time does not grow from each to the next.
+    """
+    grows = all(before < after for before, after in pairwise(times))
+    steps = times if len(times) > 1 and grows else range(len(files))
     file = ElementTree.Element("VTKFile", type="Collection", version="1.0")
     listed = ElementTree.SubElement(file, "Collection")
-    for number, name in enumerate(files):
-        ElementTree.SubElement(listed, "DataSet", timestep=str(number), part="0", file=name)
+    for step, name in zip(steps, files, strict=True):
+        ElementTree.SubElement(listed, "DataSet", timestep=str(step), part="0", file=name)
     ElementTree.indent(file)
     return ElementTree.tostring(file, encoding="unicode", xml_declaration=True) + "\n"
 

@@ -15,7 +15,7 @@ from ..common.versions import versions
 from ..model.laws import LAWS, Law
 from ..model.packing import Packing
 from ..model.wall_shapes import KINDS, Wall
-from .data_file import packing_file, packing_in
+from .data_file import Motion, motion_in, packing_file, packing_in
 from .lammps_commands import species_file
 from .lammps_script import script
 from .run_folder import DATA, SCRIPT, SPECIES, SUMMARY, refuse
@@ -30,6 +30,7 @@ def save(
     law: Law,
     timesteps: tuple[float, float],
     numbers: Mapping[str, Any],
+    motion: Motion,
     parameters: Mapping[str, Any] | None = None,
     frames: int | None = None,
 ) -> None:
@@ -41,6 +42,7 @@ def save(
         law: its contact law.
         timesteps: of the LAMMPS script, see there [time].
         numbers: the state in numbers, for the summary.
+        motion: of its particles.
         parameters: anything JSON for the summary.
         frames: number of recorded frames up to this state, if any.
     """
@@ -52,9 +54,13 @@ def save(
         "versions": versions(),
     }
     write_whole(folder / SPECIES, species_file(law, packing.radii))
-    write_whole(folder / SCRIPT, script(packing, law, *timesteps))
+    write_whole(
+        folder / SCRIPT, script(packing, law, *timesteps, moves=bool(motion.velocities.any()))
+    )
     write_whole(folder / SUMMARY, json.dumps(summary, indent=2, default=str) + "\n")
-    write_whole(folder / DATA, packing_file(packing, frames))  # last: it completes the state
+    write_whole(
+        folder / DATA, packing_file(packing, motion, frames)
+    )  # last: it completes the state
 
 
 def setup(packing: Packing, law: Law) -> dict[str, Any]:
@@ -145,4 +151,17 @@ def read(folder: Path) -> tuple[Packing, Law]:
     except KeyError as error:
         raise FileError(f"{path} cannot be read: it lacks {error}") from None
     except (ValueError, TypeError) as error:
+        raise FileError(f"{path} cannot be read: {error}") from None
+
+
+def read_motion(folder: Path, number: int) -> Motion:
+    """The motion of the packing in a folder, of so many particles.
+
+    Raises:
+        FileError: the file is missing or damaged.
+    """
+    path = folder / DATA
+    try:
+        return motion_in(_text(path, folder), number)
+    except ValueError as error:
         raise FileError(f"{path} cannot be read: {error}") from None

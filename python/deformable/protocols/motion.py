@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -68,7 +67,8 @@ def move(
             is ever drawn again.
 
     Yields:
-        The state after each `every` steps, with its `time` and `velocities`.
+        The state after each `every` steps, with its `velocities`, and the `time` of all calls of
+        `move` for this simulation.
 
     Raises:
         ParameterError: a value is out of range, the time step is too long for the contacts, the law
@@ -130,7 +130,7 @@ def _move(
         )
     state = sim.state()
     dt = accurate_step(*state.step_limits()) if timestep is None else timestep
-    began, before = 0, 0.0  # where this time step began, and the time before
+    taken, before = 0, sim.time  # steps of this length, and the time before them
     bath = _BATH.format(temperature=temperature or 0.0, time=1.0 / (friction or 1.0), seed=of_noise)
     run(
         lmp,
@@ -139,12 +139,18 @@ def _move(
     )
     try:
         with progress("moving", unit="state", total=steps // every) as bar:
-            for n in range(every, steps + 1, every):
+            for _ in range(0, steps, every):
                 if timestep is None and dt > _ENOUGH * longest_step(*state.step_limits()):
-                    dt, began, before = accurate_step(*state.step_limits()), n - every, state.time
+                    dt, taken, before = accurate_step(*state.step_limits()), 0, sim.time
                 _check(state, dt)
                 hint = _hint(bool(temperature), None if timestep else dt)
-                state = replace(_advance(sim, every, dt, hint), time=before + (n - began) * dt)
+                first = lmp.extract_global("ntimestep")
+                try:
+                    _advance(sim, every, dt, hint)
+                finally:  # Ctrl-C may end it early
+                    taken += lmp.extract_global("ntimestep") - first
+                    sim.time = before + taken * dt
+                state = sim.state()
                 bar.set_postfix(temperature=f"{state.temperature:.3g}")
                 bar.update()
                 yield state
@@ -165,11 +171,10 @@ def _seeds(sim: Simulation, seed: int | None) -> list[int]:
     return [1 + int(word) % _SEEDS for word in words.generate_state(2)]
 
 
-def _advance(sim: Simulation, steps: int, timestep: float, hint: str) -> State:
+def _advance(sim: Simulation, steps: int, timestep: float, hint: str) -> None:
     motion = f'run {steps} post no every {_FLATTEN} "set group all z 0.0"'
     try:
         run(sim.lmp, f"timestep {timestep!r}\n{motion}")  # `relax` between states changes it
-        return sim.state()
     except LammpsError as error:
         raise LammpsError(f"{error}{hint}") from None
 

@@ -36,7 +36,7 @@ def polish(state: S, tolerance: float = 1e-10) -> S:
     balanced to rounding meanwhile.
 
         fine = deformable.polish(sim.relax())
-        sim.restart(fine.packing)
+        sim.restart(fine)
 
     Args:
         state: of a `Simulation` or of `Disks`, relaxed, e.g. to the default tolerance; it does not

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -29,6 +28,9 @@ class Shearable(Protocol[S_co]):
     def lmp(self) -> Any: ...
     @property
     def box(self) -> NDArray[np.float64]: ...
+
+    strain: float | None
+
     def deform(self, box: NDArray[np.float64]) -> None: ...
     def relax(self, tolerance: float = ...) -> S_co: ...
 
@@ -39,7 +41,8 @@ def shear(
     """Shear in equal steps, relaxing after each one; the area of the box stays.
 
     After step n the upper side of the box has moved along x by strain n / steps times its height.
-    The shear stress that resists is -stress[0, 1] of the state. A box whose tilt exceeds half its
+    The shear stress that resists is -stress[0, 1] of the state, whose `strain` counts all calls of
+    `shear` for one simulation. A box whose tilt exceeds half its
     width is replaced by the equivalent box with the smallest tilt, so that strains may be large.
 
     Args:
@@ -63,19 +66,24 @@ def shear(
             f"walls are not sheared, and this simulation has {len(sim.walls)}, the first a "
             f"{sim.walls[0].kind}: shear needs a periodic box without walls"
         )
-    return shear_steps(sim, strain, steps, 0, tolerance)
+    return shear_steps(sim, sim.strain or 0.0, strain, steps, 0, tolerance)
 
 
 def shear_steps(
-    sim: Shearable[S], strain: float, steps: int, done: int, tolerance: float | None
+    sim: Shearable[S],
+    before: float,
+    strain: float,
+    steps: int,
+    done: int,
+    tolerance: float | None,
 ) -> Iterator[S]:
-    """The remaining steps of a shear, after the steps done."""
+    """The remaining steps of a shear, after the steps done and the strain before the first one."""
     with progress("shearing", unit="step", total=steps, initial=done) as bar:
         for n in range(done + 1, steps + 1):
             straighten(sim)
             sim.deform(sheared(sim.box, strain / steps))
-            relaxed = sim.relax() if tolerance is None else sim.relax(tolerance)
-            state = replace(relaxed, strain=strain * n / steps)
+            sim.strain = before + strain * n / steps
+            state = sim.relax() if tolerance is None else sim.relax(tolerance)
             bar.set_postfix(stress=f"{-state.stress[0, 1]:.3g}")
             bar.update()
             yield state

@@ -122,7 +122,8 @@ def export(states: str | Path | Iterable[State], path: str | Path) -> None:
 
     Args:
         states: the folder of a recorded run, or states, e.g. from `compress` or `move`.
-        path: `NAME.pvd`, which lists the files NAME_0000.vtp, NAME_0001.vtp, ... beside it.
+        path: `NAME.pvd`, which lists the files NAME_0000.vtp, NAME_0001.vtp, ... beside it, with
+            the times of a motion, or with their numbers.
 
     Raises:
         ParameterError: the suffix is another, or there are no states.
@@ -133,12 +134,13 @@ def export(states: str | Path | Iterable[State], path: str | Path) -> None:
     path = Path(path)
     if path.suffix != ".pvd":
         raise ParameterError(f"a series of outlines is a .pvd, not '{path}'")
-    names = []
+    names, times = [], []
     for number, state in enumerate(replay(states) if isinstance(states, (str, Path)) else states):
         expect("a state that is exported", state, State)
         names.append(f"{path.stem}_{number:04d}.vtp")
+        times.append(state.time)
         state.export(path.with_name(names[-1]))
         if state.root:
-            write_whole(path, collection(names))
+            write_whole(path, collection(names, times))
     if not names:
         raise ParameterError("a series of outlines needs at least one state")

@@ -23,7 +23,7 @@ from mpi4py import MPI
 
 from ..common.files import make_folder
 from ..common.validate import expect
-from ..engine.lammps import communicator
+from ..engine.lammps import communicator, place_velocities
 from ..engine.simulation import Simulation
 from ..io.frames import (
     append_frame,
@@ -34,12 +34,14 @@ from ..io.frames import (
     refuse_foreign,
 )
 from ..io.run_folder import DATA, SERIES
-from ..io.store import read, setup, summary_in
+from ..io.store import read, read_motion, setup, summary_in
 from ..state.state import State
 
 
 def load(folder: str | Path, comm: MPI.Comm | None = None) -> Simulation:
     """A simulation of the last state of a saved run: the same particles, box and law.
+
+    Velocities, time and shear strain go on from those of the state.
 
     Args:
         folder: of `State.save` or `record`.
@@ -50,7 +52,12 @@ def load(folder: str | Path, comm: MPI.Comm | None = None) -> Simulation:
     """
     expect("folder", folder, str, Path)
     communicator(comm).barrier()  # rank 0 may still be writing
-    return Simulation(*read(Path(folder)), comm=comm)
+    packing, law = read(Path(folder))
+    motion = read_motion(Path(folder), len(packing))
+    sim = Simulation(packing, law, comm)
+    place_velocities(sim.lmp, motion.velocities)
+    sim.time, sim.strain = motion.time, motion.strain
+    return sim
 
 
 def record(

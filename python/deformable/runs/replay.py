@@ -13,7 +13,7 @@ from ..common.errors import FileError, ParameterError
 from ..common.progress import progress
 from ..common.validate import whole
 from ..engine.simulation import Simulation
-from ..io.frames import setup_of, setups_in
+from ..io.frames import clock_of, setup_of, setups_in
 from ..io.run_folder import TRAJECTORY
 from ..io.store import read, read_setup
 from ..model.packing import Packing
@@ -29,7 +29,7 @@ def replay(folder: str | Path, frame: int | None = None) -> Iterator[State]:
         frame: only the state of this number, from 0; negative numbers count from the end.
 
     Yields:
-        Each state as it was, but never `stalled`, and without `time` and `strain`.
+        Each state as it was, but never `stalled`.
 
     Raises:
         ParameterError: there is no such frame.
@@ -44,6 +44,7 @@ def replay(folder: str | Path, frame: int | None = None) -> Iterator[State]:
     frames = path.read_text().split("ITEM: TIMESTEP\n")[1:]
     if not frames:
         raise FileError(f"{path} has no state: it is empty, or no trajectory of a recorded run")
+    clock = clock_of(folder)
     chosen = range(len(frames)) if frame is None else [_number(frame, len(frames))]
     with progress("replaying", unit="state", total=len(chosen)) as bar:
         for number in chosen:
@@ -54,11 +55,12 @@ def replay(folder: str | Path, frame: int | None = None) -> Iterator[State]:
                 if not setup:
                     walls = stretched(walls, last.box, recorded.box)
                 recorded = replace(recorded, walls=walls)
+                time, strain = clock[number] if number < len(clock) else (0.0, None)
             except (ValueError, TypeError, LookupError) as error:
                 reason = str(error).split(";")[0]  # what follows is advice on NumPy
                 raise FileError(f"frame {number} of {path} cannot be read: {reason}") from None
             with Simulation(recorded, law) as sim:
-                yield replace(sim.state(), velocities=velocities)
+                yield replace(sim.state(), velocities=velocities, time=time, strain=strain)
             bar.update()
 
 

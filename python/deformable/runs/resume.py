@@ -7,7 +7,6 @@ step. So a step gives the same whether or not the same process computed those be
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +25,7 @@ from ..model.packing import Packing
 from ..protocols.compression import check_strain_and_steps, remaining_steps
 from ..protocols.shear import shear, shear_steps
 from ..state.state import State
-from .record import recorded, write
+from .record import load, recorded, write
 
 # With a larger one the forces on a particle are far from balanced.
 LARGEST_TOLERANCE = 1e-2
@@ -120,14 +119,16 @@ def _begin(
     if append:
         _check_complete(folder)
         first, before = recorded(folder)
+    shears = protocol.get("protocol") == "shear"
+    shows_start = shears and not append
+    sim.strain = (sim.strain or 0.0) if shears else sim.strain
     start = sim.state()  # all ranks have read the folder by then
-    shows_start = protocol.get("protocol") == "shear" and not append
-    began = {"frame": first + shows_start, "box": start.packing.box.tolist()}
+    began = {"frame": first + shows_start, "box": start.packing.box.tolist(), "strain": sim.strain}
     parameters = {**(parameters or {}), **protocol, "start": began, **before}
     if start.root and not append:
         (folder / DATA).unlink(missing_ok=True)  # no run is here until the new one is complete
     if shows_start:
-        for _ in write([replace(start, strain=0.0)], folder, parameters, first):
+        for _ in write([start], folder, parameters, first):
             pass
     elif start.root:
         start.save(folder, parameters, frames=first)
@@ -150,7 +151,7 @@ def resume(folder: str | Path, comm: MPI.Comm | None = None) -> Iterator[State]:
     comm = communicator(comm)
     comm.barrier()  # rank 0 may still be writing
     folder = refuse(folder, but="compression")
-    packing, law = read(folder)
+    packing, _ = read(folder)
     parameters = _parameters(folder)
     if "start" not in parameters:
         raise FileError(
@@ -162,7 +163,7 @@ def resume(folder: str | Path, comm: MPI.Comm | None = None) -> Iterator[State]:
     if done >= parameters["steps"]:
         return iter(())
     check_frames(folder)
-    sim = Simulation(packing, law, comm)
+    sim = load(folder, comm)
     if done > 0:
         sim.relax(np.finfo(float).max)  # relaxed already: this only finds whether it is rigid
     return _steps(sim, packing, folder, parameters, done)
@@ -210,9 +211,11 @@ def _steps(
     """The steps that are missing, each written and started from a new LAMMPS."""
     start = parameters["start"]
     protocol = (parameters["strain"], parameters["steps"], done, parameters["tolerance"])
+    time, strain = sim.time, sim.strain
     sim.restart(packing)
+    sim.time, sim.strain = time, strain
     if parameters.get("protocol") == "shear":
-        states = shear_steps(sim, *protocol)
+        states = shear_steps(sim, start.get("strain") or 0.0, *protocol)
     else:
         states = remaining_steps(sim, np.array(start["box"]), *protocol)
     return write(_restarting(sim, states), folder, parameters, start["frame"] + done)
@@ -221,4 +224,4 @@ def _steps(
 def _restarting(sim: Simulation, states: Iterable[State]) -> Iterator[State]:
     for state in states:
         yield state
-        sim.restart(state.packing)
+        sim.restart(state)

@@ -33,7 +33,7 @@ class DiskState(ContactNetwork, LinearResponse):
         stalled: the relaxation stopped before the tolerance.
         wall_pairs: numbers of particles that overlap with walls, and of these walls in
             `packing.walls`, shape (K, 2).
-        strain: shear strain since the start of `shear`; None in other states.
+        strain: shear strain of all calls of `shear`; None before the first one.
     """
 
     packing: Packing

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..common.errors import ParameterError, UnsavedWarning
 from ..common.optional import optional
 from ..common.validate import count, expect, numbers, shown, whole
+from ..io.data_file import Motion
 from ..io.lammps_script import TEMPERATURE
 from ..io.store import save
 from ..model.laws import Law
@@ -59,8 +60,8 @@ class State(ContactNetwork, RingResponse, Exports):
             indentation, length, force, position (2,), tilt, force_vector (2,), see
             `contact_table.COLUMNS`.
         root: whether this process writes files (rank 0 of the run).
-        time: since the start of `move`, 0 without motion [time].
-        strain: shear strain since the start of `shear`; None in other states.
+        time: of all calls of `move` so far, 0 without motion [time].
+        strain: shear strain of all calls of `shear` so far; None before the first one.
         wall_forces: force of the particles on each of `packing.walls`, shape (number of walls, 2)
             [energy/length].
         unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
@@ -302,22 +303,22 @@ class State(ContactNetwork, RingResponse, Exports):
                 accurate_step(packing, law, pressure, now),
                 accurate_step(packing, law, pressure, max(now, TEMPERATURE)),
             )
-            save(folder, packing, law, steps, self.numbers(), parameters, frames)
+            motion = Motion(self.velocities, self.time, self.strain)
+            save(folder, packing, law, steps, self.numbers(), motion, parameters, frames)
 
     def numbers(self) -> dict[str, Any]:
         """The state in numbers, by name.
 
-        `strain` is there in a shear, and `model_error`, the sum, for the laws that tell it.
+        `strain` is None without shear; `model_error`, the sum, is there for the laws that tell it.
         """
         (lx, _), (xy, ly) = self.packing.box.tolist()
         told = {} if self.model_error is None else {"model_error": float(self.model_error.sum())}
-        sheared = {} if self.strain is None else {"strain": self.strain}
         return {
             "particles": len(self.packing),
             "lx": lx,
             "ly": ly,
             "xy": xy,
-            **sheared,
+            "strain": self.strain,
             "phi": self.phi,
             "pressure": self.pressure,
             "shear_stress": -float(self.stress[0, 1]),  # positive if it resists shear along x

@@ -277,8 +277,8 @@ def test_a_resumed_packing_was_rigid(
     next(deformable.compress_in(tmp_path, first, 0.02, 2))
     again = []
     monkeypatch.setattr(
-        "deformable.runs.resume.Simulation",
-        lambda *given: again.append(deformable.Simulation(*given)) or again[0],
+        "deformable.runs.resume.load",
+        lambda *given: again.append(deformable.load(*given)) or again[0],
     )
     deformable.resume(tmp_path)
     assert again[0]._rigid_phi == first._rigid_phi < 1.0

@@ -1,0 +1,144 @@
+"""Velocities, time and strain go on: through folders, restarts, replays and further calls."""
+
+import itertools
+import re
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from deformable.state.state import State
+
+pytestmark = pytest.mark.filterwarnings("error")
+
+
+@pytest.fixture(scope="module", params=["species", "particles"])
+def packing(request: pytest.FixtureRequest) -> deformable.Packing:
+    """Dense, with the radii of species or of its own (other files of LAMMPS)."""
+    if request.param == "species":
+        return deformable.jam(deformable.bidisperse(12, seed=2)).at(0.9)
+    return deformable.jam(deformable.polydisperse(12, np.linspace(0.4, 0.7, 12), seed=2)).at(0.9)
+
+
+def moved(sim: deformable.Simulation, seed: int | None = None) -> State:
+    *_, state = deformable.move(sim, 200, 0.01, temperature=1e-5, seed=seed)
+    return state
+
+
+def test_a_loaded_simulation_moves_on(packing: deformable.Packing, tmp_path: Path) -> None:
+    """As one that was never interrupted, to the rounding of a new neighbor list."""
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        last = moved(sim, seed=3)
+        last.save(tmp_path)
+        *_, expected = deformable.move(sim, 200, 0.01)
+    assert last.time == pytest.approx(2.0)
+    assert expected.time == pytest.approx(4.0)
+    with deformable.load(tmp_path) as again:
+        start = again.state()
+        assert np.array_equal(start.velocities, last.velocities)
+        assert start.velocities.any()
+        assert (start.time, start.strain) == (last.time, None)
+        *_, found = deformable.move(again, 200, 0.01)
+    assert found.time == pytest.approx(4.0, rel=1e-12)
+    np.testing.assert_allclose(found.packing.positions, expected.packing.positions, atol=1e-9)
+    np.testing.assert_allclose(found.velocities, expected.velocities, rtol=0, atol=1e-9)
+
+
+def test_lammps_reads_the_velocities(packing: deformable.Packing, tmp_path: Path) -> None:
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        last = moved(sim, seed=3)
+    last.save(tmp_path)
+    script = (tmp_path / "in.lammps").read_text()
+    assert "velocity all create" not in script  # it would draw others
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        lmp = sim.lmp
+        lmp.command("clear")
+        style = re.findall(r"^atom_style .*", script, re.MULTILINE)[0]
+        boundary = "units lj\ndimension 2\natom_modify map yes\n"
+        lmp.commands_string(f"{boundary}{style}\nread_data {tmp_path / 'packing.data'}")
+        found = np.array(lmp.gather("v", 1, 3)).reshape(-1, 3)
+        lmp.command(f"write_data {tmp_path / 'packing.data'}")  # rounds to 16 digits
+    assert np.array_equal(found[:, :2], last.velocities)
+    with deformable.load(tmp_path) as again:
+        np.testing.assert_allclose(again.state().velocities, last.velocities, rtol=1e-14)
+
+
+def test_restart_from_a_state(packing: deformable.Packing) -> None:
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        last = moved(sim, seed=3)
+        sim.restart(last)
+        again = sim.state()
+        assert np.array_equal(again.velocities, last.velocities)
+        assert again.time == last.time
+        assert moved(sim).time == pytest.approx(4.0)
+        sim.restart(last.packing)
+        rest = sim.state()
+        assert not rest.velocities.any()
+        assert (rest.time, rest.strain) == (0.0, None)
+
+
+def test_time_goes_on_in_a_recorded_run(packing: deformable.Packing, tmp_path: Path) -> None:
+    """In the series, the Universe, ParaView's file and replays; relaxations take no time."""
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        list(deformable.record(deformable.move(sim, 200, 0.01, 1e-5, seed=3), tmp_path))
+    with deformable.load(tmp_path) as sim:
+        list(deformable.record(deformable.move(sim, 300, 0.01), tmp_path, append=True))
+        assert sim.relax().time == pytest.approx(5.0)
+    expected = pytest.approx([1.0, 2.0, 3.0, 4.0, 5.0])
+    series = np.genfromtxt(tmp_path / "series.csv", delimiter=",", names=True)
+    assert series["time"] == expected
+    universe = deformable.universe(tmp_path)
+    assert [frame.time for frame in universe.trajectory] == expected
+    assert [state.time for state in deformable.replay(tmp_path)] == expected
+    deformable.export(tmp_path, tmp_path / "run.pvd")
+    steps = re.findall('timestep="(.*?)"', (tmp_path / "run.pvd").read_text())
+    assert [float(step) for step in steps] == expected
+
+
+@pytest.mark.parametrize("resumable", [False, True])
+def test_strain_goes_on(tmp_path: Path, resumable: bool) -> None:
+    packing = deformable.jam(deformable.bidisperse(12, seed=2)).at(0.9)
+    law = deformable.Ring()
+    with deformable.Simulation(packing, law) as sim:
+        if resumable:
+            list(deformable.shear_in(tmp_path, sim, 0.02, 2))
+        else:
+            list(deformable.record(deformable.shear(sim, 0.02, 2), tmp_path))
+    with deformable.load(tmp_path) as sim:
+        assert sim.strain == 0.02
+        if resumable:
+            list(deformable.shear_in(tmp_path, sim, -0.03, 3, append=True))
+        else:
+            list(deformable.record(deformable.shear(sim, -0.03, 3), tmp_path, append=True))
+        *_, last = deformable.compress(sim, 0.001, 1)
+        assert last.strain == pytest.approx(-0.01)
+    expected = pytest.approx([0.0] * resumable + [0.01, 0.02, 0.01, 0.0, -0.01], abs=1e-15)
+    series = np.genfromtxt(tmp_path / "series.csv", delimiter=",", names=True)
+    assert series["strain"] == expected
+    assert [state.strain for state in deformable.replay(tmp_path)] == expected
+
+
+def test_interrupted_shear_goes_on_with_its_strain(tmp_path: Path) -> None:
+    packing = deformable.jam(deformable.bidisperse(12, seed=2)).at(0.9)
+    whole, cut = tmp_path / "whole", tmp_path / "cut"
+    for folder in (whole, cut):
+        with deformable.Simulation(packing, deformable.Ring()) as sim:
+            list(deformable.shear_in(folder, sim, 0.02, 2))
+            steps = deformable.shear_in(folder, sim, 0.02, 3, append=True)
+            list(itertools.islice(steps, 1 if folder == cut else None))
+    list(deformable.resume(cut))
+    assert (cut / "series.csv").read_text() == (whole / "series.csv").read_text()
+    assert (cut / "packing.data").read_text() == (whole / "packing.data").read_text()
+
+
+@pytest.mark.parametrize(
+    "wrong", ["1 1.0 0.0 0\n", "1 1.0 0.0 0\n1 0.0 0.0 0\n", "1 one 0 0\n", "1 1.0\n"]
+)
+def test_damaged_velocities(tmp_path: Path, wrong: str) -> None:
+    packing = deformable.bidisperse(2, phi=0.4, seed=1)
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        sim.state().save(tmp_path)
+    path = tmp_path / "packing.data"
+    path.write_text(f"{path.read_text()}\nVelocities\n\n{wrong}")
+    with pytest.raises(deformable.FileError, match=r"packing\.data cannot be read"):
+        deformable.load(tmp_path)
