@@ -5,6 +5,7 @@
 
 #include "fix_deformable_wall.h"
 
+#include "fix.h"
 #include "modify.h"
 #include "neighbor.h"
 
@@ -33,6 +34,17 @@ void *PairDeformable::extract(const char *name, int &dim)
   if (!strcmp(name, "exclusions")) {
     asked.exclusions = neighbor->exclude;
     return &asked.exclusions;
+  }
+  // the number of the first fix whose forces minimizers pass over, or 0; those of the package know better
+  if (!strcmp(name, "forces of motion")) {
+    asked.forces_of_motion = 0.0;
+    for (int n = modify->nfix - 1; n >= 0; --n) {
+      const bool passed =
+          modify->fmask[n] & FixConst::POST_FORCE && !(modify->fmask[n] & FixConst::MIN_POST_FORCE);
+      if (passed && !utils::strmatch(modify->fix[n]->id, "^deformable_"))
+        asked.forces_of_motion = n + 1.0;
+    }
+    return &asked.forces_of_motion;
   }
   return nullptr;
 }

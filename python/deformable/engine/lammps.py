@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from ctypes import c_double
 from pathlib import Path
 from types import TracebackType
@@ -22,6 +22,7 @@ from ..io.lammps_commands import SETUP, WALL, atom_style, boundary, wall_command
 from ..model import room
 from ..model.packing import Packing, lattice_vectors
 from ..model.wall_shapes import Wall
+from .interrupts import interruptible
 
 if TYPE_CHECKING:
     from lammps import lammps
@@ -206,8 +207,10 @@ def run(lmp: lammps, commands: str) -> None:
         LammpsError: LAMMPS refused one; its message, without source lines and echoes.
     """
     for command in commands.strip().splitlines():
+        steps = command.startswith(("minimize ", "run ")) and not command.startswith("run 0")
         try:
-            lmp.command(command)
+            with interruptible(lmp) if steps else nullcontext():
+                lmp.command(command)
         except Exception as error:  # the lammps module raises bare Exception
             line = str(error).splitlines()[0].rsplit(" (/", 1)[0].rsplit(" (src/", 1)[0]
             raise LammpsError(f"LAMMPS: {line.partition(': ')[2] or line}") from None

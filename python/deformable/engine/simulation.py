@@ -23,7 +23,7 @@ from ..model.timestep import STIFFNESS_PER_PRESSURE
 from ..model.wall_shapes import Wall, as_walls
 from ..state.contact_table import ROWS, contact_table
 from ..state.state import State
-from .followed import refuse_other, setup, unsaved
+from .followed import has_other_fixes, refuse_forces_of_motion, refuse_other, setup, unsaved
 from .lammps import (
     Engine,
     close_lammps,
@@ -192,7 +192,7 @@ class Simulation(FormerAttributes, Engine):
         stress_of = virial_command("pair fix" if packing.walls else "pair")
         run(self.lmp, stress_of + _COMPUTES.format(style=pair_style(law)) + _THERMO)
         self._setup = setup(self.lmp)
-        smallest = float(packing.radius.min())
+        smallest, self._largest_radius = float(packing.radius.min()), float(packing.radius.max())
         stiffness = law.single_contact_stiffness(smallest)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
         self._single_contact_force = stiffness * smallest
@@ -211,6 +211,8 @@ class Simulation(FormerAttributes, Engine):
     def relax(self, tolerance: float = TOLERANCE, minimum_contact_force: float = 0.0) -> State:
         """Minimize the energy by FIRE until no force exceeds a part of the mean contact force.
 
+        Forces of a user's fixes count that act in minimizations too, such as *fix addforce*.
+
         Args:
             tolerance: largest force on a particle over the mean contact force.
             minimum_contact_force: replaces the mean contact force where that is smaller, as in a
@@ -221,7 +223,8 @@ class Simulation(FormerAttributes, Engine):
 
         Raises:
             LammpsError: LAMMPS gave up, e.g. because a contact line is behind a center; a particle
-                has no area left; or LAMMPS was given commands that states cannot follow.
+                has no area left; or LAMMPS was given commands that states cannot follow, or a fix
+                whose forces act in motion only, such as *fix gravity*.
 
         Warns:
             UnjammedWarning: a packing that was rigid has become loose without expanding. The one at
@@ -234,13 +237,17 @@ class Simulation(FormerAttributes, Engine):
         """
         positive("tolerance", tolerance)
         minimum_contact_force = zero_or_more("minimum_contact_force", minimum_contact_force)
+        refuse_forces_of_motion(self.lmp)
         pressure, iterations = np.inf, _ITERATIONS
 
         def minimize(forces: Forces, left: int) -> int:
             nonlocal pressure, iterations
             before, pressure = pressure, self._largest_pressure
             iterations = _ITERATIONS if pressure < 0.5 * before else 2 * iterations
-            timestep = _TIMESTEP / np.sqrt(max(pressure, self._single_contact_pressure))
+            # the force of a user's fix takes the place of pressures, as long as particles fall
+            others_pressure = self._other_forces and forces.largest / self._largest_radius
+            stiffest = max(pressure, self._single_contact_pressure, others_pressure)
+            timestep = _TIMESTEP / np.sqrt(stiffest)
             force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
             self._run(f"timestep {float(timestep)!r}\n{minimize_command(float(force), iterations)}")
             # forces balance no better than contacts, whose imbalance some laws tell
@@ -267,6 +274,7 @@ class Simulation(FormerAttributes, Engine):
     def _evaluate(self, minimum_contact_force: float = 0.0) -> Forces:
         """Bring forces and results of the particles up to date; returns the forces."""
         refuse_other(self.lmp, self._setup)
+        self._other_forces = has_other_fixes(self.lmp, self._setup)
         # commands given to `lmp` may have changed the particles
         self._species = species = gather(self.lmp, "type", 1).astype(np.int64) - 1
         names = (*_RESULTS, "model_error") if self.law.tells_error else _RESULTS
@@ -294,7 +302,8 @@ class Simulation(FormerAttributes, Engine):
         self._loose = bool(strain.max() <= _ROUND)
         force = dot(pressure, length) / float(max(contacts.sum(), 1.0))
         mean = self._single_contact_force if self._loose else force
-        return Forces(largest_force(self.lmp), scale=max(mean, minimum_contact_force))
+        largest, scale = largest_force(self.lmp), max(mean, minimum_contact_force)
+        return Forces(largest, scale or self._other_forces * largest)
 
     def _run(self, commands: str) -> None:
         """Run commands that evaluate forces, with a way out added to the error for overlaps."""

@@ -1,0 +1,57 @@
+"""Ctrl-C ends long commands of LAMMPS at their next step; a simulation goes on after it."""
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable
+
+import deformable
+import pytest
+from mpi4py import MPI
+
+
+@pytest.fixture(autouse=True)
+def _default_handler() -> None:
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def interrupted(work: Callable[[], object]) -> float:
+    """Seconds from Ctrl-C to its exception; the work takes far longer."""
+    sent = 0.0
+
+    def press() -> None:
+        nonlocal sent
+        sent = time.monotonic()
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(0.3, press)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    return time.monotonic() - sent
+
+
+def test_a_block_of_a_motion_ends_at_once() -> None:
+    packing = deformable.push_off(deformable.bidisperse(20, phi=0.7, seed=1))
+    with deformable.Simulation(packing, deformable.Ring(), MPI.COMM_SELF) as sim:
+        motion = deformable.move(sim, 10**8, 0.01, temperature=1e-6, every=10**8, seed=1)
+        assert interrupted(lambda: next(motion)) < 2.0  # the block takes 20 minutes
+        steps = sim.lmp.extract_global("ntimestep")
+        assert 0 < steps < 10**8
+        assert sim.time == pytest.approx(0.01 * steps, rel=1e-12)
+        *_, state = deformable.move(sim, 100, 0.01)
+        assert state.time == pytest.approx(0.01 * (steps + 100), rel=1e-12)
+        assert sim.relax().residual <= 1e-6
+
+
+def test_a_minimization_ends_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    for limit in ("_PATIENCE", "_ITERATIONS"):
+        monkeypatch.setattr(f"deformable.engine.simulation.{limit}", 10**8)
+    packing = deformable.push_off(deformable.bidisperse(20, phi=0.7, seed=1))
+    with deformable.Simulation(packing, deformable.Ring(), MPI.COMM_SELF) as sim:
+        sim.lmp.command("fix down all addforce 0 1e-6 0")  # a fall without end
+        assert interrupted(sim.relax) < 2.0
+        monkeypatch.undo()
+        sim.lmp.command("unfix down")
+        assert sim.relax().residual <= 1e-6
