@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.optional import optional
-from ..common.validate import expect, shown
+from ..common.validate import count, expect, positive, shown
 from ..io.outlines import write_outlines
 from ..model.packing import Packing
 from ..model.room import closed
@@ -47,6 +47,7 @@ class _Snapshot(Protocol):
     @property
     def pressure(self) -> float: ...
     def particle_values(self) -> dict[str, NDArray[Any]]: ...
+    def to_freud(self) -> tuple[Any, NDArray[np.float64]]: ...
     def plot(self, ax: Axes | None = None) -> Axes: ...
 
 
@@ -84,7 +85,8 @@ class Exports:
 
         The box is two-dimensional and has its center at the origin, so that the points are moved.
         It is twice as long along directions that walls close, because freud finds no neighbors in
-        boxes that are not periodic; walls themselves are left out.
+        boxes that are not periodic; walls themselves are left out. freud's densities count the
+        empty part: `radial_distribution` does not.
 
         Raises:
             ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
@@ -95,6 +97,32 @@ class Exports:
         box = freud.box.Box(lx * empty[0], ly * empty[1], xy=xy / ly, is2D=True)
         center = self.packing.origin + self.packing.box.sum(axis=0) / 2.0
         return box, box.wrap(in_space(self.packing.positions - center))
+
+    def radial_distribution(
+        self: _Snapshot, r_max: float, bins: int = 100
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The radial distribution function g(r) of the centers, by freud.
+
+        Between walls the number of pairs is compared with that of centers at random places, no
+        nearer to the walls than the nearest center is: g tends to 1 there too.
+
+        Args:
+            r_max: largest distance, below half of the box; between walls below their distance
+                [length].
+            bins: number of intervals of the distance.
+
+        Returns:
+            Distances r, the middles of the intervals [length], and g, both of shape (bins,).
+
+        Raises:
+            ParameterError: a value is out of range.
+            ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
+        """
+        r_max, bins = positive("r_max", r_max), count("bins", bins)
+        optional("freud", "freud")
+        from .radial_distribution import radial_distribution
+
+        return radial_distribution(self.packing, self.to_freud(), r_max, bins)
 
     def to_pandas(self: _Snapshot, table: str = "particles") -> Any:
         """A DataFrame of pandas.

@@ -1,0 +1,63 @@
+"""The radial distribution function of centers, by freud, between walls too."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import ParameterError
+from ..common.optional import optional
+from ..core import unit_vectors
+from ..model.packing import Packing
+from ..model.room import Distances, bounds
+
+Floats = NDArray[np.float64]
+
+# Random places between walls, each with a random direction: g is right to 1/sqrt of this number.
+_PLACES = 40_000
+
+
+def radial_distribution(
+    packing: Packing, freud_system: tuple[Any, Floats], r_max: float, bins: int
+) -> tuple[Floats, Floats]:
+    """See `State.radial_distribution`.
+
+    Args:
+        packing: the centers and walls.
+        freud_system: box and points of `State.to_freud`.
+        r_max: largest distance [length].
+        bins: number of intervals of the distance.
+    """
+    density = optional("freud", "freud").density
+    box, points = freud_system
+    try:
+        found = density.RDF(bins, r_max).compute((box, points))
+    except RuntimeError as error:
+        raise ParameterError(f"r_max = {r_max:g} is too large for the box: {error}") from None
+    r, g = np.array(found.bin_centers), np.array(found.rdf, dtype=np.float64)
+    if packing.walls:
+        area, inside = _room_around(packing, r)
+        g *= area / (box.volume * inside)  # freud's density counts the empty part of its box
+    return r, g
+
+
+def _room_around(packing: Packing, r: Floats) -> tuple[float, Floats]:
+    """Where centers may be: its area, and the part of circles of radius r about it that is within.
+
+    The area begins as far from the walls as the nearest center.
+    """
+    distances = Distances(packing.walls, packing.box)
+    nearest = float(distances(packing.positions)[1].min())
+    low, high = bounds(packing.walls, packing.box)
+    rng = np.random.default_rng(0)
+    tried = low + rng.random((_PLACES, 2)) * (high - low)
+
+    def free(places: Floats) -> NDArray[np.bool_]:
+        return distances(places)[1].min(axis=0) >= nearest
+
+    places = tried[free(tried)]
+    out = unit_vectors(2.0 * np.pi * rng.random(len(places)))
+    inside = np.array([np.mean(free(places + distance * out)) for distance in r])
+    return float(np.prod(high - low)) * len(places) / _PLACES, inside
