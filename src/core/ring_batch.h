@@ -139,7 +139,7 @@ DEFORMABLE_LANE_FUNCTION Mask reached(BlockParticle *const *p, Place *const *at,
     });
     const Lanes dx = of_places(other, 0, &Place::dx), dy = of_places(other, 0, &Place::dy);
     const LineLanes at_other = contact_lines(dx, dy, radius, of_places(other, 0, &Place::radius));
-    odd |= exists & ~(at_other.indentation < radius);    // behind the center
+    odd |= exists & ~(at_other.indentation < (1.0 - NEAREST_LINE) * radius);
     Lanes gap = at_other.indentation;
 #pragma GCC unroll 8
     for (int m = 0; m < N; ++m)
@@ -184,7 +184,7 @@ DEFORMABLE_LANE_FUNCTION void ring_batch(BlockParticle *const *p, Place *places,
     line[m] = contact_lines(dx, dy, radius, of_places(at, m, &Place::radius));
     angle[m] = angle_of_lanes(dx, dy);
     length[m] = line[m].indentation;
-    odd |= ~(line[m].indentation < radius);    // behind the center
+    odd |= ~(line[m].indentation < (1.0 - NEAREST_LINE) * radius);
 #pragma GCC unroll 8
     for (int k = 0; k < m; ++k) {
       const AngleLanes t = angles_between(angle[k], line[k], angle[m], line[m]);

@@ -83,7 +83,7 @@ DEFORMABLE_LANE_FUNCTION void sector_batch(BlockParticle *const *p, Place *place
 #pragma GCC unroll 8
   for (int m = 0; m < N; ++m) {
     line[m] = contact_lines(contact[m].dx, contact[m].dy, radius, contact[m].radius);
-    odd |= ~(line[m].indentation < radius);    // behind the center
+    odd |= ~(line[m].indentation < (1.0 - NEAREST_LINE) * radius);
   }
 
   Lanes length[N], d_angle[N];

@@ -39,6 +39,8 @@ FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg) : Fix(lm
   delete[] style;
   style = utils::strdup(STYLE);
 
+  energy_global_flag =
+      1;    // or fix_modify refuses its option by a message with the other name of the style
   scalar_flag = 1;
   extscalar = 1;
   ecouple_flag = 1;
@@ -48,6 +50,14 @@ FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg) : Fix(lm
   global_freq = 1;
   virial_global_flag = virial_peratom_flag = 1;
   dynamic_group_allow = 1;
+}
+
+/* ---------------------------------------------------------------------- */
+
+// 'run ... pre no' would call this fix once more: the next run has its setup in any case.
+FixDeformableWall::~FixDeformableWall()
+{
+  if (update) update->first_update = 0;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -66,6 +76,11 @@ void FixDeformableWall::init()
   if (!force->pair_match("^deformable/", 0) && !force->pair_match("^deformable/", 0, 1))
     error->all(FLERR, "Fix {} deformable/wall needs a deformable pair style, but pair_style is {}",
                id, force->pair_style ? force->pair_style : "none");
+  if (thermo_energy)
+    error->all(FLERR,
+               "Fix {} deformable/wall has no energy for 'fix_modify {} energy yes': what walls "
+               "compress is the energy of the particles, part of the pair energy. Use 'energy no'",
+               id, id);
   if (!region_id.empty()) read_region();
   if (comm->me == 0) warn_of_box();
 }
@@ -205,18 +220,21 @@ double FixDeformableWall::compute_vector(int n)
 
 /* ---------------------------------------------------------------------- */
 
-void FixDeformableWall::refuse_center(int i, int wall)
+void FixDeformableWall::refuse_center(int i, const WallScene::Refused &refused)
 {
   const double *x = atom->x[i];
-  const WallSource &source = scene.source(wall);
+  const WallSource &source = scene.source(refused.wall);
   const bool solid = source.kind == WallSource::DISK || source.kind == WallSource::POLYGON ||
                      (source.kind == WallSource::FACE && source.sides[0].reversed);
   const std::string name = region_id.empty() ? "'" + source.name + "'"
                            : source.name == region_id
                                ? "region '" + region_id + "'"
                                : "part '" + source.name + "' of region '" + region_id + "'";
+  const std::string place = refused.height > 0.0 ? fmt::format("only {:.3g} from", refused.height)
+                            : solid              ? "in the obstacle"
+                                                 : "outside of";
   error->one(FLERR, "The center of atom {} at ({:.6g}, {:.6g}) is {} {} of fix {} deformable/wall",
-             atom->tag[i], x[0], x[1], solid ? "in the obstacle" : "outside of", name, id);
+             atom->tag[i], x[0], x[1], place, name, id);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -14,6 +14,7 @@ FixStyle(deformable/wall,FixDeformableWall);
 
 #include "fix.h"
 
+#include "contact.h"
 #include "wall_scene.h"
 
 #include "atom.h"
@@ -27,6 +28,7 @@ namespace LAMMPS_NS {
 class FixDeformableWall : public Fix {
  public:
   FixDeformableWall(class LAMMPS *, int, char **);
+  ~FixDeformableWall() override;
   // LAMMPS takes every fix whose style contains "deform" for a fix deform: Domain::init() crashes if the name
   // begins so. The style of this object therefore has another name.
   static constexpr const char *STYLE = "wall/flat";
@@ -52,12 +54,16 @@ class FixDeformableWall : public Fix {
     if (first_call) callers.push_back(caller);
   }
 
-  // Calls visitor(nearest point) for each wall within the cutoff of atom i.
-  template <class Visitor> void visit(int i, double cutoff, Visitor &&visitor)
+  // Calls visitor(nearest point) for each wall within (1 + reach) radii of atom i.
+  template <class Visitor> void visit(int i, double radius, double reach, Visitor &&visitor)
   {
     if (!(atom->mask[i] & groupbit)) return;
-    const int wrong = scene.visit(atom->x[i][0], atom->x[i][1], cutoff, visitor);
-    if (wrong >= 0) refuse_center(i, wrong);
+    constexpr double ABOUT =
+        1.0 + 1e-12;    // before the line of a wall is refused as that of a pair
+    const WallScene::Refused refused =
+        scene.visit(atom->x[i][0], atom->x[i][1], ABOUT * deformable::NEAREST_LINE * radius,
+                    (1.0 + reach) * radius, visitor);
+    if (refused.wall >= 0) refuse_center(i, refused);
   }
 
   // The force of a feature of a wall on atom i, at (dx, dy) from its point of application to the
@@ -97,7 +103,7 @@ class FixDeformableWall : public Fix {
   void require(const std::string &problem);
   void read_region();
   void warn_of_box() const;
-  [[noreturn]] void refuse_center(int i, int wall);
+  [[noreturn]] void refuse_center(int i, const WallScene::Refused &);
 };
 
 }    // namespace LAMMPS_NS

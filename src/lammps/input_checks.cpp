@@ -4,9 +4,11 @@
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
+#include "fix.h"
 #include "force.h"
 #include "group.h"
 #include "lammps.h"
+#include "modify.h"
 #include "neigh_list.h"
 
 #include <algorithm>
@@ -106,11 +108,16 @@ bool LAMMPS_NS::warn_out_of_plane(LAMMPS *lmp, const NeighList &list)
     if (std::fabs(x[i][2]) > in_plane || v[i][2] != 0.0) here = std::max(here, lmp->atom->tag[i]);
   }
   MPI_Allreduce(&here, &id, 1, MPI_LMP_TAGINT, MPI_MAX, lmp->world);
-  if (id >= 0 && lmp->comm->me == 0)
-    lmp->error->warning(FLERR,
-                        "Atom {} leaves the plane: its z or vz is not zero, which deformable pair "
-                        "styles ignore. Use 'fix ID all enforce2d', and 'set group all z 0 vz 0'",
-                        id);
+  if (id < 0 || lmp->comm->me != 0) return id >= 0;
+  const std::vector<Fix *> fixes = lmp->modify->get_fix_by_style("^enforce2d");
+  lmp->error->warning(FLERR,
+                      "Atom {} leaves the plane: its z or vz is not zero, which deformable pair "
+                      "styles ignore. Use 'set group all z 0 vz 0', and {}",
+                      id,
+                      fixes.empty() ? std::string("'fix ID all enforce2d' after all other fixes")
+                                    : fmt::format("define fix {} enforce2d anew after all other "
+                                                  "fixes: it must be the last one, for all atoms",
+                                                  fixes[0]->id));
   return id >= 0;
 }
 

@@ -189,10 +189,9 @@ void NearList::visit_walls(const DeformableParticles &p, int i, Visitor &&visito
 {
   const int count = static_cast<int>(p.walls->size());
   for (int w = 0; w < count; ++w)
-    (*p.walls)[w]->visit(i, (1.0 + p.reach) * p.radius[i],
-                         [&](const deformable::NearestPoint &point) {
-                           visitor(-1 - (w + count * point.feature), point);
-                         });
+    (*p.walls)[w]->visit(i, p.radius[i], p.reach, [&](const deformable::NearestPoint &point) {
+      visitor(-1 - (w + count * point.feature), point);
+    });
 }
 
 void NearList::add_walls(const DeformableParticles &p, bool new_list, const KnownPairs &old)

@@ -1,5 +1,7 @@
 #include "near_pairs.h"
 
+#include "contact.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -51,8 +53,10 @@ int NearPairs::first_behind(const double *radius) const
 {
   constexpr double ROUNDING = 1e-14;
   for (int k = 0; k < wall; ++k) {
-    const double ri = radius[i[k]], rj = radius[j[k]], d = 1.0 / per_distance[k];
-    if (!(d * d > (1.0 + ROUNDING) * std::fabs((ri - rj) * (ri + rj)))) return k;
+    const double ri = radius[i[k]], rj = radius[j[k]], d = 1.0 / per_distance[k], sum = ri + rj;
+    const double least = std::fabs((ri - rj) * sum) +
+                         deformable::NEAREST_LINE * deformable::NEAREST_LINE * sum * sum;
+    if (!(d * d > (1.0 + ROUNDING) * least)) return k;
   }
   return -1;
 }

@@ -182,11 +182,15 @@ void PairDeformable::end_call()
   pvector[1] = comm->me == 0 ? largest[0] : 0.0;
   if (largest[1] > 0.0 && !warned_beyond_model) {
     warned_beyond_model = true;
+    int all = 0;
+    MPI_Reduce(&beyond_model, &all, 1, MPI_INT, MPI_SUM, 0, world);
     if (comm->me == 0)
       error->warning(FLERR,
-                     "Particles are beyond the model: part of their outline has a negative "
-                     "radius of curvature (past confluence, or contacts too close to each other). "
-                     "'compute ID all pair' counts them");
+                     "{} of {} particles are beyond the model: part of their outline has a "
+                     "negative radius of curvature (past confluence, or contacts too close to each "
+                     "other). Their shape does not exist, their energy and forces continue the "
+                     "law without a known error. 'compute ID all pair' counts them",
+                     all, atom->natoms);
   }
 }
 

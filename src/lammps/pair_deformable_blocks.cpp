@@ -91,7 +91,7 @@ void PairDeformable::visit_walls(int i)
 {
   const int count = static_cast<int>(walls.size());
   for (int w = 0; w < count; ++w)
-    walls[w]->visit(i, (1.0 + reach) * radius_of(i), [&](const NearestPoint &point) {
+    walls[w]->visit(i, radius_of(i), reach, [&](const NearestPoint &point) {
       wall_contacts.push_back(
           {-1 - (w + count * point.feature), point.nx, point.ny, point.height, point.per_lever});
     });
@@ -221,7 +221,7 @@ void PairDeformable::load_shape(const BlockParticle &p)
 void PairDeformable::check_lines(const BlockParticle &p)
 {
   for_each_place(block, p, [&](const Place &place) {
-    if (!(line_of(p, place).contact.indentation < p.radius))
+    if (!(line_of(p, place).contact.indentation < (1.0 - NEAREST_LINE) * p.radius))
       refuse_behind_center(p.name, place.partner, place.dx, place.dy);
   });
 }
@@ -230,7 +230,8 @@ void PairDeformable::refuse_behind_center(int i, int j, double dx, double dy)
 {
   error->one(
       FLERR,
-      "The contact line of atoms {} and {} does not lie in front of the center of atom {}: their "
+      "The contact line of atoms {} and {} does not lie well in front of the center of atom {}: "
+      "their "
       "distance is {:.6g}, their radii are {:.6g} and {:.6g}. Separate particles that overlap "
       "first, start from a less compressed state, or take smaller steps or a smaller timestep",
       atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(dx, dy), radius_of(i), radius_of(j));

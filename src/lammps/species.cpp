@@ -27,7 +27,8 @@ namespace {
 double number_of(const std::string &word)
 {
   using Limits = std::numeric_limits<double>;
-  if (word == "inf" || word == "+inf") return Limits::infinity();
+  const std::string lower = utils::lowercase(word);
+  if (lower == "inf" || lower == "+inf") return Limits::infinity();
   const double value = utils::is_double(word) ? std::strtod(word.c_str(), nullptr) : HUGE_VAL;
   return std::isfinite(value) ? value : Limits::quiet_NaN();
 }

@@ -32,8 +32,13 @@ class WallScene {
   int first_outside(int axis, double low, double high) const;
 
   // Calls visitor(nearest point) for each wall within the cutoff of a center. The feature of the point counts
-  // over all walls. Returns -1, or the first wall that has the center on its wrong side.
-  template <class Visitor> int visit(double x, double y, double cutoff, Visitor &&visitor) const
+  // over all walls. Returns the first wall that has the center on its wrong side, or nearer than `nearest`, if any.
+  struct Refused {
+    int wall;    // -1: none
+    double height;
+  };
+  template <class Visitor>
+  Refused visit(double x, double y, double nearest, double cutoff, Visitor &&visitor) const
   {
     for (const Wall &wall : walls) {
       const deformable::HalfPlane &line = wall.line;
@@ -53,14 +58,14 @@ class WallScene {
           point = deformable::nearest_on_disk(-dx, -dy, wall.radius, wall.kind == WallSource::RIM);
         else if (!deformable::nearest_point(&edges[wall.first_edge], wall.edges, wall.x + dx,
                                             wall.y + dy, point))
-          return wall.source;
+          return {wall.source, 0.0};
       }
-      if (!(point.height > 0.0)) return wall.source;
+      if (!(point.height > nearest)) return {wall.source, point.height};
       if (point.height >= cutoff) continue;
       point.feature += wall.first_feature;
       visitor(point);
     }
-    return -1;
+    return {-1, 0.0};
   }
 
   // The force on a feature of a particle at (x, y), which is at (dx, dy) from the point of application.

@@ -120,3 +120,4 @@ def test_particles_beyond_the_model_are_counted_and_announced_once(law, tmp_path
         assert all(np.isfinite(state.force).all() and np.isfinite(state.energy) for state in states)
         scene.lmp.close()
         assert log.read_text().count("beyond the model") == (beyond > 0)
+        assert ("36 of 36 particles are beyond" in log.read_text()) == (beyond > 0)

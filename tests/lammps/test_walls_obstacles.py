@@ -184,9 +184,9 @@ def test_particle_that_crosses_a_periodic_boundary_beside_a_pillar():
 
 def test_bulge_by_a_wall_that_cuts_a_particle():
     """The message names the wall, not the reach alone."""
-    x = np.array([[-1.05, 0.3], [5.0, 5.0]])
+    x = np.array([[-1.06, 0.3], [5.0, 5.0]])
     with pytest.raises(
-        Exception, match=r"atom 1 .*wall of fix pillar cuts it 0.05 from its center"
+        Exception, match=r"atom 1 .*wall of fix pillar cuts it 0.06 from its center"
     ) as e:
         scene_of(x, ["unit", "unit"], "ring contact radical", SQUARE).energy()
     assert "\n" not in str(e.value).split("Last input line")[0].strip()

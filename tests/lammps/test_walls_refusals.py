@@ -139,10 +139,11 @@ def test_center_in_shapes_of_words():
 
 
 def test_energy_is_of_the_pair_style():
-    """fix_modify energy would count it twice."""
+    """fix_modify energy would count it twice. The message has the style of the command."""
     scene = far_away("region walls plane 0 -2 0 0 1 0" + FIX)
-    with pytest.raises(Exception, match="does not support fix_modify energy"):
-        scene.run("fix_modify walls energy yes")
+    with pytest.raises(Exception, match="Fix walls deformable/wall has no energy for 'fix_modify"):
+        scene.run("fix_modify walls energy yes\nrun 0")
+    scene.run("fix_modify walls energy no\nrun 0")
 
 
 @pytest.mark.parametrize("reach", ["3.1", "30"])

@@ -41,6 +41,13 @@ def test_heat_bath(law, tmp_path):
         packing.fresh(tmp_path)
 
 
+def test_a_plane_that_is_not_the_last_fix(tmp_path):
+    """The bath acts after it: the warning names it, and not only the command that is there."""
+    _, said = moved(tmp_path, "radical", PLANE + BATH + "run 200")
+    assert len(said) == 1
+    assert "define fix plane enforce2d anew after all other fixes" in said[0]
+
+
 @laws
 def test_heat_bath_in_the_plane(law, tmp_path):
     packing, said = moved(tmp_path, law, BATH + PLANE + "run 200")

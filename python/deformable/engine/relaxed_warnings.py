@@ -35,8 +35,9 @@ def warn_of(state: State, tolerance: float, unjammed: bool) -> None:
         )
     if state.beyond:
         warnings.warn(
-            f"{state.beyond} particles are beyond the model at phi = {state.phi:.5f}: their "
-            "outlines have a negative radius of curvature, as past confluence",
+            f"{state.beyond} of {len(state.packing)} particles are beyond the model at phi = "
+            f"{state.phi:.5f}: their outlines have a negative radius of curvature, as past "
+            "confluence; their energy and forces continue the law without a known error",
             BeyondModelWarning,
             stacklevel=4,
         )

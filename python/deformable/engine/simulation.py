@@ -68,9 +68,12 @@ _ITERATIONS = 2000
 # loose packing only tends to zero. An indentation of 1e-7 R changes them by about this much.
 _ROUND = 1e-14
 
-# Words in the pair styles' error for particles that overlap too much, and the way out in Python.
-_TOO_DEEP = "contact line"
+# Words in the pair styles' errors, and the way out in Python.
 _WAY_OUT = " (push_off separates overlaps, jam does so by itself)"
+_HINTS = {
+    "contact line": _WAY_OUT,
+    "species file": " (in Python: restart from a packing with larger `radii`, or particle_radii)",
+}
 
 # How LAMMPS names a wall, whose number is in the name of its fix.
 _FIX_OF_WALL = re.compile(r"(?:'\w+ 1'|a wall) of fix deformable_wall_(\d+)(?: deformable/wall)?")
@@ -313,7 +316,8 @@ class Simulation(FormerAttributes, Engine):
             line = _FIX_OF_WALL.sub(
                 lambda found: f"{self._walls[int(found[1]) - 1].kind} {found[1]}", str(error)
             )
-            raise LammpsError(f"{line}{_WAY_OUT if _TOO_DEEP in line else ''}") from None
+            hints = "".join(hint for words, hint in _HINTS.items() if words in line)
+            raise LammpsError(line + hints) from None
 
     def _snapshot(self, forces: Forces, stalled: bool) -> State:
         """The state at the last evaluation."""
