@@ -25,7 +25,7 @@ static constexpr double LARGEST_REACH = 3.0;
 void PairDeformableRing::settings(int narg, char **arg)
 {
   number_definition();
-  reach = 0.3;
+  reach = 0.0;
   radius_by_atom = false;
   std::string law = "balanced";
   int balance_keyword = -1;
@@ -76,6 +76,8 @@ void PairDeformableRing::settings(int narg, char **arg)
     iarg += 1 + values;
   }
   const bool radical = law == "radical";
+  if (reach == 0.0)
+    reach = radical ? 0.3 : 0.6;    // a list of near pairs makes the larger one free
   if (radical && balance_keyword >= 0)
     error->all(FLERR_WORD(balance_keyword),
                "pair_style deformable/ring balance is for 'contact balanced' and 'tilted' only");

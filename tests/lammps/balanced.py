@@ -4,7 +4,7 @@ import numpy as np
 from deformable import core
 from test_soft_rings import OF_RADIUS, STIFFNESS, pushed
 
-DEFAULT = "deformable/ring contact balanced reach 0.3"
+DEFAULT = "deformable/ring contact balanced reach 0.6"
 EXACT = f"{DEFAULT} balance 1e-12 100"
 
 

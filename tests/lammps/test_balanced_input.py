@@ -9,9 +9,9 @@ from test_refusals import refuses
 from test_soft_rings import mixture, pushed
 
 
-@pytest.mark.parametrize("words", ["contact balanced", "reach 0.3", "balance 1e-8 1000"])
+@pytest.mark.parametrize("words", ["contact balanced", "reach 0.6", "balance 1e-8 1000"])
 def test_default(words):
-    """Without keywords: contact balanced, balance 1e-8 1000, reach 0.3."""
+    """Without keywords: contact balanced, balance 1e-8 1000, reach 0.6."""
     states = [
         mixture(PACKINGS[0], style)[0].evaluate()
         for style in ("deformable/ring", f"deformable/ring {words}", DEFAULT)
@@ -80,3 +80,20 @@ def test_no_atom_ids():
     )
     with refuses("needs atom IDs"):
         lmp.command("run 0")
+
+
+@pytest.mark.parametrize("law", ["balanced", "tilted"])
+def test_the_default_reach_is_enough_for_a_start_from_a_lattice(law):
+    """Two species at random on a lattice that is too dense for the larger ones: 0.3 stops it."""
+    k, m = np.meshgrid(np.arange(6), np.arange(6), indexing="ij")
+    x = np.column_stack([k.ravel(), m.ravel()]) * 1.0
+    rng = np.random.default_rng(3)
+    x += rng.uniform(-0.2, 0.2, x.shape)
+    kinds = rng.permutation(["small", "large"] * 18)
+    box = (0.0, 6.0, 0.0, 6.0)
+    minimize = "min_style fire\ntimestep 0.01\nminimize 0 1e-8 500 1000"
+    with pytest.raises(Exception, match="use a reach of 0"):
+        Scene(x, kinds, box, f"deformable/ring contact {law} reach 0.3").run(minimize)
+    scene = Scene(x, kinds, box, f"deformable/ring contact {law}")
+    scene.run(minimize)
+    assert scene.energy() > 0.0

@@ -85,11 +85,12 @@ def compress_command(
         ),
     ] = 0.0,
     reach: Annotated[
-        float,
+        float | None,
         typer.Option(
-            help="Ring laws: how far beyond touching neighbors count, over the sum of their radii."
+            help="Ring laws: how far beyond touching neighbors count, over the sum of their radii; "
+            "0.6 if not given, with radical 0.3."
         ),
-    ] = 0.3,
+    ] = None,
     strain: Annotated[
         float, typer.Option(help="Linear strain of all steps together; negative expands.")
     ] = 0.01,

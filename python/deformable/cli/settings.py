@@ -35,7 +35,7 @@ class Settings:
     kA: float
     kP: float
     tension: float
-    reach: float
+    reach: float | None
 
     strain: float
     steps: int
@@ -61,7 +61,8 @@ class Settings:
         """The law of this name with these stiffnesses."""
         law = LAWS[self.law]
         if isinstance(law, Ring):
-            return replace(law, kA=self.kA, kP=self.kP, tension=self.tension, reach=self.reach)
+            reach = law.reach if self.reach is None else self.reach
+            return replace(law, kA=self.kA, kP=self.kP, tension=self.tension, reach=reach)
         return replace(law, kA=self.kA, kP=self.kP)
 
 

@@ -18,7 +18,8 @@ from ..common.validate import positive, shown
 # finds the lines of much smaller neighbors up to (1 + f + 1/(1 + f)) R/2, so that 1.8 is enough.
 _FARTHEST_REACH = 3.0
 
-_CONTACTS = ("balanced", "tilted", "radical")
+# The default reach by the place of contact lines. Only radical lines cost more with a larger one.
+_REACH = {"balanced": 0.6, "tilted": 0.6, "radical": 0.3}
 
 
 class SpeciesParameters(NamedTuple):
@@ -55,9 +56,9 @@ class Ring:
     Args:
         kA: area stiffness [energy/length^4].
         reach: neighbors count up to a distance of (1 + reach) (R_i + R_j), because outlines bulge
-            between their contacts. A large reach costs little (3 % at 0.3). A reach that is too
-            small stops the run with an error that suggests a value; particles of very unequal size
-            need more, at most 3.
+            between their contacts; 0.6 if not given, with `radical` 0.3. A larger one costs next to
+            nothing, but with `radical` a quarter at 0.6. One that is too small stops the run with
+            an error that suggests a value: particles of very unequal size need more, at most 3.
         kP: perimeter stiffness [energy/length^2].
         skin: thickness of a rigid skin around the ring [length]: contacts act at the radius R,
             while A0 and P0 are those of the radius R - skin.
@@ -81,22 +82,23 @@ class Ring:
 
     kA: float | Sequence[float] = 1.0
     _: KW_ONLY
-    reach: float = 0.3
+    reach: float = math.nan
     kP: float | Sequence[float] = math.inf
     skin: float | Sequence[float] = 0.0
     contact: str = "balanced"
     tension: float | Sequence[float] = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "reach", positive("reach", self.reach))
+        if not isinstance(self.contact, str) or self.contact not in _REACH:
+            raise ParameterError(
+                f"contact must be balanced, tilted or radical, not {shown(self.contact)}"
+            )
+        given = _REACH[self.contact] if self.reach is math.nan else self.reach
+        object.__setattr__(self, "reach", positive("reach", given))
         if self.reach > _FARTHEST_REACH:
             raise ParameterError(
                 f"reach must be at most {_FARTHEST_REACH:g}, not {self.reach}: no outline bulges "
                 "farther than that"
-            )
-        if not isinstance(self.contact, str) or self.contact not in _CONTACTS:
-            raise ParameterError(
-                f"contact must be balanced, tilted or radical, not {shown(self.contact)}"
             )
         for name in SpeciesParameters._fields:
             object.__setattr__(self, name, one_or_each(name, getattr(self, name)))
@@ -292,8 +294,14 @@ def _at(values: float | Sequence[float], species: int) -> float:
 
 def _call(law: Law) -> str:
     """The call that makes a law, without the settings that have their default."""
-    values = ((field.name, getattr(law, field.name), field.default) for field in fields(law))
-    given = (f"{name}={value!r}" for name, value, default in values if value != default)
+    defaults = {field.name: field.default for field in fields(law)}
+    if isinstance(law, Ring):
+        defaults["reach"] = _REACH[law.contact]
+    given = (
+        f"{name}={getattr(law, name)!r}"
+        for name, default in defaults.items()
+        if getattr(law, name) != default
+    )
     return f"{type(law).__name__}({', '.join(given)})"
 
 
