@@ -13,6 +13,7 @@ from lammps_builds import ROOT, TESTED, build_plugin, call, program, tool
 from releases import assert_same, evaluate
 
 
+@pytest.mark.slow  # a minute of the compiler; .ci/run has it too
 def test_plugin_for_the_wheel(tmp_path):
     plugins = build_plugin(tmp_path, f"-DPython_EXECUTABLE={sys.executable}")
     lmp, environment = program(Path(sys.executable))

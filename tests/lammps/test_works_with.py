@@ -168,4 +168,6 @@ def test_as_a_fresh_run(name, law, tmp_path):
     assert_same(packing.results(), packing.fresh(tmp_path).results())
     assert "leaves the plane" not in log.read_text()
     if row.conserves and law != "sector":  # its energy jumps
-        assert after == pytest.approx(before, abs=2e-4 * packing.value("ke"))
+        # noise makes the error of a step random: 8e-4 is its standard deviation over seeds
+        part = 5e-3 if "langevin" in name else 2e-4
+        assert after == pytest.approx(before, abs=part * packing.value("ke"))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import ClassVar
@@ -37,6 +36,7 @@ from .lammps import (
     shared_file,
     wall_forces,
 )
+from .pair_errors import WAY_OUT, run_forces
 from .relaxation import (
     TOLERANCE,
     Forces,
@@ -59,31 +59,20 @@ _RESULTS = ("area", "perimeter", "contacts", "pressure", "arc_radius", "contact_
 # stretch it tenfold. Measured, N = 40 and 128: 0.03 is the fastest, 0.04 three times slower.
 _TIMESTEP = 0.02
 
-# The pressure falls by decades while a packing relaxes, and the time step has to follow it. Once
-# the pressure falls by less than a factor two in a call of the minimizer, the next call is twice as
-# long: soft modes near the onset of jamming need many iterations, and each call starts at rest.
+# The time step follows the pressure, which falls by decades. Once it falls by less than a factor
+# two in a call of the minimizer, the next call is twice as long: soft modes need many iterations.
 _ITERATIONS = 2000
 
-# Relative change of area and perimeter below which a particle counts as round: the energy of a
-# loose packing only tends to zero. An indentation of 1e-7 R changes them by about this much.
+# Relative change of area and perimeter below which a particle counts as round, that of an
+# indentation of 1e-7 R: the energy of a loose packing only tends to zero.
 _ROUND = 1e-14
 
-# Words in the pair styles' errors, and the way out in Python.
-_WAY_OUT = " (push_off separates overlaps, jam does so by itself)"
-_HINTS = {
-    "contact line": _WAY_OUT,
-    "species file": " (in Python: restart from a packing with larger `radii`, or particle_radii)",
-}
-
-# How LAMMPS names a wall, whose number is in the name of its fix.
-_FIX_OF_WALL = re.compile(r"(?:'\w+ 1'|a wall) of fix deformable_wall_(\d+)(?: deformable/wall)?")
-
-# Iterations without halving the largest force after which a relaxation counts as stalled. The force
-# falls by decades in a packing that loosens, while its ratio to the mean force may stay the same.
+# Iterations without halving the largest force after which a relaxation counts as stalled. Its ratio
+# to the mean force may stay the same in a packing that loosens.
 _PATIENCE = 60_000
 
-# A start counts as rigid if its forces on particles are at most this part of those of contacts; in
-# loose packings that overlap both are alike. Rounding of phi.
+# A start is rigid if its forces on particles are at most this part of those of contacts; in loose
+# packings that overlap both are alike. Rounding of phi.
 _BALANCED, _ROUNDING = 0.1, 1e-12
 
 # Set anew before each state: the energy of a state must not depend on the thermo output of a user.
@@ -137,8 +126,7 @@ class Simulation(FormerAttributes, Engine):
     ) -> None:
         expect("packing", packing, Packing)
         expect("law", law, Ring, Sector)
-        self.law = law
-        self.comm = communicator(comm)
+        self.law, self.comm = law, communicator(comm)
         packing = self.comm.bcast(packing)  # packings of different machines may differ
         if walls is not None:
             packing = replace(packing, walls=as_walls(walls))
@@ -154,8 +142,8 @@ class Simulation(FormerAttributes, Engine):
     def __repr__(self) -> str:
         if self.closed:
             return "<Simulation: closed>"
-        count = f"{self.lmp.get_natoms()} particles"
-        return f"<Simulation: {count}, law {self.law!r}, {shown_box(self.box)}>"
+        number = self.lmp.get_natoms()
+        return f"<Simulation: {number} particles, law {self.law!r}, {shown_box(self.box)}>"
 
     def restart(self, packing: Packing | State) -> None:
         """Start anew from a packing or a state, with the same law: results depend on it alone.
@@ -181,8 +169,7 @@ class Simulation(FormerAttributes, Engine):
             self.time, self.strain = state.time, state.strain
 
     def _open(self, packing: Packing) -> None:
-        law = self.law
-        self.time, self.strain = 0.0, None
+        law, self.time, self.strain = self.law, 0.0, None
         self._species, self._radii = packing.species, packing.radii
         species = species_file(law, self._radii)  # or fail before LAMMPS is open
         self._check_walls(packing.walls, packing.box)
@@ -250,9 +237,10 @@ class Simulation(FormerAttributes, Engine):
             # the force of a user's fix takes the place of pressures, as long as particles fall
             others_pressure = self._other_forces and forces.largest / self._largest_radius
             stiffest = max(pressure, self._single_contact_pressure, others_pressure)
-            timestep = _TIMESTEP / np.sqrt(stiffest)
+            timestep = float(_TIMESTEP / np.sqrt(stiffest))
             force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
-            self._run(f"timestep {float(timestep)!r}\n{minimize_command(float(force), iterations)}")
+            command = minimize_command(float(force), iterations)
+            run_forces(self.lmp, f"timestep {timestep!r}\n{command}", self._walls)
             # forces balance no better than contacts, whose imbalance some laws tell
             told = self.lmp.numpy.extract_compute("deformable_beyond", 0, 1)
             return left if len(told) > 3 and told[3] > tolerance else iterations
@@ -289,7 +277,7 @@ class Simulation(FormerAttributes, Engine):
             "compute deformable_rows all deformable/contact",
         )
         try:
-            self._run("run 0 post no")
+            run_forces(self.lmp, "run 0 post no", self._walls)
             self._results = gather(self.lmp, "f_deformable_results", len(names))
             self._contact_rows = local_array(self.lmp, "deformable_rows", len(ROWS))
         finally:
@@ -305,29 +293,17 @@ class Simulation(FormerAttributes, Engine):
         self._loose = bool(strain.max() <= _ROUND)
         force = dot(pressure, length) / float(max(contacts.sum(), 1.0))
         mean = self._single_contact_force if self._loose else force
-        largest, scale = largest_force(self.lmp), max(mean, minimum_contact_force)
-        return Forces(largest, scale or self._other_forces * largest)
-
-    def _run(self, commands: str) -> None:
-        """Run commands that evaluate forces, with a way out added to the error for overlaps."""
-        try:
-            run(self.lmp, commands)
-        except LammpsError as error:
-            line = _FIX_OF_WALL.sub(
-                lambda found: f"{self._walls[int(found[1]) - 1].kind} {found[1]}", str(error)
-            )
-            hints = "".join(hint for words, hint in _HINTS.items() if words in line)
-            raise LammpsError(line + hints) from None
+        largest = largest_force(self.lmp)
+        return Forces(largest, max(mean, minimum_contact_force) or self._other_forces * largest)
 
     def _snapshot(self, forces: Forces, stalled: bool) -> State:
-        """The state at the last evaluation."""
         area, perimeter, contacts, pressure, arc_radius, _, *told = np.ascontiguousarray(
             self._results.T
         )
         if area.min() <= 0.0:
             n = int(area.argmin())
             raise LammpsError(
-                f"the contacts of atom {n + 1} leave it no area, but {area[n]:.3g}{_WAY_OUT}"
+                f"the contacts of atom {n + 1} leave it no area, but {area[n]:.3g}{WAY_OUT}"
             )
         positions = gather(self.lmp, "x", 3)[:, :2]
         packing = Packing(

@@ -115,9 +115,10 @@ def stiffness_rows(jammed: Packing) -> Iterator[dict[str, Any]]:
         yield row(case, name, "decrease of the energy with kP", max(falls, 0.0), PRECISION)
 
 
-def density_rows(jammed: Packing) -> Iterator[dict[str, Any]]:
+def density_rows(jammed: Packing, densest: float) -> Iterator[dict[str, Any]]:
     """From a gas to beyond confluence: finite values, and warnings beyond the model."""
-    case, fractions = "phi 0.5 to 1.2", [0.5, 0.7, 0.8, *np.arange(0.84, 1.201, 0.04).tolist()]
+    case = f"phi 0.5 to {densest:g}"
+    fractions = [0.5, 0.7, 0.8, *np.arange(0.84, densest + 0.001, 0.04).tolist()]
     for name, law in LAWS.items():
         infinite, silent, beyond = 0, 0, 0
         try:
@@ -137,7 +138,8 @@ def density_rows(jammed: Packing) -> Iterator[dict[str, Any]]:
         yield row(case, name, "states with values that are not finite", infinite, 0.0)
         yield row(case, name, "states beyond the model without a warning", silent, 0.0)
         yield row(case, name, "states refused", float(refused != ""), 0.0, refused)
-        yield row(case, name, "no particle beyond the model at phi 1.2", float(beyond == 0), 0.0)
+        none_beyond = f"no particle beyond the model at phi {densest:g}"
+        yield row(case, name, none_beyond, float(beyond == 0), 0.0)
 
 
 def _finite(state: State) -> bool:

@@ -148,12 +148,8 @@ class State(ContactNetwork, RingResponse, Exports):
 
         Points between contacts lie outside of the exact outline by 1e-4 of the radius.
         """
-        return [
-            center + outline
-            for center, outline in zip(
-                self.packing.positions, self.parallels(same_area=True), strict=True
-            )
-        ]
+        outlines = self.parallels(same_area=True)
+        return [x + line for x, line in zip(self.packing.positions, outlines, strict=True)]
 
     def parallels(
         self,

@@ -216,7 +216,7 @@ def test_errors_name_the_wall(packing) -> None:
         sim.lmp.command("set atom 2 x 7.1 y 1.1")
         with pytest.raises(LammpsError, match=r"atom 2 at \(7.1, 1.1\) is in the obstacle disk 2$"):
             sim.state()
-    close = deformable.Simulation(two, Ring(), walls=[Disk((4, 8), 0.2), Disk((6, 5), 0.9)])
+    close = deformable.Simulation(two, Ring(), walls=[Disk((4, 8), 0.2), Disk((6, 5), 0.98)])
     with close as sim, pytest.raises(LammpsError, match="disk 2"):
         sim.state()
     with pytest.raises(ParameterError, match="rings of beads have no walls"):
