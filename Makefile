@@ -31,7 +31,7 @@ demo: $(VENV)/installed
 	@$(BIN)/deformable compare --number 16
 
 test: $(VENV)/installed-test
-	@$(BIN)/python -m pytest -q -n $(JOBS) --dist loadgroup -m "not slow" tests
+	@$(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile -m "not slow" tests
 
 test-slow: $(VENV)/installed-test
 	@$(BIN)/python -m pytest -q -n $(JOBS) -m slow tests

@@ -17,9 +17,6 @@ import deformable
 import pytest
 from deformable import core
 
-# one process builds the site for all tests
-pytestmark = pytest.mark.xdist_group("site")
-
 ROOT = Path(__file__).parents[1]
 API = sorted((ROOT / "docs" / "api").glob("*.md"))
 

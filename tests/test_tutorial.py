@@ -7,9 +7,6 @@ import nbclient
 import nbformat
 import pytest
 
-# one process runs the notebook for all tests
-pytestmark = pytest.mark.xdist_group("tutorial")
-
 NOTEBOOK = Path(__file__).parents[1] / "docs" / "tutorial.ipynb"
 
 

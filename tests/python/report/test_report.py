@@ -12,9 +12,6 @@ from deformable.report.page import Column, Picture, Section, Table, page
 from deformable.report.plan import Plan
 from deformable.studies.smooth_compressions import smooth_beads
 
-# one process makes the report for all tests
-pytestmark = pytest.mark.xdist_group("report")
-
 RINGS = [smooth_beads(40, smooth=kind) for kind in (True, False)]
 SMALLEST = Plan(
     ablation={"number": 64, "steps": 2, "repeats": 1},

@@ -11,9 +11,6 @@ from deformable.common.parallel import call_once
 from deformable.studies.friction import hysteresis, sliding
 from deformable.studies.smooth_compressions import smooth_beads, smooth_rows
 
-# one process compresses for all tests
-pytestmark = pytest.mark.xdist_group("smooth")
-
 KEYS = {
     *("n", "seed", "strain", "n_v", "law", "rings", "own", "energy_ratio", "pressure_ratio"),
     *("told", "S_rms", "I", "distance", "residual", "law_residual", "seconds", "seconds_smooth"),
