@@ -265,7 +265,6 @@ class Simulation(FormerAttributes, Engine):
     def _evaluate(self, minimum_contact_force: float = 0.0) -> Forces:
         """Bring forces and results of the particles up to date; returns the forces."""
         refuse_other(self.lmp, self._setup)
-        self._other_forces = has_other_fixes(self.lmp, self._setup)
         # commands given to `lmp` may have changed the particles
         self._species = species = gather(self.lmp, "type", 1).astype(np.int64) - 1
         names = (*_RESULTS, "model_error") if self.law.tells_error else _RESULTS
@@ -291,9 +290,10 @@ class Simulation(FormerAttributes, Engine):
         strain = 1.0 - area / (np.pi * radius**2) + perimeter / (2.0 * np.pi * radius) - 1.0
         self._largest_pressure = float(pressure.max())
         self._loose = bool(strain.max() <= _ROUND)
-        force = dot(pressure, length) / float(max(contacts.sum(), 1.0))
-        mean = self._single_contact_force if self._loose else force
-        largest = largest_force(self.lmp)
+        total, number = dot(pressure, length), float(max(contacts.sum(), 1.0))
+        mean = self._single_contact_force if self._loose else total / number
+        largest = largest_force(self.lmp)  # all contacts together bear less than another force
+        self._other_forces = largest > total and has_other_fixes(self.lmp, self._setup)
         return Forces(largest, max(mean, minimum_contact_force) or self._other_forces * largest)
 
     def _snapshot(self, forces: Forces, stalled: bool) -> State:

@@ -54,13 +54,11 @@ def save(
         "versions": versions(),
     }
     write_whole(folder / SPECIES, species_file(law, packing.radii))
-    write_whole(
-        folder / SCRIPT, script(packing, law, *timesteps, moves=bool(motion.velocities.any()))
-    )
+    moves = bool(motion.velocities.any())
+    write_whole(folder / SCRIPT, script(packing, law, *timesteps, moves=moves))
     write_whole(folder / SUMMARY, json.dumps(summary, indent=2, default=str) + "\n")
-    write_whole(
-        folder / DATA, packing_file(packing, motion, frames)
-    )  # last: it completes the state
+    # last: it completes the state
+    write_whole(folder / DATA, packing_file(packing, motion, frames))
 
 
 def setup(packing: Packing, law: Law) -> dict[str, Any]:

@@ -42,8 +42,8 @@ def shear(
 
     After step n the upper side of the box has moved along x by strain n / steps times its height.
     The shear stress that resists is -stress[0, 1] of the state, whose `strain` counts all calls of
-    `shear` for one simulation. A box whose tilt exceeds half its
-    width is replaced by the equivalent box with the smallest tilt, so that strains may be large.
+    `shear` for one simulation. A box whose tilt exceeds half its width is replaced by the
+    equivalent box with the smallest tilt, so that strains may be large.
 
     Args:
         sim: a `Simulation` or `Disks`; it ends in the last state.

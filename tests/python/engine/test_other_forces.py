@@ -55,3 +55,13 @@ def test_relaxation_within_a_motion(start: deformable.Packing) -> None:
     with deformable.Simulation(start, deformable.Ring()) as sim:
         for _ in deformable.move(sim, 2, 0.01, temperature=1e-6, friction=1.0, every=1, seed=1):
             assert not sim.relax().velocities.any()
+
+
+def test_fixes_without_forces_change_nothing() -> None:
+    """Contacts that hardly overlap bear next to nothing: the packing is loose, with any output."""
+    packing = deformable.Packing([[2, 2], [3 - 1e-9, 2]], [0, 0], [0.5], [[9, 0], [0, 9]])
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        sim.lmp.command("compute t all temp")
+        sim.lmp.command("fix out all ave/time 1 1 1 c_t")
+        state = sim.relax()
+    assert (state.residual, state.stalled) == (0.0, False)
