@@ -11,6 +11,13 @@ namespace deformable {
 // nearer, they are about to pass each other, after which no line would be behind a center.
 constexpr double NEAREST_LINE = 0.05;
 
+// The square of the distance at which a radical axis comes so near: |R_i^2 - R_j^2| + (0.05 (R_i + R_j))^2, from the sum
+// of the radii and the absolute value of their difference.
+template <class T> DEFORMABLE_INLINE T nearest_square(T sum, T difference)
+{
+  return (difference + NEAREST_LINE * NEAREST_LINE * sum) * sum;
+}
+
 // Indentation of both particles by the line. T is double, or a vector of doubles of several particles.
 template <class T> struct ContactLine {
   T indentation_i, indentation_j;        // a = R - h, h the distance from the center to the line

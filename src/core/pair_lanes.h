@@ -48,8 +48,7 @@ static bool locate_pairs(PairPlaces p, int begin, int end)
     const T dx = of_j(p.x, 3) - of_i(p.x, 3), dy = of_j(p.x + 1, 3) - of_i(p.x + 1, 3);
     const T ri = of_i(p.radius, 1), rj = of_j(p.radius, 1);
     const T square = dx * dx + dy * dy, d = root(square), per_d = 1.0 / d, sum = ri + rj;
-    apart &=
-        all_true(square > magnitude((ri - rj) * sum) + NEAREST_LINE * NEAREST_LINE * sum * sum);
+    apart &= all_true(square > nearest_square(sum, magnitude(ri - rj)));
     store(p.per_distance + k, per_d);
     store(p.overlap + k, sum - d);
     store(p.nx + k, dx * per_d);

@@ -2,7 +2,6 @@
 
 #include "contact.h"
 
-#include <algorithm>
 #include <cmath>
 
 using namespace LAMMPS_NS;
@@ -53,9 +52,8 @@ int NearPairs::first_behind(const double *radius) const
 {
   constexpr double ROUNDING = 1e-14;
   for (int k = 0; k < wall; ++k) {
-    const double ri = radius[i[k]], rj = radius[j[k]], d = 1.0 / per_distance[k], sum = ri + rj;
-    const double least = std::fabs((ri - rj) * sum) +
-                         deformable::NEAREST_LINE * deformable::NEAREST_LINE * sum * sum;
+    const double ri = radius[i[k]], rj = radius[j[k]], d = 1.0 / per_distance[k];
+    const double least = deformable::nearest_square(ri + rj, std::fabs(ri - rj));
     if (!(d * d > (1.0 + ROUNDING) * least)) return k;
   }
   return -1;
