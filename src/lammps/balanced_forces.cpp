@@ -16,13 +16,14 @@ using namespace deformable;
 int BalancedForces::solve(const DeformableParticles &p, bool new_list)
 {
   constexpr int MOST_LISTS = 10;
+  devices = own;
   if (new_list) {
     near.build(p, true);
     arrange(p, true);
   } else if (p.radii_vary || p.new_material) {
     set_material(p);
   }
-  const bool in_blocks = !near.pairs.tilts;    // then the solver locates most pairs
+  const bool in_blocks = !near.pairs.tilts && devices.in_blocks;    // then the solver locates most pairs
   int wrong = near.locate(p, in_blocks);
   if (wrong >= 0) return wrong;
   if (!new_list && !near.is_sufficient(p)) {

@@ -3,6 +3,7 @@
 #ifndef LMP_BALANCED_FORCES_H
 #define LMP_BALANCED_FORCES_H
 
+#include "devices.h"
 #include "pointers.h"
 
 #include "force_batches.h"
@@ -27,6 +28,7 @@ class BalancedForces : protected Pointers {
         near(lmp, kernels, tilts),
         solver(lmp, kernels, tolerance, max_evaluations)
   {
+    own.read();
   }
 
   // Returns -1, or a pair whose contact line cannot lie between the centers.
@@ -80,6 +82,7 @@ class BalancedForces : protected Pointers {
   double memory_usage() const;
 
  private:
+  Devices own;
   const deformable::ForceKernels &kernels;
   NearList near;
   ForceBatches batches;

@@ -39,7 +39,8 @@ double ForceSolver::accuracy_of(const Evaluation &from) const
 double ForceSolver::accuracy_of_first() const
 {
   constexpr double FINE = 1e-5;
-  const double least = tries_coarse > 0 ? coarse : FINE;
+  if (!devices.first_step) return accuracy_of(first_evaluation);
+  const double least = devices.learned && tries_coarse > 0 ? coarse : FINE;
   return std::min(
       COARSE,
       std::max(MARGIN * tolerance * first_evaluation.largest / first_evaluation.usual, least));
@@ -71,5 +72,5 @@ int ForceSolver::begin_corrections(const Evaluation &from)
 ForceSolver::Stage ForceSolver::shape_after(const Evaluation &from) const
 {
   constexpr double SMALL_STEP = 1e4;
-  return from.forces <= SMALL_STEP * tolerance * from.largest ? Stage::ADAPT : Stage::SHAPE;
+  return devices.adapt && from.forces <= SMALL_STEP * tolerance * from.largest ? Stage::ADAPT : Stage::SHAPE;
 }

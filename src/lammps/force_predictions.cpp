@@ -21,13 +21,13 @@ deformable::Extrapolation ForceSolver::find_extrapolation() const
   constexpr double INFINITE = std::numeric_limits<double>::infinity();
   constexpr double SMOOTH = 300.0;    // of the tolerance
   // velocities jump in a minimization
-  const bool is_cubic = consecutive_calls == MOST && !must_correct && !minimizing();
+  const bool is_cubic = devices.cubic && consecutive_calls == MOST && !must_correct && !minimizing();
   deformable::Extrapolation found;
   found.slope = consecutive_calls > 1 ? 1.0 : 0.0;
   found.bend = must_correct ? 0.5 : predicts() ? 1.0 : 0.0;
   found.twist = is_cubic ? 1.0 : 0.0;
   // after a prediction that no rings can bear, each kink counts
   const double largest = std::isfinite(first_evaluation.largest) ? first_evaluation.largest : 0.0;
-  found.smooth = is_cubic ? SMOOTH * tolerance * largest / pairs->unit() : INFINITE;
+  found.smooth = is_cubic && devices.kink ? SMOOTH * tolerance * largest / pairs->unit() : INFINITE;
   return found;
 }

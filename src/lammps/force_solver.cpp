@@ -17,7 +17,7 @@ void ForceSolver::begin_call(NearPairs &p, ForceBatches &b, const deformable::Pa
   consecutive_calls =
       update->ntimestep == last_step + 1 ? std::min(consecutive_calls + 1, MOST) : 0;
   last_step = update->ntimestep;
-  must_correct = predicts() && tolerance > LOOSE;
+  must_correct = devices.kolafa && predicts() && tolerance > LOOSE;
   extrapolation = find_extrapolation();
   make_room();
   kernels.extrapolate(arrays(), extrapolation, places ? p.remote : 0, p.size);
@@ -68,7 +68,7 @@ bool ForceSolver::solve(RemoteSides &r)
   if (!first_solution) --evaluations;    // of the same forces as the last one
   Evaluation now;
   const bool in_one =
-      unlocated && predicts() && needs_correction && !minimizing() && corrector.knows_bounds();
+      devices.one_run && (unlocated || !devices.in_blocks) && !p.tilts && predicts() && needs_correction && !minimizing() && corrector.knows_bounds();
   if (in_one) {
     now = evaluate_and_correct();
   } else {
@@ -208,9 +208,10 @@ ForceSolver::Evaluation ForceSolver::evaluate_and_correct()
 {
   constexpr double RELAXED = 1e3;    // of the tolerance
   evaluations = 1;
-  const bool relaxes = relaxation.begin(RELAXED * tolerance, first_evaluation.largest);
+  const bool relaxes = devices.relax_before && relaxation.begin(RELAXED * tolerance, first_evaluation.largest);
   const int corrections = corrector.plan(accuracy_of_first());
-  std::vector<Stage> stages = {Stage::LOCATE, Stage::SHAPE, Stage::LOOK};
+  std::vector<Stage> stages = {Stage::SHAPE, Stage::LOOK};
+  if (unlocated) stages.insert(stages.begin(), Stage::LOCATE);
   if (relaxes) stages.insert(stages.end(), {Stage::WAIT, Stage::RELAX, Stage::TURN, Stage::LOOK});
   stages.insert(stages.end(), corrections, Stage::CORRECT);
   const Stage shape = shape_after(first_evaluation);

@@ -23,6 +23,7 @@
 #ifndef LMP_FORCE_SOLVER_H
 #define LMP_FORCE_SOLVER_H
 
+#include "devices.h"
 #include "pointers.h"
 
 #include "block_levels.h"

@@ -112,7 +112,8 @@ ForceSolver::Evaluation ForceSolver::sum_up(int first, bool exist) const
     sum[1] += found.weights;
     sum[2] += found.slope;
   }
-  if (!errors.empty()) {
+  if (!devices.quantile) largest[4] = largest[0];
+  if (!errors.empty() && devices.quantile) {
     const auto usual = errors.end() - 1 - static_cast<int>(FEW * errors.size());
     std::nth_element(errors.begin(), usual, errors.end());
     largest[4] = *usual;

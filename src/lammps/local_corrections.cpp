@@ -21,7 +21,7 @@ bool ForceSolver::relax_some(Evaluation &now)
   constexpr double LITTLE = 100.0, ENOUGH = 0.3, USUAL = 0.3;    // times the tolerance
   constexpr int TRIES = 3;
   const double limit = tolerance * now.largest;
-  if (has_relaxed || in_vain == TRIES || !predicts() || minimizing() || pairs->tilts ||
+  if (!devices.relax_after || has_relaxed || in_vain == TRIES || !predicts() || minimizing() || pairs->tilts ||
       evaluations + 2 >= max_evaluations || !now.exists || now.forces <= limit ||
       now.forces > LITTLE * limit || typical_of(now) > USUAL * limit)
     return false;
@@ -42,7 +42,7 @@ bool ForceSolver::correct_some(Evaluation &now)
   constexpr double FEW = 0.25, NO_WORSE = 2.0;
   constexpr int OFTEN = 4;
   const double limit = tolerance * now.largest;
-  if (local_corrections == OFTEN || evaluations + 2 >= max_evaluations ||
+  if (!devices.local || local_corrections == OFTEN || evaluations + 2 >= max_evaluations ||
       !corrector.knows_bounds() || pairs->tilts || !now.exists || now.forces <= limit ||
       now.norm2 == 0.0)    // only rings without force touch
     return false;

@@ -1,3 +1,4 @@
+#include "devices.h"
 #include "near_list.h"
 
 #include "ring_forces.h"
@@ -24,6 +25,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
   if (calls > 0 && calls < OFTEN) margin *= CHANGE;
   if (calls > SELDOM) margin /= CHANGE;
   margin = std::clamp(margin, LEAST * p.smallest, MOST * p.smallest);
+  if (!devices.margin) margin = 0.08 * p.smallest;
   calls = 0;
 
   const int nlocal = atom->nlocal;
@@ -134,6 +136,7 @@ void NearList::find_order(const DeformableParticles &p)
 {
   constexpr double WIDTH = 3.0;    // of a column, in smallest radii; 1.4 to 6 were measured
   columns.clear();
+  if (!devices.columns) return;
   if (comm->procgrid[0] == 1 || comm->procgrid[1] > 1 || comm->layout == Comm::LAYOUT_TILED) return;
   const int rings = p.list->inum, *const list = p.list->ilist;
   std::vector<double> column(atom->nlocal);    // also far from the origin

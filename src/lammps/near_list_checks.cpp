@@ -1,5 +1,6 @@
 // How long the list of near pairs is sufficient.
 
+#include "devices.h"
 #include "near_list.h"
 
 #include "atom.h"
@@ -57,7 +58,7 @@ bool NearList::is_sufficient(const DeformableParticles &p)
     farthest2 = std::max(farthest2, d2);
   }
   farthest = are_finite ? std::sqrt(farthest2) : INFINITE;
-  const double expected = std::min(grown_now, MOST * margin);
+  const double expected = !devices.lookahead ? 0.0 : std::min(grown_now, MOST * margin);
   slack = grown_now = 0.0;
   return none_on_all_ranks(missed_wall || !has_slack(p, expected));
 }
@@ -72,8 +73,8 @@ bool NearList::is_sufficient_after(const DeformableParticles &p)
 bool NearList::has_slack(const DeformableParticles &p, double growth)
 {
   const double most = 0.5 * (margin - box_change());
-  if (!p.radii_vary && farthest + grown + growth <= most) return true;
-  if (!(grown_now + growth < slack)) slack = find_slack(p, most);
+  if (devices.slack && !p.radii_vary && farthest + grown + growth <= most) return true;
+  if (!devices.slack || !(grown_now + growth < slack)) slack = find_slack(p, most);
   return slack >= growth;
 }
 

@@ -1,3 +1,4 @@
+#include "devices.h"
 #include "pair_relaxation.h"
 
 #include "green.h"
@@ -23,7 +24,7 @@ bool PairRelaxation::begin(double least, double largest_force)
   constexpr double MANY = 0.07, FEW = 0.01;    // of the pairs
   if (found > MANY * pairs) part *= 2.0;
   if (found < FEW * pairs) part *= 0.5;
-  part = std::clamp(part, least, std::max(least, MOST));
+  part = devices.part ? std::clamp(part, least, std::max(least, MOST)) : least;
   limit = part * largest_force;
   most = MOST * largest_force;
   found = 0;
@@ -90,7 +91,7 @@ void PairRelaxation::relax(int block, const deformable::ForceKernels &kernels,
   waiting.resize(first_ones);
   for (const int k : waiting) waits[k] = true;
   if (chosen.empty()) found += static_cast<int>(first_ones);
-  const bool is_crowded = first_ones > CROWD * of_block + 10;
+  const bool is_crowded = devices.crowd && first_ones > CROWD * of_block + 10;
   const std::size_t last = is_crowded ? 0 : OFTEN * first_ones + ANY;
 
   near_block[block] = block;
