@@ -6,7 +6,6 @@
 #ifndef DEFORMABLE_BLOCK_LEVELS_H
 #define DEFORMABLE_BLOCK_LEVELS_H
 
-#include "devices.h"
 #include "force_batches.h"
 #include "near_pairs.h"
 
@@ -62,7 +61,7 @@ class BlockLevels {
     }
     // A few iterations at a time, each group a chunk behind the one before it: what they go through at once fits the
     // processor's own cache.
-    const int GROUP = devices.groups ? 4 : 1, CHUNK = devices.groups ? 4 : count();
+    constexpr int GROUP = 4, CHUNK = 4;
     const int groups = (last + GROUP - 1) / GROUP, chunks = (count() + CHUNK - 1) / CHUNK;
     for (int turn = 0; turn < chunks + groups - 1; ++turn)
       for (int group = std::max(0, turn - chunks + 1); group <= std::min(turn, groups - 1);
