@@ -46,7 +46,10 @@ if(DEFORMABLE_KNOWS_X86_LEVELS)
 endif()
 
 # The LAMMPS styles, and what only the plugin needs.
-file(GLOB STYLE_SOURCES CONFIGURE_DEPENDS ${DEFORMABLE_DIR}/src/lammps/*.cpp)
+set(STYLE_FOLDERS ${DEFORMABLE_DIR}/src/lammps/pair ${DEFORMABLE_DIR}/src/lammps/polygons
+                  ${DEFORMABLE_DIR}/src/lammps/walls)
+file(GLOB STYLE_SOURCES CONFIGURE_DEPENDS ${DEFORMABLE_DIR}/src/lammps/*.cpp
+                                          ${DEFORMABLE_DIR}/src/lammps/*/*.cpp)
 set(PLUGIN_SOURCES ${DEFORMABLE_DIR}/src/lammps/host_check.cpp
                    ${DEFORMABLE_DIR}/src/lammps/plugin.cpp)
 list(REMOVE_ITEM STYLE_SOURCES ${PLUGIN_SOURCES})

@@ -4,6 +4,8 @@
 #ifndef DEFORMABLE_FORCE_KERNELS_H
 #define DEFORMABLE_FORCE_KERNELS_H
 
+#include "trigonometry.h"
+
 namespace deformable {
 
 // A batch has so many rings, with equal numbers of places for contacts, on every level. An array of contacts has the
@@ -84,6 +86,12 @@ struct PairArrays {
   // the forces before a step, at the place of earlier[0], which is made anew at the end of a call
   float *before;
 };
+
+// The least force that a pair may bear; it bears one if its force is larger.
+template <class T> DEFORMABLE_INLINE T least_force(const PairArrays &, int)
+{
+  return T{};
+}
 
 constexpr double UNKNOWN_FORCE = -1e300;
 

@@ -66,7 +66,7 @@ DEFORMABLE_LANE_FUNCTION T of_both(const Number *x, const Arrays &p, int k)
          gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.second[k + w]; });
 }
 
-// The imbalance of a pair, see ForceSolver: r, 1/(C_i + C_j), k and f.
+// The imbalance of a pair, see ForceSolver: r, 1/(C_i + C_j), k, and f beyond the least force.
 template <class T>
 DEFORMABLE_LANE_FUNCTION T imbalance_of(T residual, T weight, T stiffening, T force)
 {
@@ -89,7 +89,8 @@ static Residuals find_residuals(PairArrays p, int begin, int end)
   const auto look = [&](auto kind, int k, auto &worst, auto &largest, auto &most, auto &norm2,
                         auto &weights) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
-    const T f = load<T>(p.force + k) * per_unit, zero = T{};
+    const T force = load<T>(p.force + k), zero = T{};
+    const T f = (force - least_force<T>(p, k)) * per_unit;    // that the pair may lose
     const T r = (load<T>(p.overlap + k) - of_both<T>(p.indentation, p, k)) * per_length;
     const T w = 1.0 / of_both<T>(p.compliance, p, k), part = select(f + r * w > 0.0, w, zero);
     const T error = imbalance_of(r, w, load<T>(p.stiffening + k), f);
@@ -98,7 +99,7 @@ static Residuals find_residuals(PairArrays p, int begin, int end)
     worst = larger(worst, select((f > 0.0) | (r > 0.0), magnitude(error), zero));
     const T size = select(magnitude(r) < INFINITE, magnitude(r), zero + INFINITE);    // also nan
     most = larger(most, select((f > 0.0) | (r > 0.0) | (size == INFINITE), size, zero));
-    largest = larger(largest, f);
+    largest = larger(largest, force * per_unit);
     norm2 += part * r * r;
     weights += part;
   };
@@ -131,7 +132,7 @@ static int find_unbalanced(PairArrays p, double limit, int begin, int end, int *
   const auto change_alone = [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
     const T linear = load<T>(p.residual + k) * magnitude(load<T>(p.weight + k));
-    return magnitude(larger(linear * p.unit, -load<T>(p.force + k)));
+    return magnitude(larger(linear * p.unit, least_force<T>(p, k) - load<T>(p.force + k)));
   };
   int k = begin;
   for (; k + W <= end; k += W) {
@@ -155,7 +156,7 @@ static void extrapolate(PairArrays p, Extrapolation by, int begin, int end)
     const T most = larger(KINK * magnitude(bend), zero + by.smooth);
     const T curve = select(magnitude(twist) > most, zero, by.bend * bend + by.twist * twist);
     const T change = -(by.slope * last + curve);
-    store(p.force + k, larger(load<T>(p.past + k) + change * p.unit, zero));
+    store(p.force + k, larger(load<T>(p.past + k) + change * p.unit, least_force<T>(p, k)));
     store(p.earlier[1] + k, last);
     store(p.earlier[2] + k, second);
   });
@@ -168,15 +169,15 @@ static double take_step(PairArrays p, bool alone, int begin, int end)
   const double slope = sum_of(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
     const T f = load<T>(p.force + k) * per_unit, r = load<T>(p.residual + k);
-    const T error = imbalance_at<T>(p, k, f), zero = T{};
+    const T none = least_force<T>(p, k) * per_unit, error = imbalance_at<T>(p, k, f - none);
     T change = ALONE * error;
     if (!alone) {
       const T correction =
           gather<T>(p.correction, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.first[k + w]; });
       change = select(load<T>(p.weight + k) > 0.0, correction, error);
     }
-    const T least = select(r > 0.0, load<T>(p.stiffening + k) * r * r * r, zero);
-    const T next = larger(f + change, least), step = next - f;
+    const T repulsion = select(r > 0.0, load<T>(p.stiffening + k) * r * r * r, none);
+    const T next = larger(f + change, larger(repulsion, none)), step = next - f;
     store(p.before + k, f);
     store(p.step + k, step);
     store(p.force + k, next * p.unit);
@@ -192,7 +193,7 @@ static void remember(PairArrays p, int begin, int end)
     using T = decltype(kind);
     const T zero = T{}, force = load<T>(p.force + k), past = load<T>(p.past + k);
     const T virtual_force = smaller(imbalance_at<T>(p, k, zero), zero) * p.unit;
-    const T f = select(force > 0.0, force, virtual_force);
+    const T f = select(force > least_force<T>(p, k), force, virtual_force);
     store(p.past + k, f);
     store(p.earlier[0] + k, select(past == UNKNOWN_FORCE, zero, (past - f) * per_unit));
   });

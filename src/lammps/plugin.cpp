@@ -3,13 +3,13 @@
 #include "host_check.h"
 #include "plugin_abi.h"
 
-#include "compute_deformable_contact.h"
-#include "fix_deformable_polygon.h"
-#include "fix_deformable_stick.h"
-#include "fix_deformable_wall.h"
-#include "pair_deformable_edge.h"
-#include "pair_deformable_ring.h"
-#include "pair_deformable_sector.h"
+#include "pair/compute_deformable_contact.h"
+#include "pair/pair_deformable_ring.h"
+#include "pair/pair_deformable_sector.h"
+#include "polygons/fix_deformable_polygon.h"
+#include "polygons/fix_deformable_stick.h"
+#include "polygons/pair_deformable_edge.h"
+#include "walls/fix_deformable_wall.h"
 
 #include "lammps.h"
 
@@ -56,9 +56,9 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.info = "pair_style " #key;                                                                \
   plugin.creator.v1 = &pair_creator<Style>;                                                        \
   register_style(&plugin, lmp)
-#include "pair_deformable_edge.h"
-#include "pair_deformable_ring.h"
-#include "pair_deformable_sector.h"
+#include "pair/pair_deformable_ring.h"
+#include "pair/pair_deformable_sector.h"
+#include "polygons/pair_deformable_edge.h"
 
 #define FIX_CLASS
 #define FixStyle(key, Style)                                                                       \
@@ -67,9 +67,9 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.info = "fix " #key;                                                                       \
   plugin.creator.v2 = &creator_of<Style>;                                                          \
   register_style(&plugin, lmp)
-#include "fix_deformable_polygon.h"
-#include "fix_deformable_stick.h"
-#include "fix_deformable_wall.h"
+#include "polygons/fix_deformable_polygon.h"
+#include "polygons/fix_deformable_stick.h"
+#include "walls/fix_deformable_wall.h"
 
 #define COMPUTE_CLASS
 #define ComputeStyle(key, Style)                                                                   \
@@ -78,5 +78,5 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.info = "compute " #key;                                                                   \
   plugin.creator.v2 = &creator_of<Style>;                                                          \
   register_style(&plugin, lmp)
-#include "compute_deformable_contact.h"
+#include "pair/compute_deformable_contact.h"
 }

@@ -7,12 +7,12 @@
 #include "pair.h"
 
 #include "block_walk.h"
-#include "fix_deformable_wall.h"
 #include "particle_results.h"
 #include "shape.h"
 #include "species.h"
 #include "stiffness.h"
 #include "vector_bytes.h"
+#include "walls/fix_deformable_wall.h"
 
 #include "atom.h"
 #include "neigh_list.h"

@@ -3,7 +3,7 @@
 
 #include "pair_deformable.h"
 
-#include "fix_deformable_wall.h"
+#include "walls/fix_deformable_wall.h"
 
 #include "fix.h"
 #include "modify.h"

@@ -58,38 +58,28 @@ bool NearList::is_sufficient(const DeformableParticles &p)
   }
   farthest = are_finite ? std::sqrt(farthest2) : INFINITE;
   const double expected = std::min(grown_now, MOST * margin);
-  slack = grown_now = 0.0;
-  return none_on_all_ranks(missed_wall || !has_slack(p, expected));
+  grown_now = 0.0;
+  return none_on_all_ranks(missed_wall || !is_within_margin(p, expected));
 }
 
 bool NearList::is_sufficient_after(const DeformableParticles &p)
 {
-  return none_on_all_ranks(missed_wall || !has_slack(p, 0.0));
+  return none_on_all_ranks(missed_wall || !is_within_margin(p, 0.0));
 }
 
 // Whether each bulge may still grow by so much. Mostly the longest move and the largest growth of a bulge are together below
 // half of the margin: then no particle needs a look of its own.
-bool NearList::has_slack(const DeformableParticles &p, double growth)
+bool NearList::is_within_margin(const DeformableParticles &p, double growth) const
 {
-  const double most = 0.5 * (margin - box_change());
-  if (!p.radii_vary && farthest + grown + growth <= most) return true;
-  if (!(grown_now + growth < slack)) slack = find_slack(p, most);
-  return slack >= growth;
-}
-
-// By how much each bulge may still grow, at least; negative if a particle is too far already.
-double NearList::find_slack(const DeformableParticles &p, double most) const
-{
+  const double most = 0.5 * (margin - box_change()) - growth;
+  if (!p.radii_vary && farthest + grown <= most) return true;
   const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
-  double least = most * most;
   bool are_near = true;
   for (int ii = 0; ii < p.list->inum; ++ii) {
     const int i = p.list->ilist[ii];
     const double left = most - std::max(bulge[i] - bulge_then[i], 0.0) -
                         (p.radii_vary ? std::fabs(p.radius[i] - radius_then[i]) : 0.0);
-    const double square = left * std::fabs(left) - move_of(i, x);
-    are_near &= square >= 0.0;
-    least = std::min(least, square);
+    are_near &= left * std::fabs(left) >= move_of(i, x);
   }
-  return are_near ? least / (2.0 * most) : -1.0;    // left - move >= square/(2 most)
+  return are_near;
 }

@@ -3,8 +3,7 @@
 // Forces are predicted well but where a contact opens or closes: there they are a thousand times worse than elsewhere. What
 // balances such a pair decays within a few rings. So those pairs take a step each, again and again, until they are about as
 // good as the others, before all are corrected together. That is the method of Gauss and Seidel only where something is
-// left to do (R. V. Southwell, Relaxation Methods in Engineering Science, 1940). The same is done, once in a call, if that
-// correction leaves few pairs off balance.
+// left to do (R. V. Southwell, Relaxation Methods in Engineering Science, 1940).
 
 #ifndef LMP_PAIR_RELAXATION_H
 #define LMP_PAIR_RELAXATION_H
@@ -13,7 +12,6 @@
 #include "force_batches.h"
 #include "near_pairs.h"
 
-#include <algorithm>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -22,17 +20,14 @@ class PairRelaxation {
  public:
   void arrange(const ForceBatches &, const NearPairs &);    // contacts are new
 
-  // A new force call. Pairs are relaxed whose imbalance is above `least`, or above more if there were many of them in the
-  // last call: then it is cheaper to correct all together. Those that are far off are left to Newton's method, which knows
-  // when it goes astray. All are parts of the largest force. Returns whether any imbalance is between these limits.
-  bool begin(double least, double largest_force);
-
-  // The same call goes on in some blocks, with imbalances above this force.
-  void go_on(double above, double largest_force, const BlockLevels::Choice &blocks_)
+  // A new force call. Pairs are relaxed whose imbalance is above `least` times the largest force. Those that are far off are
+  // left to Newton's method, which knows when it goes astray. Returns whether any imbalance is between these limits.
+  bool begin(double least, double largest_force)
   {
-    limit = above;
+    constexpr double MOST = 0.01;    // what is of first order
+    limit = least * largest_force;
     most = MOST * largest_force;
-    chosen = blocks_;
+    return limit < most;
   }
 
   // Relaxes the pairs whose first ring is in the block, then those that this brings out of balance, in this block and its
@@ -56,16 +51,13 @@ class PairRelaxation {
 
   double bytes() const
   {
-    return bytes_of(waiting, chosen, may_turn, has_turned, near_block) +
+    return bytes_of(waiting, may_turn, has_turned, near_block) +
            static_cast<double>(waits.size() / 8);
   }
 
  private:
-  static constexpr double MOST = 0.01;    // of the largest force: what is of first order
-  double part = 0.0;                      // of the largest force, for begin
-  double limit = 0.0, most = 0.0;         // smaller and larger imbalances stay
-  int pairs = 0, found = 0;
-  BlockLevels::Choice chosen;    // all blocks if empty
+  double limit = 0.0, most = 0.0;    // smaller and larger imbalances stay
+  int pairs = 0;
 
   std::vector<int> waiting;                  // pairs
   std::vector<bool> waits;                   // by pair

@@ -8,9 +8,17 @@
 using namespace LAMMPS_NS;
 using deformable::LARGEST_SINE;
 
-// From three past tilts: without the twist.
-void LineTilts::predict(NearPairs &p, const deformable::Extrapolation &by)
+void LineTilts::arrange(ForceBatches &b, NearPairs &p, RemoteSides &r)
 {
+  pairs = &p;
+  batches = &b;
+  remote = &r;
+}
+
+// From three past tilts: without the twist.
+void LineTilts::predict(const deformable::Extrapolation &by)
+{
+  NearPairs &p = *pairs;
   const double *const now = p.past_tilt[0].data(), *const last = p.past_tilt[1].data();
   double *const before = p.past_tilt[2].data();
   for (int k = 0; k < p.size; ++k)
@@ -24,40 +32,47 @@ void LineTilts::predict(NearPairs &p, const deformable::Extrapolation &by)
   std::swap(p.past_tilt[0], p.past_tilt[1]);
 }
 
-void LineTilts::start(NearPairs &p, ForceBatches &b, const deformable::ForceKernels &kernels)
+void LineTilts::begin()
 {
+  const NearPairs &p = *pairs;
   part = 1.0;
   last_imbalance = 0.0;
   next.resize(p.size);
-  rate.resize(b.indentation.size());
+  rate.resize(batches->indentation.size());
   for (int k = 0; k < p.size; ++k) {
     const double sine = p.past_tilt[0][k];
     const bool is_known = sine != deformable::UNKNOWN_FORCE;
     next[k] = is_known ? std::clamp(sine, -LARGEST_SINE, LARGEST_SINE) : 0.0;
   }
-  turn(p, b, kernels);
+  turn();
 }
 
-deformable::LineArrays LineTilts::arrays(NearPairs &p, ForceBatches &b)
+deformable::LineArrays LineTilts::arrays()
 {
-  return {p.per_distance.data(),
-          p.force.data(),
-          p.side[0].data(),
-          p.side[1].data(),
-          b.slope.data(),
-          rate.data(),
-          p.tilt.data(),
-          next.data(),
-          p.overlap.data(),
-          p.angle.data(),
-          p.nx.data(),
-          p.ny.data(),
-          part};
+  NearPairs &p = *pairs;
+  deformable::LineArrays a;
+  a.per_distance = p.per_distance.data();
+  a.force = p.force.data();
+  a.first = p.side[0].data();
+  a.second = p.side[1].data();
+  a.slope = batches->slope.data();
+  a.slope_rate = rate.data();
+  a.sine = p.tilt.data();
+  a.next = next.data();
+  a.overlap = p.overlap.data();
+  a.angle = p.angle.data();
+  a.nx = p.nx.data();
+  a.ny = p.ny.data();
+  a.part = part;
+  return a;
 }
 
-double LineTilts::find(NearPairs &p, ForceBatches &b, const deformable::ForceKernels &kernels)
+double LineTilts::imbalance()
 {
-  return kernels.find_tilts(arrays(p, b), 0, p.wall);
+  kernels.slopes(batches->arrays(), pairs->directions(), rate.data());
+  remote->exchange(pairs->side[0].data() + pairs->remote, batches->contacts, batches->slope.data(),
+                   rate.data());
+  return remote->largest(kernels.find_tilts(arrays(), 0, pairs->wall));
 }
 
 // Forces respond to tilts, which Newton's method for each line alone does not know. Beyond the model the response may be
@@ -70,13 +85,14 @@ void LineTilts::adapt(double imbalance)
   last_imbalance = imbalance;
 }
 
-void LineTilts::turn(NearPairs &p, ForceBatches &b, const deformable::ForceKernels &kernels)
+void LineTilts::turn()
 {
-  kernels.turn_lines(arrays(p, b), 0, p.wall);
+  kernels.turn_lines(arrays(), 0, pairs->wall);
 }
 
-void LineTilts::remember(NearPairs &p)
+void LineTilts::remember()
 {
+  NearPairs &p = *pairs;
   double *const now = p.past_tilt[0].data(), *const last = p.past_tilt[1].data();
   double *const before = p.past_tilt[2].data();
   for (int k = 0; k < p.wall; ++k) {

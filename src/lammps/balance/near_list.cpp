@@ -12,19 +12,11 @@
 
 using namespace LAMMPS_NS;
 
-/* ----------------------------------------------------------------------
-   The margin follows the speed of the particles: a larger one means more
-   pairs, a smaller one means more builds.
-------------------------------------------------------------------------- */
-
 void NearList::build(const DeformableParticles &p, bool new_list)
 {
-  constexpr double LEAST = 0.03, MOST = 0.2, CHANGE = 1.5;
-  constexpr int OFTEN = 30, SELDOM = 120;
-  if (calls > 0 && calls < OFTEN) margin *= CHANGE;
-  if (calls > SELDOM) margin /= CHANGE;
-  margin = std::clamp(margin, LEAST * p.smallest, MOST * p.smallest);
-  calls = 0;
+  constexpr double MARGIN =
+      0.1;    // of a radius: a larger one means more pairs, a smaller one more builds
+  margin = MARGIN * p.smallest;
 
   const int nlocal = atom->nlocal;
   if (new_list) {
@@ -96,7 +88,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
   if (p.radii_vary) radius_then.assign(p.radius, p.radius + nlocal);
   box_then = {domain->xprd, domain->yprd, domain->xy};
   missed_wall = false;
-  farthest = grown = slack = 0.0;
+  farthest = grown = 0.0;
 }
 
 // The neighbor list is new: particles have other indices now, pairs still have the former ones.
@@ -253,13 +245,11 @@ void NearList::set_constants(const DeformableParticles &p)
    A wall that is out of reach counts as far away.
 ------------------------------------------------------------------------- */
 
-int NearList::locate(const DeformableParticles &p, bool only_shared)
+int NearList::locate(const DeformableParticles &p)
 {
-  ++calls;
   if (p.new_material) set_constants(p);
   std::fill(pairs.tilt.begin(), pairs.tilt.end(), 0.0);
-  const int begin = only_shared ? pairs.remote : 0;
-  if (begin < pairs.wall && !kernels.locate(pairs.places(atom->x[0], p.radius), begin, pairs.wall))
+  if (pairs.wall > 0 && !kernels.locate(pairs.places(atom->x[0], p.radius), 0, pairs.wall))
     return pairs.first_behind(p.radius);
   if (p.walls->empty()) return -1;
   for (int k = pairs.wall; k < pairs.size; ++k) {

@@ -22,28 +22,23 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
   } else if (p.radii_vary || p.new_material) {
     set_material(p);
   }
-  const bool in_blocks = !near.pairs.tilts;    // then the solver locates most pairs
-  int wrong = near.locate(p, in_blocks);
-  if (wrong >= 0) return wrong;
-  if (!new_list && !near.is_sufficient(p)) {
+  int wrong = near.locate(p);
+  if (wrong < 0 && !new_list && !near.is_sufficient(p)) {
     near.build(p, false);
     arrange(p, false);
-    wrong = near.locate(p, in_blocks);
-    if (wrong >= 0) return wrong;
+    wrong = near.locate(p);
   }
-  const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
-  const PairPlaces places = near.pairs.places(x, p.radius);
-  solver.begin_call(near.pairs, batches, in_blocks ? &places : nullptr);
+  if (wrong >= 0) return wrong;
+  solver.begin_call();
   for (int lists = 0;; ++lists) {
-    is_balanced = solver.solve(near.remote_sides);
-    if (!solver.lines_are_apart()) return near.pairs.first_behind(p.radius);
+    is_balanced = solver.solve();
     find_bulges();
     if (without_room() >= 0) break;    // its forces have no limit, nor have bulges
     if (lists < MOST_LISTS && !near.is_sufficient_after(p)) {
       solver.remember();
       near.build(p, false);
       arrange(p, false);
-      near.locate(p, false);
+      near.locate(p);
       continue;
     }
     if (!is_balanced) warn_unbalanced();
@@ -58,7 +53,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
 void BalancedForces::arrange(const DeformableParticles &p, bool new_list)
 {
   batches.arrange(near.order(*p.list), p.list->inum, atom->nlocal, near.pairs, atom->tag);
-  solver.arrange(batches, near.pairs, new_list);
+  solver.arrange(batches, near.pairs, near.remote_sides, new_list);
   set_material(p);
 }
 
@@ -141,7 +136,7 @@ int BalancedForces::collapsed() const
 {
   constexpr double MUCH = 0.02;    // of a radius
   constexpr int MANY = 20;         // evaluations that usually balance anything
-  if (!batches.tense || solver.evaluations < MANY) return -1;
+  if (!batches.tense || solver.evaluations() < MANY) return -1;
   const auto is_bubble = [this](int i) {
     return i >= 0 && batches.tension[batches.place[i]] > 0.0 &&
            std::isfinite(batches.kA[batches.place[i]]);
@@ -228,7 +223,7 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
 // Ranks compare when the neighbor list is new.
 void BalancedForces::warn_limited()
 {
-  int here = solver.tilts.limited > 0.0, any = here;
+  int here = solver.limited_tilts() > 0.0, any = here;
   if (comm->nprocs > 1) MPI_Allreduce(&here, &any, 1, MPI_INT, MPI_MAX, world);
   if (any == 0) return;
   warned_limited = true;
@@ -281,7 +276,7 @@ void BalancedForces::warn_unbalanced()
         "Contacts are not balanced: after {} evaluations forces are off by up to {:.2g} of the "
         "largest. Allow more evaluations, or a larger tolerance than {:.2g} (pair_style "
         "deformable/ring balance)",
-        solver.evaluations, solver.imbalance, solver.tolerance);
+        solver.evaluations(), solver.imbalance, solver.tolerance);
 }
 
 double BalancedForces::memory_usage() const

@@ -13,6 +13,7 @@
 
 #include "force_batches.h"
 #include "near_pairs.h"
+#include "remote_sides.h"
 
 #include <vector>
 
@@ -20,34 +21,39 @@ namespace LAMMPS_NS {
 
 class LineTilts {
  public:
+  explicit LineTilts(const deformable::ForceKernels &kernels) : kernels(kernels) {}
+
   // Lines of the last solution that bear a force at the limit. A line that two ranks share counts half on each.
   double limited = 0.0;
 
+  void arrange(ForceBatches &, NearPairs &, RemoteSides &);    // contacts are new
+
   // Extrapolates the tilts of the last calls, which the pairs have.
-  static void predict(NearPairs &, const deformable::Extrapolation &);
+  void predict(const deformable::Extrapolation &);
 
   // Of pairs that do not tilt yet: their lines take the first of the past tilts.
-  void start(NearPairs &, ForceBatches &, const deformable::ForceKernels &);
+  void begin();
 
-  // The rates of the slopes, by contact.
-  double *rates() { return rate.data(); }
-
-  // Finds the next tilts from slopes and rates. Returns the largest imbalance.
-  double find(NearPairs &, ForceBatches &, const deformable::ForceKernels &);
+  // The largest imbalance of a tilt for the present forces, on all ranks. Also finds the next tilts.
+  double imbalance();
 
   // Steps become shorter where imbalances do not fall, and longer again where they do.
   void adapt(double imbalance);
 
   // All lines take the tilts found last, or keep them for the next call.
-  void turn(NearPairs &, ForceBatches &, const deformable::ForceKernels &);
-  void remember(NearPairs &);
+  void turn();
+  void remember();
 
   double bytes() const { return bytes_of(next, rate); }
 
  private:
-  std::vector<double> next, rate;    // see LineArrays
+  const deformable::ForceKernels &kernels;
+  NearPairs *pairs = nullptr;
+  ForceBatches *batches = nullptr;
+  RemoteSides *remote = nullptr;
+  std::vector<double> next, rate;    // see LineArrays; rates of slopes, by contact
   double part = 1.0, last_imbalance = 0.0;
-  deformable::LineArrays arrays(NearPairs &, ForceBatches &);
+  deformable::LineArrays arrays();
 };
 
 }    // namespace LAMMPS_NS

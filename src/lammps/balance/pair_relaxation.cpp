@@ -18,24 +18,11 @@ void PairRelaxation::arrange(const ForceBatches &b, const NearPairs &p)
   near_block.assign(b.batches * LANES / ForceBatches::BLOCK + 1, -1);
 }
 
-bool PairRelaxation::begin(double least, double largest_force)
-{
-  constexpr double MANY = 0.07, FEW = 0.01;    // of the pairs
-  if (found > MANY * pairs) part *= 2.0;
-  if (found < FEW * pairs) part *= 0.5;
-  part = std::clamp(part, least, std::max(least, MOST));
-  limit = part * largest_force;
-  most = MOST * largest_force;
-  found = 0;
-  chosen.clear();
-  return limit < most;
-}
-
 // The change of the force of a pair that balances it if all others stay.
 static double change_alone(const PairArrays &a, int k)
 {
   const double residual = a.residual[k], weight = std::fabs(a.weight[k]);
-  return std::max(residual * weight * a.unit, -a.force[k]);
+  return std::max(residual * weight * a.unit, deformable::least_force<double>(a, k) - a.force[k]);
 }
 
 void PairRelaxation::wait_for(const PairArrays &a, int k)
@@ -79,7 +66,6 @@ void PairRelaxation::relax(int block, const deformable::ForceKernels &kernels,
   constexpr double CROWD = 0.1;    // of the pairs
   constexpr double PART = 0.3;     // of what a ring bears
   constexpr std::size_t OFTEN = 50, ANY = 1000;
-  if (!chosen.empty() && !chosen[block]) return;
   std::size_t of_block = 0, first_ones = 0;
   blocks.for_pairs(block, [&](int begin, int end, double) {
     if (begin >= p.remote && begin < p.wall) return;
@@ -89,7 +75,6 @@ void PairRelaxation::relax(int block, const deformable::ForceKernels &kernels,
   });
   waiting.resize(first_ones);
   for (const int k : waiting) waits[k] = true;
-  if (chosen.empty()) found += static_cast<int>(first_ones);
   const bool is_crowded = first_ones > CROWD * of_block + 10;
   const std::size_t last = is_crowded ? 0 : OFTEN * first_ones + ANY;
 

@@ -25,7 +25,7 @@ class BalancedForces : protected Pointers {
       : Pointers(lmp),
         kernels(kernels),
         near(lmp, kernels, tilts),
-        solver(lmp, kernels, tolerance, max_evaluations)
+        solver(lmp, kernels, tilts, tolerance, max_evaluations)
   {
   }
 
@@ -36,7 +36,7 @@ class BalancedForces : protected Pointers {
   template <class Act> void finish(Act &&act) { solver.finish(act); }
 
   const NearPairs &pairs() const { return near.pairs; }
-  int evaluations() const { return solver.evaluations; }
+  int evaluations() const { return solver.evaluations(); }
   double imbalance() const { return solver.imbalance; }
 
   // A particle of infinite kA that cannot keep its area between its contacts, if the forces have grown without a limit
@@ -57,7 +57,7 @@ class BalancedForces : protected Pointers {
 
   // The tilt of the line of a pair, the same from both sides [rad], and the number of lines that would tilt further.
   double tilt(int k) const { return near.pairs.tilts ? std::asin(near.pairs.tilt[k]) : 0.0; }
-  double limited_tilts() const { return solver.tilts.limited; }
+  double limited_tilts() const { return solver.limited_tilts(); }
 
   // Of all rings of this rank. What is left of the overlaps is not in it.
   double energy() const;

@@ -15,6 +15,14 @@ double RemoteSides::sum(double of_this_rank) const
   return all;
 }
 
+double RemoteSides::largest(double of_this_rank) const
+{
+  if (comm->nprocs == 1) return of_this_rank;
+  double all;
+  MPI_Allreduce(&of_this_rank, &all, 1, MPI_DOUBLE, MPI_MAX, world);
+  return all;
+}
+
 void RemoteSides::to_ghosts(std::vector<double> &by_particle)
 {
   const int all = atom->nlocal + atom->nghost;

@@ -32,7 +32,8 @@ class RemoteSides : protected Pointers {
   template <class Number, class Other = Number>
   void exchange(const int *side, int own, Number *values, Other *more = nullptr);
 
-  double sum(double of_this_rank) const;    // over all ranks
+  double sum(double of_this_rank) const;        // over all ranks
+  double largest(double of_this_rank) const;    // of all ranks
 
   // From each particle to its ghosts.
   void to_ghosts(std::vector<double> &by_particle);

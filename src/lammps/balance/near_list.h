@@ -9,11 +9,11 @@
 
 #include "pointers.h"
 
-#include "fix_deformable_wall.h"
 #include "force_history.h"
 #include "near_pairs.h"
 #include "remote_sides.h"
 #include "species.h"
+#include "walls/fix_deformable_wall.h"
 
 #include "neigh_list.h"
 
@@ -52,9 +52,8 @@ class NearList : protected Pointers {
   // Collects the pairs anew.
   void build(const DeformableParticles &, bool new_list);
 
-  // Overlaps and directions of all pairs, or only of those with other ranks and walls. Returns -1, or a pair whose contact
-  // line cannot lie between the centers.
-  int locate(const DeformableParticles &, bool only_shared);
+  // Overlaps and directions of all pairs. Returns -1, or a pair whose contact line cannot lie between the centers.
+  int locate(const DeformableParticles &);
 
   // Whether the list is sufficient, on all ranks, for the present positions and bulges.
   bool is_sufficient(const DeformableParticles &);
@@ -81,14 +80,11 @@ class NearList : protected Pointers {
  private:
   const deformable::ForceKernels &kernels;
   double margin = 0.0;
-  int calls = 0;    // since the last build
   bool missed_wall = false;
   // the longest move and the largest growth of a bulge since the last build, and the latter in the last solution
   double farthest = 0.0, grown = 0.0, grown_now = 0.0;
-  double slack = 0.0;    // all bulges may grow by so much in this call
   double move_of(int i, const double *x) const;
-  bool has_slack(const DeformableParticles &, double growth);
-  double find_slack(const DeformableParticles &, double most) const;
+  bool is_within_margin(const DeformableParticles &, double growth) const;
   bool none_on_all_ranks(int here) const;
 
   // as of the last build

@@ -12,7 +12,7 @@ PairStyle(deformable/ring,PairDeformableRing);
 
 #include "pair_deformable.h"
 
-#include "balanced_forces.h"
+#include "balance/balanced_forces.h"
 #include "soft_ring.h"
 #include "species_ramps.h"
 
