@@ -98,11 +98,6 @@ def _saved(parameters: Mapping[str, Any]) -> dict[str, Any]:
     """Settings in a summary: those of the last compression, completed by those of earlier ones."""
     settings = dict(parameters)
     before = settings.pop("before", None)
-    if settings.get("law") == "ring":  # version 0.1 had two options for the law
-        settings["law"] = settings.get("contact", "radical")
-    for name in ("kA", "kP"):
-        if name.lower() in settings:
-            settings[name] = settings.pop(name.lower())
     return (_saved(before) if before else {}) | settings
 
 

@@ -105,13 +105,21 @@ def keep_frames(folder: Path, first: int) -> None:
 def append_setup(folder: Path, number: int, setup: Mapping[str, Any]) -> None:
     """Append what a frame is made of besides its particles, if the frame before had another."""
     line = json.dumps({"frame": number} | dict(setup)) + "\n"
-    if json.loads(line) != (setup_of(setups_in(folder), number) or {}) | {"frame": number}:
+    setups = setups_in(folder)
+    if not setups or json.loads(line) != setup_of(setups, number) | {"frame": number}:
         _append(folder / SETUPS, line)
 
 
-def setup_of(setups: list[dict[str, Any]], number: int) -> dict[str, Any] | None:
-    """That of a frame among those of its run; None if version 0.1 wrote the frame."""
-    return next((setup for setup in reversed(setups) if setup["frame"] <= number), None)
+def setup_of(setups: list[dict[str, Any]], number: int) -> dict[str, Any]:
+    """That of a frame among those of its run.
+
+    Raises:
+        LookupError: there is none.
+    """
+    for setup in reversed(setups):
+        if setup["frame"] <= number:
+            return setup
+    raise LookupError(f"{SETUPS} lacks it")
 
 
 def setups_in(folder: Path) -> list[dict[str, Any]]:
@@ -158,7 +166,7 @@ def append_frame(
 
 
 def _columns_of_series(path: Path, numbers: Mapping[str, Any]) -> list[str]:
-    """The columns of a series: one that an older version began may have fewer than `numbers`."""
+    """The columns of a series: it keeps those that it began with."""
     with path.open(newline="") as file:
         return next(csv.reader(file), ["frame", *numbers])
 

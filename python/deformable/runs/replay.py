@@ -17,7 +17,6 @@ from ..io.frames import clock_of, setup_of, setups_in
 from ..io.run_folder import TRAJECTORY
 from ..io.store import read, read_setup
 from ..model.packing import Packing
-from ..model.room import stretched
 from ..state.state import State
 
 
@@ -36,8 +35,8 @@ def replay(folder: str | Path, frame: int | None = None) -> Iterator[State]:
         FileError: a file is missing or cannot be read.
     """
     folder = Path(folder)
-    last, law = read(folder)
-    of_last, setups = (law, last.radii.tolist(), last.walls), setups_in(folder)
+    read(folder)  # or say why it is none
+    setups = setups_in(folder)
     path = folder / TRAJECTORY
     if not path.exists():
         raise FileError(f"no recorded run in '{folder}': {path} is missing")
@@ -49,11 +48,8 @@ def replay(folder: str | Path, frame: int | None = None) -> Iterator[State]:
     with progress("replaying", unit="state", total=len(chosen)) as bar:
         for number in chosen:
             try:
-                setup = setup_of(setups, number)
-                law, radii, walls = read_setup(setup) if setup else of_last
+                law, radii, walls = read_setup(setup_of(setups, number))
                 recorded, velocities = _read_frame(frames[number], radii)
-                if not setup:
-                    walls = stretched(walls, last.box, recorded.box)
                 recorded = replace(recorded, walls=walls)
                 time, strain = clock[number] if number < len(clock) else (0.0, None)
             except (ValueError, TypeError, LookupError) as error:
@@ -94,5 +90,4 @@ def _read_frame(frame: str, radii: Sequence[float]) -> tuple[Packing, NDArray[np
     np.maximum.at(largest, species, values["radius"])
     places = np.column_stack([values["x"], values["y"]])
     packing = Packing(places, species, largest, box, values["radius"] if own else None)
-    at_rest = np.zeros(len(packing))  # runs of version 0.1 lack velocities
-    return packing, np.column_stack([values.get("vx", at_rest), values.get("vy", at_rest)])
+    return packing, np.column_stack([values["vx"], values["vy"]])

@@ -10,7 +10,6 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
-from ..common.renamed import former_arguments
 from ..common.validate import expect
 from ..core import norm
 from ..engine.simulation import Simulation
@@ -60,7 +59,6 @@ def _over(ours: float, exact: float) -> float:
     return ours / exact if exact else math.inf
 
 
-@former_arguments(model="law")
 def predict(beads: BeadState, law: Law, comm: MPI.Comm | None = None) -> State:
     """The state of a contact law for particles at the centers of bead rings, not relaxed.
 
@@ -76,7 +74,6 @@ def predict(beads: BeadState, law: Law, comm: MPI.Comm | None = None) -> State:
         return sim.state()
 
 
-@former_arguments(model="law")
 def compare(beads: BeadState, law: Law, comm: MPI.Comm | None = None) -> Comparison:
     """Compare a contact law with bead rings at the same centers."""
     state = predict(beads, law, comm)

@@ -51,17 +51,15 @@ def test_compress_writes_everything_and_goes_further(tmp_path: Path) -> None:
     assert parameters["before"]["seed"] == 3
 
 
-@pytest.mark.parametrize("name", ["balanced", "radical", "ring"])
+@pytest.mark.parametrize("name", ["balanced", "radical"])
 def test_ring_laws(name: str, tmp_path: Path) -> None:
-    """With `ring` as the former name of balanced."""
     result = run("compress", *SMALL, "--law", name, "--kP", "5", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    expected = name.replace("ring", "balanced")
     with deformable.load(tmp_path / "compress") as sim:
-        assert sim.law == deformable.Ring(kP=5.0, contact=expected)
+        assert sim.law == deformable.Ring(kP=5.0, contact=name)
     summary = json.loads((tmp_path / "compress" / "summary.json").read_text())
-    assert summary["parameters"]["law"] == expected
-    assert ("warning" in result.stderr, result.stderr.count("\n")) == (name == "ring",) * 2
+    assert summary["parameters"]["law"] == name
+    assert result.stderr == ""
 
 
 def test_sector_warns_on_one_line(tmp_path: Path) -> None:

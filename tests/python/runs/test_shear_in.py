@@ -1,7 +1,6 @@
 """A shear that is interrupted and resumed gives the files of one that was not, byte for byte."""
 
 import csv
-import json
 from pathlib import Path
 
 import deformable
@@ -76,30 +75,6 @@ def test_the_first_frame_is_the_start(squeezed: deformable.Packing, tmp_path: Pa
     with deformable.Simulation(last.packing, deformable.Ring()) as sim:
         list(deformable.shear_in(tmp_path, sim, 0.04, 1, append=True))
     assert strains(tmp_path) == ["0.0", "0.01", "0.02", "0.04"]
-
-
-def test_a_run_of_an_older_version_resumes(squeezed: deformable.Packing, tmp_path: Path) -> None:
-    """Its series has neither the strain nor the start."""
-    states = begin(squeezed, tmp_path)
-    next(states)
-    summary = json.loads((tmp_path / "summary.json").read_text())
-    summary["parameters"]["start"]["frame"] = 0
-    (tmp_path / "summary.json").write_text(json.dumps(summary))
-    data = (tmp_path / "packing.data").read_text()
-    (tmp_path / "packing.data").write_text(data.replace(", 2 frames\n", ", 1 frames\n", 1))
-    with (tmp_path / "series.csv").open(newline="") as file:
-        (_, row) = csv.DictReader(file)
-    row = {name: value for name, value in row.items() if name != "strain"} | {"frame": "0"}
-    lines = [",".join(part) + "\r\n" for part in (row.keys(), row.values())]
-    (tmp_path / "series.csv").write_bytes("".join(lines).encode())
-    frames = (tmp_path / "trajectory.lammpstrj").read_text().split("ITEM: TIMESTEP\n")
-    text = "ITEM: TIMESTEP\n" + frames[2].replace("1\n", "0\n", 1)
-    (tmp_path / "trajectory.lammpstrj").write_text(text)
-
-    whole = list(begin(squeezed, tmp_path / "whole"))
-    missing = list(deformable.resume(tmp_path))
-    assert [state.energy for state in missing] == [state.energy for state in whole[1:]]
-    assert strains(tmp_path) == ["none"] * STEPS
 
 
 def test_refusals(squeezed: deformable.Packing, tmp_path: Path) -> None:

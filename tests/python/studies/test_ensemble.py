@@ -126,11 +126,10 @@ def test_tables_come_back_as_they_were(tmp_path: Path) -> None:
     ("text", "word"),
     [
         ("law,number\ndisk,many\n", "'many'"),
-        ("law,window,number,seed\nring,1e-7,8,1\n", "'onset_pressure'"),
+        ("law,number,seed\nradical,8,1\n", "'onset_pressure'"),
     ],
 )
 def test_other_tables_are_refused(text: str, word: str, tmp_path: Path) -> None:
-    """Those of version 0.1 among them."""
     (tmp_path / "table.csv").write_text(text)
     with pytest.raises(deformable.FileError, match=rf"table\.csv .*{word}"):
         read_table(tmp_path / "table.csv")
