@@ -173,7 +173,7 @@ def report(
     hour on two cores, with --quick three minutes. Uses all cores of this machine, or the ranks of
     mpiexec.
     """
-    from ..report import write_report
+    from ..report.writing import write_report
 
     began = time.perf_counter()
     write_report(out, quick, resume, overwrite, print_once)

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import deformable
 import pytest
-from deformable import report
 from deformable.cli import main as cli
 from deformable.io.run_folder import holds, refuse
+from deformable.report import writing
 
 COMMAND = str(Path(sys.executable).parent / "deformable")
 
@@ -34,7 +34,7 @@ def jam_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def no_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
     """A report that is not refused takes minutes."""
-    monkeypatch.setattr(report.writing, "measure", lambda *_: pytest.fail("the report has begun"))
+    monkeypatch.setattr(writing, "measure", lambda *_: pytest.fail("the report has begun"))
 
 
 def test_each_command_leaves_its_mark(
@@ -100,7 +100,7 @@ def test_no_report_in_a_run_nor_the_reverse(
     state.save(tmp_path / "run")
     for resume in (False, True):
         with pytest.raises(deformable.FileError, match=r"'.*run' holds a run: name another folder"):
-            report.write_report(tmp_path / "run", quick=True, resume=resume)
+            writing.write_report(tmp_path / "run", quick=True, resume=resume)
     (tmp_path / "report").mkdir()
     (tmp_path / "report" / "report.json").write_text(json.dumps({}))
     line = run("compress", "--out", "report", "--overwrite", cwd=tmp_path)
@@ -122,7 +122,7 @@ def test_a_folder_is_no_file(
             lambda path: deformable.load(path),
             lambda path: deformable.resume(path),
             lambda path: deformable.compress_in(path, sim, 0.01, 1),
-            lambda path: report.write_report(path),
+            lambda path: writing.write_report(path),
         ):
             for path in (file, file / "within"):
                 with pytest.raises(deformable.FileError, match=f"'{file}' is a file, not a folder"):

@@ -7,9 +7,10 @@ from html.parser import HTMLParser
 
 import pytest
 from deformable import Beads, FileError, ParameterError
-from deformable.report import numbers, results, write_report, writing
+from deformable.report import numbers, results, writing
 from deformable.report.page import Column, Picture, Section, Table, page
 from deformable.report.plan import Plan
+from deformable.report.writing import write_report
 from deformable.studies.smooth_compressions import smooth_beads
 
 RINGS = [smooth_beads(40, smooth=kind) for kind in (True, False)]
