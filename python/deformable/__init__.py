@@ -35,13 +35,13 @@ if TYPE_CHECKING:
     from .model.packing import Packing as Packing
     from .model.packing import bidisperse as bidisperse
     from .model.packing import polydisperse as polydisperse
-    from .model.wall_shapes import Circle as Circle
-    from .model.wall_shapes import Disk as Disk
-    from .model.wall_shapes import Plane as Plane
-    from .model.wall_shapes import Polygon as Polygon
-    from .model.wall_shapes import Segment as Segment
-    from .model.wall_shapes import rectangle as rectangle
+    from .model.walls import Circle as Circle
+    from .model.walls import Disk as Disk
+    from .model.walls import Plane as Plane
+    from .model.walls import Polygon as Polygon
+    from .model.walls import Segment as Segment
     from .model.walls import Walls as Walls
+    from .model.walls import rectangle as rectangle
     from .protocols.compression import compress as compress
     from .protocols.jamming import jam as jam
     from .protocols.jamming import push_off as push_off
@@ -78,9 +78,9 @@ _HOMES = {
     "BeadState": "state.bead_state",
     "Beads": "model.beads",
     "BeyondModelWarning": "common.errors",
-    "Circle": "model.wall_shapes",
+    "Circle": "model.walls",
     "Comparison": "studies.comparison",
-    "Disk": "model.wall_shapes",
+    "Disk": "model.walls",
     "DiskState": "state.disk_state",
     "Disks": "engine.disks",
     "FileError": "common.errors",
@@ -88,11 +88,11 @@ _HOMES = {
     "Modulus": "protocols.moduli",
     "Packing": "model.packing",
     "ParameterError": "common.errors",
-    "Plane": "model.wall_shapes",
-    "Polygon": "model.wall_shapes",
+    "Plane": "model.walls",
+    "Polygon": "model.walls",
     "Ring": "model.laws",
     "Sector": "model.laws",
-    "Segment": "model.wall_shapes",
+    "Segment": "model.walls",
     "Simulation": "engine.simulation",
     "StalledWarning": "common.errors",
     "State": "state.state",
@@ -115,7 +115,7 @@ _HOMES = {
     "predict": "studies.comparison",
     "push_off": "protocols.jamming",
     "record": "runs.record",
-    "rectangle": "model.wall_shapes",
+    "rectangle": "model.walls",
     "replay": "runs.replay",
     "resolve_secondary": "state.secondary",
     "resume": "runs.resume",

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from ..common.errors import ParameterError, StalledWarning
 from ..common.progress import progress
 from ..common.validate import expect, positive
-from ..io.lammps_commands import minimizer_commands
-from ..io.ring_commands import (
+from ..io.lammps_commands import (
+    minimizer_commands,
     region_within,
     ring_contact_commands,
     ring_wall_commands,

@@ -18,7 +18,7 @@ from ..io.lammps_commands import minimizer_commands
 from ..model.lattice import fractional
 from ..model.packing import Packing
 from ..model.room import Distances, check_fit
-from ..model.wall_shapes import Wall
+from ..model.walls import Wall
 from ..state.disk_state import DiskState
 from .followed import refuse_other, setup
 from .lammps import Engine, gather, local_array, open_lammps, run

@@ -17,7 +17,7 @@ from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing, shown_box
 from ..model.room import check_centers, check_fit
 from ..model.timestep import STIFFNESS_PER_PRESSURE
-from ..model.wall_shapes import Wall, as_walls
+from ..model.walls import Wall, as_walls
 from ..state.contact_table import ROWS, contact_table
 from ..state.state import State
 from .followed import has_other_fixes, refuse_forces_of_motion, refuse_other, setup, unsaved

@@ -14,7 +14,7 @@ from ..common.files import make_folder, write_whole
 from ..common.versions import versions
 from ..model.laws import LAWS, Law
 from ..model.packing import Packing
-from ..model.wall_shapes import KINDS, Wall
+from ..model.walls import KINDS, Wall
 from .data_file import Motion, motion_in, packing_file, packing_in
 from .lammps_commands import species_file
 from .lammps_script import script

@@ -14,7 +14,7 @@ from ..common.errors import ParameterError
 from ..common.validate import count, finite, numbers, positive, shown, whole
 from . import room
 from .lattice import cartesian, fractional
-from .wall_shapes import Wall, as_walls
+from .walls import Wall, as_walls
 
 # Largest packing fraction: far beyond any use, and far below percent.
 _DENSEST = 10.0

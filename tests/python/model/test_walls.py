@@ -4,7 +4,7 @@ import deformable
 import numpy as np
 import pytest
 from deformable import Circle, Disk, ParameterError, Plane, Polygon, Segment, rectangle
-from deformable.model.wall_shapes import as_walls
+from deformable.model.walls import as_walls
 
 WRONG = {
     "normal": (lambda: Plane((0, 0), (0, 0)), "normal of a plane"),
