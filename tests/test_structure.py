@@ -76,7 +76,7 @@ def parents(module: str) -> list[str]:
 
 def arrows_of(module: str, path: Path, text: str) -> set[Arrow]:
     """What importing a module imports, the faces of its own folders included."""
-    found = {*imports_of(module, path, text), *parents(module)} - BELOW_ALL
+    found = {*imports_of(module, path, text), *parents(module)} - BELOW_ALL - {module}
     return {(module, target) for target in found}
 
 
