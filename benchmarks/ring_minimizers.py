@@ -18,7 +18,7 @@ from pathlib import Path
 import deformable
 import numpy as np
 from deformable.engine import smooth_rings
-from deformable.studies.smooth_compressions import smooth_beads
+from deformable.studies.accuracy.compressions import smooth_beads
 
 HERE = Path(__file__).parent
 NUMBER, BEADS, LIMIT, TOLERANCE = 16, smooth_beads(80), 20.0, 1e-6

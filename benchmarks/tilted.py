@@ -25,7 +25,7 @@ import deformable
 import numpy as np
 from deformable.common.versions import machine
 from deformable.model.beads import Beads
-from deformable.studies.smooth_compressions import law_path, smooth_rows
+from deformable.studies.accuracy.compressions import law_path, smooth_rows
 from motion import energy_error, step
 
 HERE = Path(__file__).parent

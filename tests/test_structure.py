@@ -128,7 +128,7 @@ def test_imports_have_no_circle() -> None:
         ("model.packing", "from ..state.state import State"),
         ("model.packing", "def f():\n    from ..engine import lammps"),
         ("io.store", "import deformable.runs.record"),
-        ("studies.paper", "from ..runs.resume import resume"),
+        ("studies.comparison", "from ..runs.resume import resume"),
         ("common.errors", "from .. import Simulation"),
     ],
 )

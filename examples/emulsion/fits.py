@@ -14,7 +14,7 @@ from pathlib import Path
 import deformable
 import matplotlib.pyplot as plt
 import numpy as np
-from deformable.studies.ensemble import before_rearrangement
+from deformable.studies.ensemble.packings import before_rearrangement
 from scipy.optimize import curve_fit
 
 CLOSE = 0.0065  # phi - phi_J up to which powers are fitted

@@ -68,7 +68,7 @@ if TYPE_CHECKING:
     from .studies.comparison import Comparison as Comparison
     from .studies.comparison import compare as compare
     from .studies.comparison import predict as predict
-    from .studies.single import squeeze as squeeze
+    from .studies.paper.single import squeeze as squeeze
 
     __version__: str
     potentials: Path
@@ -123,7 +123,7 @@ _HOMES = {
     "shear": "protocols.shear",
     "shear_in": "runs.resume",
     "shear_modulus": "protocols.moduli",
-    "squeeze": "studies.single",
+    "squeeze": "studies.paper.single",
     "universe": "runs.analysis",
 }
 

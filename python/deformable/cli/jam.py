@@ -16,8 +16,8 @@ from ..common.progress import print_once
 from ..common.ranks import led
 from ..common.validate import positive
 from ..io.run_folder import TABLE, refuse
-from ..studies.ensemble import (
-    LAWS,
+from ..model.laws import LAWS
+from ..studies.ensemble.packings import (
     QUANTITIES,
     Row,
     exponents,
@@ -26,7 +26,7 @@ from ..studies.ensemble import (
     summarize,
     with_tension,
 )
-from ..studies.ensemble_tables import SCALING, key, read_table, write_summary, write_tables
+from ..studies.ensemble.tables import SCALING, key, read_table, write_summary, write_tables
 from .options import law_option
 
 # Values of phi - phi_J at which a packing is measured, each half of the next one.
@@ -43,7 +43,9 @@ def jam_command(
     seeds: Annotated[int, typer.Option(help="Packings of each size: seeds 1, 2, ...")] = 10,
     law: Annotated[
         str,
-        law_option(LAWS, "Contact law: soft disks (disk), or as in `deformable compress`."),
+        law_option(
+            ("disk", *LAWS), "Contact law: soft disks (disk), or as in `deformable compress`."
+        ),
     ] = "balanced",
     tension: Annotated[
         float,
@@ -124,7 +126,7 @@ def jam_command(
     for row in exponents(scaling):
         print_once(_exponents(row))
     if importlib.util.find_spec("matplotlib"):
-        from ..studies import ensemble_figures as figures
+        from ..studies.ensemble import figures
 
         figures.onset(onsets).savefig(folder / "onset.png", dpi=110)
         if scaling:

@@ -115,7 +115,7 @@ def compare(
     its energy can be far off.
     """
     refuse_ranks("compare times one core")
-    from ..report.packings import packing_rows
+    from ..studies.packings.rows import packing_rows
 
     if not 0.0 < strain < 1.0:
         raise ParameterError(f"strain must lie between 0 and 1, not {strain}")

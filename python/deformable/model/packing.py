@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import ParameterError
 from ..common.validate import count, finite, numbers, positive, shown, whole
-from . import room
+from ..model import room
 from .lattice import cartesian, fractional
 from .walls import Wall, as_walls
 

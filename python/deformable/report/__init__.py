@@ -1,1 +1,1 @@
-"""The report: what studies measure and draw, on one page."""
+"""The report: studies on one page."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..model.beads import Beads
-from ..studies.smooth_compressions import smooth_beads
+from ..studies.accuracy.compressions import smooth_beads
 
 
 @dataclass(frozen=True)

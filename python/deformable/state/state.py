@@ -224,7 +224,7 @@ class State(ContactNetwork, RingResponse, Exports):
             ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
         """
         optional("matplotlib", "plot")
-        from . import plot
+        from ..state import plot
 
         values, forces_here = self.values(color_by), self.contact_table["force"]
         return plot.draw(

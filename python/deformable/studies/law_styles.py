@@ -33,3 +33,11 @@ STYLES = {
 # Between walls there is no choice of contact lines: one style for the ring law.
 STYLES["ring, kP inf"] = STYLES["radical, kP inf"]
 STYLES["ring"] = STYLES["radical"]
+
+# Rings by kind.
+RINGS = {"smooth": SMOOTH, "rough": BEADS}
+
+
+def legend_below(figure: Any, ax: Any) -> None:
+    """Name the lines of these axes below the whole figure."""
+    figure.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=4)

@@ -7,8 +7,8 @@ from pathlib import Path
 import deformable
 import pytest
 from deformable.cli import main as cli
-from deformable.studies.ensemble import measure
-from deformable.studies.ensemble_tables import read_table
+from deformable.studies.ensemble.packings import measure
+from deformable.studies.ensemble.tables import read_table
 
 
 def jam(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:

@@ -12,8 +12,8 @@ from deformable import ParameterError, squeeze
 from deformable.cli import main as cli
 from deformable.common.parallel import call_once, parallel_map
 from deformable.common.versions import machine
-from deformable.studies.paper import ring_in_walls
-from deformable.studies.single import regular
+from deformable.studies.paper.results import ring_in_walls
+from deformable.studies.paper.single import regular
 
 UNGUARDED = """
 import math

@@ -7,11 +7,13 @@ from html.parser import HTMLParser
 
 import pytest
 from deformable import Beads, FileError, ParameterError
-from deformable.report import numbers, results, writing
-from deformable.report.page import Column, Picture, Section, Table, page
+from deformable.report import results, writing
+from deformable.report.page import page
 from deformable.report.plan import Plan
 from deformable.report.writing import write_report
-from deformable.studies.smooth_compressions import smooth_beads
+from deformable.studies import section as numbers
+from deformable.studies.accuracy.compressions import smooth_beads
+from deformable.studies.section import Column, Picture, Section, Table
 
 RINGS = [smooth_beads(40, smooth=kind) for kind in (True, False)]
 SMALLEST = Plan(
@@ -26,7 +28,7 @@ SMALLEST = Plan(
     shapes={"indentations": (0.02,), "number": 24, "kL": 100.0},
     stiffness={"indentations": (0.01, 0.02), "number": 24, "kL": (1.0, 100.0)},
     limits=[(6, 0.05, (16, 24), (5.0, 10.0))],
-    stability={"packings": 1, "steps": 400, "ranks": 2, "densest": 1.12},
+    stability={"packings": 1, "steps": 400, "densest": 1.12},
 )
 
 KEYS = {
@@ -195,7 +197,7 @@ def test_an_interrupted_report_goes_on(tmp_path, monkeypatch):
         measure.__qualname__ = name
         return measure
 
-    rows = ("ablation_rows", "pareto_rows", "packing_rows", "smooth_rows", "sliding", "hysteresis")
+    rows = ("cost_rows", "pareto_rows", "packing_rows", "smooth_rows", "sliding", "hysteresis")
     rows += ("crystal_row", "mixed_rows")
     for name in (*rows, "stability_rows"):
         monkeypatch.setattr(results, name, stand_in(name))

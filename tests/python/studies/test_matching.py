@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from deformable import BeadReference, Beads, BeadState, Ring, Simulation, State, bidisperse, jam
-from deformable.studies.crystal import crystal_row
+from deformable.studies.accuracy.compressions import smooth_beads
 from deformable.studies.matching import centers_rms, matching
-from deformable.studies.smooth_compressions import smooth_beads
+from deformable.studies.roughness.crystal import crystal_row
 
 
 @pytest.fixture(scope="module")

@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from deformable import Beads, Comparison, ParameterError, core, squeeze
-from deformable.studies import packing_figure, paper, paper_figures
+from deformable.studies.packings import figure as packing_figure
+from deformable.studies.paper import figures as paper_figures
+from deformable.studies.paper import results as paper
+from deformable.studies.paper.single import IRREGULAR, Squeezed, regular
 from deformable.studies.shape_error import shape_error
-from deformable.studies.single import IRREGULAR, Squeezed, regular
 
 PAPER = paper.ring_in_walls(188, 1e4)
 
