@@ -48,7 +48,7 @@ def test_each_command_leaves_its_mark(
     (tmp_path / "finished" / "report.json").write_text("{}")
     (tmp_path / "begun" / "parts").mkdir()
     assert holds(tmp_path / "begun") is None
-    (tmp_path / "begun" / "parts" / "shapes.pickle").write_text("")
+    (tmp_path / "begun" / "parts" / "0.1.0" / "joblib").mkdir(parents=True)
     (tmp_path / "other" / "summary.json").write_text('["onset"]')
     assert {folder.name: holds(folder) for folder in sorted(tmp_path.iterdir())} == {
         "begun": "report",

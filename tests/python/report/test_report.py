@@ -194,7 +194,7 @@ def test_an_interrupted_report_goes_on(tmp_path, monkeypatch):
                 raise KeyboardInterrupt
             return name
 
-        measure.__qualname__ = name
+        measure.__name__ = measure.__qualname__ = name
         return measure
 
     rows = ("cost_rows", "pareto_rows", "packing_rows", "smooth_rows", "sliding", "hysteresis")
@@ -214,13 +214,13 @@ def test_an_interrupted_report_goes_on(tmp_path, monkeypatch):
         return list(measured)
 
     def refused(kind, *words, **how):
-        before = {path: path.read_bytes() for path in tmp_path.rglob("*.pickle")}
+        before = {path: path.read_bytes() for path in tmp_path.rglob("*.pkl")}
         measured.clear()
         with pytest.raises(kind) as error:
             write_report(tmp_path, **how)
         assert [word for word in words if word not in str(error.value)] == []
         assert measured == []
-        assert {path: path.read_bytes() for path in tmp_path.rglob("*.pickle")} == before != {}
+        assert {path: path.read_bytes() for path in tmp_path.rglob("*.pkl")} == before != {}
 
     calls = len(rows) + 2 + 3 + 1  # friction and hysteresis of both kinds of rings
     assert len(interrupted(quick=True)) == calls
