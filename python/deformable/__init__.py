@@ -52,15 +52,11 @@ if TYPE_CHECKING:
     from .protocols.polish import polish as polish
     from .protocols.shear import shear as shear
     from .runs.analysis import export as export
-    from .runs.analysis import series as series
-    from .runs.analysis import universe as universe
     from .runs.movie import movie as movie
-    from .runs.record import load as load
-    from .runs.record import record as record
-    from .runs.replay import replay as replay
-    from .runs.resume import compress_in as compress_in
-    from .runs.resume import resume as resume
-    from .runs.resume import shear_in as shear_in
+    from .runs.recording import compress_in as compress_in
+    from .runs.recording import record as record
+    from .runs.recording import shear_in as shear_in
+    from .runs.run import Run as Run
     from .state.bead_state import BeadState as BeadState
     from .state.disk_state import DiskState as DiskState
     from .state.secondary import resolve_secondary as resolve_secondary
@@ -91,6 +87,7 @@ _HOMES = {
     "Plane": "model.walls",
     "Polygon": "model.walls",
     "Ring": "model.laws",
+    "Run": "runs.run",
     "Sector": "model.laws",
     "Segment": "model.walls",
     "Simulation": "engine.simulation",
@@ -103,10 +100,9 @@ _HOMES = {
     "bulk_modulus": "protocols.moduli",
     "compare": "studies.comparison",
     "compress": "protocols.compression",
-    "compress_in": "runs.resume",
+    "compress_in": "runs.recording",
     "export": "runs.analysis",
     "jam": "protocols.jamming",
-    "load": "runs.record",
     "move": "protocols.motion",
     "movie": "runs.movie",
     "parallel_map": "common.parallel",
@@ -114,17 +110,13 @@ _HOMES = {
     "polydisperse": "model.packing",
     "predict": "studies.comparison",
     "push_off": "protocols.jamming",
-    "record": "runs.record",
+    "record": "runs.recording",
     "rectangle": "model.walls",
-    "replay": "runs.replay",
     "resolve_secondary": "state.secondary",
-    "resume": "runs.resume",
-    "series": "runs.analysis",
     "shear": "protocols.shear",
-    "shear_in": "runs.resume",
+    "shear_in": "runs.recording",
     "shear_modulus": "protocols.moduli",
     "squeeze": "studies.paper.single",
-    "universe": "runs.analysis",
 }
 
 __all__ = list(_HOMES)

@@ -17,13 +17,11 @@ from ..common.files import make_folder
 from ..common.progress import print_once
 from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
-from ..io.frames import frames_in
 from ..io.run_folder import refuse
 from ..model.laws import LAWS
 from ..protocols.jamming import jam
-from ..runs.record import load
-from ..runs.resume import check_compression, compress_in
-from ..runs.resume import resume as resume_in
+from ..runs.recording import compress_in, protocol_of
+from ..runs.run import Run
 from ..state.state import State
 from .options import Overwrite, Resume, Tolerance, is_given, law_option
 from .output import draw, print_states
@@ -117,14 +115,14 @@ def compress_command(
     folder = refuse(out, "compression" if replaced else None, _WAYS_OUT)
     if resume:
         check_same(folder, given)
-        states = resume_in(folder)
+        states = Run(folder).resume()
     elif further:
         check_same(folder, {name: given[name] for name in given if name not in PROTOCOL})
-        states = compress_in(folder, load(folder), strain, steps, tolerance, append=True)
+        states = Run(folder).compress(strain, steps, tolerance)
     else:
         check_together(settings, given)
         states = _begin(folder, settings, overwrite)
-    last = print_states(states, frames_in(folder), _COLUMNS)
+    last = print_states(states, len(Run(folder)), _COLUMNS)
     if last is None:
         print_once(f"the compression in '{folder}' is complete")
     else:
@@ -141,12 +139,11 @@ def _settings(context: typer.Context) -> tuple[Settings, dict[str, Any]]:
 def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[State]:
     """Jam a packing and compress it; errors of the settings come before any work."""
     began = time.perf_counter()
-    check_compression(settings.strain, settings.steps, settings.tolerance)
+    protocol_of("compression", settings.strain, settings.steps, settings.tolerance)
     start, law = settings.random_start(), settings.contact_law()
     if MPI.COMM_WORLD.rank == 0:
         make_folder(folder)
     packing = jam(start)
     print_once(f"jammed at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
     protocol = (settings.strain, settings.steps, settings.tolerance)
-    sim = Simulation(packing, law)
-    return compress_in(folder, sim, *protocol, asdict(settings), overwrite=overwrite)
+    return compress_in(Simulation(packing, law), folder, *protocol, asdict(settings), overwrite)

@@ -21,7 +21,7 @@ from ..engine.lammps import silent_lammps
 from ..engine.relaxation import TOLERANCE
 from ..model.beads import Beads
 from ..plugin import directory, potentials
-from ..runs.movie import movie as draw_movie
+from ..runs.run import Run
 from .compress import compress_command
 from .jam import jam_command
 from .options import Command, one_rank_prints, refuse_ranks
@@ -195,7 +195,7 @@ def movie(
 ) -> None:
     """Draw each state of a recorded run as a movie."""
     refuse_ranks("a movie is drawn by one process")
-    draw_movie(run, out, color_by, contacts, forces, rate)
+    Run(run).movie(out, color_by=color_by, contacts=contacts, forces=forces, rate=rate)
     print_once(f"wrote {out}")
 
 

@@ -14,7 +14,7 @@ from mpi4py import MPI
 from typer.core import TyperCommand, TyperOption
 
 from ..common.errors import ParameterError
-from ..runs.resume import LARGEST_TOLERANCE
+from ..runs.recording import LARGEST_TOLERANCE
 
 # Options of commands that write a run.
 Tolerance = Annotated[

@@ -10,8 +10,7 @@ import typer
 from ..common.errors import ParameterError
 from ..common.optional import optional
 from ..common.progress import print_once
-from ..runs.record import load
-from ..runs.replay import replay
+from ..runs.run import Run
 from .options import refuse_ranks
 
 
@@ -53,10 +52,13 @@ def plot_command(
     if out.suffix.removeprefix(".") not in formats:
         raise ParameterError(f"a picture is one of .{', .'.join(formats)}, not '{out}'")
     if frame is None:
-        with load(run) as sim:
+        with Run(run).simulation() as sim:
             state = sim.state()
     else:
-        (state,) = replay(run, frame)
+        try:
+            state = Run(run)[frame]
+        except IndexError as error:
+            raise ParameterError(str(error)) from None
     state.plot(
         figure.subplots(),
         color_by,

@@ -58,15 +58,20 @@ def shear(
         ParameterError: a value is out of range, or the simulation has walls.
     """
     expect("sim", sim, Simulation, Disks)
-    strain, steps = finite("strain", strain), count("steps", steps)
-    if strain == 0.0:
+    check_shear(sim, strain, steps)
+    return shear_steps(sim, sim.strain or 0.0, float(strain), int(steps), 0, tolerance)
+
+
+def check_shear(sim: Simulation | Disks, strain: float, steps: int) -> None:
+    """Refuse what `shear` cannot do."""
+    count("steps", steps)
+    if finite("strain", strain) == 0.0:
         raise ParameterError("strain must not be 0: relax the simulation instead")
     if sim.walls:
         raise ParameterError(
             f"walls are not sheared, and this simulation has {len(sim.walls)}, the first a "
             f"{sim.walls[0].kind}: shear needs a periodic box without walls"
         )
-    return shear_steps(sim, sim.strain or 0.0, strain, steps, 0, tolerance)
 
 
 def shear_steps(

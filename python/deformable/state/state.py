@@ -268,7 +268,7 @@ class State(ContactNetwork, RingResponse, Exports):
         parameters: Mapping[str, Any] | None = None,
         frames: int | None = None,
     ) -> None:
-        """Write the state for `deformable.load`, and for LAMMPS with the script `in.lammps`.
+        """Write the state for `deformable.Run`, and for LAMMPS with the script `in.lammps`.
 
         Args:
             folder: made if missing; an older state there is replaced.

@@ -13,7 +13,7 @@ import pytest
 import ranks
 from deformable import core
 from deformable.cli import main as cli
-from deformable.report import packings
+from deformable.studies.packings import rows as packings
 
 COMMAND = str(Path(sys.executable).parent / "deformable")
 
@@ -55,7 +55,7 @@ def test_compress_writes_everything_and_goes_further(tmp_path: Path) -> None:
 def test_ring_laws(name: str, tmp_path: Path) -> None:
     result = run("compress", *SMALL, "--law", name, "--kP", "5", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    with deformable.load(tmp_path / "compress") as sim:
+    with deformable.Run(tmp_path / "compress").simulation() as sim:
         assert sim.law == deformable.Ring(kP=5.0, contact=name)
     summary = json.loads((tmp_path / "compress" / "summary.json").read_text())
     assert summary["parameters"]["law"] == name
@@ -245,10 +245,10 @@ def test_ranks_print_once_what_is_wrong(arguments: list[str], line: str, tmp_pat
 def test_an_interruption_tells_how_to_go_on(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def interrupted(*_: object) -> None:
+    def interrupted(*_: object, **settings: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli, "draw_movie", interrupted)
+    monkeypatch.setattr(deformable.Run, "movie", interrupted)
     monkeypatch.setattr("sys.argv", ["deformable", "movie", "run"])
     with pytest.raises(SystemExit) as end:
         cli.main()

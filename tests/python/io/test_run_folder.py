@@ -84,10 +84,10 @@ def test_no_run_in_a_jam_folder(
         assert str(error.value) == f"'jam' {message}"
     with deformable.Simulation(state.packing, state.law) as sim:
         for call in (
-            lambda: deformable.load(jam_folder),
-            lambda: deformable.resume(jam_folder),
-            lambda: deformable.compress_in(jam_folder, sim, 0.01, 1, overwrite=True),
-            lambda: deformable.compress_in(jam_folder, sim, 0.01, 1, append=True),
+            lambda: deformable.Run(jam_folder).simulation(),
+            lambda: deformable.Run(jam_folder).resume(),
+            lambda: deformable.compress_in(sim, jam_folder, 0.01, 1, overwrite=True),
+            lambda: deformable.Run(jam_folder).compress(0.01, 1),
         ):
             with pytest.raises(deformable.FileError, match=r"holds onsets of jamming from"):
                 call()
@@ -119,16 +119,16 @@ def test_a_folder_is_no_file(
     file.write_text("kept")
     with deformable.Simulation(state.packing, state.law) as sim:
         for call in (
-            lambda path: deformable.load(path),
-            lambda path: deformable.resume(path),
-            lambda path: deformable.compress_in(path, sim, 0.01, 1),
+            lambda path: deformable.Run(path).simulation(),
+            lambda path: deformable.Run(path).resume(),
+            lambda path: deformable.compress_in(sim, path, 0.01, 1),
             lambda path: writing.write_report(path),
         ):
             for path in (file, file / "within"):
                 with pytest.raises(deformable.FileError, match=f"'{file}' is a file, not a folder"):
                     call(path)
         with pytest.raises(deformable.ParameterError, match="a folder needs a name, not ''"):
-            deformable.compress_in("", sim, 0.01, 1)
+            deformable.compress_in(sim, "", 0.01, 1)
     for options in ((), ("--resume",), ("--overwrite",)):
         line = run("compress", "--out", "file", *options, cwd=tmp_path)
         assert line.startswith("error: 'file' is a file")

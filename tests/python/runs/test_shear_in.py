@@ -25,7 +25,7 @@ def squeezed() -> deformable.Packing:
 
 def begin(packing: deformable.Packing, folder: Path) -> list[deformable.State]:
     sim = deformable.Simulation(packing, deformable.Ring())
-    return deformable.shear_in(folder, sim, STRAIN, STEPS, parameters={"seed": 4})
+    return deformable.shear_in(sim, folder, STRAIN, STEPS, parameters={"seed": 4})
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -40,10 +40,10 @@ def test_interrupted_after_any_step(squeezed: deformable.Packing, tmp_path: Path
         states = begin(squeezed, tmp_path / str(steps))
         for _ in range(steps):
             next(states)
-        missing = list(deformable.resume(tmp_path / str(steps)))
+        missing = list(deformable.Run(tmp_path / str(steps)).resume())
         assert len(missing) == STEPS - steps
         assert contents(tmp_path / str(steps)) == contents(tmp_path / "whole")
-    assert list(deformable.resume(tmp_path / "whole")) == []
+    assert list(deformable.Run(tmp_path / "whole").resume()) == []
 
 
 def test_it_is_a_shear(squeezed: deformable.Packing, tmp_path: Path) -> None:
@@ -51,7 +51,7 @@ def test_it_is_a_shear(squeezed: deformable.Packing, tmp_path: Path) -> None:
     with deformable.Simulation(squeezed, deformable.Ring()) as sim:
         first, *_ = deformable.shear(sim, 0.02, 2)
     with deformable.Simulation(squeezed, deformable.Ring()) as sim:
-        again, last = deformable.shear_in(tmp_path, sim, 0.02, 2)
+        again, last = deformable.shear_in(sim, tmp_path, 0.02, 2)
     assert again.energy == pytest.approx(first.energy, rel=1e-4)
     lean = last.packing.box[1, 0] - squeezed.box[1, 0]
     assert lean == pytest.approx(0.02 * squeezed.box[1, 1], rel=1e-12)
@@ -66,29 +66,28 @@ def strains(folder: Path) -> list[str]:
 def test_the_first_frame_is_the_start(squeezed: deformable.Packing, tmp_path: Path) -> None:
     """Frame 0 of a new run; a run that is sheared further goes on after its last frame."""
     with deformable.Simulation(squeezed, deformable.Ring()) as sim:
-        last = list(deformable.shear_in(tmp_path, sim, 0.02, 2))[-1]
+        list(deformable.shear_in(sim, tmp_path, 0.02, 2))
     assert strains(tmp_path) == ["0.0", "0.01", "0.02"]
-    first, *_ = deformable.replay(tmp_path)
+    first, *_ = deformable.Run(tmp_path)
     # LAMMPS takes them to fractions of the box and back, which rounds twice
     rounding = 2 * np.spacing(squeezed.box.max())
     np.testing.assert_allclose(first.packing.positions, squeezed.positions, 0, rounding)
-    with deformable.Simulation(last.packing, deformable.Ring()) as sim:
-        list(deformable.shear_in(tmp_path, sim, 0.04, 1, append=True))
-    assert strains(tmp_path) == ["0.0", "0.01", "0.02", "0.04"]
+    list(deformable.Run(tmp_path).shear(0.04, 1))
+    assert strains(tmp_path) == ["0.0", "0.01", "0.02", "0.06"]
 
 
 def test_refusals(squeezed: deformable.Packing, tmp_path: Path) -> None:
     with deformable.Simulation(squeezed, deformable.Ring()) as sim:
         for values, word in (((0.1, 0), "steps"), ((np.nan, 2), "strain")):
             with pytest.raises(deformable.ParameterError, match=word):
-                deformable.shear_in(tmp_path / "run", sim, *values)
+                deformable.shear_in(sim, tmp_path / "run", *values)
         with pytest.raises(deformable.ParameterError, match=r"tolerance .* 0\.5"):
-            deformable.shear_in(tmp_path / "run", sim, 0.1, 2, tolerance=0.5)
+            deformable.shear_in(sim, tmp_path / "run", 0.1, 2, tolerance=0.5)
         assert not list(tmp_path.iterdir())
-        next(deformable.shear_in(tmp_path, sim, 0.02, 2))
+        next(deformable.shear_in(sim, tmp_path, 0.02, 2))
         with pytest.raises(deformable.FileError, match="overwrite=True"):
-            deformable.shear_in(tmp_path, sim, 0.02, 2)
+            deformable.shear_in(sim, tmp_path, 0.02, 2)
         with pytest.raises(deformable.FileError, match="interrupted at step 1 of 2"):
-            deformable.shear_in(tmp_path, sim, 0.02, 2, append=True)
+            deformable.Run(tmp_path).shear(0.02, 2)
     with deformable.Disks(squeezed) as disks, pytest.raises(deformable.ParameterError, match="sim"):
-        deformable.shear_in(tmp_path / "run", disks, 0.1, 2)
+        deformable.shear_in(disks, tmp_path / "run", 0.1, 2)
