@@ -29,7 +29,7 @@ from .settings import PROTOCOL, Settings, check_same, check_together
 
 _WAYS_OUT = (
     "finish it with --resume",
-    "compress it further with --further",
+    "compress it further with --append",
     "replace it with --overwrite",
 )
 
@@ -96,9 +96,9 @@ def compress_command(
     tolerance: Tolerance = TOLERANCE,
     out: Annotated[str, typer.Option(metavar="PATH", help="Output folder.")] = "compress",
     resume: Resume = False,
-    further: Annotated[
+    append: Annotated[
         bool,
-        typer.Option("--further", help="Compress the finished run in the output folder further."),
+        typer.Option("--append", help="Compress the finished run in the output folder further."),
     ] = False,
     overwrite: Overwrite = False,
 ) -> None:
@@ -109,14 +109,14 @@ def compress_command(
     """
     began = time.perf_counter()
     settings, given = _settings(context)
-    if resume + further + overwrite > 1:
-        raise ParameterError("give one of --resume, --further and --overwrite")
-    replaced = resume or further or overwrite
+    if resume + append + overwrite > 1:
+        raise ParameterError("give one of --resume, --append and --overwrite")
+    replaced = resume or append or overwrite
     folder = refuse(out, "compression" if replaced else None, _WAYS_OUT)
     if resume:
         check_same(folder, given)
         states = Run(folder).resume()
-    elif further:
+    elif append:
         check_same(folder, {name: given[name] for name in given if name not in PROTOCOL})
         states = Run(folder).compress(strain, steps, tolerance)
     else:

@@ -29,12 +29,12 @@ def plot_command(
     color_by: Annotated[
         str, typer.Option(help="Quantity of the particles, e.g. shape_parameter.")
     ] = "particle_pressure",
-    colormap: Annotated[str, typer.Option(help="Color map of matplotlib.")] = "YlGnBu",
-    limits: Annotated[
-        tuple[float, float] | None,
-        typer.Option(
-            metavar="FIRST LAST", help="Values of the first and the last color.", show_default=False
-        ),
+    cmap: Annotated[str, typer.Option(help="Color map of matplotlib.")] = "YlGnBu",
+    vmin: Annotated[
+        float | None, typer.Option(help="Value of the first color.", show_default=False)
+    ] = None,
+    vmax: Annotated[
+        float | None, typer.Option(help="Value of the last color.", show_default=False)
     ] = None,
     title: Annotated[
         str | None, typer.Option(help="Title; by default phi and pressure.", show_default=False)
@@ -64,8 +64,9 @@ def plot_command(
         color_by,
         contacts,
         forces,
-        colormap=colormap,
-        limits=limits,
+        cmap=cmap,
+        vmin=vmin,
+        vmax=vmax,
         title=title,
     )
     figure.savefig(out, dpi=150)

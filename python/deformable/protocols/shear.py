@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.progress import progress
+from ..common.steps import Steps
 from ..common.validate import count, expect, finite
 from ..engine.disks import Disks
 from ..engine.lammps import run
@@ -59,7 +60,8 @@ def shear(
     """
     expect("sim", sim, Simulation, Disks)
     check_shear(sim, strain, steps)
-    return shear_steps(sim, sim.strain or 0.0, float(strain), int(steps), 0, tolerance)
+    states = shear_steps(sim, sim.strain or 0.0, float(strain), int(steps), 0, tolerance)
+    return Steps("shear", states)
 
 
 def check_shear(sim: Simulation | Disks, strain: float, steps: int) -> None:

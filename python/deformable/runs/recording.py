@@ -15,6 +15,7 @@ import numpy as np
 
 from ..common.errors import ParameterError
 from ..common.files import make_folder
+from ..common.steps import Steps
 from ..common.validate import expect, positive
 from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
@@ -59,7 +60,7 @@ def record(
     expect("folder", folder, str, Path)
     expect_states(states, parameters)
     frames.refuse_foreign(Path(folder))
-    return write(states, Path(folder), parameters or {}, 0)
+    return Steps("record", write(states, Path(folder), parameters or {}, 0))
 
 
 def compress_in(
@@ -201,7 +202,8 @@ def steps_of(
         states = shear_steps(sim, start.get("strain") or 0.0, *protocol)
     else:
         states = remaining_steps(sim, np.array(start["box"]), *protocol)
-    return write(_restarting(sim, states), folder, parameters, start["frame"] + done)
+    written = write(_restarting(sim, states), folder, parameters, start["frame"] + done)
+    return Steps(f"{parameters.get('protocol', 'compress')}_in", written)
 
 
 def _restarting(sim: Simulation, states: Iterable[State]) -> Iterator[State]:

@@ -25,6 +25,7 @@ from mpi4py import MPI
 
 from ..common.errors import FileError
 from ..common.progress import progress
+from ..common.steps import Steps
 from ..common.validate import expect
 from ..engine.lammps import communicator, place_velocities
 from ..engine.relaxation import TOLERANCE
@@ -144,7 +145,8 @@ class Run:
     ) -> Iterator[State]:
         """Go on with the run: as `record`, behind the states that it has."""
         expect_states(states, parameters)
-        return write(states, self.folder, {**(parameters or {}), **self._before()}, len(self))
+        written = write(states, self.folder, {**(parameters or {}), **self._before()}, len(self))
+        return Steps("append", written)
 
     def compress(
         self,
@@ -196,7 +198,7 @@ class Run:
         if done is None:
             raise FileError(
                 f"the run in '{self.folder}' is none that can be resumed: compress it further with "
-                "--further (in Python: Run.compress)"
+                "--append (in Python: Run.compress)"
             )
         communicator(comm).barrier()  # all ranks have read the folder
         if done >= parameters["steps"]:

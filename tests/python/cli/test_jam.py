@@ -46,7 +46,9 @@ def test_command_keeps_what_is_done_when_it_fails(
 ) -> None:
     monkeypatch.chdir(tmp_path)
 
-    def fails_at_three(law: str, pressure: float, number: int, seed: int, values: object) -> object:
+    def fails_at_three(
+        law: str, pressure: float, number: int, seed: int, *others: object
+    ) -> object:
         if seed == 3:
             raise deformable.LammpsError("out of luck")
         return measure(law, pressure, number, seed)
@@ -75,7 +77,7 @@ def test_command_follows_packings_upwards(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = str(tmp_path / "run")
-    ask = ("8", "--seeds", "1", "--law", "disk", "--workers", "1", "--out", out)
+    ask = ("8", "--seeds", "1", "--pressure", "1e-7", "--workers", "1", "--out", out)
     assert jam(monkeypatch, *ask) == 0
     assert jam(monkeypatch, *ask, "--excess-phi", "0.01") == 0
     out, err = capsys.readouterr()
@@ -97,7 +99,7 @@ def test_command_follows_packings_upwards(
         (["8", "--seeds", "0"], ["seeds", "0"]),
         (["8", "--pressure", "-1"], ["pressure", "-1.0"]),
         (["8", "--excess-phi", "-1"], ["excess-phi", "-1.0"]),
-        (["8", "--excess-phi", "0.01"], ["1e-07", "balanced", "6e-14"]),
+        (["8", "--excess-phi", "0.01", "--law", "balanced"], ["1e-06", "balanced", "6e-14"]),
         (["8", "--workers", "0"], ["workers", "0"]),
     ],
 )
@@ -113,3 +115,20 @@ def test_bad_input_is_one_line(
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("error: ")
     assert [word for word in words if word not in line] == []
+
+
+def test_packings_are_saved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also those that are in the table already."""
+    monkeypatch.chdir(tmp_path)
+    ask = ("8", "--law", "radical", "--seeds", "2", "--workers", "1", "--out", "run")
+    assert jam(monkeypatch, *ask) == 0
+    assert not (tmp_path / "run" / "packings").exists()
+    assert jam(monkeypatch, *ask, "--save") == 0
+    rows = read_table(tmp_path / "run" / "table.csv")
+    folders = sorted((tmp_path / "run" / "packings").iterdir())
+    assert [folder.name for folder in folders] == ["radical_1e-06_8_1", "radical_1e-06_8_2"]
+    for row, folder in zip(rows, folders, strict=True):
+        with deformable.Run(folder).simulation() as sim:
+            assert sim.state().phi == pytest.approx(row["phi"], rel=1e-12)
+    assert jam(monkeypatch, "8", "--save", "--out", "disks") == 2
+    assert not (tmp_path / "disks").exists()

@@ -41,7 +41,7 @@ def test_compress_writes_everything_and_goes_further(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     assert (out / "packing.png").stat().st_size > 10_000
 
-    result = run("compress", "--further", "--out", "run", "--steps", "1", cwd=tmp_path)
+    result = run("compress", "--append", "--out", "run", "--steps", "1", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     with (out / "series.csv").open() as file:
         phi = [float(row["phi"]) for row in csv.DictReader(file)]
@@ -85,8 +85,8 @@ def test_sector_warns_on_one_line(tmp_path: Path) -> None:
         (["--law", "sector", "--kP", "1"], ["sector", "kP = 1"]),
         (["--law", "sector", "--reach", "0.2"], ["--reach", "sector"]),
         (["--resume", "--out", "nowhere"], ["'nowhere'"]),
-        (["--further", "--out", "nowhere"], ["'nowhere'"]),
-        (["--resume", "--further"], ["--resume", "--further", "--overwrite"]),
+        (["--append", "--out", "nowhere"], ["'nowhere'"]),
+        (["--resume", "--append"], ["--resume", "--append", "--overwrite"]),
         (["--tolerance", "0"], ["tolerance", "0.0"]),
         (["--tolerance", "2"], ["tolerance", "0.01", "2.0"]),
         (["--aspect", "1000"], ["aspect", "3.95", "1000"]),

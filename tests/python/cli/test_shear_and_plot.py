@@ -78,8 +78,8 @@ def test_shear_resumes(folder: Path, tmp_path: Path) -> None:
         (["plot", "nowhere"], ["'nowhere'"]),
         (["plot", "run", "--frame", "2"], ["2 states", "no state 2"]),
         (["plot", "run", "--color-by", "beauty"], ["beauty"]),
-        (["plot", "run", "--colormap", "beauty"], ["colormap", "beauty"]),
-        (["plot", "run", "--limits", "2", "1"], ["limits", "2.0", "1.0"]),
+        (["plot", "run", "--cmap", "beauty"], ["cmap", "beauty"]),
+        (["plot", "run", "--vmin", "2", "--vmax", "1"], ["vmin", "2", "1"]),
         (["plot", "run", "--out", "a.doc"], [".png", "a.doc"]),
         (["plot", "run", "--out", "no/a.png"], ["no/a.png"]),
     ],
@@ -100,7 +100,17 @@ def test_plot(folder: Path, tmp_path: Path) -> None:
     last = run("plot", str(folder / "run"), cwd=tmp_path)
     assert (last.returncode, last.stdout) == (0, "wrote packing.png\n")
     assert (tmp_path / "packing.png").stat().st_size > 10_000
-    options = ("--color-by", "area", "--colormap", "magma", "--limits", "0.5", "1.5", "--forces")
+    options = (
+        "--color-by",
+        "area",
+        "--cmap",
+        "magma",
+        "--vmin",
+        "0.5",
+        "--vmax",
+        "1.5",
+        "--forces",
+    )
     one = run(
         "plot",
         str(folder / "run"),

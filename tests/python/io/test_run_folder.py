@@ -75,7 +75,7 @@ def test_no_run_in_a_jam_folder(
         ("compress", "--number", "8", "--out", "jam"),
         ("compress", "--number", "8", "--out", "jam", "--overwrite"),
         ("compress", "--out", "jam", "--resume"),
-        ("compress", "--out", "jam", "--further"),
+        ("compress", "--out", "jam", "--append"),
         ("movie", "jam"),
         ("report", "--quick", "--out", "jam"),
     ):

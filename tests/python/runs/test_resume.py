@@ -145,7 +145,7 @@ def test_the_same_command_resumes(
             in_process("--resume", option, *given.split())
         assert f"'run' was begun with {option} {saved}, not {given}" in str(error.value)
     with pytest.raises(deformable.FileError, match="at step 2 of 5: finish it first with --resume"):
-        in_process("--further", "--steps", "1")
+        in_process("--append", "--steps", "1")
     with pytest.raises(deformable.FileError, match="at step 2 of 5: finish it first"):
         deformable.Run(tmp_path / "run").compress(0.01, 1)
     assert contents(tmp_path / "run") == broken
@@ -153,10 +153,10 @@ def test_the_same_command_resumes(
     assert result.returncode == 0, result.stderr
     assert contents(tmp_path / "run") == uninterrupted
 
-    result = compress("--further", "--strain", "0.001", "--steps", "1", cwd=tmp_path)
+    result = compress("--append", "--strain", "0.001", "--steps", "1", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     with pytest.raises(deformable.ParameterError, match="was begun with --seed 5, not 3"):
-        in_process("--further", "--seed", "3")  # of the first compression
+        in_process("--append", "--seed", "3")  # of the first compression
     in_process("--resume", "--seed", "5", "--steps", "1")
 
 
@@ -168,7 +168,7 @@ def test_a_run_is_not_overwritten(uninterrupted: dict[str, bytes], tmp_path: Pat
     result = compress("--number", "8", cwd=tmp_path)
     assert (result.returncode, result.stdout) == (2, "")
     assert result.stderr.startswith("error: 'run' holds a run")
-    for way in ("--resume", "--further", "--overwrite"):
+    for way in ("--resume", "--append", "--overwrite"):
         assert way in result.stderr
     with (
         deformable.Run(folder).simulation() as sim,

@@ -128,7 +128,7 @@ def test_pictures_with_one_bar(state: deformable.State) -> None:
     figure = Figure()
     axes = figure.subplots(1, 2)
     for ax in axes:
-        assert state.plot(ax, colorbar=False, limits=(0.0, 1.0), forces=True) is ax
+        assert state.plot(ax, colorbar=False, vmin=0.0, vmax=1.0, forces=True) is ax
     assert len(figure.axes) == 2
     bar = figure.colorbar(axes[0].collections[0], ax=axes)
     assert bar.mappable.get_clim() == (0.0, 1.0)

@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise, zip_longest
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -72,7 +73,12 @@ def contact_law(law: str) -> Law | None:
 
 
 def measure(
-    law: str, onset_pressure: float, number: int, seed: int, excess_phi: Sequence[float] = ()
+    law: str,
+    onset_pressure: float,
+    number: int,
+    seed: int,
+    excess_phi: Sequence[float] = (),
+    folder: Path | None = None,
 ) -> tuple[Row, list[Row]]:
     """Jam one packing, and compress it from its onset.
 
@@ -83,6 +89,7 @@ def measure(
         number: of particles, an equal mixture of sizes 1 : 1.4.
         seed: of the random start.
         excess_phi: values of phi - phi_J, rising, at which moduli are measured.
+        folder: the packing at its onset is saved there under its `packing_name`; not of disks.
 
     Returns:
         The packing at its onset, and a row for each value of phi - phi_J up to where the packing
@@ -100,6 +107,8 @@ def measure(
         stalled = any(issubclass(warning.category, StalledWarning) for warning in caught)
         with simulate(packing, settings) as sim:
             onset = sim.relax()
+            if folder is not None and isinstance(onset, State):
+                onset.save(folder / packing_name(law, onset_pressure, number, seed))
             unit = natural_pressure(onset.packing, settings)
             key = {"law": law, "onset_pressure": onset_pressure, "number": number, "seed": seed}
             compressed = []
@@ -113,6 +122,11 @@ def measure(
     row = key | _numbers(onset, unit) | {"excess_phi": max(excess_phi, default=0.0)}
     row["stalled"] = onset.stalled or stalled
     return row | {"seconds": time.process_time() - began}, compressed
+
+
+def packing_name(law: str, onset_pressure: float, number: int, seed: int) -> str:
+    """Name of the folder of a saved packing, e.g. `balanced_1e-07_64_3`."""
+    return f"{law.replace(_TENSION, '_')}_{onset_pressure:g}_{number}_{seed}"
 
 
 def _numbers(state: State | DiskState, unit: float) -> Row:
