@@ -142,7 +142,7 @@ def minimizer_commands(skin: float, dmax: float, tmax: float = 10.0) -> str:
     return _MINIMIZER.format(skin=skin, dmax=dmax, tmax=tmax)
 
 
-def ring_contact_commands(beads: Beads, spacing: float) -> str:
+def polygon_contact_commands(beads: Beads, spacing: float) -> str:
     """Commands for the contacts of rings, rough or smooth.
 
     Args:
@@ -158,7 +158,7 @@ def ring_contact_commands(beads: Beads, spacing: float) -> str:
     )
 
 
-def ring_wall_commands(beads: Beads, stick: bool) -> str:
+def polygon_wall_commands(beads: Beads, stick: bool) -> str:
     """Commands for walls with the stiffness of beads, at a distance of p from their centers.
 
     The energy of LAMMPS' harmonic wall has no factor 1/2; it ignores the second number, sigma.

@@ -71,7 +71,7 @@ def measure(plan: Plan, keep: Path, print_once: Callable[[str], None]) -> Result
     parts: dict[str, Callable[[], Any]] = {
         "ablation": lambda: once(cost_rows, **plan.ablation),
         "large": lambda: once(packing_rows, *plan.large),
-        "smooth": lambda: over_cores(smooth_rows, plan.smooth, description="smooth rings"),
+        "smooth": lambda: over_cores(smooth_rows, plan.smooth, description="smooth polygons"),
         "pareto": lambda: over_cores(pareto_rows, plan.pareto, description="error against time"),
         "friction": lambda: over_cores(sliding, plan.friction, description="friction"),
         "hysteresis": lambda: over_cores(hysteresis, plan.hysteresis, description="hysteresis"),
@@ -93,7 +93,7 @@ def measure(plan: Plan, keep: Path, print_once: Callable[[str], None]) -> Result
 
 
 def _single_row(result: Squeezed) -> dict[str, Any]:
-    """A ring between walls; if they slip, also I of the ring law about the Steiner point."""
+    """A polygon between walls; if they slip, also I of the ring law about the Steiner point."""
     row: dict[str, Any] = paper.single_row(result)
     if not result.walls.stick:
         row["I_ring_kP_inf_steiner"] = paper.steiner_error(result)

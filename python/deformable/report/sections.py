@@ -24,15 +24,15 @@ if TYPE_CHECKING:
 _TERMS = Section(
     "What is compared",
     (
-        "Particles in two dimensions that touch and deform. The reference are smooth rings: "
-        "springs join the vertices of a ring, each ring resists a change of its area, and vertices "
-        "slide along the edges of other rings. The contact laws replace each ring by one point: "
-        "its outline follows from the contacts.",
+        "Particles in two dimensions that touch and deform. The reference are smooth polygons: "
+        "springs join the vertices of a polygon, each polygon resists a change of its area, and "
+        "vertices slide along the edges of other polygons. The contact laws replace each polygon "
+        "by one point: its outline follows from the contacts.",
     ),
     terms={
-        "smooth rings": "rings whose vertices touch the edges of others; the reference",
-        "rough rings": "rings of beads, as in the paper: beads touch beads and interlock, so that "
-        "rings have friction",
+        "smooth polygons": "polygons whose vertices touch the edges of others; the reference",
+        "bead polygons": "polygons of beads, as in the paper: beads touch beads and interlock, "
+        "so that polygons have friction",
         "disk": "soft disks that overlap and keep their shape; shown for comparison",
         "sector": "contacts stick: the arc between two contacts keeps its length",
         "radical": "ring law, contacts slip: contact lines on the radical axis, through the points "
@@ -43,12 +43,12 @@ _TERMS = Section(
         "ring": "the ring law of a particle between walls, where contact lines are given",
         "kP inf": "the same law with the perimeter conserved; without it the perimeter has the "
         "stiffness kP of the springs",
-        "kA, kL": "stiffness of the area of a ring, and of the springs between its N vertices; "
+        "kA, kL": "stiffness of the area of a polygon, and of the springs between its N vertices; "
         "kP = kL/N",
-        "shape error I": "mean distance of the outline from the rings, over the radius",
+        "shape error I": "mean distance of the outline from the polygons, over the radius",
         "area error": "rms error of the area deficits over their rms; 1 for particles that keep "
         "their area",
-        "energy, pressure": "of the law over that of the rings; 1 is right",
+        "energy, pressure": "of the law over that of the polygons; 1 is right",
         "residual": "largest force over that in contacts: what is left after a relaxation",
         "jamming": "the onset of rigidity, from which strains count",
     },

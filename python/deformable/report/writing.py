@@ -68,7 +68,7 @@ def write_report(
 
     for name, figure in pictures(results).items():
         figure.savefig(folder / name, dpi=150)
-    title = "Contact laws against smooth rings"
+    title = "Contact laws against smooth polygons"
     (folder / "index.html").write_text(page(title, _lead(content), sections(results)))
     (folder / "report.json").write_text(json.dumps(content, indent=1, allow_nan=False) + "\n")
     _discard(parts)

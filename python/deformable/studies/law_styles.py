@@ -1,6 +1,6 @@
 """One color, marker and line for each contact law in all figures, in the order of the legends.
 
-`BEADS` is the style of rough rings, `SMOOTH` that of smooth ones.
+`BEADS` is the style of bead polygons, `SMOOTH` that of smooth ones.
 """
 
 from __future__ import annotations
@@ -34,8 +34,9 @@ STYLES = {
 STYLES["ring, kP inf"] = STYLES["radical, kP inf"]
 STYLES["ring"] = STYLES["radical"]
 
-# Rings by kind.
-RINGS = {"smooth": SMOOTH, "rough": BEADS}
+# Polygons by kind.
+POLYGONS = {"smooth": SMOOTH, "rough": BEADS}
+POLYGON_NAMES = {"smooth": "smooth polygons", "rough": "bead polygons"}
 
 
 def legend_below(figure: Any, ax: Any) -> None:

@@ -109,16 +109,18 @@ class Section:
 STRAIN = Column("strain", "strain", "linear strain beyond jamming", show=percent)
 SEED = Column("seed", "packing", "seed of the random start")
 LAW = Column("law", "law", text=True)
-SHAPE = Column("I", "shape error I", "mean distance of the outline from the rings over the radius")
+SHAPE = Column(
+    "I", "shape error I", "mean distance of the outline from the polygons over the radius"
+)
 AREA = Column("S_rms", "area error", "rms error of the area deficits over their rms")
-ENERGY = Column("energy_ratio", "energy", "of the law over that of the rings, at their centers")
+ENERGY = Column("energy_ratio", "energy", "of the law over that of the polygons, at their centers")
 PRESSURE = Column(
-    "pressure_ratio", "pressure", "of the law over that of the rings, at their centers"
+    "pressure_ratio", "pressure", "of the law over that of the polygons, at their centers"
 )
 OWN_ENERGY = Column(
     "own_energy_ratio",
     "own energy",
-    "of the packing that the law relaxes to itself, over that of the rings",
+    "of the packing that the law relaxes to itself, over that of the polygons",
 )
 RESIDUAL = Column(
     "residual", "residual", "largest force on a particle over the mean contact force at the end"

@@ -128,22 +128,22 @@ def table(output: str) -> dict[str, list[str]]:
     """The rows of `compare` by name, which may contain spaces."""
     lines = output.splitlines()
     head = next(n for n, line in enumerate(lines) if line.startswith("law "))
-    notes = ("no law", "rings have")
+    notes = ("no law", "polygons have")
     rows = [line for line in lines[head + 1 :] if not line.startswith(notes)]
     width = lines[head].index("I") - 8  # a column of nine digits
     return {line[:width].strip(): line[width:].split(maxsplit=5) for line in rows}
 
 
-@pytest.mark.parametrize("kind", ["smooth", "rough"])
+@pytest.mark.parametrize("kind", ["smooth", "bead"])
 def test_compare_has_a_row_a_law(kind: str, tmp_path: Path) -> None:
     options = ("--number", "8", "--beads", "20", "--strain", "0.03")
-    rough = ("--rough",) if kind == "rough" else ()
+    rough = ("--rough",) if kind == "bead" else ()
     result = run("compare", *options, *rough, cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    assert result.stdout.startswith(f"8 {kind} rings, 20 beads on a small one, 3 % strain")
+    assert result.stdout.startswith(f"8 {kind} polygons, 20 beads on a small one, 3 % strain")
     rows = table(result.stdout)
-    assert {"rings", "disk", "sector", "balanced"} < rows.keys()
-    assert rows.pop("rings")[0] == "-"
+    assert {"polygons", "disk", "sector", "balanced"} < rows.keys()
+    assert rows.pop("polygons")[0] == "-"
     assert rows.pop("disk")[2] == "-"
     for row in rows.values():
         assert 0.0 < float(row[0]) < 0.02
@@ -152,11 +152,11 @@ def test_compare_has_a_row_a_law(kind: str, tmp_path: Path) -> None:
     assert "interlock" not in result.stdout
 
 
-def test_compare_warns_that_rings_interlock(tmp_path: Path) -> None:
+def test_compare_warns_that_polygons_interlock(tmp_path: Path) -> None:
     options = ("--number", "8", "--beads", "20", "--strain", "1e-7")
     result = run("compare", *options, "--rough", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    assert "the rings interlock" in result.stdout.splitlines()[-1]
+    assert "the polygons interlock" in result.stdout.splitlines()[-1]
 
 
 def test_compare_marks_what_failed(

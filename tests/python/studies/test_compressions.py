@@ -134,7 +134,7 @@ def test_smooth_rings_slide_and_rough_ones_catch() -> None:
         assert found["residual"] <= 1e-4
         assert len(found["normal"]) == len(found["tangential"]) == len(found["slide"]) == 6
         assert min(found["normal"]) > 0.0
-    half = 0.5 * smooth_beads(40, smooth=False).rings(np.array([0.5])).spacing[0]
+    half = 0.5 * smooth_beads(40, smooth=False).polygons(np.array([0.5])).spacing[0]
     steepest = 2.0 * half / np.sqrt(0.05**2 - half**2)
     assert 0.5 * steepest < rough["friction"] < 1.2 * steepest  # 2.25
     assert smooth["friction"] < 0.04

@@ -54,7 +54,7 @@ def test_error_falls_with_stiffness_and_grows_with_indentation(sweep: list[Squee
 def chord(result: Squeezed) -> float:
     """Beads of distance L0 draw an arc of radius q to within L0^2/8q."""
     arc = 1.0 - paper.polygon_stiffness(len(result.walls.angle)) * result.indentation / np.pi
-    return float(result.beads.rings.spacing[0]) ** 2 / (8.0 * arc)
+    return float(result.beads.polygons.spacing[0]) ** 2 / (8.0 * arc)
 
 
 @pytest.mark.parametrize("kL", [1.0, 1e3])
@@ -99,7 +99,7 @@ def packed() -> dict[str, Comparison]:
 
 def test_packing_is_nearer_to_the_laws_than_to_circles(packed: dict[str, Comparison]) -> None:
     beads = packed["radical"].beads
-    assert beads.rings.number.tolist() == [50, 72]
+    assert beads.polygons.number.tolist() == [50, 72]
     assert not beads.stalled
     circle = np.mean(
         [
@@ -107,7 +107,7 @@ def test_packing_is_nearer_to_the_laws_than_to_circles(packed: dict[str, Compari
             for ring, center, radius, outer in zip(
                 beads.outlines,
                 beads.packing.positions,
-                beads.rings.radius[beads.packing.species],
+                beads.polygons.radius[beads.packing.species],
                 beads.packing.radius,
                 strict=True,
             )

@@ -29,19 +29,22 @@ def test_rows_of_a_packing():
     )
     assert row["energy_ratio"] == pytest.approx(again.state.energy / rings.energy, rel=1e-12)
     start = jam(bidisperse(8, seed=1))
-    start = type(start)(start.positions, start.species, rings.rings.effective_radius, start.box)
+    start = type(start)(start.positions, start.species, rings.polygons.effective_radius, start.box)
     with Simulation(start, Ring(beads.kA, contact="radical")) as sim:
         sim.deform(sim.box * (1 - strain))
         own = sim.relax()
     # relaxed twice to a residual of 1e-6
     assert row["own_energy_ratio"] == pytest.approx(own.energy / rings.energy, rel=1e-5)
     assert not row["unjammed"]
-    kP, skin = beads.kL / rings.rings.number, rings.rings.effective_radius - rings.rings.radius
+    kP, skin = (
+        beads.kL / rings.polygons.number,
+        rings.polygons.effective_radius - rings.polygons.radius,
+    )
     assert comparisons["radical"].state.law == Ring(beads.kA, kP=kP, skin=skin, contact="radical")
     balanced = Ring(beads.kA, kP=kP, skin=skin, contact="balanced")
     assert comparisons["balanced"].state.law == balanced
     # a circle of the radius at rest
-    inner = rings.rings.radius[rings.packing.species]
+    inner = rings.polygons.radius[rings.packing.species]
     off = [
         np.mean(np.abs(np.hypot(*(ring - center).T) - r)) / radius
         for ring, center, r, radius in zip(
@@ -56,7 +59,7 @@ MIXED = Beads(number=[20, 30], kL=[4.0, 1500.0], kA=[1.0, 10.0])
 
 
 def test_laws_have_the_stiffness_of_each_species():
-    rings = MIXED.rings(np.array([0.5, 0.7]))
+    rings = MIXED.polygons(np.array([0.5, 0.7]))
     matching_laws = packings.matching_laws(MIXED, rings, rigid=[False, True])
     kA, skin = (1.0, 10.0), (rings.effective_radius - rings.radius).tolist()
     # the sector law has one kA
@@ -69,7 +72,7 @@ def test_laws_have_the_stiffness_of_each_species():
         kA, kP=[0.2, math.inf], skin=skin, contact="balanced"
     )
     equal = Beads(number=[20, 30], kL=[4.0, 1500.0], kA=[2.0, 2.0])
-    assert packings.matching_laws(equal, rings=equal.rings(np.array([0.5, 0.7])))[
+    assert packings.matching_laws(equal, polygons=equal.polygons(np.array([0.5, 0.7])))[
         "sector"
     ] == Sector(2.0)
 

@@ -1,7 +1,7 @@
-"""Whole compressions: every contact law, and other rings, against smooth rings from the same start.
+"""Whole compressions: each contact law, and other polygons, against smooth polygons.
 
-Smooth rings (docs/theory.md, "Smooth rings") come to rest where smooth particles do. Rings of beads
-have friction: they interlock, and their energy depends on the way.
+Smooth polygons (docs/theory.md, "Smooth rings") come to rest where smooth particles do. Bead
+polygons have friction: they interlock, and their energy depends on the way.
 """
 
 from __future__ import annotations
@@ -35,17 +35,17 @@ Path = list[tuple[S, float]]
 # Laws without a continuous energy do not come to rest.
 _RESTLESS = {"sector"}
 
-# Directions in which outlines of rings are compared.
+# Directions in which outlines of polygons are compared.
 _DIRECTIONS = 2.0 * np.pi * np.arange(720) / 720
 
 
 def smooth_beads(count: int, kP: float = 6.0, smooth: bool = True) -> Beads:
-    """Rings for the measurements, of kA = 1 and contacts of range c = 0.05 and stiffness 10.
+    """Polygons for the measurements, of kA = 1 and contacts of range c = 0.05 and stiffness 10.
 
     With radii of 0.5 and 0.7 contacts give way by less than 1 % of the indentation.
 
     Args:
-        count: N_v, of the smallest rings.
+        count: N_v, of the smallest polygons.
         kP: stiffness of their perimeter [energy/length^2].
         smooth: whether they are smooth, else rough.
     """
@@ -61,19 +61,19 @@ def smooth_rows(
     rivals: Sequence[Beads] = (),
     beads: Beads | None = None,
 ) -> list[dict[str, Any]]:
-    """A bidisperse packing compressed from jamming: every law against smooth rings.
+    """A bidisperse packing compressed from jamming: every law against smooth polygons.
 
-    Rings and laws start from the same jammed disks and relax on their own after each step. The
+    Polygons and laws start from the same jammed disks and relax on their own after each step. The
     result does not depend on the process: `parallel_map` may share the seeds, and keep their rows.
 
     Args:
         number: of particles.
         seed: of the random start.
-        count: N_v of the reference, vertices of a small ring, see `smooth_beads`.
+        count: N_v of the reference, vertices of a small polygon, see `smooth_beads`.
         strain: total linear strain.
         steps: number of steps.
-        rivals: other rings to compare with the reference, smooth or rough. All stand for the same
-            particles: rough ones have the laws' radii as effective ones, see `matching`.
+        rivals: other polygons to compare with the reference, smooth or rough. All stand for the
+            same particles: rough ones have the laws' radii as effective ones, see `matching`.
         beads: of the reference, with `count` vertices; `smooth_beads` if not given.
 
     Returns:
@@ -100,14 +100,16 @@ def smooth_rows(
     """
     start = jam(bidisperse(number, seed=seed))
     beads = beads or smooth_beads(count)
-    laws = matching_laws(beads, beads.rings(start.radii))
-    reference = ring_path(start, beads, strain, steps)
+    laws = matching_laws(beads, beads.polygons(start.radii))
+    reference = polygon_path(start, beads, strain, steps)
     own: dict[str, Path[State]] = {
         name: law_path(start, law, strain, steps)
         for name, law in laws.items()
         if name not in _RESTLESS
     }
-    others = [(rival, ring_path(matching(start, rival), rival, strain, steps)) for rival in rivals]
+    others = [
+        (rival, polygon_path(matching(start, rival), rival, strain, steps)) for rival in rivals
+    ]
     rows: list[dict[str, Any]] = []
     for n, (exact, seconds) in enumerate(reference):
         common = {
@@ -129,21 +131,21 @@ def smooth_rows(
             name = "smooth" if rival.smooth else "rough"
             rows.append(
                 common
-                | {"law": name, "rings": int(path[n][0].rings.number.min()), "own": True}
+                | {"law": name, "rings": int(path[n][0].polygons.number.min()), "own": True}
                 | _against(exact, *path[n])
             )
     return rows
 
 
-def ring_path(start: Packing, beads: Beads, strain: float, steps: int) -> Path[BeadState]:
-    """Rings compressed from jamming: states, and seconds of processor time, of the steps."""
-    with BeadReference(start, beads, comm=MPI.COMM_SELF) as rings, warnings.catch_warnings():
+def polygon_path(start: Packing, beads: Beads, strain: float, steps: int) -> Path[BeadState]:
+    """Polygons compressed from jamming: states, and seconds of processor time, of the steps."""
+    with BeadReference(start, beads, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
-        return list(timed(compress(rings, strain, steps)))
+        return list(timed(compress(polygons, strain, steps)))
 
 
 def law_path(start: Packing, law: Law, strain: float, steps: int) -> Path[State]:
-    """As `ring_path`, for the particles of a law."""
+    """As `polygon_path`, for the particles of a law."""
     with Simulation(start, law, MPI.COMM_SELF) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
         return list(timed(compress(sim, strain, steps)))
@@ -161,7 +163,7 @@ def timed(results: Iterable[T]) -> Iterator[tuple[T, float]]:
 
 
 def _against(exact: BeadState, other: State | BeadState, seconds: float | None) -> dict[str, Any]:
-    """The errors of a law, or of other rings, see `smooth_rows`."""
+    """The errors of a law, or of other polygons, see `smooth_rows`."""
     loose = is_unjammed(other, exact)
     wrong = norm(other.area_deficit - exact.area_deficit)
     return {
@@ -196,12 +198,12 @@ def _shape_error(exact: BeadState, other: State | BeadState) -> float | None:
 
 
 def _dents(state: BeadState) -> NDArray[np.float64]:
-    """Distance of each ring inward from its circle at rest, shape (N, directions) [length]."""
+    """Distance of each polygon inward from its circle at rest, shape (N, directions) [length]."""
     found = []
-    for ring, center, kind in zip(
+    for polygon, center, kind in zip(
         state.outlines, state.packing.positions, state.packing.species, strict=True
     ):
-        out = ring - center
-        inward = state.rings.radius[kind] - np.hypot(*out.T)
+        out = polygon - center
+        inward = state.polygons.radius[kind] - np.hypot(*out.T)
         found.append(np.interp(_DIRECTIONS, angles(out), inward, period=2.0 * np.pi))
     return np.array(found)

@@ -8,15 +8,15 @@ from statistics import median
 from typing import Any
 
 from ...engine.relaxation import TOLERANCE
-from ..law_styles import STYLES
+from ..law_styles import POLYGON_NAMES, STYLES
 from ..section import percent
 
 Row = dict[str, Any]
 
-# The balanced law has the energy of smooth rings to this part, up to this strain.
+# The balanced law has the energy of smooth polygons to this part, up to this strain.
 BARS = {0.03: 0.01, 0.045: 0.02}
 
-# Residual above which smooth rings have not converged.
+# Residual above which smooth polygons have not converged.
 CONVERGED = 1e-6
 
 _ROUNDING = 1e-9  # of strains, which are multiples of a step
@@ -39,9 +39,9 @@ def exceptions(rows: Sequence[Row]) -> list[Row]:
 
     Each has a `reason`, the first of these that holds: the reference has not converged; the law has
     not; law and reference are apart by more than the mean overlap, 2 strain R, so that one of them
-    has rearranged; the reference has too few vertices, if the bar is met against finer rings of the
-    same packing; the law itself, if it is missed in the limit of many vertices, extrapolated in
-    1/N_v^2 from the two finest rings. It is empty if there is none of these.
+    has rearranged; the reference has too few vertices, if the bar is met against finer polygons of
+    the same packing; the law itself, if it is missed in the limit of many vertices, extrapolated in
+    1/N_v^2 from the two finest polygons. It is empty if there is none of these.
     """
     own = [row for row in rows if row["law"] == "balanced" and row["own"]]
     found = []
@@ -72,7 +72,7 @@ def exceptions(rows: Sequence[Row]) -> list[Row]:
 
 
 def _of_many_vertices(same: Sequence[Row]) -> list[Row]:
-    """A row of rings of very many vertices, from those of two numbers; none if there is one."""
+    """A row of polygons of very many vertices, from those of two numbers; none if there is one."""
     by_number = {row["n_v"]: row for row in same}
     if len(by_number) < 2:
         return []
@@ -91,8 +91,10 @@ def _meets(row: Row) -> bool:
 def label(row: Row) -> str:
     """Name of a method of `pareto_means` in words."""
     if row["method"] == "reference":
-        return f"smooth rings, {row['rings']}"
-    return f"{row['method']} rings, {row['rings']}" if row["rings"] else str(row["method"])
+        return f"smooth polygons, {row['rings']}"
+    if row["rings"]:
+        return f"{POLYGON_NAMES[row['method']]}, {row['rings']}"
+    return str(row["method"])
 
 
 def whole_percents(rows: Sequence[Row]) -> list[float]:
@@ -102,9 +104,9 @@ def whole_percents(rows: Sequence[Row]) -> list[float]:
 
 
 def energy_errors(rows: Sequence[Row], law: str) -> dict[float, list[float]]:
-    """|E/E(rings) - 1| of a law at each strain, of all packings, against the finest whole rings.
+    """|E/E(polygons) - 1| of a law at each strain, of all packings, against the finest polygons.
 
-    The sector law does not come to rest, and is taken at the centers of the rings. Rows whose
+    The sector law does not come to rest, and is taken at the centers of the polygons. Rows whose
     reference has not converged are left out.
 
     Args:
@@ -126,7 +128,7 @@ def summary(rows: Sequence[Row], pareto: Sequence[Row]) -> list[Row]:
 
     Args:
         rows: of `smooth_rows`; the errors of the laws are medians over the packings.
-        pareto: of `pareto_means`; areas, times, and the energy errors of rings.
+        pareto: of `pareto_means`; areas, times, and the energy errors of polygons.
 
     Returns:
         Rows `name`, the energy error at each strain under its name, as "2 %", `error` of the area
@@ -147,7 +149,7 @@ def summary(rows: Sequence[Row], pareto: Sequence[Row]) -> list[Row]:
 
 
 def fastest_as_good(pareto: Sequence[Row]) -> dict[str, Row]:
-    """The fastest rings of each kind whose energy is at least as right as the balanced law's."""
+    """The fastest polygons of each kind whose energy is at least as right as the balanced law's."""
     (balanced,) = (row for row in pareto if row["method"] == "balanced")
     found: dict[str, Row] = {}
     for row in sorted(pareto, key=lambda row: row["seconds"] or 0.0):

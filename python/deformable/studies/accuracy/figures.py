@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ..law_styles import RINGS, SMOOTH, STYLES, Style, legend_below
+from ..law_styles import POLYGON_NAMES, POLYGONS, SMOOTH, STYLES, Style, legend_below
 from .errors import BARS, CONVERGED, energy_errors, label, whole
 
 Row = dict[str, Any]
@@ -31,7 +31,7 @@ def accuracy(rows: Sequence[Row], pareto: Sequence[Row]) -> Figure:
         error.plot(x, middle, linestyle=style.line, color=style.color, linewidth=1.2)
         for strain, each in zip(x, wrong.values(), strict=True):
             error.plot([strain] * len(each), each, style.marker, color=style.color, markersize=4.5)
-        name = law if law != "sector" else "sector, at the rings' centers"
+        name = law if law != "sector" else "sector, at the polygons' centers"
         error.plot([], [], style.marker, color=style.color, linestyle=style.line, label=name)
     error.set(
         xlabel="strain beyond jamming [%]",
@@ -61,20 +61,22 @@ def accuracy(rows: Sequence[Row], pareto: Sequence[Row]) -> Figure:
 
 
 def _style(method: str) -> Style:
-    return SMOOTH if method == "reference" else (RINGS | STYLES)[method]
+    return SMOOTH if method == "reference" else (POLYGONS | STYLES)[method]
 
 
 def pareto(rows: Sequence[Row]) -> Figure:
-    """Errors of energies and of areas against seconds, one point per law, rings joined."""
+    """Errors of energies and of areas against seconds, one point per law, polygons joined."""
     figure = Figure(figsize=(10.0, 4.6), layout="constrained")
     panels = figure.subplots(1, 2, sharex=True)
     labels = {"energy_error": "error of the energy", "error": "error of the area deficits (rms)"}
     for ax, (key, name) in zip(panels, labels.items(), strict=True):
         known = [row for row in rows if row[key] and row["seconds"] is not None]
-        for kind, style in RINGS.items():
+        for kind, style in POLYGONS.items():
             line = [row for row in known if row["method"] == kind]
             x, y = [row["seconds"] for row in line], [row[key] for row in line]
-            ax.loglog(x, y, style.marker, color=style.color, linestyle="-", label=f"{kind} rings")
+            ax.loglog(
+                x, y, style.marker, color=style.color, linestyle="-", label=POLYGON_NAMES[kind]
+            )
             for row in line:
                 ax.annotate(
                     f"{row['rings']}",
@@ -87,7 +89,7 @@ def pareto(rows: Sequence[Row]) -> Figure:
                     fontsize=8,
                 )
         for row in known:
-            if row["method"] not in RINGS:
+            if row["method"] not in POLYGONS:
                 style = STYLES[row["method"]]
                 ax.loglog(
                     row["seconds"],
@@ -150,7 +152,7 @@ def compressions(rows: Sequence[Row]) -> Figure:
         column[2].set_xlabel("strain beyond jamming [%]")
     names = ("energy", "pressure")
     for ax, name in zip(panels[:2, 0], names, strict=True):
-        ax.set_ylabel(f"{name}, balanced\nover smooth rings")
+        ax.set_ylabel(f"{name}, balanced\nover smooth polygons")
     panels[2, 0].set_ylabel("distance of the centers\n(rms) over R")
     handles = [
         Line2D(

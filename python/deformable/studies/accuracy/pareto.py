@@ -1,4 +1,4 @@
-"""Error against run time: laws and rings compressed from the same start, on one core."""
+"""Error against run time: laws and polygons compressed from the same start, on one core."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ def pareto_rows(
     Args:
         number: of particles.
         seed: of the random start.
-        reference: N_v of the smooth rings that errors refer to.
+        reference: N_v of the smooth polygons that errors refer to.
         strain: total linear strain.
         steps: number of steps.
-        smooth: N_v of other smooth rings, which take part like a law.
-        rough: N_v of rough rings.
+        smooth: N_v of other smooth polygons, which take part like a law.
+        rough: N_v of bead polygons.
 
     Returns:
         A row for each method at the last strain: `method`, `rings` (N_v, or None), `seconds` of
@@ -72,9 +72,9 @@ def _seconds_of_disks(start: Packing, strain: float, steps: int) -> float:
 def pareto_means(packings: Iterable[Sequence[Row]]) -> list[Row]:
     """A row for each method of `pareto_rows`, with means over the packings.
 
-    Keys: `method`; `rings`, N_v or None; `reference`, N_v; `n`, `strain`, `seeds`; `energy_error`
-    and `pressure_error`, means of |ratio - 1|; `error`, of `S_rms`; `shape_error`, of I;
-    `seconds`; and the largest `residual` of the method.
+    Keys: `method`; `rings`, N_v or None; `reference`, N_v; `n`, `strain`, `seeds`;
+    `energy_error` and `pressure_error`, means of |ratio - 1|; `error`, of `S_rms`; `shape_error`,
+    of I; `seconds`; and the largest `residual` of the method.
     """
     rows = []
     for same in zip(*packings, strict=True):

@@ -1,4 +1,4 @@
-"""Sections that measure the laws with smooth rings: in short, against run time, compressions."""
+"""Sections that measure the laws with smooth polygons: in short, against run time, compressions."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from statistics import median
 from typing import Any
 
 from .. import section as c
+from ..law_styles import POLYGON_NAMES
 from ..section import Column, Picture, Section, Table, listed, percent, show, span
 from .errors import (
     BARS,
@@ -29,10 +30,10 @@ def in_short(rows: Sequence[Row], pareto: Sequence[Row]) -> Section:
     return Section(
         "In short",
         (
-            f"Laws and smooth rings compress the same packings of {rows[0]['n']} particles from "
+            f"Laws and smooth polygons compress the same packings of {rows[0]['n']} particles from "
             "jamming, and each relaxes on its own. The table has the error of the energy: of the "
-            f"laws against rings of {finest} vertices, the median over the packings. The sector "
-            "law does not come to rest; it is taken at the centers of the rings.",
+            f"laws against polygons of {finest} vertices, the median over the packings. The sector "
+            "law does not come to rest; it is taken at the centers of the polygons.",
             _as_good(pareto),
         ),
         pictures=[
@@ -48,7 +49,7 @@ def in_short(rows: Sequence[Row], pareto: Sequence[Row]) -> Section:
             Table(
                 "Error of the energy by strain, error of the area deficits, and time",
                 [
-                    Column("name", "method", "rings: number of vertices", text=True),
+                    Column("name", "method", "polygons: number of vertices", text=True),
                     *(Column(s, s, "error of the energy at this strain") for s in strains),
                     Column("error", f"areas, {percent(pareto[0]['strain'])}", c.AREA.note),
                     Column("seconds", "time", f"to {percent(pareto[0]['strain'])} strain", "s"),
@@ -69,7 +70,7 @@ def _converged(rows: Sequence[Row], strain: float, key: str) -> list[float]:
 
 
 def _as_good(pareto: Sequence[Row]) -> str:
-    rings = fastest_as_good(pareto)
+    polygons = fastest_as_good(pareto)
     (balanced,) = (row for row in pareto if row["method"] == "balanced")
     text = (
         f"At {percent(balanced['strain'])} strain the energy of `balanced` is wrong by "
@@ -77,15 +78,15 @@ def _as_good(pareto: Sequence[Row]) -> str:
         f"the compression takes {show(balanced['seconds'])} s. "
     )
     for kind in ("smooth", "rough"):
-        if kind in rings:
-            row = rings[kind]
+        if kind in polygons:
+            row = polygons[kind]
             text += (
-                f"The fastest {kind} rings with an energy that is as right have {row['rings']} "
-                f"vertices and take {show(row['seconds'])} s, "
+                f"The fastest {POLYGON_NAMES[kind]} with an energy that is as right have "
+                f"{row['rings']} vertices and take {show(row['seconds'])} s, "
                 f"{row['seconds'] / balanced['seconds']:.0f} times as long. "
             )
         else:
-            text += f"No {kind} rings of the report are as right. "
+            text += f"No {POLYGON_NAMES[kind]} of the report are as right. "
     return text.strip()
 
 
@@ -97,19 +98,19 @@ def pareto(rows: Sequence[Row]) -> Section:
             f"Every method compresses the same packings of {first['n']} particles (seeds "
             f"{show(first['seeds'])}) from jamming to {percent(first['strain'])} strain, and "
             "relaxes on its own. "
-            f"Errors are against smooth rings of {first['reference']} vertices; errors and times "
-            "are means. Rings of different numbers of vertices stand for the same particles: radii "
-            "and kP agree.",
-            "Rough rings catch on each other: more vertices do not make them as right as smooth "
-            "rings. With few vertices both are wrong: a contact then has hardly more than one.",
+            f"Errors are against smooth polygons of {first['reference']} vertices; errors and "
+            "times are means. Polygons of different numbers of vertices stand for the same "
+            "particles: radii and kP agree.",
+            "Bead polygons catch on each other: more vertices do not make them as right as smooth "
+            "polygons. With few vertices both are wrong: a contact then has hardly more than one.",
         ),
         pictures=[
             Picture(
                 "pareto.png",
                 "Lower left is better: more accurate and faster. Numbers: vertices of a small "
-                "ring. Dotted: the error of `balanced`.",
+                "polygon. Dotted: the error of `balanced`.",
                 "Two logarithmic scatter plots of the errors of energies and of area deficits "
-                "against processor time, a marker for each law and lines for rings.",
+                "against processor time, a marker for each law and lines for polygons.",
             )
         ],
         tables=[
@@ -143,12 +144,12 @@ def compressions(rows: Sequence[Row]) -> Section:
     return Section(
         "Whole compressions",
         (
-            f"The law `balanced` over smooth rings of {numbers[-1]} vertices: "
+            f"The law `balanced` over smooth polygons of {numbers[-1]} vertices: "
             f"{_along(rows, 'balanced', numbers[-1])}. "
-            "At the centers of the rings it has "
+            "At the centers of the polygons it has "
             f"{span(_at_centers(rows, numbers[-1]), 4)} times their energy.",
-            f"Its energy is to be right to {bars}, wherever the rings have converged (residual at "
-            f"most {show(CONVERGED)}). {len(own) - len(missed)} of {len(own)} steps are. "
+            f"Its energy is to be right to {bars}, wherever the polygons have converged (residual "
+            f"at most {show(CONVERGED)}). {len(own) - len(missed)} of {len(own)} steps are. "
             + (_reasons(missed) if missed else ""),
             f"The law `tilted`: {_along(rows, 'tilted', numbers[-1])}.",
             "The laws `radical` have contact lines on the radical axis. Their energies are off by "
@@ -157,9 +158,9 @@ def compressions(rows: Sequence[Row]) -> Section:
         pictures=[
             Picture(
                 "compressions.png",
-                "Each column is a packing. Top: the law balanced over smooth rings that have "
+                "Each column is a packing. Top: the law balanced over smooth polygons that have "
                 "converged; gray: the error that is allowed. Bottom: distances of the laws' "
-                "centers from those of the finest rings; above the dotted line one of both has "
+                "centers from those of the finest polygons; above the dotted line one of both has "
                 "rearranged.",
                 "Lines of energy and pressure ratios near one, and of distances of centers, "
                 "against strain, for each packing.",
@@ -181,21 +182,21 @@ def compressions(rows: Sequence[Row]) -> Section:
     )
 
 
-_OWN = Column("own", "on its own", "relaxed alone, else at the centers of the rings")
+_OWN = Column("own", "on its own", "relaxed alone, else at the centers of the polygons")
 _BAR = Column("bar", "allowed", "error of the energy")
 _REASON = Column("reason", "reason", text=True, show=lambda reason: reason or "none found")
 _STEP = (
     c.SEED,
     c.STRAIN,
-    Column("n_v", "vertices", "of a small ring of the reference"),
-    Column("energy_ratio", "energy", "over that of the rings", show=lambda x: show(x, 4)),
-    Column("pressure_ratio", "pressure", "over that of the rings", show=lambda x: show(x, 4)),
+    Column("n_v", "vertices", "of a small polygon of the reference"),
+    Column("energy_ratio", "energy", "over that of the polygons", show=lambda x: show(x, 4)),
+    Column("pressure_ratio", "pressure", "over that of the polygons", show=lambda x: show(x, 4)),
     Column("distance", "distance", "of the centers, rms, over the mean radius"),
 )
 
 
 def _along(rows: Sequence[Row], law: str, count: int) -> str:
-    """Energies and pressures of a law on its own over those of converged rings, by strain."""
+    """Energies and pressures of a law on its own over those of converged polygons, by strain."""
     own = [row for row in rows if (row["law"], row["n_v"], row["own"]) == (law, count, True)]
     return "; ".join(
         f"{percent(strain)}: energy {span(_converged(own, strain, 'energy_ratio'), 4)}, "

@@ -1,1 +1,1 @@
-"""Packings of rings strained in one step: the paper's one, and mixtures of stiffnesses."""
+"""Packings of polygons strained in one step: the paper's one, and mixtures of stiffnesses."""

@@ -1,4 +1,4 @@
-"""A packing of bead rings, and the magnified deviations of the laws in a part of it."""
+"""A packing of bead polygons, and the magnified deviations of the laws in a part of it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 from numpy.typing import NDArray
 
-from ..comparison import Comparison, ring_outlines
+from ..comparison import Comparison, polygon_outlines
 from ..law_styles import BEADS, STYLES
 from ..paper.figures import magnification, short
 from ..shape_error import deviation
@@ -24,7 +24,7 @@ _MOST = 0.97
 
 
 def packing(comparisons: Mapping[str, Comparison]) -> Figure:
-    """The whole box, and a few rings of it with the deviations of the laws magnified.
+    """The whole box, and a few polygons of it with the deviations of the laws magnified.
 
     Each law is drawn at |v| + m (g - |v|) in the direction of each bead v: m times as far from the
     beads as it is. The factor m stands in the title.
@@ -37,9 +37,9 @@ def packing(comparisons: Mapping[str, Comparison]) -> Figure:
     figure = Figure(figsize=(8.0, 4.8), dpi=150, layout="constrained")
     whole, zoom = figure.subplots(1, 2)
 
-    rings = _images(beads.outlines, box)
+    polygons = _images(beads.outlines, box)
     whole.add_collection(
-        PolyCollection(rings, facecolor="0.92", edgecolor=BEADS.color, linewidth=0.5)
+        PolyCollection(polygons, facecolor="0.92", edgecolor=BEADS.color, linewidth=0.5)
     )
     frame = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) @ box
     whole.add_patch(Polygon(frame, fill=False, edgecolor="0.5", linewidth=0.8))
@@ -51,7 +51,7 @@ def packing(comparisons: Mapping[str, Comparison]) -> Figure:
     margin = 1.05 * float(radii.max())
     low, high = frame.min(axis=0) - margin, frame.max(axis=0) + margin
     whole.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-    whole.set_title(f"{len(beads.packing)} rings of beads", fontsize=10)
+    whole.set_title(f"{len(beads.packing)} bead polygons", fontsize=10)
     whole.set_axis_off()
 
     factor = _deviations(zoom, comparisons)
@@ -75,11 +75,11 @@ def _deviations(ax: Axes, comparisons: Mapping[str, Comparison]) -> float:
     """Draw beads, and the laws at magnified distances from them; returns the factor."""
     beads = next(iter(comparisons.values())).beads
     centers, box = beads.packing.positions, beads.packing.box
-    about = [ring - center for ring, center in zip(beads.outlines, centers, strict=True)]
+    about = [polygon - center for polygon, center in zip(beads.outlines, centers, strict=True)]
     found = {
         name: [
-            deviation(ring, line)
-            for ring, line in zip(about, ring_outlines(beads, each.state), strict=True)
+            deviation(polygon, line)
+            for polygon, line in zip(about, polygon_outlines(beads, each.state), strict=True)
         ]
         for name, each in comparisons.items()
     }
@@ -89,8 +89,8 @@ def _deviations(ax: Axes, comparisons: Mapping[str, Comparison]) -> float:
     ax.plot(*dots.T, color=BEADS.color, linestyle="none", marker=".", markersize=4.0, label="beads")
     for name, each in found.items():
         magnified = [
-            center + ring * (1.0 - factor * off / np.hypot(*ring.T))[:, None]
-            for center, ring, off in zip(centers, about, each, strict=True)
+            center + polygon * (1.0 - factor * off / np.hypot(*polygon.T))[:, None]
+            for center, polygon, off in zip(centers, about, each, strict=True)
         ]
         closed = [np.vstack([line, line[:1]]) for line in _images(magnified, box)]
         style = STYLES[name]

@@ -1,4 +1,4 @@
-"""Packings of rings against the contact laws: at the rings' centers, and relaxed alone."""
+"""Packings of polygons against the contact laws: at the polygons' centers, and relaxed alone."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ from ..shape_error import shape_error
 # Runs of a law or of disks, which take milliseconds; the time is their median.
 _REPEATS = 5
 
-# kP/(kA R^2) of rings that stand for inextensible ones: the springs lower S by kA q^2/kP, below a
-# tenth. The time of a relaxation grows as the root of the stiffness.
+# kP/(kA R^2) of polygons that stand for inextensible ones: the springs lower S by kA q^2/kP, below
+# a tenth. The time of a relaxation grows as the root of the stiffness.
 _STIFF = 10.0
 
 # Radius of the beads of mixtures, and the stiffness of contacts over the largest kA, as for
@@ -42,11 +42,11 @@ _SKIN, _CONTACT = 0.025, 10.0
 
 
 def strain_beads(start: Packing, beads: Beads, strain: float) -> tuple[BeadState, float]:
-    """Rings after one strain step from jamming, and the seconds of processor time."""
-    with BeadReference(start, beads, comm=MPI.COMM_SELF) as rings:
-        rings.deform(rings.box * (1.0 - strain))
+    """Polygons after one strain step from jamming, and the seconds of processor time."""
+    with BeadReference(start, beads, comm=MPI.COMM_SELF) as polygons:
+        polygons.deform(polygons.box * (1.0 - strain))
         began = time.process_time()
-        state = rings.relax()
+        state = polygons.relax()
         return state, time.process_time() - began
 
 
@@ -79,7 +79,7 @@ def strain_disks(start: Packing, strain: float) -> float:
 def mixed_rows(
     number: int, seed: int, strain: float, count: int, kA: Sequence[float], kP: Sequence[float]
 ) -> list[dict[str, Any]]:
-    """As `packing_rows`, for smooth rings whose species differ in stiffness.
+    """As `packing_rows`, for smooth polygons whose species differ in stiffness.
 
     Args:
         number: of particles.
@@ -87,14 +87,14 @@ def mixed_rows(
         strain: linear strain.
         count: N_v, of the small particles.
         kA: stiffness of the area of the small and of the large particles [energy/length^4].
-        kP: stiffness of their perimeters [energy/length^2]. Where it is infinite, rings have a
+        kP: stiffness of their perimeters [energy/length^2]. Where it is infinite, polygons have a
             large one instead, because no spring is rigid; `balanced, kP inf` is the law with the
             infinite value.
     """
     radii = bidisperse(number).radii
-    rings = Beads(number=count, radius=_SKIN, smooth=True).rings(radii)
+    polygons = Beads(number=count, radius=_SKIN, smooth=True).polygons(radii)
     rigid = np.isinf(kP)
-    springs = rings.number * np.where(rigid, _STIFF * np.array(kA) * radii**2, kP)
+    springs = polygons.number * np.where(rigid, _STIFF * np.array(kA) * radii**2, kP)
     beads = Beads(count, _SKIN, springs.tolist(), kA, kr=_CONTACT * max(kA), smooth=True)
     rows, _ = packing_rows(number, seed, strain, beads, rigid.tolist())
     return rows
@@ -107,13 +107,13 @@ def packing_rows(
     beads: Beads,
     rigid: Sequence[bool] = (),
 ) -> tuple[list[dict[str, Any]], dict[str, Comparison]]:
-    """One bidisperse packing of rings, strained from jamming in one step, against every law.
+    """One bidisperse packing of polygons, strained from jamming in one step, against every law.
 
     Args:
         number: of particles.
         seed: of the random start.
         strain: linear strain.
-        beads: of the rings.
+        beads: of the polygons.
         rigid: as for `matching_laws`.
 
     Returns:
@@ -123,21 +123,21 @@ def packing_rows(
         relaxes to from the same start, None if that is `unjammed`.
     """
     start = jam(bidisperse(number, seed=seed))
-    rings, seconds_beads = strain_beads(start, beads, strain)
+    polygons, seconds_beads = strain_beads(start, beads, strain)
     common: dict[str, Any] = {
         "n": number,
         "strain": strain,
-        "beads": int(rings.rings.number.min()),
-        "kA": rings.rings.kA.tolist(),
-        "kP": rings.rings.kP.tolist(),
+        "beads": int(polygons.polygons.number.min()),
+        "kA": polygons.polygons.kA.tolist(),
+        "kP": polygons.polygons.kP.tolist(),
         "seed": seed,
         "seconds_beads": seconds_beads,
-        "residual_beads": rings.residual,
+        "residual_beads": polygons.residual,
     }
     disk: dict[str, Any] = {
         "law": "disk",
         "kP_law": None,
-        "I": _error_of_disks(rings),
+        "I": _error_of_disks(polygons),
         "S_rms": 1.0,  # a disk keeps its area, S = 0
         "energy_ratio": None,  # the stiffness of a disk is a free parameter
         "pressure_ratio": None,
@@ -148,12 +148,12 @@ def packing_rows(
         "seconds": strain_disks(start, strain),
     }
     rows: list[dict[str, Any]] = [common | disk]
-    smooth = replace(start, radii=rings.rings.effective_radius)
+    smooth = replace(start, radii=polygons.polygons.effective_radius)
     comparisons = {}
-    for name, law in matching_laws(beads, rings.rings, rigid).items():
-        comparison = comparisons[name] = compare(rings, law, MPI.COMM_SELF)
+    for name, law in matching_laws(beads, polygons.polygons, rigid).items():
+        comparison = comparisons[name] = compare(polygons, law, MPI.COMM_SELF)
         own, seconds = strain_law(smooth, law, strain)
-        unjammed = is_unjammed(own, rings)
+        unjammed = is_unjammed(own, polygons)
         rows.append(
             common
             | {
@@ -165,8 +165,8 @@ def packing_rows(
                 "S_rms": finite_ratio(comparison.area_deficit_error),
                 "energy_ratio": finite_ratio(comparison.energy_ratio),
                 "pressure_ratio": finite_ratio(comparison.pressure_ratio),
-                "own_energy_ratio": None if unjammed else own.energy / rings.energy,
-                "own_pressure_ratio": None if unjammed else own.pressure / rings.pressure,
+                "own_energy_ratio": None if unjammed else own.energy / polygons.energy,
+                "own_pressure_ratio": None if unjammed else own.pressure / polygons.pressure,
                 "unjammed": unjammed,
                 "residual": own.residual,
                 "seconds": seconds,
@@ -178,9 +178,9 @@ def packing_rows(
 def _error_of_disks(beads: BeadState) -> float:
     """Mean shape error of the circles through the beads at rest."""
     errors = []
-    for ring, center, kind in zip(
+    for polygon, center, kind in zip(
         beads.outlines, beads.packing.positions, beads.packing.species, strict=True
     ):
-        circle = core.outline("ring", beads.rings.radius[kind], [], [], 1440)
-        errors.append(shape_error(ring - center, circle, beads.packing.radii[kind]))
+        circle = core.outline("ring", beads.polygons.radius[kind], [], [], 1440)
+        errors.append(shape_error(polygon - center, circle, beads.packing.radii[kind]))
     return float(np.mean(errors))

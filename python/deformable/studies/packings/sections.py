@@ -1,4 +1,4 @@
-"""Sections on packings: the paper's one of rough rings, and mixtures of unequal stiffness."""
+"""Sections on packings: the paper's one of bead polygons, and mixtures of unequal stiffness."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ def large(rows: Sequence[Row]) -> Section:
     return Section(
         "The packing of the paper",
         (
-            f"{first['n']} rough rings, {first['beads']} beads on the small ones, are strained by "
-            f"{percent(first['strain'])} in one step from jamming. The laws are compared at their "
-            "centers. Few beads are rough, which limits the comparison. The rings relax in "
-            f"{show(first['seconds_beads'], 3)} s, until no force on a bead exceeds 10⁻³ of the "
+            f"{first['n']} bead polygons, {first['beads']} beads on the small ones, are strained "
+            f"by {percent(first['strain'])} in one step from jamming. The laws are compared at "
+            "their centers. Few beads are rough, which limits the comparison. The polygons relax "
+            f"in {show(first['seconds_beads'], 3)} s, until no force on a bead exceeds 10⁻³ of the "
             "force on a bead in a contact. The laws relax until no force exceeds "
             f"{show(TOLERANCE, 1)} of the mean contact force: {faster}." + _stalled(rows),
         ),
@@ -66,14 +66,14 @@ def mixtures(rows: Sequence[Row]) -> Section:
         (
             "The same comparison for particles whose two species differ in the stiffness of the "
             "area (kA) or of the perimeter (kP). A contact line then moves into the softer "
-            "particle. The rings are smooth; errors are at their centers, and the own energy is "
+            "particle. The polygons are smooth; errors are at their centers, and the own energy is "
             "that of the law relaxed alone.",
             "Medians of the area error are "
             + listed(f"{show(laws[law])} (`{law}`)" for law in laws)
             + ". "
-            f"The most accurate law, `{best}`, has energies of {energies} of the rings', and "
+            f"The most accurate law, `{best}`, has energies of {energies} of the polygons', and "
             f"{own} if it relaxes alone.",
-            "No spring is rigid: rings have kP = 10 kA R² where kP is to be infinite. The law "
+            "No spring is rigid: polygons have kP = 10 kA R² where kP is to be infinite. The law "
             "`balanced, kP inf` has the infinite value there, and is off by about kA q²/kP in the "
             "area deficits, q being the radius of the free arcs. The sector law has a single kA "
             "and takes part where the species agree in it.",
@@ -82,8 +82,8 @@ def mixtures(rows: Sequence[Row]) -> Section:
             Table(
                 "Ranges over the packings of each mixture; small | large particles",
                 [
-                    Column("kA", "kA", "area stiffness of the rings", show=c.stiffness),
-                    Column("kP", "kP", "perimeter stiffness of the rings", show=c.stiffness),
+                    Column("kA", "kA", "area stiffness of the polygons", show=c.stiffness),
+                    Column("kP", "kP", "perimeter stiffness of the polygons", show=c.stiffness),
                     Column("packings", "packings"),
                     *(c.LAW, c.SHAPE, c.AREA, c.ENERGY, c.OWN_ENERGY),
                 ],

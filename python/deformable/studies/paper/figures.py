@@ -67,7 +67,7 @@ def shapes(results: Sequence[Squeezed], stick: bool) -> Figure:
         _shape(ax, result)
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=5)
     figure.suptitle(
-        f"{chosen[0].beads.rings.number[0]} beads, "
+        f"{chosen[0].beads.polygons.number[0]} beads, "
         rf"$k_L = {_decade(chosen[0].kL)}$, $a/R_0 = {largest:g}$, "
         f"walls {'stick' if stick else 'slip'}"
     )
@@ -152,7 +152,8 @@ def deviation(results: Sequence[Squeezed], indentation: float = 0.02) -> Figure:
         )
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside right center", fontsize=8)
     figure.suptitle(
-        rf"hexagon, $a/R_0 = {indentation:g}$, {chosen[0].beads.rings.number[0]} beads, walls stick"
+        rf"hexagon, $a/R_0 = {indentation:g}$, {chosen[0].beads.polygons.number[0]} beads, "
+        "walls stick"
     )
     return figure
 
@@ -181,13 +182,13 @@ def error_by_indentation(results: Sequence[Squeezed]) -> Figure:
             _errors(right, stiffness, line, "ring", label=label + ", ring", **dashed)
     right.set(xlabel=r"stiffness of the springs $k_L/k_A R_0^2$", ylabel=_I)
     right.set(xscale="log", yscale="log")
-    spacing = float(results[0].beads.rings.spacing[0])
+    spacing = float(results[0].beads.polygons.spacing[0])
     for ax in (left, right):
         ax.axhline(spacing**2 / 24.0, color="0.6", linestyle=":", linewidth=1.0)
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=8, ncols=3)
         ax.grid(alpha=0.3)
     right.text(1.0, spacing**2 / 22.0, "$L_0^2/24R_0$: spacing of the beads", fontsize=7.5)
-    figure.suptitle(f"hexagon, {results[0].beads.rings.number[0]} beads, walls stick")
+    figure.suptitle(f"hexagon, {results[0].beads.polygons.number[0]} beads, walls stick")
     return figure
 
 

@@ -95,7 +95,7 @@ def single_row(result: Squeezed) -> dict[str, str | int | float]:
         "polygon": "regular" if np.ptp(turns) < 1e-9 else "irregular",
         "sides": len(angle),
         "walls": "stick" if result.walls.stick else "slip",
-        "beads": int(result.beads.rings.number[0]),
+        "beads": int(result.beads.polygons.number[0]),
         "kL": result.kL,
         "a_over_R": float(result.indentation),
         **{f"I_{_key(law)}": result.shape_error(law) for law in result.area_deficit},
@@ -120,7 +120,7 @@ def steiner_error(result: Squeezed) -> float:
     pressed = 1.0 + result.beads.beads.radius - result.walls.distances_from(point)
     points = len(result.outlines["ring, kP inf"])
     outline = core.outline("ring", 1.0, result.walls.angle, pressed, points)
-    return shape_error(beads - point, outline, float(result.beads.rings.radius[0]))
+    return shape_error(beads - point, outline, float(result.beads.polygons.radius[0]))
 
 
 @dataclass(frozen=True, eq=False)

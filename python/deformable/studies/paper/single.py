@@ -90,11 +90,11 @@ class Squeezed:
     @property
     def kL(self) -> float:
         """Stiffness of the springs [energy/length^2]."""
-        return float(self.beads.rings.kL[0])
+        return float(self.beads.polygons.kL[0])
 
     def shape_error(self, law: str) -> float:
         """I = 1/(R N_v) sum | |v| - g(theta) | of a law, by its name."""
-        return float(np.mean(np.abs(self.deviation[law])) / self.beads.rings.radius[0])
+        return float(np.mean(np.abs(self.deviation[law])) / self.beads.polygons.radius[0])
 
 
 def squeeze(
@@ -158,7 +158,7 @@ def _measure(walls: Walls, a: float, beads: BeadState, seconds: float) -> Squeez
     pressed = 1.0 + beads.beads.radius - walls.distances_from(center)
     touching = pressed >= 0.0  # contacts of the sector law; the ring law finds its own
     stuck, slipping = (walls.angle[touching], pressed[touching]), (walls.angle, pressed)
-    rings, skin = beads.rings, beads.beads.radius
+    rings, skin = beads.polygons, beads.beads.radius
     beyond = (
         rings.radius[0] - 1.0
     )  # corners of a smooth ring at rest, which has the circle's length

@@ -1,1 +1,1 @@
-"""How smooth the rings of the reference are: friction, hysteresis, a crystal."""
+"""How smooth the polygons of the reference are: friction, hysteresis, a crystal."""

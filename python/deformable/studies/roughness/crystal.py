@@ -1,4 +1,4 @@
-"""Smooth rings on a triangular lattice, where the energy of smooth particles is known exactly."""
+"""Smooth polygons on a triangular lattice, where the energy of particles is known exactly."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from mpi4py import MPI
 
 from ...model.beads import Beads
 from ...model.packing import Packing
-from ..accuracy.compressions import ring_path
+from ..accuracy.compressions import polygon_path
 from ..comparison import predict
 from ..matching import matching_laws
 
@@ -17,22 +17,22 @@ _RADIUS, _SIDE = 0.5, 4
 
 
 def crystal_row(beads: Beads, indentation: float) -> dict[str, Any]:
-    """Equal rings pressed into hexagons, against the exact shape.
+    """Equal polygons pressed into hexagons, against the exact shape.
 
-    Each ring is a regular hexagon with round corners, for which the ring laws are exact (docs/
+    Each polygon is a regular hexagon with round corners, for which the ring laws are exact (docs/
     theory.md, "Regular polygons").
 
     Args:
-        beads: of the rings.
+        beads: of the polygons.
         indentation: a/R.
 
     Returns:
-        `n_v`, `indentation`; `energy_ratio`, of the rings over the exact one; `residual`.
+        `n_v`, `indentation`; `energy_ratio`, of the polygons over the exact one; `residual`.
     """
-    ((state, _),) = ring_path(_touching(), beads, indentation, 1)
-    law = matching_laws(beads, state.rings)["balanced"]
+    ((state, _),) = polygon_path(_touching(), beads, indentation, 1)
+    law = matching_laws(beads, state.polygons)["balanced"]
     return {
-        "n_v": int(state.rings.number[0]),
+        "n_v": int(state.polygons.number[0]),
         "indentation": indentation,
         "energy_ratio": state.energy / predict(state, law, MPI.COMM_SELF).energy,
         "residual": state.residual,

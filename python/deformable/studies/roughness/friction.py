@@ -1,4 +1,4 @@
-"""How smooth rings are: the friction of two rings, and the hysteresis of a packing."""
+"""How smooth polygons are: the friction of two polygons, and the hysteresis of a packing."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from ...protocols.compression import compress
 from ...protocols.jamming import jam
 from ...state.bead_state import BeadState
 
-# Two equal rings side by side in a row, which meet at both of their sides.
+# Two equal polygons side by side in a row, which meet at both of their sides.
 _RADIUS = 0.5
 
-# Steps that press rings together, each below the radius of a bead.
+# Steps that press polygons together, each below the radius of a bead.
 _STEPS = 8
 
 # Iterations of one call of FIRE, and calls after which forces have stopped falling.
@@ -31,14 +31,14 @@ _ITERATIONS, _CALLS = 20_000, 50
 def sliding(
     beads: Beads, indentation: float = 0.04, turns: int = 12, tolerance: float = 1e-4
 ) -> dict[str, Any]:
-    """The forces between two rings that are pressed together, while one of them turns.
+    """The forces between two polygons that are pressed together, while one of them turns.
 
-    The rings stand in a row and meet at their left and right sides. The vertices at the top and at
-    the bottom of both are held. Those of the second ring turn about its center by one vertex
+    The polygons stand in a row and meet at their left and right sides. The vertices at the top and
+    at the bottom of both are held. Those of the second polygon turn about its center by one vertex
     spacing, in steps, and all others come to rest. The contacts then slide by one spacing.
 
     Args:
-        beads: the rings, N_v a multiple of 4; its radii are 0.5.
+        beads: the polygons, N_v a multiple of 4; its radii are 0.5.
         indentation: a/R of the effective radius R.
         turns: number of steps.
         tolerance: of each relaxation, see `BeadState.residual`.
@@ -54,17 +54,17 @@ def sliding(
     """
     if not 0.0 < indentation < 0.2:
         raise ParameterError(f"indentation must lie between 0 and 0.2, not {indentation}")
-    rings = beads.rings(np.array([_RADIUS]))
-    (count,), (touch,) = rings.number, rings.effective_radius
+    polygons = beads.polygons(np.array([_RADIUS]))
+    (count,), (touch,) = polygons.number, polygons.effective_radius
     if count % 4:
         raise ParameterError(f"the number of vertices must be a multiple of 4, not {count}")
-    # the ring that turns lies in the middle of the box
+    # the polygon that turns lies in the middle of the box
     centers = np.array([[0.0, 2.0], [2.0 * touch, 2.0]])
     box = np.diag([4.0 * touch, 4.0])
     packing = Packing(centers, np.zeros(2, np.int64), np.array([_RADIUS]), box)
     with BeadReference(packing, beads, comm=MPI.COMM_SELF) as pair:
         lmp = pair.lmp
-        top, bottom = 1 + count // 4, 1 + 3 * count // 4  # of the first ring, by atom ID
+        top, bottom = 1 + count // 4, 1 + 3 * count // 4  # of the first polygon, by atom ID
         for n in range(1, _STEPS + 1):
             pair.deform(packing.box * [[1.0 - indentation * n / _STEPS, 1.0], [1.0, 1.0]])
             _rest(pair, tolerance)
@@ -96,32 +96,34 @@ def _rest(pair: BeadReference, tolerance: float) -> BeadState:
     for _ in range(_CALLS):
         if state.residual <= tolerance:
             break
-        pressed = np.maximum(state.rings.kA[0] * state.area_deficit, 0.0).mean()
-        force = tolerance * pressed * float(state.rings.spacing[0])
+        pressed = np.maximum(state.polygons.kA[0] * state.area_deficit, 0.0).mean()
+        force = tolerance * pressed * float(state.polygons.spacing[0])
         run(pair.lmp, minimize_command(float(0.5 * force), _ITERATIONS))
         state = pair.state()
     return state
 
 
 def _forces(state: BeadState) -> tuple[float, float]:
-    """Mean normal and tangential forces of both contacts on the first ring.
+    """Mean normal and tangential forces of both contacts on the first polygon.
 
     The second one turns counterclockwise: its left side goes down and its right side up.
     """
-    to_left = np.sign(state.contacts.force[:, 0])  # from the second ring, at the right of the first
-    normal = np.abs(state.contacts.force[:, 0]).mean()
-    return float(normal), float(np.mean(to_left * state.contacts.force[:, 1]))
+    to_left = np.sign(
+        state.contact_table.force[:, 0]
+    )  # from the second polygon, at the right of the first
+    normal = np.abs(state.contact_table.force[:, 0]).mean()
+    return float(normal), float(np.mean(to_left * state.contact_table.force[:, 1]))
 
 
 def hysteresis(
     number: int, seed: int, beads: Beads, strain: float = 0.03, steps: int = 6
 ) -> list[dict[str, Any]]:
-    """A packing of rings compressed from jamming, and expanded again.
+    """A packing of polygons compressed from jamming, and expanded again.
 
     Args:
         number: of particles.
         seed: of the random start.
-        beads: the rings.
+        beads: the polygons.
         strain: largest linear strain.
         steps: number of steps on each way.
 
@@ -131,17 +133,17 @@ def hysteresis(
         `residual_back`.
     """
     start = jam(bidisperse(number, seed=seed))
-    with BeadReference(start, beads, comm=MPI.COMM_SELF) as rings, warnings.catch_warnings():
+    with BeadReference(start, beads, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
-        forth = list(compress(rings, strain, steps))
+        forth = list(compress(polygons, strain, steps))
         back = []
         for n in range(steps - 1, 0, -1):
-            rings.deform(start.box * (1.0 - strain * n / steps))
-            back.append(rings.relax())
+            polygons.deform(start.box * (1.0 - strain * n / steps))
+            back.append(polygons.relax())
     return [
         {
             "seed": seed,
-            "n_v": int(rings.rings.number.min()),
+            "n_v": int(polygons.polygons.number.min()),
             "smooth": beads.smooth,
             "strain": strain * (n + 1) / steps,
             "energy_forth": there.energy,

@@ -4,7 +4,7 @@ import deformable
 import numpy as np
 import pytest
 import scipy.sparse.linalg
-from deformable.engine.smooth_rings import SmoothRings, relax_smooth
+from deformable.engine.smooth_polygons import SmoothPolygons, relax_smooth
 
 
 @pytest.mark.parametrize("failures", [1, 10**9])
@@ -12,7 +12,7 @@ def test_a_singular_hessian(failures: int, monkeypatch: pytest.MonkeyPatch) -> N
     """More damping helps; if it never does, the rings stay about where they are."""
     beads = deformable.Beads(number=20, smooth=True)
     packing = deformable.Packing([[0, 0], [0.9, 0]], [0, 0], [0.5], 4.0 * np.eye(2))
-    rings = SmoothRings(beads, beads.rings(packing.radii), packing.species, packing.box)
+    rings = SmoothPolygons(beads, beads.polygons(packing.radii), packing.species, packing.box)
     angle = 2.0 * np.pi * np.arange(20) / 20
     circle = 0.48 * np.column_stack([np.cos(angle), np.sin(angle)])
     start = np.concatenate([center + circle for center in packing.positions])

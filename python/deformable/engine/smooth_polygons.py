@@ -1,8 +1,8 @@
-"""Smooth rings at rest: Newton's method on contacts that are soft at first.
+"""Smooth polygons at rest: Newton's method on contacts that are soft at first.
 
-The energy has flat directions, because rings turn almost freely in each other, and its second
+The energy has flat directions, because polygons turn almost freely in each other, and its second
 derivatives jump where vertices get into touch. FIRE creeps there; damped steps of Newton's method
-do not. Soft contacts let rings find their places before hard ones decide: without them packings
+do not. Soft contacts let polygons find their places before hard ones decide: without them packings
 stay caught, at up to twice the energy (benchmarks/ring_minimizers.py).
 """
 
@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from .. import core
 from ..common.factored import factored
-from ..model.beads import Beads, Rings
+from ..model.beads import Beads, Polygons
 from ..model.lattice import cartesian, fractional
-from .relaxation import ring_forces
+from .relaxation import polygon_forces
 
 Array = NDArray[np.float64]
 
@@ -28,10 +28,11 @@ Array = NDArray[np.float64]
 _SOFT, _SOFT_TOLERANCE = (0.002, 0.02, 0.2, 1.0), 1e-3
 
 # Steps at each stiffness; loose packings never end. Jammed ones took up to 700: in mixtures stiff
-# rings first regain their size, in steps of the length below.
+# polygons first regain their size, in steps of the length below.
 _STEPS = 1000
 
-# Largest step of a vertex over the range of contacts, so that rings do not pass through each other.
+# Largest step of a vertex over the range of contacts, so that polygons do not pass through each
+# other.
 _LARGEST_STEP = 0.2
 
 # A line search ends where the slope has fallen to this part, or after so many evaluations. Energies
@@ -43,42 +44,42 @@ _DAMPING, _MOST_DAMPING = 1e-3, 1e6
 
 
 @dataclass(frozen=True, eq=False)
-class SmoothRings:
-    """Smooth rings in a periodic box: all that their energy depends on, besides the vertices.
+class SmoothPolygons:
+    """Smooth polygons in a periodic box: all that their energy depends on, besides the vertices.
 
     Attributes:
         beads: the settings.
-        rings: the undeformed rings of each species.
-        species: of each ring, shape (N,).
+        polygons: the undeformed polygons of each species.
+        species: of each polygon, shape (N,).
         box: lattice vectors as rows, shape (2, 2) [length].
     """
 
     beads: Beads
-    rings: Rings
+    polygons: Polygons
     species: NDArray[np.int64]
     box: Array
 
     @property
     def number(self) -> NDArray[np.int64]:
-        """Vertices of each ring, shape (N,)."""
-        return self.rings.number[self.species]
+        """Vertices of each polygon, shape (N,)."""
+        return self.polygons.number[self.species]
 
     def energy(self, vertices: Array, softness: float = 1.0) -> core.SmoothRings:
         """Energy and derivatives, with contacts of the stiffness kr times a factor.
 
         Args:
-            vertices: of all rings, each ring unwrapped, shape (V, 2) [length].
+            vertices: of all polygons, each polygon unwrapped, shape (V, 2) [length].
             softness: the factor.
         """
-        rings, kind = self.rings, self.species
+        polygons, kind = self.polygons, self.species
         return core.smooth_rings(
             vertices,
             self.number,
             self.box,
-            rings.kL[kind],
-            rings.spacing[kind],
-            rings.kA[kind],
-            rings.area[kind],
+            polygons.kL[kind],
+            polygons.spacing[kind],
+            polygons.kA[kind],
+            polygons.area[kind],
             softness * self.beads.kr,
             2.0 * self.beads.radius,
         )
@@ -86,53 +87,56 @@ class SmoothRings:
     def residual(self, at: core.SmoothRings) -> float:
         """Largest force on a vertex over that on a vertex in a contact."""
         largest = float(np.linalg.norm(at.gradient, axis=1).max())
-        spacing = self.rings.spacing[self.species]
-        return ring_forces(largest, at.pressure, spacing, self.box, self.rings.kL).residual
+        spacing = self.polygons.spacing[self.species]
+        return polygon_forces(largest, at.pressure, spacing, self.box, self.polygons.kL).residual
 
 
 def relax_smooth(
-    rings: SmoothRings,
+    polygons: SmoothPolygons,
     vertices: Array,
     tolerance: float,
     each: Callable[[float], object] = lambda residual: None,
 ) -> Array:
-    """Vertices of smooth rings that minimize their energy.
+    """Vertices of smooth polygons that minimize their energy.
 
     Args:
-        rings: their settings and box.
+        polygons: their settings and box.
         vertices: at the start, shape (V, 2) [length].
-        tolerance: of the residual, see `SmoothRings.residual`. It is not reached where rings are
-            so loose that nothing holds them.
+        tolerance: of the residual, see `SmoothPolygons.residual`. It is not reached where polygons
+            are so loose that nothing holds them.
         each: called with the residual after each step.
     """
-    start = rings.energy(vertices)
-    if rings.residual(start) <= tolerance:
+    start = polygons.energy(vertices)
+    if polygons.residual(start) <= tolerance:
         return vertices
     # contacts so soft that vertices sink in by half of their range would let them pass
-    spacing = rings.rings.spacing[rings.species]
-    deepest = float(np.max(start.pressure * spacing)) / rings.beads.kr
-    softest = deepest / rings.beads.radius
+    spacing = polygons.polygons.spacing[polygons.species]
+    deepest = float(np.max(start.pressure * spacing)) / polygons.beads.kr
+    softest = deepest / polygons.beads.radius
     for softness in _SOFT:
         if softness >= min(softest, 1.0):
             stop = tolerance if softness == 1.0 else _SOFT_TOLERANCE
-            relaxed = _minimize(rings, vertices, softness, stop, each)
-            # contacts that let rings cross were too soft: the next ones start from the same place
-            if softness == 1.0 or not have_crossed(rings, relaxed):
+            relaxed = _minimize(polygons, vertices, softness, stop, each)
+            # contacts that let polygons cross were too soft: the next ones start from the same
+            # place
+            if softness == 1.0 or not have_crossed(polygons, relaxed):
                 vertices = relaxed
     return vertices
 
 
-def have_crossed(rings: SmoothRings, vertices: Array) -> bool:
-    """Whether the outlines of two rings intersect, which contacts do not undo."""
+def have_crossed(polygons: SmoothPolygons, vertices: Array) -> bool:
+    """Whether the outlines of two polygons intersect, which contacts do not undo."""
     import shapely
 
-    owner = np.repeat(np.arange(len(rings.species)), rings.number)
-    center = np.add.reduceat(vertices, np.cumsum(rings.number) - rings.number, axis=0)
-    box = cartesian(np.floor(fractional(center / rings.number[:, None], rings.box)), rings.box)
-    home = vertices - box[owner]  # rings are smaller than the box: neighbors are next to it
+    owner = np.repeat(np.arange(len(polygons.species)), polygons.number)
+    center = np.add.reduceat(vertices, np.cumsum(polygons.number) - polygons.number, axis=0)
+    box = cartesian(
+        np.floor(fractional(center / polygons.number[:, None], polygons.box)), polygons.box
+    )
+    home = vertices - box[owner]  # polygons are smaller than the box: neighbors are next to it
     tree = shapely.STRtree(shapely.linearrings(home, indices=owner))
     for x, y in product((0, 1), (-1, 0, 1)):
-        image = shapely.linearrings(home + cartesian(np.array([x, y]), rings.box), indices=owner)
+        image = shapely.linearrings(home + cartesian(np.array([x, y]), polygons.box), indices=owner)
         a, b = tree.query(image, predicate="intersects")
         if np.any((a != b) | ((x, y) != (0, 0))):
             return True
@@ -140,7 +144,7 @@ def have_crossed(rings: SmoothRings, vertices: Array) -> bool:
 
 
 def _minimize(
-    rings: SmoothRings,
+    polygons: SmoothPolygons,
     vertices: Array,
     softness: float,
     tolerance: float,
@@ -149,17 +153,17 @@ def _minimize(
     """Levenberg and Marquardt's damping of Newton's steps, with a line search along each."""
 
     def energy(x: Array) -> core.SmoothRings:
-        return rings.energy(x, softness)
+        return polygons.energy(x, softness)
 
     at, damping = energy(vertices), _DAMPING
     for _ in range(_STEPS):
-        residual = rings.residual(at)
+        residual = polygons.residual(at)
         each(residual)
         if residual <= tolerance or damping > _MOST_DAMPING:
             break
-        step, damping = _step(rings, at, damping)
+        step, damping = _step(polygons, at, damping)
         longest = float(np.linalg.norm(step, axis=1).max())
-        step *= min(1.0, _LARGEST_STEP * 2.0 * rings.beads.radius / longest)
+        step *= min(1.0, _LARGEST_STEP * 2.0 * polygons.beads.radius / longest)
         part, there = _line_search(energy, vertices, at, step)
         if there is None:
             damping *= 10.0
@@ -172,7 +176,7 @@ def _minimize(
     return vertices
 
 
-def _step(rings: SmoothRings, at: core.SmoothRings, damping: float) -> tuple[Array, float]:
+def _step(polygons: SmoothPolygons, at: core.SmoothRings, damping: float) -> tuple[Array, float]:
     """A step downhill, (H + damping) s = -g, and the damping that it needed.
 
     H = H' + sum kA grad(A) grad(A)^T has dense blocks. With the pressures t of the areas as
@@ -181,14 +185,14 @@ def _step(rings: SmoothRings, at: core.SmoothRings, damping: float) -> tuple[Arr
     from scipy.sparse import csc_matrix
 
     gradient, slope = at.gradient.ravel(), at.area_gradient.ravel()
-    size, extra = gradient.size, len(rings.species)
+    size, extra = gradient.size, len(polygons.species)
     row, column, value = at.hessian()
     of_all = np.arange(size)
-    area = size + np.repeat(np.arange(extra), 2 * rings.number)
+    area = size + np.repeat(np.arange(extra), 2 * polygons.number)
     last = size + np.arange(extra)
     rows = np.concatenate([row, of_all, area, last, of_all])
     columns = np.concatenate([column, area, of_all, last, of_all])
-    fixed = np.concatenate([value, slope, slope, -1.0 / rings.rings.kA[rings.species]])
+    fixed = np.concatenate([value, slope, slope, -1.0 / polygons.polygons.kA[polygons.species]])
     right = np.concatenate([-gradient, np.zeros(extra)])
     while damping <= _MOST_DAMPING:
         values = np.concatenate([fixed, np.full(size, damping)])

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from crystal import crystal
 from deformable import core
-from deformable.engine import smooth_rings
+from deformable.engine import smooth_polygons
 from deformable.engine.lammps import gather
-from deformable.engine.smooth_rings import SmoothRings, have_crossed, relax_smooth
+from deformable.engine.smooth_polygons import SmoothPolygons, have_crossed, relax_smooth
 from naive_rings import pair
 from ranks import python
 
@@ -59,7 +59,7 @@ def place(rings: deformable.BeadReference, x: np.ndarray) -> None:
 
 
 def test_rest_values_are_those_of_the_independent_code() -> None:
-    rings = EXACT.rings(np.array(DATA["radii_law"]))
+    rings = EXACT.polygons(np.array(DATA["radii_law"]))
     assert rings.spacing == pytest.approx(DATA["l0"], rel=1e-14)
     assert rings.radius == pytest.approx(DATA["circumradius"], rel=1e-14)
     assert rings.area == pytest.approx(DATA["A0"], rel=1e-14)
@@ -69,9 +69,9 @@ def test_rest_values_are_those_of_the_independent_code() -> None:
 
 
 def test_energies_and_forces_of_the_kernel(expected: dict[str, Any]) -> None:
-    rings = SmoothRings(
+    rings = SmoothPolygons(
         EXACT,
-        EXACT.rings(np.array(DATA["radii_law"])),
+        EXACT.polygons(np.array(DATA["radii_law"])),
         np.array(DATA["species"]),
         np.diag(DATA["box"]),
     )
@@ -96,7 +96,7 @@ def test_state_in_lammps(expected: dict[str, Any], in_lammps: deformable.BeadRef
     apart = state.packing.positions - np.array(expected["centres_steiner"])
     apart -= np.rint(apart / DATA["box"]) * DATA["box"]
     assert np.abs(apart).max() < 1e-12
-    contacts = state.contacts
+    contacts = state.contact_table
     given = {(c["i"], c["j"]): np.array(c["force_on_i"]) for c in expected["contacts"]}
     found = dict(zip(zip(contacts.i, contacts.j, strict=True), contacts.force, strict=True))
     assert len(found) == len(contacts.i)
@@ -110,7 +110,7 @@ def test_the_balanced_law_at_the_centers() -> None:
     packing = deformable.Packing(
         state["centres_steiner"], DATA["species"], DATA["radii_law"], np.diag(DATA["box"])
     )
-    rings = EXACT.rings(packing.radii)
+    rings = EXACT.polygons(packing.radii)
     law = deformable.Ring(rings.kA, kP=rings.kP, skin=rings.skin)
     given = DATA["law"]["at_steiner_points"]
     with deformable.Simulation(packing, law) as particles:
@@ -124,9 +124,9 @@ def test_the_balanced_law_at_the_centers() -> None:
 def test_second_derivatives(name: str) -> None:
     """Along random directions; where a vertex gets into touch, they jump."""
     state = STATES[name]
-    rings = SmoothRings(
+    rings = SmoothPolygons(
         EXACT,
-        EXACT.rings(np.array(DATA["radii_law"])),
+        EXACT.polygons(np.array(DATA["radii_law"])),
         np.array(DATA["species"]),
         np.diag(DATA["box"]),
     )
@@ -165,15 +165,17 @@ def test_newton_relaxes_to_rounding(relaxed: deformable.BeadState) -> None:
     assert relaxed.residual <= 1e-6
     assert not relaxed.stalled
     total = np.zeros((6, 2))
-    np.add.at(total, relaxed.contacts.i, relaxed.contacts.force)
-    np.add.at(total, relaxed.contacts.j, -relaxed.contacts.force)
+    np.add.at(total, relaxed.contact_table.i, relaxed.contact_table.force)
+    np.add.at(total, relaxed.contact_table.j, -relaxed.contact_table.force)
     # N_v residuals of the force on a vertex
-    scale = np.mean(relaxed.area_deficit * relaxed.rings.spacing[relaxed.packing.species])
+    scale = np.mean(relaxed.area_deficit * relaxed.polygons.spacing[relaxed.packing.species])
     assert np.abs(total).max() <= 57 * 1e-6 * scale
 
 
 def test_energy_is_stationary_and_least(relaxed: deformable.BeadState) -> None:
-    rings = SmoothRings(relaxed.beads, relaxed.rings, relaxed.packing.species, relaxed.packing.box)
+    rings = SmoothPolygons(
+        relaxed.beads, relaxed.polygons, relaxed.packing.species, relaxed.packing.box
+    )
     x = np.vstack(relaxed.outlines)
     rng = np.random.default_rng(0)
     for size in (1e-3, 1e-4):
@@ -186,11 +188,11 @@ def test_rings_that_meet_through_several_images() -> None:
     with deformable.BeadReference(pair(1.41), beads) as rings:
         state = rings.relax()
     assert state.residual <= 1e-6
-    assert (state.contacts.i.tolist(), state.contacts.j.tolist()) == ([0] * 4, [1] * 4)
-    images = {tuple(image) for image in state.contacts.image.tolist()}
+    assert (state.contact_table.i.tolist(), state.contact_table.j.tolist()) == ([0] * 4, [1] * 4)
+    images = {tuple(image) for image in state.contact_table.image.tolist()}
     assert images == {(-1, -1), (-1, 0), (0, -1), (0, 0)}
-    along = (state.contacts.image + 0.5) / np.sqrt(0.5)
-    pushed = -np.sum(state.contacts.force * along, axis=1)
+    along = (state.contact_table.image + 0.5) / np.sqrt(0.5)
+    pushed = -np.sum(state.contact_table.force * along, axis=1)
     # 40 vertices with 10 in each quarter: the four contacts are alike
     assert pushed == pytest.approx(np.full(4, pushed.mean()), rel=1e-3)
 
@@ -213,7 +215,7 @@ def test_crystal_against_the_exact_polygon(indentation: float, number: int, rati
 
 
 def test_a_stalled_relaxation_warns(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(smooth_rings, "_STEPS", 2)
+    monkeypatch.setattr(smooth_polygons, "_STEPS", 2)
     jammed = deformable.jam(deformable.bidisperse(6, seed=1))
     with deformable.BeadReference(jammed, FINE) as rings:
         rings.deform(0.98 * rings.box)
@@ -230,7 +232,7 @@ def test_loose_rings_stay_where_they_are(change: float) -> None:
         rings.deform((1.0 + change) * rings.box)
         state = rings.relax()
     assert (state.residual, state.stalled) == (0.0, False)
-    assert len(state.contacts.i) == 0
+    assert len(state.contact_table.i) == 0
 
 
 def test_soft_contacts_that_let_rings_cross_are_given_up() -> None:
@@ -244,7 +246,7 @@ def test_soft_contacts_that_let_rings_cross_are_given_up() -> None:
         with deformable.BeadReference(jammed, beads) as rings:
             *_, state = deformable.compress(rings, 0.03, steps)
         assert state.residual <= 1e-6
-        settings = SmoothRings(beads, state.rings, state.packing.species, state.packing.box)
+        settings = SmoothPolygons(beads, state.polygons, state.packing.species, state.packing.box)
         assert not have_crossed(settings, np.vstack(state.outlines))
         energies.append(state.energy)
     # rings that are turned by parts of an edge differ by less
@@ -260,7 +262,7 @@ def test_rings_that_have_crossed(
     turn = 2.0 * np.pi * np.arange(80) / 80
     circle = 0.5 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
     box = np.array([[3.0, 0.0], [0.7, 3.0]])
-    settings = SmoothRings(FINE, FINE.rings(np.array([0.525])), np.zeros(2, dtype=int), box)
+    settings = SmoothPolygons(FINE, FINE.polygons(np.array([0.525])), np.zeros(2, dtype=int), box)
     x = np.vstack([circle + 0.1, circle + 0.1 + (distance, 0.0) + np.array(shift) @ box])
     assert have_crossed(settings, x) == crossed
 
@@ -339,7 +341,7 @@ def test_kernel_refuses(change: dict[str, Any], message: str) -> None:
 def test_relax_smooth_reports_each_step() -> None:
     packing = pair(1.41)
     beads = deformable.Beads(number=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
-    rings = SmoothRings(beads, beads.rings(packing.radii), packing.species, packing.box)
+    rings = SmoothPolygons(beads, beads.polygons(packing.radii), packing.species, packing.box)
     seen: list[float] = []
     with deformable.BeadReference(packing, beads) as start:
         x = np.vstack(start.state().outlines)
