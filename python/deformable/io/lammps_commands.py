@@ -1,4 +1,4 @@
-"""LAMMPS commands as text: a packing, its law, the minimizer; rings of beads and their walls."""
+"""LAMMPS commands as text: a packing, its law, the minimizer; polygons and their walls."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ min_style fire
 min_modify dmax {dmax!r} norm max tmax {tmax!r}
 """
 
-# Longest edge of smooth rings over the one at rest.
+# Longest edge of smooth polygons over the one at rest.
 _LONGEST_EDGE = 2.0
 
 _ROUGH = """
@@ -143,11 +143,11 @@ def minimizer_commands(skin: float, dmax: float, tmax: float = 10.0) -> str:
 
 
 def polygon_contact_commands(beads: Beads, spacing: float) -> str:
-    """Commands for the contacts of rings, rough or smooth.
+    """Commands for the contacts of polygons, smooth or of beads.
 
     Args:
-        beads: settings of the rings.
-        spacing: longest edge of a ring at rest [length].
+        beads: settings of the polygons.
+        spacing: longest edge of a polygon at rest [length].
     """
     style = _SMOOTH if beads.smooth else _ROUGH
     return style.format(

@@ -75,29 +75,31 @@ class Run:
         return frames.frames_in(self.folder)
 
     def __iter__(self) -> Iterator[State]:
-        return self._states(range(len(self)))
+        return self._states(self._numbers())
 
     @overload
     def __getitem__(self, index: int) -> State: ...
     @overload
     def __getitem__(self, index: slice) -> list[State]: ...
     def __getitem__(self, index: int | slice) -> State | list[State]:
-        count = len(self)
+        numbers = self._numbers()
         if isinstance(index, slice):
-            return list(self._states(range(count)[index]))
-        if not -count <= index < count:
-            raise IndexError(f"'{self.folder}' has {count} states, and no state {index}")
-        (state,) = self._states([range(count)[index]])
+            return list(self._states(numbers[index]))
+        if not -len(numbers) <= index < len(numbers):
+            raise IndexError(f"'{self.folder}' has {len(numbers)} states, and no state {index}")
+        (state,) = self._states([numbers[index]])
         return state
+
+    def _numbers(self) -> range:
+        """Of all states."""
+        communicator(None).barrier()  # rank 0 may still be writing
+        return range(len(self))
 
     def _states(self, numbers: Iterable[int]) -> Iterator[State]:
         """States of these frames, from 0."""
         numbers = list(numbers)
         if not numbers:
             return
-        if not numbers:
-            return
-        communicator(None).barrier()  # rank 0 may still be writing
         texts, setups = frames.texts_of(self.folder), frames.setups_in(self.folder)
         clock = frames.clock_of(self.folder)
         with progress("replaying", unit="state", total=len(numbers)) as bar:

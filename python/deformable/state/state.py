@@ -214,7 +214,8 @@ class State(ContactNetwork, RingResponse, Exports):
                 forces.
             scale: of colors and forces, to use one for several pictures, see `plot.scale`.
             cmap: name of one of matplotlib's color maps.
-            vmin, vmax: values of the first and the last color; those of `scale` if not given.
+            vmin: value of the first color; that of `scale` if not given.
+            vmax: value of the last color; that of `scale` if not given.
             title: of the picture; phi and pressure if not given.
             colorbar: draw a bar of the colors. One bar of several pictures is
                 `figure.colorbar(axes.collections[0], ax=all_axes)`.
