@@ -88,7 +88,7 @@ def measure(name: str, jammed: deformable.Packing, seed: int) -> dict[str, objec
                 rings.lmp.command(command)
             while state.residual > tolerance and time.process_time() < began + LIMIT:
                 deficit = np.maximum(state.area_deficit, 0.0)
-                bears = np.mean(deficit * state.rings.spacing[jammed.species])  # kA = 1
+                bears = np.mean(deficit * state.polygons.spacing[jammed.species])  # kA = 1
                 rings.lmp.command(f"minimize 0 {float(0.9 * tolerance * bears)!r} 20000 20000")
                 state = rings.state()
             reached = state.residual <= tolerance

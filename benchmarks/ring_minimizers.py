@@ -17,8 +17,8 @@ from pathlib import Path
 
 import deformable
 import numpy as np
-from deformable.engine import smooth_rings
-from deformable.studies.smooth_compressions import smooth_beads
+from deformable.engine import smooth_polygons
+from deformable.studies.accuracy.compressions import smooth_beads
 
 HERE = Path(__file__).parent
 NUMBER, BEADS, LIMIT, TOLERANCE = 16, smooth_beads(80), 20.0, 1e-6
@@ -36,7 +36,7 @@ def fire(rings: deformable.BeadReference, stages: Sequence[float]) -> deformable
         state = rings.state()
         while state.residual > tolerance and time.process_time() < end:
             deficit = np.maximum(state.area_deficit, 0.0)
-            bears = np.mean(deficit * state.rings.spacing[state.packing.species])  # kA = 1
+            bears = np.mean(deficit * state.polygons.spacing[state.packing.species])  # kA = 1
             rings.lmp.command(f"minimize 0 {float(0.9 * tolerance * bears)!r} 5000 10000")
             state = rings.state()
     return state
@@ -44,11 +44,11 @@ def fire(rings: deformable.BeadReference, stages: Sequence[float]) -> deformable
 
 def newton(rings: deformable.BeadReference, stages: Sequence[float]) -> deformable.BeadState:
     """Newton's method, as `BeadReference.relax` or without its soft contacts."""
-    before, smooth_rings._SOFT = smooth_rings._SOFT, tuple(stages)
+    before, smooth_polygons._SOFT = smooth_polygons._SOFT, tuple(stages)
     try:
         return rings.relax(TOLERANCE)
     finally:
-        smooth_rings._SOFT = before
+        smooth_polygons._SOFT = before
 
 
 METHODS = {

@@ -25,7 +25,7 @@ import deformable
 import numpy as np
 from deformable.common.versions import machine
 from deformable.model.beads import Beads
-from deformable.studies.smooth_compressions import law_path, smooth_rows
+from deformable.studies.accuracy.compressions import law_path, smooth_rows
 from motion import energy_error, step
 
 HERE = Path(__file__).parent
@@ -43,7 +43,7 @@ def accuracy() -> list[dict[str, Any]]:
 
 def mixtures() -> list[dict[str, Any]]:
     kA, kP, count = (1.0, 10.0), (2.0, 40.0), 80
-    number = Beads(number=count, radius=SKIN, smooth=True).rings(np.array([0.5, 0.7])).number
+    number = Beads(number=count, radius=SKIN, smooth=True).polygons(np.array([0.5, 0.7])).number
     springs = [stiffness * n for stiffness, n in zip(kP, number.tolist(), strict=True)]
     beads = Beads(count, SKIN, springs, kA, kr=10.0 * max(kA), smooth=True)
     return [

@@ -33,7 +33,7 @@ def main() -> None:
     options = parser.parse_args()
 
     from deformable.common.files import make_folder, write_whole
-    from deformable.studies import vibrations, vibrations_figures
+    from deformable.studies import vibrations
 
     path = make_folder(options.out) / "vibrations.json"
     rows = json.loads(path.read_text())["rows"] if path.exists() else []
@@ -50,7 +50,7 @@ def main() -> None:
         write_whole(path, f'{{"summary": [\n{means}\n],\n"rows": [\n{lines}\n]}}\n')
         print(*key, f"{time.process_time() - began:.1f} s", flush=True)
     if rows:
-        vibrations_figures.vibrations(rows).savefig(options.out / "vibrations.png", dpi=110)
+        vibrations.figure(rows).savefig(options.out / "vibrations.png", dpi=110)
 
 
 def finite(row: dict[str, object]) -> dict[str, object]:

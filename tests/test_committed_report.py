@@ -5,8 +5,8 @@ import math
 from pathlib import Path
 
 import pytest
-from deformable.report.bars import exceptions
-from deformable.report.packings import mixed_rows
+from deformable.studies.accuracy.errors import exceptions
+from deformable.studies.packings.rows import mixed_rows
 
 REPORT = json.loads((Path(__file__).parents[1] / "docs" / "report" / "report.json").read_text())
 

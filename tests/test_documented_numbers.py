@@ -8,9 +8,8 @@ import re
 from pathlib import Path
 
 import pytest
-from deformable.report.bars import CONVERGED
-from deformable.report.numbers import percent
-from deformable.report.summary import fastest_as_good, summary, whole_percents
+from deformable.studies.accuracy.errors import CONVERGED, fastest_as_good, summary, whole_percents
+from deformable.studies.section import percent
 
 ROOT = Path(__file__).parents[1]
 REPORT = json.loads((ROOT / "docs" / "report" / "report.json").read_text())

@@ -130,7 +130,7 @@ def test_the_api_has_every_public_name_once():
         "state.hessian.Hessian",
         "state.modes.Modes",
         "state.secondary.SecondaryOutlines",
-        "studies.single.Squeezed",
+        "studies.paper.single.Squeezed",
     }
     text = "\n".join(page.read_text() for page in API)
     names = re.findall(r"^::: deformable\.(\S+)$", text, re.MULTILINE)

@@ -1,4 +1,8 @@
-"""The structure of the package: imports go downward only, without circles, and files stay short."""
+"""The structure of the package: imports go downward only, without circles, and files stay short.
+
+Importing a.b.c also imports a and a.b. So the face of a folder, its `__init__.py`, is empty: else
+each module of the folder loads all that the face names.
+"""
 
 import ast
 import subprocess
@@ -61,16 +65,27 @@ def imports_of(module: str, path: Path, text: str) -> Iterator[str]:
             while target and target not in SOURCES and target not in BELOW_ALL:
                 target = target.rpartition(".")[0]  # a name within the module
             yield target
+            yield from parents(target)
+
+
+def parents(module: str) -> list[str]:
+    """The folders that a module is in, which are imported with it; the package names nothing."""
+    parts = module.split(".")
+    return [".".join(parts[:n]) for n in range(1, len(parts))]
+
+
+def arrows_of(module: str, path: Path, text: str) -> set[Arrow]:
+    """What importing a module imports, the faces of its own folders included."""
+    found = {*imports_of(module, path, text), *parents(module)} - BELOW_ALL - {module}
+    return {(module, target) for target in found}
 
 
 def arrows() -> set[Arrow]:
-    return {
-        (module, target)
-        for module, path in SOURCES.items()
-        if module not in ("", "plugin")  # the package itself names everything
-        for target in imports_of(module, path, path.read_text())
-        if target not in BELOW_ALL
-    }
+    found: set[Arrow] = set()
+    for module, path in SOURCES.items():
+        if module not in ("", "plugin"):  # the package itself names everything
+            found |= arrows_of(module, path, path.read_text())
+    return found
 
 
 def upward(found: set[Arrow]) -> set[Arrow]:
@@ -113,7 +128,7 @@ def test_imports_have_no_circle() -> None:
         ("model.packing", "from ..state.state import State"),
         ("model.packing", "def f():\n    from ..engine import lammps"),
         ("io.store", "import deformable.runs.record"),
-        ("studies.paper", "from ..runs.resume import resume"),
+        ("studies.comparison", "from ..runs.resume import resume"),
         ("common.errors", "from .. import Simulation"),
     ],
 )
@@ -128,6 +143,29 @@ def test_a_circle_is_seen() -> None:
     plot = imports_of("state.plot", SOURCES["state.plot"], line)
     assert circle(within) == []
     assert "state.plot" in circle(within | {("state.plot", target) for target in plot})
+
+
+@pytest.mark.parametrize(
+    "line", ["from .writing import write_report", "def f():\n    from . import writing"]
+)
+def test_a_circle_through_a_face_is_seen(line: str) -> None:
+    """The module that a face imports imports the face."""
+    face = arrows_of("report", SOURCES["report"], line)
+    assert ("report", "report.writing") in face
+    assert {"report", "report.writing"} <= set(circle(arrows() | face))
+
+
+def test_parents_are_imported() -> None:
+    line = "from ..studies.comparison import compare"
+    found = arrows_of("report.plan", SOURCES["report.plan"], line)
+    assert {target for _, target in found} == {"studies.comparison", "studies", "report"}
+
+
+def test_faces_of_folders_are_empty() -> None:
+    for path in PACKAGE.rglob("__init__.py"):
+        if path.parent != PACKAGE:
+            (docstring,) = ast.parse(path.read_text()).body
+            assert isinstance(docstring, ast.Expr), path
 
 
 def test_tests_mirror_the_folders() -> None:

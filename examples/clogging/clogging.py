@@ -118,7 +118,7 @@ def picture(passed, clogged, fits):
         ax = figure.add_subplot(grid[row, 0])
         title = f"weight {WEIGHTS[n]}, width {WIDTHS[m]}"
         state = clogged_state(WIDTHS[m], WEIGHTS[n], seed)
-        state.plot(ax, forces=True, colorbar=False, title=title, limits=(1.8, 3.0))
+        state.plot(ax, forces=True, colorbar=False, title=title, vmin=1.8, vmax=3.0)
         ax.set_ylim(SLIT - 1.2, SLIT + 7.0)
     fraction, number = (figure.add_subplot(grid[:, column]) for column in (1, 2))
     fine = np.linspace(WIDTHS[0], WIDTHS[-1], 200)

@@ -14,7 +14,7 @@ from pathlib import Path
 import deformable
 import matplotlib.pyplot as plt
 import numpy as np
-from deformable.studies.ensemble import before_rearrangement
+from deformable.studies.ensemble.packings import before_rearrangement
 from scipy.optimize import curve_fit
 
 CLOSE = 0.0065  # phi - phi_J up to which powers are fitted
@@ -176,7 +176,7 @@ def draw(result, packing, file):
     packings = result["packings"]
     x, phi = (column(packings, name).mean(axis=0) for name in ("excess_phi", "phi"))
     figure, ((one, two), (three, four)) = plt.subplots(2, 2, figsize=(9, 7.6), layout="constrained")
-    with deformable.load(packing) as sim:
+    with deformable.Run(packing).simulation() as sim:
         state = sim.state()
     state.plot(one, title=rf"$\phi$ = {state.phi:.2f}")
 

@@ -50,7 +50,7 @@ def flow(rate, mass, strain):
 
 def quasistatic(strain):
     """The same without a rate: small steps of strain, each relaxed."""
-    with deformable.load("start") as sim:
+    with deformable.Run("start").simulation() as sim:
         steps = round(strain / STEP)
         states = deformable.shear(sim, strain, steps, tolerance=1e-4)
         rows = [(-state.stress[0, 1], state.pressure) for state in states]

@@ -5,7 +5,7 @@ import csv
 import deformable
 import numpy as np
 
-universe = deformable.universe("run")
+universe = deformable.Run("run").universe()
 with open("run/series.csv", newline="") as file:
     phi = [float(row["phi"]) for row in csv.DictReader(file)]
 

@@ -13,4 +13,4 @@ state.plot(left, forces=True)
 state.plot(right, color_by="shape_parameter", contacts=True)
 figure.savefig("pictures.png", dpi=70)
 
-deformable.movie("run", "compression.gif", color_by="shape_parameter", forces=True)
+deformable.Run("run").movie("compression.gif", color_by="shape_parameter", forces=True)

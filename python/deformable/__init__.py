@@ -35,13 +35,13 @@ if TYPE_CHECKING:
     from .model.packing import Packing as Packing
     from .model.packing import bidisperse as bidisperse
     from .model.packing import polydisperse as polydisperse
-    from .model.wall_shapes import Circle as Circle
-    from .model.wall_shapes import Disk as Disk
-    from .model.wall_shapes import Plane as Plane
-    from .model.wall_shapes import Polygon as Polygon
-    from .model.wall_shapes import Segment as Segment
-    from .model.wall_shapes import rectangle as rectangle
+    from .model.walls import Circle as Circle
+    from .model.walls import Disk as Disk
+    from .model.walls import Plane as Plane
+    from .model.walls import Polygon as Polygon
+    from .model.walls import Segment as Segment
     from .model.walls import Walls as Walls
+    from .model.walls import rectangle as rectangle
     from .protocols.compression import compress as compress
     from .protocols.jamming import jam as jam
     from .protocols.jamming import push_off as push_off
@@ -52,15 +52,11 @@ if TYPE_CHECKING:
     from .protocols.polish import polish as polish
     from .protocols.shear import shear as shear
     from .runs.analysis import export as export
-    from .runs.analysis import series as series
-    from .runs.analysis import universe as universe
     from .runs.movie import movie as movie
-    from .runs.record import load as load
-    from .runs.record import record as record
-    from .runs.replay import replay as replay
-    from .runs.resume import compress_in as compress_in
-    from .runs.resume import resume as resume
-    from .runs.resume import shear_in as shear_in
+    from .runs.recording import compress_in as compress_in
+    from .runs.recording import record as record
+    from .runs.recording import shear_in as shear_in
+    from .runs.run import Run as Run
     from .state.bead_state import BeadState as BeadState
     from .state.disk_state import DiskState as DiskState
     from .state.secondary import resolve_secondary as resolve_secondary
@@ -68,7 +64,7 @@ if TYPE_CHECKING:
     from .studies.comparison import Comparison as Comparison
     from .studies.comparison import compare as compare
     from .studies.comparison import predict as predict
-    from .studies.single import squeeze as squeeze
+    from .studies.paper.single import squeeze as squeeze
 
     __version__: str
     potentials: Path
@@ -78,9 +74,9 @@ _HOMES = {
     "BeadState": "state.bead_state",
     "Beads": "model.beads",
     "BeyondModelWarning": "common.errors",
-    "Circle": "model.wall_shapes",
+    "Circle": "model.walls",
     "Comparison": "studies.comparison",
-    "Disk": "model.wall_shapes",
+    "Disk": "model.walls",
     "DiskState": "state.disk_state",
     "Disks": "engine.disks",
     "FileError": "common.errors",
@@ -88,11 +84,12 @@ _HOMES = {
     "Modulus": "protocols.moduli",
     "Packing": "model.packing",
     "ParameterError": "common.errors",
-    "Plane": "model.wall_shapes",
-    "Polygon": "model.wall_shapes",
+    "Plane": "model.walls",
+    "Polygon": "model.walls",
     "Ring": "model.laws",
+    "Run": "runs.run",
     "Sector": "model.laws",
-    "Segment": "model.wall_shapes",
+    "Segment": "model.walls",
     "Simulation": "engine.simulation",
     "StalledWarning": "common.errors",
     "State": "state.state",
@@ -103,10 +100,9 @@ _HOMES = {
     "bulk_modulus": "protocols.moduli",
     "compare": "studies.comparison",
     "compress": "protocols.compression",
-    "compress_in": "runs.resume",
+    "compress_in": "runs.recording",
     "export": "runs.analysis",
     "jam": "protocols.jamming",
-    "load": "runs.record",
     "move": "protocols.motion",
     "movie": "runs.movie",
     "parallel_map": "common.parallel",
@@ -114,17 +110,13 @@ _HOMES = {
     "polydisperse": "model.packing",
     "predict": "studies.comparison",
     "push_off": "protocols.jamming",
-    "record": "runs.record",
-    "rectangle": "model.wall_shapes",
-    "replay": "runs.replay",
+    "record": "runs.recording",
+    "rectangle": "model.walls",
     "resolve_secondary": "state.secondary",
-    "resume": "runs.resume",
-    "series": "runs.analysis",
     "shear": "protocols.shear",
-    "shear_in": "runs.resume",
+    "shear_in": "runs.recording",
     "shear_modulus": "protocols.moduli",
-    "squeeze": "studies.single",
-    "universe": "runs.analysis",
+    "squeeze": "studies.paper.single",
 }
 
 __all__ = list(_HOMES)

@@ -17,13 +17,11 @@ from ..common.files import make_folder
 from ..common.progress import print_once
 from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
-from ..io.frames import frames_in
 from ..io.run_folder import refuse
 from ..model.laws import LAWS
 from ..protocols.jamming import jam
-from ..runs.record import load
-from ..runs.resume import check_compression, compress_in
-from ..runs.resume import resume as resume_in
+from ..runs.recording import compress_in, protocol_of
+from ..runs.run import Run
 from ..state.state import State
 from .options import Overwrite, Resume, Tolerance, is_given, law_option
 from .output import draw, print_states
@@ -31,7 +29,7 @@ from .settings import PROTOCOL, Settings, check_same, check_together
 
 _WAYS_OUT = (
     "finish it with --resume",
-    "compress it further with --further",
+    "compress it further with --append",
     "replace it with --overwrite",
 )
 
@@ -98,9 +96,9 @@ def compress_command(
     tolerance: Tolerance = TOLERANCE,
     out: Annotated[str, typer.Option(metavar="PATH", help="Output folder.")] = "compress",
     resume: Resume = False,
-    further: Annotated[
+    append: Annotated[
         bool,
-        typer.Option("--further", help="Compress the finished run in the output folder further."),
+        typer.Option("--append", help="Compress the finished run in the output folder further."),
     ] = False,
     overwrite: Overwrite = False,
 ) -> None:
@@ -111,20 +109,20 @@ def compress_command(
     """
     began = time.perf_counter()
     settings, given = _settings(context)
-    if resume + further + overwrite > 1:
-        raise ParameterError("give one of --resume, --further and --overwrite")
-    replaced = resume or further or overwrite
+    if resume + append + overwrite > 1:
+        raise ParameterError("give one of --resume, --append and --overwrite")
+    replaced = resume or append or overwrite
     folder = refuse(out, "compression" if replaced else None, _WAYS_OUT)
     if resume:
         check_same(folder, given)
-        states = resume_in(folder)
-    elif further:
+        states = Run(folder).resume()
+    elif append:
         check_same(folder, {name: given[name] for name in given if name not in PROTOCOL})
-        states = compress_in(folder, load(folder), strain, steps, tolerance, append=True)
+        states = Run(folder).compress(strain, steps, tolerance)
     else:
         check_together(settings, given)
         states = _begin(folder, settings, overwrite)
-    last = print_states(states, frames_in(folder), _COLUMNS)
+    last = print_states(states, len(Run(folder)), _COLUMNS)
     if last is None:
         print_once(f"the compression in '{folder}' is complete")
     else:
@@ -141,12 +139,11 @@ def _settings(context: typer.Context) -> tuple[Settings, dict[str, Any]]:
 def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[State]:
     """Jam a packing and compress it; errors of the settings come before any work."""
     began = time.perf_counter()
-    check_compression(settings.strain, settings.steps, settings.tolerance)
+    protocol_of("compression", settings.strain, settings.steps, settings.tolerance)
     start, law = settings.random_start(), settings.contact_law()
     if MPI.COMM_WORLD.rank == 0:
         make_folder(folder)
     packing = jam(start)
     print_once(f"jammed at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
     protocol = (settings.strain, settings.steps, settings.tolerance)
-    sim = Simulation(packing, law)
-    return compress_in(folder, sim, *protocol, asdict(settings), overwrite=overwrite)
+    return compress_in(Simulation(packing, law), folder, *protocol, asdict(settings), overwrite)

@@ -16,17 +16,18 @@ from ..common.progress import print_once
 from ..common.ranks import led
 from ..common.validate import positive
 from ..io.run_folder import TABLE, refuse
-from ..studies.ensemble import (
-    LAWS,
+from ..model.laws import LAWS
+from ..studies.ensemble.packings import (
     QUANTITIES,
     Row,
     exponents,
     is_of_droplets,
     measure,
+    packing_name,
     summarize,
     with_tension,
 )
-from ..studies.ensemble_tables import SCALING, key, read_table, write_summary, write_tables
+from ..studies.ensemble.tables import SCALING, key, read_table, write_summary, write_tables
 from .options import law_option
 
 # Values of phi - phi_J at which a packing is measured, each half of the next one.
@@ -43,8 +44,10 @@ def jam_command(
     seeds: Annotated[int, typer.Option(help="Packings of each size: seeds 1, 2, ...")] = 10,
     law: Annotated[
         str,
-        law_option(LAWS, "Contact law: soft disks (disk), or as in `deformable compress`."),
-    ] = "balanced",
+        law_option(
+            ("disk", *LAWS), "Contact law: soft disks (disk), or as in `deformable compress`."
+        ),
+    ] = "disk",
     tension: Annotated[
         float,
         typer.Option(
@@ -55,7 +58,7 @@ def jam_command(
     pressure: Annotated[
         float,
         typer.Option(help="Pressure at the onset, between this and twice this [natural units]."),
-    ] = 1e-7,
+    ] = 1e-6,
     excess_phi: Annotated[
         float,
         typer.Option(
@@ -63,6 +66,14 @@ def jam_command(
             "0: only measure the onset."
         ),
     ] = 0.0,
+    save: Annotated[
+        bool,
+        typer.Option(
+            "--save",
+            help="Save each packing at its onset in `packings` of the output folder, as a run of "
+            "one state.",
+        ),
+    ] = False,
     workers: Annotated[
         int | None,
         typer.Option(help="Packings at a time; by default one a core, or one a rank of mpiexec."),
@@ -89,8 +100,13 @@ def jam_command(
         raise ParameterError(f"workers must be at least 1, not {workers}")
     if values:
         _check_excess(law, pressure, values)
+    if save and law == "disk":
+        raise ParameterError(
+            "a packing is saved with its law, and soft disks have none: give another --law"
+        )
     folder = refuse(out, but="jamming")
     make_folder(folder)
+    packings = folder / "packings" if save else None
     onsets, scaling = read_table(folder / TABLE), read_table(folder / SCALING)
     wanted = {
         number: {(law, pressure, number, seed) for seed in range(1, seeds + 1)}
@@ -99,7 +115,12 @@ def jam_command(
 
     def missing(number: int) -> list[tuple[str, float, int, int]]:
         # means above the onset need all packings at the same phi - phi_J
-        there = {key(row) for row in onsets if excess_phi in (0.0, row["excess_phi"])}
+        there = {
+            key(row)
+            for row in onsets
+            if excess_phi in (0.0, row["excess_phi"])
+            and (packings is None or (packings / packing_name(*key(row))).exists())
+        }
         return sorted(wanted[number] - there)
 
     def present(number: int) -> None:
@@ -119,12 +140,12 @@ def jam_command(
 
     for number in wanted:
         present(number)
-    runs = [(*packing, values) for number in wanted for packing in missing(number)]
+    runs = [(*packing, values, packings) for number in wanted for packing in missing(number)]
     parallel_map(measure, runs, workers, "packings", keep)
     for row in exponents(scaling):
         print_once(_exponents(row))
     if importlib.util.find_spec("matplotlib"):
-        from ..studies import ensemble_figures as figures
+        from ..studies.ensemble import figures
 
         figures.onset(onsets).savefig(folder / "onset.png", dpi=110)
         if scaling:

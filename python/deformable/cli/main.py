@@ -21,7 +21,7 @@ from ..engine.lammps import silent_lammps
 from ..engine.relaxation import TOLERANCE
 from ..model.beads import Beads
 from ..plugin import directory, potentials
-from ..runs.movie import movie as draw_movie
+from ..runs.run import Run
 from .compress import compress_command
 from .jam import jam_command
 from .options import Command, one_rank_prints, refuse_ranks
@@ -96,42 +96,44 @@ def main() -> None:
 @app.command(cls=Command)
 def compare(
     number: Annotated[int, typer.Option(help="Number of particles.")] = 16,
-    beads: Annotated[int, typer.Option(help="Number of beads on a small ring.")] = 80,
+    beads: Annotated[int, typer.Option(help="Number of beads on a small polygon.")] = 80,
     strain: Annotated[float, typer.Option(help="Linear strain from jamming, in one step.")] = 0.01,
     seed: Annotated[int, typer.Option(help="Seed of the random start.")] = 1,
     smooth: Annotated[
         bool,
         typer.Option(
-            "--smooth/--rough", help="Rings with smooth edges, or of beads that interlock."
+            "--smooth/--rough", help="Polygons with smooth edges, or of beads that interlock."
         ),
     ] = True,
 ) -> None:
-    """Compare the contact laws with a compressed packing of rings of beads.
+    """Compare the contact laws with a compressed packing of deformable polygons.
 
-    At the centers of the rings, I is the mean distance of the laws' outlines from the beads over
-    the radius, S_rms the error of the area deficits, and energy/rings the ratio of energies. The
-    own energy is that of the law relaxed alone, over the rings'. Seconds are for the same strain
+    At the centers of the polygons, I is the mean distance of the laws' outlines from the beads over
+    the radius, S_rms the error of the area deficits, and energy/polygons the ratio of energies. The
+    own energy is that of the law relaxed alone, over the polygons'. Seconds are for the same strain
     step from the same start. The sector law treats a particle with one contact as a soft disk, so
     its energy can be far off.
     """
     refuse_ranks("compare times one core")
-    from ..report.packings import packing_rows
+    from ..studies.packings.rows import packing_rows
 
     if not 0.0 < strain < 1.0:
         raise ParameterError(f"strain must lie between 0 and 1, not {strain}")
-    kind = "smooth" if smooth else "rough"
+    kind = "smooth" if smooth else "bead"
     print_once(
-        f"{number} {kind} rings, {beads} beads on a small one, {100 * strain:g} % strain from "
+        f"{number} {kind} polygons, {beads} beads on a small one, {100 * strain:g} % strain from "
         "jamming"
     )
     rows, _ = packing_rows(number, seed, strain, Beads(number=beads, smooth=smooth))
     width = max(len(row["law"]) for row in rows)
     print_once(
-        f"{'law':{width}} {'I':>9} {'S_rms':>9} {'energy/rings':>12} {'own energy':>10} "
+        f"{'law':{width}} {'I':>9} {'S_rms':>9} {'energy/polygons':>15} {'own energy':>10} "
         f"{'seconds':>9} {'speed-up':>9}"
     )
     seconds_beads = rows[0]["seconds_beads"]
-    print_once(f"{'rings':{width}} {'-':>9} {'-':>9} {1:12d} {1:10d} {seconds_beads:9.3g} {1:9d}")
+    print_once(
+        f"{'polygons':{width}} {'-':>9} {'-':>9} {1:15d} {1:10d} {seconds_beads:9.3g} {1:9d}"
+    )
     for row in rows:
         error = "-" if row["S_rms"] is None else f"{row['S_rms']:.2g}"
         ratio, own = (
@@ -141,17 +143,18 @@ def compare(
         stalled = row["residual"] is not None and row["residual"] > TOLERANCE
         speed_up = f"{seconds_beads / row['seconds']:9.0f}"
         print_once(
-            f"{row['law']:{width}} {row['I']:9.2e} {error:>9} {ratio:>12} {own:>10} "
+            f"{row['law']:{width}} {row['I']:9.2e} {error:>9} {ratio:>15} {own:>10} "
             f"{row['seconds']:9.2g} " + ("did not converge" if stalled else speed_up)
         )
     if smooth:
         print_once(
-            "rings have an error of their own, which falls with the square of the number of beads: "
-            f"--beads {2 * beads} tells more of balanced and tilted contacts"
+            "polygons have an error of their own, which falls with the square of the number of "
+            f"beads: --beads {2 * beads} tells more of balanced and tilted contacts"
         )
     elif not any(row["energy_ratio"] for row in rows):
         print_once(
-            "no law has particles that touch: the rings interlock, strain more or take more beads"
+            "no law has particles that touch: the polygons interlock, strain more or take more "
+            "beads"
         )
 
 
@@ -173,7 +176,7 @@ def report(
     hour on two cores, with --quick three minutes. Uses all cores of this machine, or the ranks of
     mpiexec.
     """
-    from ..report import write_report
+    from ..report.writing import write_report
 
     began = time.perf_counter()
     write_report(out, quick, resume, overwrite, print_once)
@@ -195,7 +198,7 @@ def movie(
 ) -> None:
     """Draw each state of a recorded run as a movie."""
     refuse_ranks("a movie is drawn by one process")
-    draw_movie(run, out, color_by, contacts, forces, rate)
+    Run(run).movie(out, color_by=color_by, contacts=contacts, forces=forces, rate=rate)
     print_once(f"wrote {out}")
 
 

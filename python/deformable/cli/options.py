@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from itertools import islice
@@ -15,7 +14,7 @@ from mpi4py import MPI
 from typer.core import TyperCommand, TyperOption
 
 from ..common.errors import ParameterError
-from ..runs.resume import LARGEST_TOLERANCE
+from ..runs.recording import LARGEST_TOLERANCE
 
 # Options of commands that write a run.
 Tolerance = Annotated[
@@ -42,10 +41,6 @@ def law_option(names: Iterable[str], help: str) -> Any:
     names = tuple(names)
 
     def law(name: str) -> str:
-        if name == "ring":
-            if MPI.COMM_WORLD.rank == 0:
-                warnings.warn("the law 'ring' is now named 'balanced'", UserWarning, stacklevel=2)
-            return "balanced"
         if name not in names:
             raise typer.BadParameter(f"'{name}' is none of {', '.join(names)}")
         return name

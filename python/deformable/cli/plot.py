@@ -10,8 +10,7 @@ import typer
 from ..common.errors import ParameterError
 from ..common.optional import optional
 from ..common.progress import print_once
-from ..runs.record import load
-from ..runs.replay import replay
+from ..runs.run import Run
 from .options import refuse_ranks
 
 
@@ -30,12 +29,12 @@ def plot_command(
     color_by: Annotated[
         str, typer.Option(help="Quantity of the particles, e.g. shape_parameter.")
     ] = "particle_pressure",
-    colormap: Annotated[str, typer.Option(help="Color map of matplotlib.")] = "YlGnBu",
-    limits: Annotated[
-        tuple[float, float] | None,
-        typer.Option(
-            metavar="FIRST LAST", help="Values of the first and the last color.", show_default=False
-        ),
+    cmap: Annotated[str, typer.Option(help="Color map of matplotlib.")] = "YlGnBu",
+    vmin: Annotated[
+        float | None, typer.Option(help="Value of the first color.", show_default=False)
+    ] = None,
+    vmax: Annotated[
+        float | None, typer.Option(help="Value of the last color.", show_default=False)
     ] = None,
     title: Annotated[
         str | None, typer.Option(help="Title; by default phi and pressure.", show_default=False)
@@ -53,17 +52,21 @@ def plot_command(
     if out.suffix.removeprefix(".") not in formats:
         raise ParameterError(f"a picture is one of .{', .'.join(formats)}, not '{out}'")
     if frame is None:
-        with load(run) as sim:
+        with Run(run).simulation() as sim:
             state = sim.state()
     else:
-        (state,) = replay(run, frame)
+        try:
+            state = Run(run)[frame]
+        except IndexError as error:
+            raise ParameterError(str(error)) from None
     state.plot(
         figure.subplots(),
         color_by,
         contacts,
         forces,
-        colormap=colormap,
-        limits=limits,
+        cmap=cmap,
+        vmin=vmin,
+        vmax=vmax,
         title=title,
     )
     figure.savefig(out, dpi=150)

@@ -12,9 +12,9 @@ import numpy as np
 
 from ..common.errors import ParameterError
 from ..common.validate import positive
-from ..io.store import summary_in
 from ..model.laws import LAWS, Law, Ring
 from ..model.packing import Packing, bidisperse, polydisperse
+from ..runs.run import Run
 
 PROTOCOL = ("strain", "steps", "tolerance")
 
@@ -83,7 +83,7 @@ def check_together(settings: Settings, given: Mapping[str, Any]) -> None:
 
 def check_same(folder: Path, given: Mapping[str, Any]) -> None:
     """Refuse settings that differ from those that the run in a folder was begun with."""
-    saved = _saved(summary_in(folder).get("parameters") or {})
+    saved = _saved(Run(folder).parameters)
     for name, value in given.items():
         if name not in saved:
             raise ParameterError(f"the summary of '{folder}' lacks --{name}: leave it out")
@@ -98,11 +98,6 @@ def _saved(parameters: Mapping[str, Any]) -> dict[str, Any]:
     """Settings in a summary: those of the last compression, completed by those of earlier ones."""
     settings = dict(parameters)
     before = settings.pop("before", None)
-    if settings.get("law") == "ring":  # version 0.1 had two options for the law
-        settings["law"] = settings.get("contact", "radical")
-    for name in ("kA", "kP"):
-        if name.lower() in settings:
-            settings[name] = settings.pop(name.lower())
     return (_saved(before) if before else {}) | settings
 
 

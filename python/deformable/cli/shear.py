@@ -12,10 +12,8 @@ from ..common.errors import ParameterError
 from ..common.progress import print_once
 from ..engine.relaxation import TOLERANCE
 from ..io.run_folder import refuse
-from ..io.store import summary_in
-from ..runs.record import load
-from ..runs.resume import resume as resume_in
-from ..runs.resume import shear_in, steps_in
+from ..runs.recording import shear_in
+from ..runs.run import Run
 from .options import Overwrite, Resume, Tolerance, is_given
 from .output import draw, print_states
 from .settings import check_same
@@ -57,15 +55,16 @@ def shear_command(
     if resume:
         settings = {"strain": strain, "steps": steps, "tolerance": tolerance}
         check_same(folder, {name: settings[name] for name in settings if is_given(context, name)})
-        states = resume_in(folder)
+        states = Run(folder).resume()
     elif run is None:
         raise ParameterError("give the folder of a run, whose packing is sheared: shear RUN")
     elif folder.resolve() == run.resolve():
         raise ParameterError(f"'{run}' is the folder of the packing: give another one to --out")
     else:
-        before = {"before": summary_in(run).get("parameters")}
-        states = shear_in(folder, load(run), strain, steps, tolerance, before, overwrite=overwrite)
-    last = print_states(states, steps_in(folder), _COLUMNS)
+        before = {"before": Run(run).parameters}
+        sim = Run(run).simulation()
+        states = shear_in(sim, folder, strain, steps, tolerance, before, overwrite)
+    last = print_states(states, Run(folder).steps_done or 0, _COLUMNS)
     if last is None:
         print_once(f"the shear in '{folder}' is complete")
     else:

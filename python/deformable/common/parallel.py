@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import pickle
 from collections.abc import Callable, Iterator, Sequence
@@ -21,11 +20,12 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, TypeVar
 
+from joblib import Memory
 from mpi4py import MPI
 
 from .. import core
 from .errors import ParameterError
-from .files import make_folder, write_whole
+from .files import make_folder
 from .progress import progress
 from .ranks import helpers, independent, independently, launched, led
 from .validate import expect
@@ -56,8 +56,9 @@ def parallel_map(
             one after another in this process.
         description: of the progress bar.
         each: called with each result as soon as it is there, in any order; on rank 0 alone.
-        keep: folder for the results, see `call_once`: the same calls after an interruption only
-            compute what it lacks.
+        keep: folder for the results: the same calls after an interruption only compute what it
+            lacks. They are pickles, and reading a pickle runs the code in it: give a folder that
+            only you write to. Runs and saved states never are pickles.
 
     Returns:
         The results in the order of the arguments, on every rank. They do not depend on the number
@@ -162,25 +163,19 @@ def _spread(
 
 
 def call_once(folder: Path, function: Callable[..., T], /, *arguments: Any, **keywords: Any) -> T:
-    """The result of a call: from a folder that has it, or computed and kept there.
+    """The result of a call: from a folder that has it, or computed and kept there by joblib.
+
+    Results are pickles, and reading a pickle runs the code in it: give folders that only you
+    write to. Runs and saved states never are pickles.
 
     Args:
-        folder: made if missing. It has one file per call, <function>-<digest>.pickle, written
-            whole.
-        function: its result must pickle.
-        arguments: of the call; they must pickle. Arguments with other pickles are computed anew.
+        folder: made if missing. It has a folder for each version of this package.
+        function: its result must pickle. If its code changes, its results are computed anew.
+        arguments: of the call; they must pickle.
         keywords: of the call, as `arguments`.
     """
-    name = function.__qualname__
-    asked = (core.version, function.__module__, name, arguments, sorted(keywords.items()))
-    digest = hashlib.sha256(pickle.dumps(asked)).hexdigest()[:16]  # repr cuts large arrays short
-    path = folder / f"{name}-{digest}.pickle"
-    if path.exists():
-        kept: T = pickle.loads(path.read_bytes())
-        return kept
-    result = function(*arguments, **keywords)
-    make_folder(folder)
-    write_whole(path, pickle.dumps(result))
+    memory = Memory(str(make_folder(folder) / core.version), verbose=0)
+    result: T = memory.cache(function)(*arguments, **keywords)
     return result
 
 

@@ -1,4 +1,4 @@
-"""Rough and smooth rings in LAMMPS: the deformable-polygon models, references for the laws."""
+"""Deformable polygons in LAMMPS, smooth or of beads: the references of the laws."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from numpy.typing import NDArray
 from ..common.errors import ParameterError, StalledWarning
 from ..common.progress import progress
 from ..common.validate import expect, positive
-from ..io.lammps_commands import minimizer_commands
-from ..io.ring_commands import (
+from ..io.lammps_commands import (
+    minimizer_commands,
+    polygon_contact_commands,
+    polygon_wall_commands,
     region_within,
-    ring_contact_commands,
-    ring_wall_commands,
     without_region,
 )
 from ..model.beads import Beads
 from ..model.lattice import cartesian
 from ..model.packing import Packing
 from ..model.walls import Walls
-from ..state.bead_state import BeadState, RingContacts, steiner_point, sum_contacts
-from .bead_start import refuse_outside, refuse_overlap, refuse_own_image, ring_file, undeformed
+from ..state.bead_state import BeadState, PolygonContacts, steiner_point, sum_contacts
+from .bead_start import polygon_file, refuse_outside, refuse_overlap, refuse_own_image, undeformed
 from .followed import refuse_other, refuse_other_types, setup
 from .lammps import Engine, communicator, gather, local_array, run, shared_file, silent_lammps
 from .relaxation import (
@@ -33,12 +33,12 @@ from .relaxation import (
     largest_force_told,
     minimize_command,
     minimize_until_relaxed,
-    ring_forces,
+    polygon_forces,
     stress,
     thermo_commands,
     virial_command,
 )
-from .smooth_rings import SmoothRings, relax_smooth
+from .smooth_polygons import SmoothPolygons, relax_smooth
 
 _SETUP = """
 neigh_modify exclude molecule/intra all
@@ -55,7 +55,7 @@ timestep {timestep!r}
 _LARGEST_STEP, _STRETCH = 1.35, 2.0
 
 # Iterations of one call of the minimizer, and those without halving the smallest residual after
-# which a relaxation counts as stalled: rough rings go through many small rearrangements.
+# which a relaxation counts as stalled: bead polygons go through many small rearrangements.
 _ITERATIONS, _PATIENCE = 20_000, 2_000_000
 
 
@@ -64,28 +64,28 @@ _FIRE_TOLERANCE, _NEWTON_TOLERANCE = 1e-3, 1e-6
 
 
 class BeadReference(Engine):
-    """Rings of beads in LAMMPS, rough or smooth, with the calls of `Simulation`.
+    """Polygons in LAMMPS, smooth or of beads, with the calls of `Simulation`.
 
     Every rank of an MPI run must make the same calls, and gets the same values.
 
     Args:
-        packing: where the particles start; each becomes an undeformed ring around its center.
-        beads: settings of the rings.
+        packing: where the particles start; each becomes an undeformed polygon around its center.
+        beads: settings of the polygons.
         walls: around a single particle at the origin, instead of neighbors.
         comm: as for `Simulation`.
 
     Attributes:
         lmp: the LAMMPS instance, for commands that leave beads, springs and pair style as they are.
-        beads: settings of the rings.
-        rings: the undeformed rings of each species.
+        beads: settings of the polygons.
+        polygons: the undeformed polygons of each species.
         walls: the present walls, or None.
         comm: the communicator.
 
     Raises:
-        ParameterError: beads are too large or too few, rings overlap at the start or reach their
+        ParameterError: beads are too large or too few, polygons overlap at the start or reach their
             own periodic images, walls are not around a single particle, or particles have radii of
             their own.
-        LammpsError: LAMMPS refuses the rings.
+        LammpsError: LAMMPS refuses the polygons.
     """
 
     def __init__(
@@ -103,18 +103,18 @@ class BeadReference(Engine):
         packing = self.comm.bcast(packing)
         if packing.walls:
             raise ParameterError(
-                "rings of beads have no walls but `Walls` around a single one: replace the packing "
+                "bead polygons have no walls but `Walls` around a single one: replace the packing "
                 "by one without walls"
             )
         if packing.particle_radii is not None:
             raise ParameterError(
-                "rings of beads have the radii of their species: give each size a species of its "
+                "bead polygons have the radii of their species: give each size a species of its "
                 "own, not particle_radii"
             )
-        self.rings = rings = beads.rings(packing.radii)
+        self.polygons = polygons = beads.polygons(packing.radii)
         self._species, self._radii = packing.species, packing.radii
-        self._first = np.concatenate([[0], np.cumsum(rings.number[packing.species])])
-        positions = undeformed(packing, rings)
+        self._first = np.concatenate([[0], np.cumsum(polygons.number[packing.species])])
+        positions = undeformed(packing, polygons)
         self.walls = walls
         if walls is None:
             refuse_overlap(packing, beads)
@@ -124,26 +124,28 @@ class BeadReference(Engine):
         self.lmp = silent_lammps(self.comm)
         if walls is not None:
             run(self.lmp, "boundary f f p")
-        with shared_file(self.comm, ring_file(packing, positions, walls is not None)) as file:
+        with shared_file(self.comm, polygon_file(packing, positions, walls is not None)) as file:
             run(self.lmp, f'atom_style bond\nread_data "{file}"')
         self._define_energy()
         if walls is not None:
-            run(self.lmp, f"{region_within(walls)}\n{ring_wall_commands(beads, walls.stick)}")
+            run(self.lmp, f"{region_within(walls)}\n{polygon_wall_commands(beads, walls.stick)}")
         self._setup = setup(self.lmp)
 
     def _define_energy(self) -> None:
         """Define springs, areas and contacts, their results, and the minimizer."""
-        beads, rings, species = self.beads, self.rings, self._species
-        longest = float(rings.spacing.max())
+        beads, polygons, species = self.beads, self.polygons, self._species
+        longest = float(polygons.spacing.max())
         bonds = "\n".join(
             f"bond_coeff {n} {float(0.5 * kL)!r} {float(spacing)!r}"  # LAMMPS has no 1/2
-            for n, (kL, spacing) in enumerate(zip(rings.kL, rings.spacing, strict=True), start=1)
+            for n, (kL, spacing) in enumerate(
+                zip(polygons.kL, polygons.spacing, strict=True), start=1
+            )
         )
-        # one fix for each area stiffness, with its rings
+        # one fix for each area stiffness, with its polygons
         areas = ""
         self._areas: list[tuple[str, NDArray[np.int64]]] = []
-        for n, kA in enumerate(np.unique(rings.kA[species]).tolist()):
-            members = np.flatnonzero(rings.kA[species] == kA)
+        for n, kA in enumerate(np.unique(polygons.kA[species]).tolist()):
+            members = np.flatnonzero(polygons.kA[species] == kA)
             types = " ".join(str(kind + 1) for kind in np.unique(species[members]))
             areas += f"group members{n} type {types}\n"
             areas += f"fix area{n} members{n} deformable/polygon {kA!r}\n"
@@ -152,12 +154,12 @@ class BeadReference(Engine):
         run(
             self.lmp,
             _SETUP.format(
-                contacts=ring_contact_commands(beads, longest),
+                contacts=polygon_contact_commands(beads, longest),
                 bonds=bonds,
                 # a spring connects to a far image of a bead if the near one is no ghost
                 ghosts=max(2.0 * beads.radius + skin, 2.0 * longest),
                 areas=areas,
-                timestep=_LARGEST_STEP / _STRETCH / rings.fastest_frequency(beads.kr),
+                timestep=_LARGEST_STEP / _STRETCH / polygons.fastest_frequency(beads.kr),
             ),
         )
         run(self.lmp, virial_command() + thermo_commands("pe"))
@@ -209,7 +211,8 @@ class BeadReference(Engine):
     def relax(self, tolerance: float | None = None) -> BeadState:
         """Minimize the energy until forces are small against those on beads in contact.
 
-        Smooth rings without walls take steps of Newton's method, see `relax_smooth`; others FIRE.
+        Smooth polygons without walls take steps of Newton's method, see `relax_smooth`; others
+        FIRE.
 
         Args:
             tolerance: largest residual, see `BeadState.residual`; by default 1e-3 with FIRE, and
@@ -220,7 +223,7 @@ class BeadReference(Engine):
 
         Raises:
             LammpsError: LAMMPS gave up.
-            ParameterError: a ring reached its own periodic image.
+            ParameterError: a polygon reached its own periodic image.
 
         Warns:
             StalledWarning: the forces stopped falling.
@@ -233,7 +236,7 @@ class BeadReference(Engine):
         stalled = forces.residual > tolerance
         if stalled and self.comm.rank == 0:
             warnings.warn(
-                "relaxation of rings of beads stalled: "
+                "relaxation of bead polygons stalled: "
                 + largest_force_told(forces.residual, "that on a bead in a contact", tolerance),
                 StalledWarning,
                 stacklevel=2,
@@ -241,7 +244,7 @@ class BeadReference(Engine):
         return self._snapshot(forces, stalled)
 
     def _by_fire(self, tolerance: float) -> Forces:
-        with progress("relaxing rings", unit="step") as bar:
+        with progress("relaxing polygons", unit="step") as bar:
 
             def minimize(forces: Forces, left: int) -> int:
                 force = 0.9 * max(tolerance * forces.scale, forces.rounding)
@@ -265,10 +268,10 @@ class BeadReference(Engine):
             )
 
     def _by_newton(self, tolerance: float) -> Forces:
-        forces = self._evaluate()  # LAMMPS refuses rings that cannot be relaxed
+        forces = self._evaluate()  # LAMMPS refuses polygons that cannot be relaxed
         if forces.residual <= tolerance:
             return forces
-        with progress("relaxing rings", unit="step") as bar:
+        with progress("relaxing polygons", unit="step") as bar:
 
             def each(residual: float) -> None:
                 bar.update()
@@ -283,11 +286,11 @@ class BeadReference(Engine):
         self.lmp.scatter("x", 1, 3, np.ctypeslib.as_ctypes(placed.ravel()))
         return self._evaluate()
 
-    def _smooth(self) -> SmoothRings:
-        return SmoothRings(self.beads, self.rings, self._species, self.box)
+    def _smooth(self) -> SmoothPolygons:
+        return SmoothPolygons(self.beads, self.polygons, self._species, self.box)
 
     def _positions(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Places of the beads in the box, and the shifts that unwrap rings, shape (V, 2)."""
+        """Places of the beads in the box, and the shifts that unwrap polygons, shape (V, 2)."""
         image = np.array(self.lmp.gather("image", 0, 3)).reshape(-1, 3)[:, :2]
         return gather(self.lmp, "x", 3)[:, :2], cartesian(image, self.box)
 
@@ -307,10 +310,10 @@ class BeadReference(Engine):
                 for row in range(len(members))
             ]
             self._area[members], self._perimeter[members] = np.array(measured).T
-        rings, kind = self.rings, self._species
-        pressure = rings.kA[kind] * (rings.area[kind] - self._area)
+        polygons, kind = self.polygons, self._species
+        pressure = polygons.kA[kind] * (polygons.area[kind] - self._area)
         largest = largest_force(self.lmp)
-        return ring_forces(largest, pressure, rings.spacing[kind], self.box, rings.kL)
+        return polygon_forces(largest, pressure, polygons.spacing[kind], self.box, polygons.kL)
 
     def _snapshot(self, forces: Forces, stalled: bool) -> BeadState:
         """The state at the last evaluation."""
@@ -324,19 +327,19 @@ class BeadReference(Engine):
         return BeadState(
             packing=Packing(centers, self._species, self._radii, box),
             beads=self.beads,
-            rings=self.rings,
+            polygons=self.polygons,
             outlines=outlines,
             area=self._area,
             perimeter=self._perimeter,
-            contacts=self._contacts(vertices),
+            contact_table=self._contacts(vertices),
             energy=float(self.lmp.get_thermo("pe")),
             stress=stress(self.lmp),
             residual=forces.residual,
             stalled=stalled,
         )
 
-    def _contacts(self, vertices: NDArray[np.float64]) -> RingContacts:
-        """The contacts of rings at the last evaluation, which was at these vertices."""
+    def _contacts(self, vertices: NDArray[np.float64]) -> PolygonContacts:
+        """The contacts of polygons at the last evaluation, which was at these vertices."""
         if self.beads.smooth:
             pairs, overlaps = self._smooth().energy(vertices).touches()
         else:

@@ -1,4 +1,4 @@
-"""The start of rings of beads: undeformed, separate, within walls; as a LAMMPS data file."""
+"""The start of bead polygons: undeformed, separate, within walls; as a LAMMPS data file."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from numpy.typing import NDArray
 from ..common.errors import ParameterError
 from ..core import unit_vectors
 from ..io.data_file import data_file
-from ..model.beads import Beads, Rings
+from ..model.beads import Beads, Polygons
 from ..model.lattice import cartesian, fractional
 from ..model.packing import Packing
 from ..model.walls import Walls
 
 
-def undeformed(packing: Packing, rings: Rings) -> list[NDArray[np.float64]]:
-    """Beads of undeformed rings around the centers of a packing, arrays (N_v, 2)."""
+def undeformed(packing: Packing, polygons: Polygons) -> list[NDArray[np.float64]]:
+    """Beads of undeformed polygons around the centers of a packing, arrays (N_v, 2)."""
     positions = []
     for center, kind in zip(packing.positions, packing.species, strict=True):
-        angle = 2.0 * np.pi * np.arange(rings.number[kind]) / rings.number[kind]
-        positions.append(center + rings.radius[kind] * unit_vectors(angle))
+        angle = 2.0 * np.pi * np.arange(polygons.number[kind]) / polygons.number[kind]
+        positions.append(center + polygons.radius[kind] * unit_vectors(angle))
     return positions
 
 
@@ -31,7 +31,7 @@ def _translations(box: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def refuse_overlap(packing: Packing, beads: Beads) -> None:
-    """Refuse rings that overlap by more than a bead radius: they could stay entangled."""
+    """Refuse polygons that overlap by more than a bead radius: they could stay entangled."""
     steps = _translations(packing.box)
     cell = steps[[0, 2]]
     steps = np.vstack([np.zeros(2), steps, -steps])
@@ -43,27 +43,27 @@ def refuse_overlap(packing: Packing, beads: Beads) -> None:
         if overlap.max(initial=0.0) > beads.radius:
             raise ParameterError(
                 f"particles {n} and {n + 1 + int(overlap.argmax())} overlap by "
-                f"{overlap.max():.3g}, but rings may overlap by at most the bead radius "
+                f"{overlap.max():.3g}, but polygons may overlap by at most the bead radius "
                 f"{beads.radius:g} at the start: take a packing at jamming"
             )
 
 
 def refuse_own_image(
-    rings: list[NDArray[np.float64]], box: NDArray[np.float64], radius: float
+    polygons: list[NDArray[np.float64]], box: NDArray[np.float64], radius: float
 ) -> None:
-    """Refuse a ring that reaches its own periodic image: beads of one ring do not repel."""
+    """Refuse a polygon that reaches its own periodic image: beads of one polygon do not repel."""
     for step in _translations(box):
         length = np.hypot(*step)
-        for n, ring in enumerate(rings):
-            if np.ptp(ring @ step) / length + 2.0 * radius > length:
+        for n, polygon in enumerate(polygons):
+            if np.ptp(polygon @ step) / length + 2.0 * radius > length:
                 raise ParameterError(
-                    f"particle {n} reaches its own image, {length:.4g} away, but beads of one ring "
-                    "do not repel each other: repeat the packing in that direction"
+                    f"particle {n} reaches its own image, {length:.4g} away, but beads of one "
+                    "polygon do not repel each other: repeat the packing in that direction"
                 )
 
 
 def refuse_outside(packing: Packing, beads: Beads, walls: Walls) -> None:
-    """Refuse a ring that starts beyond its walls, or beyond the box around them."""
+    """Refuse a polygon that starts beyond its walls, or beyond the box around them."""
     if len(packing) != 1 or packing.positions.any():
         raise ParameterError("walls must be around a single particle at the origin")
     radius = packing.radius[0]
@@ -79,26 +79,28 @@ def refuse_outside(packing: Packing, beads: Beads, walls: Walls) -> None:
         )
 
 
-def ring_file(packing: Packing, rings: list[NDArray[np.float64]], centered: bool) -> str:
-    """LAMMPS data file of rings of beads.
+def polygon_file(packing: Packing, polygons: list[NDArray[np.float64]], centered: bool) -> str:
+    """LAMMPS data file of bead polygons.
 
     Args:
         packing: gives the box and the species.
-        rings: positions of the beads of each, arrays (N_v, 2) [length].
+        polygons: positions of the beads of each, arrays (N_v, 2) [length].
         centered: the center of the box is the origin; otherwise its lower left corner is.
     """
-    sizes = [len(ring) for ring in rings]
+    sizes = [len(polygon) for polygon in polygons]
     types = np.repeat(packing.species + 1, sizes)
     ids = np.arange(1, len(types) + 1)
-    following = np.concatenate([np.roll(ring, -1) for ring in np.split(ids, np.cumsum(sizes)[:-1])])
+    following = np.concatenate(
+        [np.roll(polygon, -1) for polygon in np.split(ids, np.cumsum(sizes)[:-1])]
+    )
     (lx, _), (_, ly) = packing.box.tolist()
     return data_file(
-        "rings of beads",
+        "bead polygons",
         "bond",
         packing.box,
         len(packing.radii),
-        [np.repeat(np.arange(1, len(rings) + 1), sizes), types],
-        np.vstack(rings),
+        [np.repeat(np.arange(1, len(polygons) + 1), sizes), types],
+        np.vstack(polygons),
         np.column_stack([types, ids, following]),
         (-0.5 * lx, -0.5 * ly) if centered else (0, 0),
     )

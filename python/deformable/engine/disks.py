@@ -12,14 +12,13 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..common.errors import StalledWarning
-from ..common.renamed import former_arguments
 from ..common.validate import expect, positive, zero_or_more
 from ..core import unit_vectors
 from ..io.lammps_commands import minimizer_commands
 from ..model.lattice import fractional
 from ..model.packing import Packing
 from ..model.room import Distances, check_fit
-from ..model.wall_shapes import Wall
+from ..model.walls import Wall
 from ..state.disk_state import DiskState
 from .followed import refuse_other, setup
 from .lammps import Engine, gather, local_array, open_lammps, run
@@ -133,7 +132,6 @@ class Disks(Engine):
         xy = float(np.sum(lever[..., 0] * forces[..., 1]))
         self.lmp.fix_external_set_virial_global("deformable_walls", [xx, yy, 0.0, xy, 0.0, 0.0])
 
-    @former_arguments(bearing="minimum_contact_force")
     def relax(self, tolerance: float = TOLERANCE, minimum_contact_force: float = 0.0) -> DiskState:
         """Minimize the energy by FIRE until no force exceeds a part of the mean contact force.
 

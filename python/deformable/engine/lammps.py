@@ -21,7 +21,7 @@ from ..common.versions import check_lammps
 from ..io.lammps_commands import SETUP, WALL, atom_style, boundary, wall_commands
 from ..model import room
 from ..model.packing import Packing, lattice_vectors
-from ..model.wall_shapes import Wall
+from ..model.walls import Wall
 from .interrupts import interruptible
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..common.errors import LammpsError
-from ..model.wall_shapes import Wall
+from ..model.walls import Wall
 from .lammps import run
 
 if TYPE_CHECKING:

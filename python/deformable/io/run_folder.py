@@ -15,6 +15,9 @@ DATA, SUMMARY = "packing.data", "summary.json"
 SERIES, TRAJECTORY, SETUPS = "series.csv", "trajectory.lammpstrj", "setups.jsonl"
 SPECIES, SCRIPT = "species.deformable", "in.lammps"
 
+# Results that are kept for an interrupted report.
+PARTS = "*parts/*/joblib"
+
 # `deformable jam` writes this table first, and a summary of its own at the end.
 TABLE = "table.csv"
 
@@ -39,7 +42,7 @@ def holds(folder: str | Path) -> Kind | None:
         return "jamming"
     if any((folder / name).exists() for name in (DATA, SERIES, TRAJECTORY)):
         return "compression"
-    if (folder / "report.json").exists() or any(folder.glob("*parts/*.pickle")):
+    if (folder / "report.json").exists() or any(folder.glob(PARTS)):
         return "report"
     return None
 

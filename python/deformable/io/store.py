@@ -14,14 +14,11 @@ from ..common.files import make_folder, write_whole
 from ..common.versions import versions
 from ..model.laws import LAWS, Law
 from ..model.packing import Packing
-from ..model.wall_shapes import KINDS, Wall
+from ..model.walls import KINDS, Wall
 from .data_file import Motion, motion_in, packing_file, packing_in
 from .lammps_commands import species_file
 from .lammps_script import script
 from .run_folder import DATA, SCRIPT, SPECIES, SUMMARY, refuse
-
-# Names of laws in summaries of version 0.1, where Ring has a setting `contact` beside.
-_FORMER_NAMES = {"Ring": "balanced", "Sector": "sector"}
 
 
 def save(
@@ -77,11 +74,8 @@ def read_setup(saved: Mapping[str, Any]) -> tuple[Law, list[float], tuple[Wall, 
     Raises:
         KeyError, ValueError, TypeError: it is damaged.
     """
-    settings = dict(saved["model"] if "model" in saved else saved["law"])  # version 0.1
-    given: str = settings.pop("name")
-    name = _FORMER_NAMES.get(given, given)
-    if given == "Ring":  # version 0.1.0 had radical axes only, and no word for them
-        settings.setdefault("contact", "radical")
+    settings = dict(saved["law"])
+    name: str = settings.pop("name")
     if name not in LAWS:
         raise ValueError(f"there is no law {name!r}")
     law = replace(LAWS[name], **{key: _setting(value) for key, value in settings.items()})

@@ -1,4 +1,4 @@
-"""Settings of rings, the deformable-polygon models that the contact laws approximate."""
+"""Settings of polygons, the deformable-polygon models that the contact laws approximate."""
 
 from __future__ import annotations
 
@@ -14,41 +14,41 @@ from ..core import unit_vectors
 from .laws import one_or_each, per_species
 
 # Least spacing of beads over their radius p. LAMMPS lists at most 2000 neighbors of a bead, within
-# a distance of 2.5 p, 2.6 p with edges. The part of a ring in this circle is convex, thus no longer
-# than 5.2 pi p, with 273 beads; and no more than 7 particles reach into it, because their radii are
-# above 2 p.
+# a distance of 2.5 p, 2.6 p with edges. The part of a polygon in this circle is convex, thus no
+# longer than 5.2 pi p, with 273 beads; and no more than 7 particles reach into it, because their
+# radii are above 2 p.
 _LEAST_SPACING = 0.06
 
 
 @dataclass(frozen=True)
 class Beads:
-    """The deformable-polygon model: rings of beads, joined by springs around a soft area.
+    """The deformable-polygon model: bead polygons, joined by springs around a soft area.
 
         U = kL/2 sum (L - L0)^2 + kA/2 sum (A - A0)^2 + contacts
 
-    summed over all springs and all rings. kL and kA are numbers, or sequences of one number for
+    summed over all springs and all polygons. kL and kA are numbers, or sequences of one number for
     each species. The contacts decide between two models.
 
-    Rough rings, as in the paper: kr/2 sum (2p - |v - v'|)^2 over overlapping beads of different
-    rings. At rest a particle of radius R is a regular polygon of circumradius R - p, so that its
-    beads reach to R. Beads of two rings interlock, and rings have friction.
+    Bead polygons, as in the paper: kr/2 sum (2p - |v - v'|)^2 over overlapping beads of different
+    polygons. At rest a particle of radius R is a regular polygon of circumradius R - p, so that its
+    beads reach to R. Beads of two polygons interlock, and polygons have friction.
 
-    Smooth rings: kr/2 sum (2p - d)^2 over the distances d of vertices from edges of other rings,
-    with what counts twice at corners subtracted, see `core.edge_contact`. They have hardly any
-    friction. At rest a particle of radius R is a regular polygon of perimeter
-    P0 = N_v L0 = 2 pi (R - p), and R is the radius of the particle in the ring laws.
+    Smooth polygons: kr/2 sum (2p - d)^2 over the distances d of vertices from edges of other
+    polygons, with what counts twice at corners subtracted, see `core.edge_contact`. They have
+    hardly any friction. At rest a particle of radius R is a regular polygon of perimeter P0 = N_v
+    L0 = 2 pi (R - p), and R is the radius of the particle in the ring laws.
 
     Args:
-        number: beads on a ring of the smallest species; larger ones get more, N_v ~ R - p. Or a
+        number: beads on a polygon of the smallest species; larger ones get more, N_v ~ R - p. Or a
             number for each species.
         radius: p, of a bead [length]; contacts reach as far as 2p.
-        kL: stiffness of a spring [energy/length^2]; the perimeter of a ring has kP = kL/N_v.
-        kA: stiffness of the area of a ring [energy/length^4].
+        kL: stiffness of a spring [energy/length^2]; the perimeter of a polygon has kP = kL/N_v.
+        kA: stiffness of the area of a polygon [energy/length^4].
         kr: stiffness of the contact of two beads, or of a vertex and an edge [energy/length^2].
-        smooth: whether rings are smooth, else rough.
+        smooth: whether polygons are smooth, else rough.
 
     Raises:
-        ParameterError: a value is not positive and finite, or a ring has fewer than 3 beads.
+        ParameterError: a value is not positive and finite, or a polygon has fewer than 3 beads.
 
     Source: Boromand et al., Phys. Rev. Lett. 121, 248003 (2018); R. Maharana, "Efficient
     Simulation of Deformable Particles", whose rest area lacks a factor cos(pi/N_v).
@@ -78,19 +78,19 @@ class Beads:
         whole = whole and counts.size > 0
         if not (whole and (counts == np.rint(counts)).all() and (counts >= 3).all()):
             raise ParameterError(
-                f"a ring needs a whole number of beads, at least 3, not {self.number}"
+                f"a polygon needs a whole number of beads, at least 3, not {self.number}"
             )
 
-    def rings(self, radii: NDArray[np.float64]) -> Rings:
-        """The undeformed rings of species of these radii [length].
+    def polygons(self, radii: NDArray[np.float64]) -> Polygons:
+        """The undeformed polygons of species of these radii [length].
 
         Raises:
             ParameterError: beads are too large for a particle, so few that others slip between
                 them, or so many that LAMMPS cannot list their neighbors; or numbers or stiffnesses
                 are for another number of species.
         """
-        ring = radii - self.radius
-        if not (ring > self.radius).all():
+        polygon = radii - self.radius
+        if not (polygon > self.radius).all():
             raise ParameterError(
                 f"beads of radius {self.radius:g} are too large for a particle of radius "
                 f"{radii.min():g}: take less than half of that"
@@ -101,14 +101,14 @@ class Beads:
                 f"number must be one number, or one for each of {len(radii)} species, not "
                 f"{self.number}"
             )
-        share = ring / ring.min() if one else np.ones_like(ring)
+        share = polygon / polygon.min() if one else np.ones_like(polygon)
         number = np.rint(np.asarray(self.number, dtype=np.float64) * share)
         half = np.pi / number  # of the angle of an edge
         cosine, sine = unit_vectors(half).T
-        spacing = 2.0 * ring * (half if self.smooth else sine)
+        spacing = 2.0 * polygon * (half if self.smooth else sine)
         widest, closest = int(spacing.argmax()), int(spacing.argmin())
         if spacing[widest] >= 4.0 * self.radius and not self.smooth:  # edges have no gaps
-            enough = np.floor(_beads_at(4.0 * self.radius, ring)) + 1.0
+            enough = np.floor(_beads_at(4.0 * self.radius, polygon)) + 1.0
             # `number` is that of the smallest species: number * share must round to enough
             least = (np.floor((enough - 0.5) / share) + 1.0).max() if one else enough[widest]
             raise ParameterError(
@@ -117,46 +117,46 @@ class Beads:
                 f"{'number = ' if one else ''}{least:g} or more"
             )
         if spacing[closest] < _LEAST_SPACING * self.radius:
-            room = np.floor(_beads_at(_LEAST_SPACING * self.radius, ring))
+            room = np.floor(_beads_at(_LEAST_SPACING * self.radius, polygon))
             most = (np.ceil((room + 0.5) / share) - 1.0).min() if one else room[closest]
             raise ParameterError(
                 f"{number[closest]:g} beads of radius {self.radius:g} are too many for a particle "
                 f"of radius {radii[closest]:g}, LAMMPS cannot list so many neighbors: take "
                 f"{'number = ' if one else ''}{most:g} or fewer"
             )
-        rough = ring + 0.5 * np.sqrt(np.maximum(4.0 * self.radius**2 - 0.25 * spacing**2, 0.0))
+        rough = polygon + 0.5 * np.sqrt(np.maximum(4.0 * self.radius**2 - 0.25 * spacing**2, 0.0))
         effective_radius = radii.astype(np.float64) if self.smooth else rough
-        return Rings(
+        return Polygons(
             number=number.astype(np.int64),
             radius=0.5 * spacing / sine,
             spacing=spacing,
             area=0.25 * number * spacing**2 * cosine / sine,
             effective_radius=effective_radius,
-            skin=effective_radius - ring,
+            skin=effective_radius - polygon,
             kL=np.array(per_species(self.kL, len(radii))),
             kA=np.array(per_species(self.kA, len(radii))),
         )
 
 
-def _beads_at(spacing: float, ring: NDArray[np.float64]) -> NDArray[np.float64]:
+def _beads_at(spacing: float, polygon: NDArray[np.float64]) -> NDArray[np.float64]:
     """Number of beads with this spacing on circles of these radii, pi/arcsin(spacing/2r)."""
-    return np.asarray(np.pi / np.arcsin(np.minimum(0.5 * spacing / ring, 1.0)))
+    return np.asarray(np.pi / np.arcsin(np.minimum(0.5 * spacing / polygon, 1.0)))
 
 
 @dataclass(frozen=True, eq=False)
-class Rings:
-    """Undeformed rings, one for each species; arrays of shape (number of species,).
+class Polygons:
+    """Undeformed polygons, one for each species; arrays of shape (number of species,).
 
     Attributes:
         number: of beads, N_v.
-        radius: of the circle through the beads [length], R - p of rough rings, and
+        radius: of the circle through the beads [length], R - p of bead polygons, and
             L0/(2 sin(pi/N_v)) of smooth ones.
         spacing: rest length of the springs, L0 [length].
         area: rest area, A0 = N_v L0^2/4 cot(pi/N_v) [length^2].
-        effective_radius: of the smooth particle that equals a ring for other rings [length]. It is
-            R of a smooth ring, and R - p + sqrt(4p^2 - L0^2/4)/2 of a rough one, because facing
-            rows of beads interlock. For a smooth wall the radius is R.
-        skin: thickness of the rigid shell around that particle's ring, `effective_radius` minus
+        effective_radius: of the smooth particle that equals a polygon for other polygons [length].
+            It is R of a smooth polygon, and R - p + sqrt(4p^2 - L0^2/4)/2 of a rough one, because
+            facing rows of beads interlock. For a smooth wall the radius is R.
+        skin: thickness of the rigid shell around that particle's polygon, `effective_radius` minus
             R - p [length].
         kL: stiffness of the springs [energy/length^2].
         kA: stiffness of the area [energy/length^4].

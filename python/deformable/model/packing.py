@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import ParameterError
-from ..common.renamed import FormerAttributes, former_arguments
 from ..common.validate import count, finite, numbers, positive, shown, whole
-from . import room
+from ..model import room
 from .lattice import cartesian, fractional
-from .wall_shapes import Wall, as_walls
+from .walls import Wall, as_walls
 
 # Largest packing fraction: far beyond any use, and far below percent.
 _DENSEST = 10.0
@@ -28,7 +27,7 @@ _FARTHEST = 1e6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Packing(FormerAttributes):
+class Packing:
     """Disks in a periodic two-dimensional box, or between walls.
 
     Attributes:
@@ -46,8 +45,6 @@ class Packing(FormerAttributes):
         ParameterError: shapes disagree, a number is not finite, a radius or box length is not
             positive, a species has no radius, or a particle is larger than its species allows.
     """
-
-    _FORMER: ClassVar[dict[str, str]] = {"sizes": "particle_radii"}
 
     positions: NDArray[np.float64]
     species: NDArray[np.int64]
@@ -173,10 +170,6 @@ class Packing(FormerAttributes):
             rng = _generator(seed)
         places = room.random_places(packing.walls, packing.box, len(self), rng)
         return replace(packing, positions=places)
-
-
-# dataclasses write `__init__` themselves: decorate it afterwards
-Packing.__init__ = former_arguments(**Packing._FORMER)(Packing.__init__)  # type: ignore[method-assign]
 
 
 def lattice_vectors(box: ArrayLike) -> NDArray[np.float64]:

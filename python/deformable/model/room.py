@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from .lattice import cartesian
-from .wall_shapes import Circle, Disk, Plane, Wall
+from .walls import Circle, Disk, Plane, Wall
 
 # Components of a unit normal below this are rounding.
 _ROUNDING = 1e-12

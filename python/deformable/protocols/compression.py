@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.progress import progress
+from ..common.steps import Steps
 from ..common.validate import count, expect, finite
 from ..engine.bead_reference import BeadReference
 from ..engine.disks import Disks
@@ -53,14 +54,14 @@ def compress(
         tolerance: of each relaxation; by default that of `sim.relax`.
 
     Yields:
-        The relaxed state after each step.
+        The relaxed state after each step. A step is done when its state is asked for.
 
     Raises:
         ParameterError: a value is out of range.
     """
     expect("sim", sim, Simulation, Disks, BeadReference)
     check_strain_and_steps(strain, steps)
-    return remaining_steps(sim, sim.box, strain, int(steps), 0, tolerance)
+    return Steps("compress", remaining_steps(sim, sim.box, strain, int(steps), 0, tolerance))
 
 
 def check_strain_and_steps(strain: float, steps: int) -> None:

@@ -11,7 +11,6 @@ from tqdm import tqdm
 
 from ..common.errors import ParameterError, StalledWarning, UnjammedWarning
 from ..common.progress import progress
-from ..common.renamed import former_arguments
 from ..common.validate import expect, positive
 from ..engine.disks import Disks, separated
 from ..engine.relaxed_disks import (
@@ -74,7 +73,6 @@ _STALLS = 3
 _SMALLEST_STEP = 1e-10
 
 
-@former_arguments(model="law")
 def jam(
     packing: Packing,
     law: Law | None = None,

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..common.errors import LammpsError, ParameterError
 from ..common.progress import progress
+from ..common.steps import Steps
 from ..common.validate import count, expect, positive, whole, zero_or_more
 from ..engine.lammps import gather, run
 from ..engine.simulation import Simulation
@@ -103,7 +104,7 @@ def move(
         )
     if seed is not None and not 0 < whole("seed", seed) < 2**31:
         raise ParameterError(f"seed must lie between 1 and 2^31 - 1, not {seed}")
-    return _move(sim, steps, timestep, temperature, friction, every, seed)
+    return Steps("move", _move(sim, steps, timestep, temperature, friction, every, seed))
 
 
 def _move(

@@ -63,7 +63,7 @@ def polish(state: S, tolerance: float = 1e-10) -> S:
         best: Any = _newton(sim, sim.state(), tolerance)
     root = getattr(state, "root", True)
     best = replace(best, strain=state.strain)
-    if isinstance(best, State):
+    if isinstance(best, State) and isinstance(state, State):
         best = replace(best, root=root, velocities=state.velocities, time=state.time)
     if best.residual <= tolerance:
         return best  # type: ignore[no-any-return]

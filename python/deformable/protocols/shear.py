@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.progress import progress
+from ..common.steps import Steps
 from ..common.validate import count, expect, finite
 from ..engine.disks import Disks
 from ..engine.lammps import run
@@ -58,15 +59,21 @@ def shear(
         ParameterError: a value is out of range, or the simulation has walls.
     """
     expect("sim", sim, Simulation, Disks)
-    strain, steps = finite("strain", strain), count("steps", steps)
-    if strain == 0.0:
+    check_shear(sim, strain, steps)
+    states = shear_steps(sim, sim.strain or 0.0, float(strain), int(steps), 0, tolerance)
+    return Steps("shear", states)
+
+
+def check_shear(sim: Simulation | Disks, strain: float, steps: int) -> None:
+    """Refuse what `shear` cannot do."""
+    count("steps", steps)
+    if finite("strain", strain) == 0.0:
         raise ParameterError("strain must not be 0: relax the simulation instead")
     if sim.walls:
         raise ParameterError(
             f"walls are not sheared, and this simulation has {len(sim.walls)}, the first a "
             f"{sim.walls[0].kind}: shear needs a periodic box without walls"
         )
-    return shear_steps(sim, sim.strain or 0.0, strain, steps, 0, tolerance)
 
 
 def shear_steps(

@@ -1,3 +1,1 @@
-"""The report: the laws against smooth rings, and the paper's results, measured anew."""
-
-from .writing import write_report as write_report
+"""The report: studies on one page."""

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import html
 import re
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from typing import Any
 
-from .numbers import show
+from ..studies.section import Column, Section, Table
 
 _STYLE = """
 body { font: 16px/1.55 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;
@@ -34,60 +33,6 @@ dl { display: grid; grid-template-columns: max-content 1fr; gap: 0.3rem 1rem; }
 dt { font-weight: bold; }
 dd { margin: 0; }
 """
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A figure of the page: file name, caption, and a description for readers without it."""
-
-    file: str
-    caption: str
-    alt: str
-
-
-@dataclass(frozen=True)
-class Column:
-    """A column of a table.
-
-    Attributes:
-        key: of the values in the rows.
-        head: its title in words.
-        note: meaning, as a tooltip of the title.
-        unit: of the values.
-        text: align to the left.
-        show: a value as text.
-    """
-
-    key: str
-    head: str
-    note: str = ""
-    unit: str = ""
-    text: bool = False
-    show: Callable[[Any], str] = show
-
-
-@dataclass(frozen=True)
-class Table:
-    """Rows with the keys of the columns; a folded one opens on a click on its caption."""
-
-    caption: str
-    columns: Sequence[Column]
-    rows: Sequence[Mapping[str, Any]]
-    folded: bool = False
-
-
-@dataclass(frozen=True)
-class Section:
-    """A part of the page: paragraphs, terms with meanings, figures, tables.
-
-    Text is plain but for `names` between backticks.
-    """
-
-    title: str
-    text: Sequence[str] = ()
-    terms: Mapping[str, str] = field(default_factory=dict)
-    pictures: Sequence[Picture] = ()
-    tables: Sequence[Table] = ()
 
 
 def page(title: str, lead: str, sections: Sequence[Section]) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..model.beads import Beads
-from ..studies.smooth_compressions import smooth_beads
+from ..studies.accuracy.compressions import smooth_beads
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ _MIXTURES = (
 # Packings of 16 that stay rigid to 5 %. Seed 2 loses its rigidity between 2 and 4 % strain.
 _RIGID = (1, 3, 4)
 
-# Small and large rings have perimeters of the ratio 19:27 at rest, so that multiples of 19 give
+# Small and large polygons have perimeters of the ratio 19:27 at rest, so that multiples of 19 give
 # both the same kP at every number of vertices.
 FULL = Plan(
     ablation={},

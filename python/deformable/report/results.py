@@ -15,17 +15,17 @@ from typing import Any
 
 from ..common.parallel import call_once, parallel_map
 from ..common.progress import progress
-from ..studies import paper
+from ..studies.accuracy.compressions import smooth_rows
+from ..studies.accuracy.pareto import pareto_means, pareto_rows
 from ..studies.comparison import Comparison
-from ..studies.crystal import crystal_row
-from ..studies.friction import hysteresis, sliding
-from ..studies.single import Squeezed
-from ..studies.smooth_compressions import smooth_rows
-from .ablation import ablation_rows
-from .packings import mixed_rows, packing_rows
-from .pareto import pareto_means, pareto_rows
+from ..studies.cost import cost_rows
+from ..studies.packings.rows import mixed_rows, packing_rows
+from ..studies.paper import results as paper
+from ..studies.paper.single import Squeezed
+from ..studies.roughness.crystal import crystal_row
+from ..studies.roughness.friction import hysteresis, sliding
+from ..studies.stability.rows import stability_rows
 from .plan import Plan
-from .stability import stability_rows
 
 Rows = list[dict[str, Any]]
 
@@ -69,9 +69,9 @@ def measure(plan: Plan, keep: Path, print_once: Callable[[str], None]) -> Result
     once = partial(call_once, keep)
     over_cores = partial(parallel_map, keep=keep)
     parts: dict[str, Callable[[], Any]] = {
-        "ablation": lambda: once(ablation_rows, **plan.ablation),
+        "ablation": lambda: once(cost_rows, **plan.ablation),
         "large": lambda: once(packing_rows, *plan.large),
-        "smooth": lambda: over_cores(smooth_rows, plan.smooth, description="smooth rings"),
+        "smooth": lambda: over_cores(smooth_rows, plan.smooth, description="smooth polygons"),
         "pareto": lambda: over_cores(pareto_rows, plan.pareto, description="error against time"),
         "friction": lambda: over_cores(sliding, plan.friction, description="friction"),
         "hysteresis": lambda: over_cores(hysteresis, plan.hysteresis, description="hysteresis"),
@@ -93,7 +93,7 @@ def measure(plan: Plan, keep: Path, print_once: Callable[[str], None]) -> Result
 
 
 def _single_row(result: Squeezed) -> dict[str, Any]:
-    """A ring between walls; if they slip, also I of the ring law about the Steiner point."""
+    """A polygon between walls; if they slip, also I of the ring law about the Steiner point."""
     row: dict[str, Any] = paper.single_row(result)
     if not result.walls.stick:
         row["I_ring_kP_inf_steiner"] = paper.steiner_error(result)

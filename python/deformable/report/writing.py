@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -67,7 +68,7 @@ def write_report(
 
     for name, figure in pictures(results).items():
         figure.savefig(folder / name, dpi=150)
-    title = "Contact laws against smooth rings"
+    title = "Contact laws against smooth polygons"
     (folder / "index.html").write_text(page(title, _lead(content), sections(results)))
     (folder / "report.json").write_text(json.dumps(content, indent=1, allow_nan=False) + "\n")
     _discard(parts)
@@ -79,7 +80,7 @@ def _check(folder: str | Path, quick: bool, resume: bool, overwrite: bool) -> tu
     if resume and overwrite:
         raise ParameterError("give one of --resume and --overwrite")
     folder = refuse(folder, but="report")
-    begun = [name for name in (_FULL_PARTS, _QUICK_PARTS) if any(folder.glob(f"{name}/*.pickle"))]
+    begun = [name for name in (_FULL_PARTS, _QUICK_PARTS) if any(folder.glob(f"{name}/*/joblib"))]
     if resume:
         if not begun:
             raise ParameterError(f"nothing to resume: '{folder}' holds no parts of a report")
@@ -113,7 +114,7 @@ def _lead(content: dict[str, Any]) -> str:
 
 def _discard(parts: Path) -> None:
     """Remove the results of calls, and their folder if it is then empty."""
-    for part in parts.glob("*.pickle*"):  # also of a killed write
-        part.unlink()
+    for part in parts.glob("*/joblib"):
+        shutil.rmtree(part.parent)
     if parts.is_dir() and not any(parts.iterdir()):
         parts.rmdir()

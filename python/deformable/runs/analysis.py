@@ -20,35 +20,17 @@ from ..io.outlines import collection
 from ..io.run_folder import SERIES, TRAJECTORY
 from ..io.store import read
 from ..state.state import State
-from .replay import replay
 
 if TYPE_CHECKING:
     from MDAnalysis import Universe
 
 
-def universe(folder: str | Path) -> Universe:
-    """A Universe of MDAnalysis of a recorded run.
-
-        universe = deformable.universe("run")
-        for frame in universe.trajectory:
-            print(frame.time, frame.data["area"].mean())
-
-    Particles and frames are those of `State.to_mdanalysis`. `time` is that of a motion whose states
-    are equally far apart, and the number of the frame in all other runs.
-
-    Args:
-        folder: of `record`, `compress_in` or `deformable compress`.
-
-    Raises:
-        FileError: a file is missing or cannot be read, or the number of particles changes, which
-            MDAnalysis does not know: `replay` does.
-    """
-    expect("folder", folder, str, Path)
+def universe(folder: Path) -> Universe:
+    """A Universe of MDAnalysis of a recorded run, see `Run.universe`."""
     import MDAnalysis
 
     from .plane_reader import PlaneReader
 
-    folder = Path(folder)
     packing, _ = read(folder)
     check_frames(folder)
     if not (folder / TRAJECTORY).exists():
@@ -57,7 +39,7 @@ def universe(folder: str | Path) -> Universe:
     if len(set(counts)) > 1:
         raise FileError(
             f"the run in '{folder}' has {min(counts)} to {max(counts)} particles, but those of a "
-            "Universe of MDAnalysis are always the same: take replay"
+            "Universe of MDAnalysis are always the same: iterate over the Run"
         )
     start, step = _clock(times)
     with warnings.catch_warnings():
@@ -99,43 +81,34 @@ def _clock(times: NDArray[np.float64]) -> tuple[float, float]:
     return 0.0, 1.0
 
 
-def series(folder: str | Path) -> Any:
-    """The series of a recorded run as a DataFrame of pandas, with the frames as index.
-
-    Args:
-        folder: of `record`, `compress_in` or `deformable compress`.
-
-    Raises:
-        FileError: it has no series.
-        ImportError: pandas is missing (`pip install 'lammps-deformable[pandas]'`).
-    """
-    expect("folder", folder, str, Path)
+def series(folder: Path) -> Any:
+    """The series of a recorded run as a DataFrame of pandas, see `Run.series`."""
     pandas = optional("pandas", "pandas")
-    path = Path(folder, SERIES)
+    path = folder / SERIES
     if not path.exists():
         raise FileError(f"no recorded run in '{folder}': {path} is missing")
     return pandas.read_csv(path, index_col="frame")
 
 
-def export(states: str | Path | Iterable[State], path: str | Path) -> None:
+def export(states: Iterable[State], path: str | Path) -> None:
     """Write the outlines of several states for ParaView and OVITO, see `State.export`.
 
     Args:
-        states: the folder of a recorded run, or states, e.g. from `compress` or `move`.
+        states: e.g. from `compress`, or a `Run`.
         path: `NAME.pvd`, which lists the files NAME_0000.vtp, NAME_0001.vtp, ... beside it, with
             the times of a motion, or with their numbers.
 
     Raises:
         ParameterError: the suffix is another, or there are no states.
-        FileError: the folder cannot be read.
+        FileError: a file cannot be written.
     """
-    expect("states", states, str, Path, Iterable)
+    expect("states", states, Iterable)
     expect("path", path, str, Path)
     path = Path(path)
     if path.suffix != ".pvd":
         raise ParameterError(f"a series of outlines is a .pvd, not '{path}'")
     names, times = [], []
-    for number, state in enumerate(replay(states) if isinstance(states, (str, Path)) else states):
+    for number, state in enumerate(states):
         expect("a state that is exported", state, State)
         names.append(f"{path.stem}_{number:04d}.vtp")
         times.append(state.time)

@@ -10,7 +10,6 @@ from ..common.files import writing
 from ..common.progress import progress
 from ..common.validate import expect, shown, whole
 from ..state.state import State
-from .replay import replay
 
 # Pictures have 461 x 403 dots, so that a few dozen take less than a megabyte.
 _DOTS_PER_INCH = 72
@@ -23,7 +22,7 @@ _WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
 
 
 def movie(
-    states: str | Path | Iterable[State],
+    states: Iterable[State],
     path: str | Path,
     color_by: str = "particle_pressure",
     contacts: bool = False,
@@ -33,7 +32,7 @@ def movie(
     """Draw states as a movie, all with the same scale of colors and forces.
 
     Args:
-        states: the folder of a recorded run, or states, e.g. from `compress` or `move`.
+        states: e.g. from `compress`, or a `Run`.
         path: of the movie, .gif, or .mp4 if ffmpeg is installed.
         color_by: see `State.plot`.
         contacts: see `State.plot`.
@@ -43,13 +42,13 @@ def movie(
     Raises:
         ParameterError: the format is another, ffmpeg is missing, or there are no states or no such
             attribute.
-        FileError: the folder cannot be read, or the movie cannot be written.
+        FileError: the movie cannot be written.
         ImportError: matplotlib is missing.
     """
     if not 1 <= whole("rate", rate) <= _FASTEST:
         raise ParameterError(f"rate must lie between 1 and {_FASTEST}, not {shown(rate)}")
     expect("path", path, str, Path)
-    expect("states", states, Path, Iterable)
+    expect("states", states, Iterable)
     name = _WRITERS.get(Path(path).suffix)
     if name is None:
         raise ParameterError(f"a movie is a .gif or an .mp4, not '{path}'")
@@ -62,7 +61,7 @@ def movie(
         raise ParameterError(f"'{path}' needs the program ffmpeg: install it, or write a .gif")
     from ..state.plot import scale
 
-    frames = list(replay(states) if isinstance(states, (str, Path)) else states)
+    frames = list(states)
     if not frames:
         raise ParameterError("a movie needs at least one state")
     for state in frames:

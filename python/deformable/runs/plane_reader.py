@@ -37,6 +37,5 @@ class PlaneReader(DumpReader):  # type: ignore[misc]
         frame = super()._read_next_timestep()
         frame.dimensions = box_in_space(frame.triclinic_dimensions[:2, :2].astype(np.float64))
         frame.positions[:, 2] = 0.0
-        if "vx" in frame.data:  # runs of version 0.1 lack velocities
-            frame.velocities = in_space(np.column_stack([frame.data["vx"], frame.data["vy"]]))
+        frame.velocities = in_space(np.column_stack([frame.data["vx"], frame.data["vy"]]))
         return frame

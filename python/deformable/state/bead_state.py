@@ -1,4 +1,4 @@
-"""A state of rings of beads: a snapshot, which later steps do not change."""
+"""A state of bead polygons: a snapshot, which later steps do not change."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core import angles
-from ..model.beads import Beads, Rings
+from ..model.beads import Beads, Polygons
 from ..model.packing import Packing
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RingContacts:
-    """Pairs of rings in contact, each pair once.
+class PolygonContacts:
+    """Pairs of polygons in contact, each pair once.
 
     Attributes:
-        i: number of a ring, shape (M,).
-        j: number of the other ring, larger than i, shape (M,).
+        i: number of a polygon, shape (M,).
+        j: number of the other polygon, larger than i, shape (M,).
         image: periodic image of j in the contact, in lattice vectors, shape (M, 2).
         force: on i, shape (M, 2) [energy/length].
     """
@@ -35,12 +35,13 @@ def sum_contacts(
     pairs: NDArray[np.int64],
     overlaps: NDArray[np.float64],
     box: NDArray[np.float64],
-) -> RingContacts:
-    """Sum the forces of touching beads, or of vertices and edges, by pairs of rings.
+) -> PolygonContacts:
+    """Sum the forces of touching beads, or of vertices and edges, by pairs of polygons.
 
     Args:
-        beads: positions in all rings, each ring unwrapped, shape (number of beads, 2) [length].
-        first: the beads of ring m are first[m] to first[m + 1] - 1, shape (N + 1,).
+        beads: positions in all polygons, each polygon unwrapped, shape (number of beads, 2)
+            [length].
+        first: the beads of polygon m are first[m] to first[m + 1] - 1, shape (N + 1,).
         pairs: numbers, from 0, of two beads that overlap, or of a vertex and the first vertex of
             an edge, shape (K, 2).
         overlaps: vector from the second to the first bead and force on the first, shape (K, 4).
@@ -50,12 +51,12 @@ def sum_contacts(
     # an exact integer, equal for all beads of a contact in spite of rounding
     image = np.rint((beads[a] - overlaps[:, :2] - beads[b]) @ np.linalg.inv(box)).astype(np.int64)
     i, j = (np.searchsorted(first, bead, side="right") - 1 for bead in (a, b))
-    sign = np.where(i > j, -1, 1)[:, None]  # each pair of rings once, from its lower number
+    sign = np.where(i > j, -1, 1)[:, None]  # each pair of polygons once, from its lower number
     sides = np.column_stack([np.minimum(i, j), np.maximum(i, j), sign * image])
     contacts, which = np.unique(sides, axis=0, return_inverse=True)
     force = np.zeros((len(contacts), 2))
     np.add.at(force, which.ravel(), sign * overlaps[:, 2:])
-    return RingContacts(i=contacts[:, 0], j=contacts[:, 1], image=contacts[:, 2:], force=force)
+    return PolygonContacts(i=contacts[:, 0], j=contacts[:, 1], image=contacts[:, 2:], force=force)
 
 
 def steiner_point(outline: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -75,31 +76,31 @@ def steiner_point(outline: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BeadState:
-    """A snapshot, the same on every rank. Rings are numbered from 0.
+    """A snapshot, the same on every rank. Polygons are numbered from 0.
 
     Attributes:
-        packing: centers, species, radii and box. The center of a rough ring is the mean of its
+        packing: centers, species, radii and box. The center of a bead polygon is the mean of its
             beads; that of a smooth one its Steiner point, which is the center in the ring laws.
         beads: the settings.
-        rings: the undeformed rings.
-        outlines: beads of each ring, unwrapped around its center, arrays (N_v, 2) [length].
+        polygons: the undeformed polygons.
+        outlines: beads of each polygon, unwrapped around its center, arrays (N_v, 2) [length].
         area: of the polygons, shape (N,) [length^2].
         perimeter: of the polygons, shape (N,) [length].
-        contacts: pairs of rings in contact, with their forces.
-        energy: of all rings [energy].
+        contact_table: pairs of polygons in contact, with their forces.
+        energy: of all polygons [energy].
         stress: pressure tensor, compression positive, shape (2, 2) [energy/length^2].
         residual: largest force on a bead over the force on a bead in a contact, which is the mean
-            of kA max(A0 - A, 0) L0 over the rings; 0 if forces are only rounding.
+            of kA max(A0 - A, 0) L0 over the polygons; 0 if forces are only rounding.
         stalled: the relaxation stopped before the tolerance.
     """
 
     packing: Packing
     beads: Beads
-    rings: Rings
+    polygons: Polygons
     outlines: list[NDArray[np.float64]]
     area: NDArray[np.float64]
     perimeter: NDArray[np.float64]
-    contacts: RingContacts
+    contact_table: PolygonContacts
     energy: float
     stress: NDArray[np.float64]
     residual: float
@@ -107,7 +108,7 @@ class BeadState:
 
     def __repr__(self) -> str:
         return (
-            f"<BeadState: {len(self.packing)} rings, phi = {self.phi:.4f}, "
+            f"<BeadState: {len(self.packing)} polygons, phi = {self.phi:.4f}, "
             f"pressure = {self.pressure:.3g}, z = {self.coordination:.2f}>"
         )
 
@@ -123,10 +124,10 @@ class BeadState:
 
     @property
     def area_deficit(self) -> NDArray[np.float64]:
-        """S = A0 - A of each ring, shape (N,) [length^2]."""
-        return self.rings.area[self.packing.species] - self.area
+        """S = A0 - A of each polygon, shape (N,) [length^2]."""
+        return self.polygons.area[self.packing.species] - self.area
 
     @property
     def coordination(self) -> float:
-        """Mean number of contacts of a ring, rattlers included."""
-        return 2.0 * len(self.contacts.i) / len(self.packing)
+        """Mean number of contacts of a polygon, rattlers included."""
+        return 2.0 * len(self.contact_table.i) / len(self.packing)

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from functools import cached_property
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.renamed import FormerAttributes
 from ..model.laws import Law
 from ..model.packing import Packing
 from ..model.room import free_motions
@@ -33,18 +31,12 @@ def without_rattlers(i: NDArray[np.int64], j: NDArray[np.int64], number: int) ->
         remaining = kept
 
 
-class ContactNetwork(FormerAttributes, ABC):
+class ContactNetwork(ABC):
     """Numbers of a state's contacts after rattlers are removed one after another.
 
     A rattler is a particle with fewer than three active contacts with other particles that are no
     rattlers, or with walls.
     """
-
-    _FORMER: ClassVar[dict[str, str]] = {
-        "model": "law",
-        "bearing_contacts": "network_contacts",
-        "contacts_seen": "particle_contacts",
-    }
 
     packing: Packing
     law: Law | None

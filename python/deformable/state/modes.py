@@ -133,7 +133,7 @@ class Modes:
         vector = self._vectors[number]
         length = positive("arrow", arrow) * float(self.packing.radius.mean())
         optional("matplotlib", "plot")
-        from . import plot
+        from ..state import plot
 
         size = np.hypot(*vector.T)
         part, nothing = size / size.max(), [np.empty(0, COLUMNS)] * len(size)

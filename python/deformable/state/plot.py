@@ -14,7 +14,7 @@ from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
-from ..common.validate import expect, numbers, shown
+from ..common.validate import expect, finite, shown
 from ..model.packing import Packing
 from ..model.room import closed, container, obstacles
 from .contact_table import ContactTable
@@ -73,20 +73,19 @@ def scale(
     return Scale(low, high, force or 1.0, widest)
 
 
-def limited(on: Scale, limits: tuple[float, float] | None) -> Scale:
-    """A scale with other values of the first and last color, if these are given.
+def limited(on: Scale, vmin: float | None, vmax: float | None) -> Scale:
+    """A scale with other values of the first and last color, where these are given.
 
     Raises:
-        ParameterError: they are no two numbers, the first below the second.
+        ParameterError: they are no numbers, or the first is not below the second.
     """
-    if limits is None:
+    if vmin is None and vmax is None:
         return on
-    ends = numbers("limits", limits)
-    if ends.shape != (2,) or not ends[0] < ends[1]:
-        raise ParameterError(
-            f"limits must be two numbers, the first below the second, not {shown(limits)}"
-        )
-    return replace(on, low=float(ends[0]), high=float(ends[1]))
+    low = on.low if vmin is None else finite("vmin", vmin)
+    high = on.high if vmax is None else finite("vmax", vmax)
+    if not low < high:
+        raise ParameterError(f"vmin must be below vmax, not {low:g} and {high:g}")
+    return replace(on, low=low, high=high)
 
 
 def draw(
@@ -100,7 +99,7 @@ def draw(
     ax: Axes | None = None,
     flat: bool = False,
     forces: bool = False,
-    colormap: str = "YlGnBu",
+    cmap: str = "YlGnBu",
     colorbar: bool = True,
 ) -> Axes:
     """Draw outlines and walls with all periodic images that reach into the box.
@@ -116,14 +115,14 @@ def draw(
         ax: axes to draw into; a new figure without.
         flat: draw the contacts, the straight parts of either outline, on top.
         forces: draw the force chains on top.
-        colormap: name of one of matplotlib's.
+        cmap: name of one of matplotlib's color maps.
         colorbar: draw a bar of the colors beside the axes.
 
     Raises:
         ParameterError: there is no such color map.
     """
-    if not (isinstance(colormap, str) and colormap in colormaps):
-        raise ParameterError(f"colormap must be one of matplotlib's, not {shown(colormap)}")
+    if not (isinstance(cmap, str) and cmap in colormaps):
+        raise ParameterError(f"cmap must be one of matplotlib's color maps, not {shown(cmap)}")
     if ax is None:
         _, ax = plt.subplots(figsize=(6.4, 5.6), layout="constrained")
     expect("ax", ax, Axes)
@@ -158,7 +157,7 @@ def draw(
                     halves += [np.array([center, end]) - shift for end in table["position"]]
                     widths += (on.widest * table["force"] / on.force).tolist()
     particles = PolyCollection(
-        images, array=np.array(colors), cmap=colormap, edgecolors="0.2", linewidths=0.6
+        images, array=np.array(colors), cmap=cmap, edgecolors="0.2", linewidths=0.6
     )
     one_value = on.high == on.low
     particles.set_clim(on.low, on.low + 1.0 if one_value else on.high)

@@ -197,8 +197,9 @@ class State(ContactNetwork, RingResponse, Exports):
         contacts: bool = False,
         forces: bool = False,
         scale: Scale | None = None,
-        colormap: str = "YlGnBu",
-        limits: tuple[float, float] | None = None,
+        cmap: str = "YlGnBu",
+        vmin: float | None = None,
+        vmax: float | None = None,
         title: str | None = None,
         colorbar: bool = True,
     ) -> Axes:
@@ -212,21 +213,23 @@ class State(ContactNetwork, RingResponse, Exports):
             forces: draw the force chains: lines between centers, with widths proportional to the
                 forces.
             scale: of colors and forces, to use one for several pictures, see `plot.scale`.
-            colormap: name of one of matplotlib's color maps.
-            limits: values of the first and the last color; those of `scale` if not given.
+            cmap: name of one of matplotlib's color maps.
+            vmin: value of the first color; that of `scale` if not given.
+            vmax: value of the last color; that of `scale` if not given.
             title: of the picture; phi and pressure if not given.
             colorbar: draw a bar of the colors. One bar of several pictures is
                 `figure.colorbar(axes.collections[0], ax=all_axes)`.
 
         Raises:
             ParameterError: `color_by` is no such attribute, there is no such color map, or the
-                limits do not increase.
+                `vmin` is not below `vmax`.
             ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
         """
         optional("matplotlib", "plot")
-        from . import plot
+        from ..state import plot
 
         values, forces_here = self.values(color_by), self.contact_table["force"]
+        on = plot.scale([values], [forces_here], color_by) if scale is None else scale
         return plot.draw(
             self.packing,
             self.outlines,
@@ -234,13 +237,11 @@ class State(ContactNetwork, RingResponse, Exports):
             values,
             color_by,
             f"$\\phi$ = {self.phi:.4f},  $p$ = {self.pressure:.3g}" if title is None else title,
-            plot.limited(
-                plot.scale([values], [forces_here], color_by) if scale is None else scale, limits
-            ),
+            plot.limited(on, vmin, vmax),
             ax,
             contacts,
             forces,
-            colormap,
+            cmap,
             colorbar,
         )
 
@@ -268,7 +269,7 @@ class State(ContactNetwork, RingResponse, Exports):
         parameters: Mapping[str, Any] | None = None,
         frames: int | None = None,
     ) -> None:
-        """Write the state for `deformable.load`, and for LAMMPS with the script `in.lammps`.
+        """Write the state for `deformable.Run`, and for LAMMPS with the script `in.lammps`.
 
         Args:
             folder: made if missing; an older state there is replaced.

@@ -1,1 +1,1 @@
-"""Comparisons with rings of beads, the results of the paper, ensembles of jammed packings."""
+"""Studies: each measures and draws one thing, and says what it shows."""

@@ -1,4 +1,4 @@
-"""A contact law at the centers of bead rings, and its errors."""
+"""A contact law at the centers of bead polygons, and its errors."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
-from ..common.renamed import former_arguments
 from ..common.validate import expect
 from ..core import norm
 from ..engine.simulation import Simulation
@@ -25,11 +24,11 @@ _POINTS = 1440
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """A contact law against bead rings with the same centers.
+    """A contact law against bead polygons with the same centers.
 
     Attributes:
-        beads: the bead rings.
-        state: the law's particles, with the effective radii of the rings; not relaxed.
+        beads: the bead polygons.
+        state: the law's particles, with the effective radii of the polygons; not relaxed.
         shape_error: I of each particle, see `shape_error`, shape (N,).
     """
 
@@ -60,33 +59,31 @@ def _over(ours: float, exact: float) -> float:
     return ours / exact if exact else math.inf
 
 
-@former_arguments(model="law")
 def predict(beads: BeadState, law: Law, comm: MPI.Comm | None = None) -> State:
-    """The state of a contact law for particles at the centers of bead rings, not relaxed.
+    """The state of a contact law for particles at the centers of bead polygons, not relaxed.
 
-    Their radii are the effective ones of the rings, `Rings.effective_radius`.
+    Their radii are the effective ones of the polygons, `Polygons.effective_radius`.
 
     Raises:
         ParameterError: an argument is of another kind.
         LammpsError: see `Simulation.relax`.
     """
     expect("beads", beads, BeadState)
-    packing = replace(beads.packing, radii=beads.rings.effective_radius)
+    packing = replace(beads.packing, radii=beads.polygons.effective_radius)
     with Simulation(packing, law, comm) as sim:
         return sim.state()
 
 
-@former_arguments(model="law")
 def compare(beads: BeadState, law: Law, comm: MPI.Comm | None = None) -> Comparison:
-    """Compare a contact law with bead rings at the same centers."""
+    """Compare a contact law with bead polygons at the same centers."""
     state = predict(beads, law, comm)
     return Comparison(beads, state, shape_errors(beads, state))
 
 
-def ring_outlines(beads: BeadState, state: State) -> list[NDArray[np.float64]]:
+def polygon_outlines(beads: BeadState, state: State) -> list[NDArray[np.float64]]:
     """Lines of bead centers in a law, about each particle's own center, arrays (m, 2) [length]."""
-    rings = beads.rings.radius[beads.packing.species]
-    return state.parallels(state.packing.radius - rings, _POINTS)
+    polygons = beads.polygons.radius[beads.packing.species]
+    return state.parallels(state.packing.radius - polygons, _POINTS)
 
 
 def shape_errors(beads: BeadState, state: State) -> NDArray[np.float64]:
@@ -96,17 +93,17 @@ def shape_errors(beads: BeadState, state: State) -> NDArray[np.float64]:
         ParameterError: an outline folds: the particle is beyond the model.
     """
     errors = np.zeros(len(beads.packing))
-    for n, (ring, center, outline, radius) in enumerate(
+    for n, (polygon, center, outline, radius) in enumerate(
         zip(
             beads.outlines,
             beads.packing.positions,
-            ring_outlines(beads, state),
+            polygon_outlines(beads, state),
             beads.packing.radius,
             strict=True,
         )
     ):
         try:
-            errors[n] = shape_error(ring - center, outline, radius)
+            errors[n] = shape_error(polygon - center, outline, radius)
         except ParameterError:
             raise ParameterError(
                 f"the outline of particle {n} folds in the {state.law.name} law, which does not "

@@ -1,6 +1,6 @@
 """One color, marker and line for each contact law in all figures, in the order of the legends.
 
-`BEADS` is the style of rough rings, `SMOOTH` that of smooth ones.
+`BEADS` is the style of bead polygons, `SMOOTH` that of smooth ones.
 """
 
 from __future__ import annotations
@@ -33,3 +33,12 @@ STYLES = {
 # Between walls there is no choice of contact lines: one style for the ring law.
 STYLES["ring, kP inf"] = STYLES["radical, kP inf"]
 STYLES["ring"] = STYLES["radical"]
+
+# Polygons by kind.
+POLYGONS = {"smooth": SMOOTH, "rough": BEADS}
+POLYGON_NAMES = {"smooth": "smooth polygons", "rough": "bead polygons"}
+
+
+def legend_below(figure: Any, ax: Any) -> None:
+    """Name the lines of these axes below the whole figure."""
+    figure.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=4)

@@ -1,4 +1,4 @@
-"""The contact laws that stand for rings of beads, and how far two packings are from each other."""
+"""The contact laws that stand for bead polygons, and how far two packings are from each other."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.beads import Beads, Rings
+from ..model.beads import Beads, Polygons
 from ..model.lattice import cartesian, fractional
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing
@@ -21,23 +21,23 @@ from ..state.state import State
 _UNJAMMED = 1e-6
 
 
-def matching_laws(beads: Beads, rings: Rings, rigid: Sequence[bool] = ()) -> dict[str, Law]:
-    """The contact laws for rings of such beads, by name.
+def matching_laws(beads: Beads, polygons: Polygons, rigid: Sequence[bool] = ()) -> dict[str, Law]:
+    """The contact laws for polygons of such beads, by name.
 
-    `radical`, `balanced` and `tilted` have the rings' own stiffness kP = kL/N_v, and their beads
+    `radical`, `balanced` and `tilted` have the polygons' own stiffness kP = kL/N_v, and their beads
     as a rigid skin. `radical, kP inf` conserves perimeters, as the paper does. `sector`, which has
     a single kA, is left out if the kA of the species differ.
 
     Args:
-        beads: of the rings.
-        rings: the undeformed ones.
-        rigid: species whose rings stand for inextensible ones. If there are any,
+        beads: of the polygons.
+        polygons: the undeformed ones.
+        rigid: species whose polygons stand for inextensible ones. If there are any,
             `balanced, kP inf` has kP = inf for them.
     """
-    kA, kP, skin = beads.kA, rings.kP.tolist(), rings.skin.tolist()
+    kA, kP, skin = beads.kA, polygons.kP.tolist(), polygons.skin.tolist()
     found: dict[str, Law] = {}
-    if len(set(rings.kA)) == 1:
-        found["sector"] = Sector(rings.kA[0])
+    if len(set(polygons.kA)) == 1:
+        found["sector"] = Sector(polygons.kA[0])
     found |= {
         "radical, kP inf": Ring(kA, contact="radical"),
         "radical": Ring(kA, kP=kP, skin=skin, contact="radical"),
@@ -51,20 +51,20 @@ def matching_laws(beads: Beads, rings: Rings, rigid: Sequence[bool] = ()) -> dic
 
 
 def matching(packing: Packing, beads: Beads) -> Packing:
-    """The packing with other radii, such that the rings have its own radii as effective ones."""
+    """The packing with other radii, such that the polygons have its own radii as effective ones."""
     radii = packing.radii
     for _ in range(10):  # the roughness hardly depends on the radius: each step gains two digits
-        radii = radii + packing.radii - beads.rings(radii).effective_radius
+        radii = radii + packing.radii - beads.polygons(radii).effective_radius
     return replace(packing, radii=radii)
 
 
 def is_unjammed(own: State | BeadState, exact: BeadState) -> bool:
-    """Whether a packing has lost its rigidity: it has less than 1e-6 of the rings' pressure."""
+    """Whether a packing has lost its rigidity: it has less than 1e-6 of the polygons' pressure."""
     return own.pressure <= _UNJAMMED * exact.pressure
 
 
 def finite_ratio(ratio: float) -> float | None:
-    """None for a ratio to rings without load: JSON has no infinity."""
+    """None for a ratio to polygons without load: JSON has no infinity."""
     return ratio if math.isfinite(ratio) else None
 
 
@@ -82,7 +82,7 @@ def _held(state: State | BeadState) -> NDArray[np.bool_]:
     """Particles that are no rattlers."""
     if isinstance(state, State):
         return ~state.rattlers
-    i, j = state.contacts.i, state.contacts.j
+    i, j = state.contact_table.i, state.contact_table.j
     i, j = np.concatenate([i, j]), np.concatenate([j, i])
     count = len(state.packing)
     return np.bincount(i[without_rattlers(i, j, count)], minlength=count) > 0

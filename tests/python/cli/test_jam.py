@@ -7,8 +7,8 @@ from pathlib import Path
 import deformable
 import pytest
 from deformable.cli import main as cli
-from deformable.studies.ensemble import measure
-from deformable.studies.ensemble_tables import read_table
+from deformable.studies.ensemble.packings import measure
+from deformable.studies.ensemble.tables import read_table
 
 
 def jam(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
@@ -28,11 +28,7 @@ def test_command_keeps_what_it_has(
     assert "disk, N = 8: phi_J = 0." in capsys.readouterr().out
     assert jam(monkeypatch, "10", *ask, "--law", "disk") == 0
     assert (tmp_path / "run" / "table.csv").read_text() == first  # with the seconds
-    assert jam(monkeypatch, *ask, "--law", "ring") == 0
-    lines = capsys.readouterr().err.splitlines()
-    (warning,) = [line for line in lines if line.startswith("warning:")]
-    assert "'ring'" in warning
-    assert "'balanced'" in warning
+    assert jam(monkeypatch, *ask, "--law", "balanced") == 0
     table = (tmp_path / "run" / "table.csv").read_text().splitlines()
     assert set(first.splitlines()) < set(table)
     rows = list(csv.DictReader(table))
@@ -50,7 +46,9 @@ def test_command_keeps_what_is_done_when_it_fails(
 ) -> None:
     monkeypatch.chdir(tmp_path)
 
-    def fails_at_three(law: str, pressure: float, number: int, seed: int, values: object) -> object:
+    def fails_at_three(
+        law: str, pressure: float, number: int, seed: int, *others: object
+    ) -> object:
         if seed == 3:
             raise deformable.LammpsError("out of luck")
         return measure(law, pressure, number, seed)
@@ -79,7 +77,7 @@ def test_command_follows_packings_upwards(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = str(tmp_path / "run")
-    ask = ("8", "--seeds", "1", "--law", "disk", "--workers", "1", "--out", out)
+    ask = ("8", "--seeds", "1", "--pressure", "1e-7", "--workers", "1", "--out", out)
     assert jam(monkeypatch, *ask) == 0
     assert jam(monkeypatch, *ask, "--excess-phi", "0.01") == 0
     out, err = capsys.readouterr()
@@ -101,7 +99,7 @@ def test_command_follows_packings_upwards(
         (["8", "--seeds", "0"], ["seeds", "0"]),
         (["8", "--pressure", "-1"], ["pressure", "-1.0"]),
         (["8", "--excess-phi", "-1"], ["excess-phi", "-1.0"]),
-        (["8", "--excess-phi", "0.01"], ["1e-07", "balanced", "6e-14"]),
+        (["8", "--excess-phi", "0.01", "--law", "balanced"], ["1e-06", "balanced", "6e-14"]),
         (["8", "--workers", "0"], ["workers", "0"]),
     ],
 )
@@ -117,3 +115,20 @@ def test_bad_input_is_one_line(
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("error: ")
     assert [word for word in words if word not in line] == []
+
+
+def test_packings_are_saved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also those that are in the table already."""
+    monkeypatch.chdir(tmp_path)
+    ask = ("8", "--law", "radical", "--seeds", "2", "--workers", "1", "--out", "run")
+    assert jam(monkeypatch, *ask) == 0
+    assert not (tmp_path / "run" / "packings").exists()
+    assert jam(monkeypatch, *ask, "--save") == 0
+    rows = read_table(tmp_path / "run" / "table.csv")
+    folders = sorted((tmp_path / "run" / "packings").iterdir())
+    assert [folder.name for folder in folders] == ["radical_1e-06_8_1", "radical_1e-06_8_2"]
+    for row, folder in zip(rows, folders, strict=True):
+        with deformable.Run(folder).simulation() as sim:
+            assert sim.state().phi == pytest.approx(row["phi"], rel=1e-12)
+    assert jam(monkeypatch, "8", "--save", "--out", "disks") == 2
+    assert not (tmp_path / "disks").exists()

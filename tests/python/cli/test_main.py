@@ -13,7 +13,7 @@ import pytest
 import ranks
 from deformable import core
 from deformable.cli import main as cli
-from deformable.report import packings
+from deformable.studies.packings import rows as packings
 
 COMMAND = str(Path(sys.executable).parent / "deformable")
 
@@ -41,7 +41,7 @@ def test_compress_writes_everything_and_goes_further(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     assert (out / "packing.png").stat().st_size > 10_000
 
-    result = run("compress", "--further", "--out", "run", "--steps", "1", cwd=tmp_path)
+    result = run("compress", "--append", "--out", "run", "--steps", "1", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     with (out / "series.csv").open() as file:
         phi = [float(row["phi"]) for row in csv.DictReader(file)]
@@ -51,17 +51,15 @@ def test_compress_writes_everything_and_goes_further(tmp_path: Path) -> None:
     assert parameters["before"]["seed"] == 3
 
 
-@pytest.mark.parametrize("name", ["balanced", "radical", "ring"])
+@pytest.mark.parametrize("name", ["balanced", "radical"])
 def test_ring_laws(name: str, tmp_path: Path) -> None:
-    """With `ring` as the former name of balanced."""
     result = run("compress", *SMALL, "--law", name, "--kP", "5", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    expected = name.replace("ring", "balanced")
-    with deformable.load(tmp_path / "compress") as sim:
-        assert sim.law == deformable.Ring(kP=5.0, contact=expected)
+    with deformable.Run(tmp_path / "compress").simulation() as sim:
+        assert sim.law == deformable.Ring(kP=5.0, contact=name)
     summary = json.loads((tmp_path / "compress" / "summary.json").read_text())
-    assert summary["parameters"]["law"] == expected
-    assert ("warning" in result.stderr, result.stderr.count("\n")) == (name == "ring",) * 2
+    assert summary["parameters"]["law"] == name
+    assert result.stderr == ""
 
 
 def test_sector_warns_on_one_line(tmp_path: Path) -> None:
@@ -87,8 +85,8 @@ def test_sector_warns_on_one_line(tmp_path: Path) -> None:
         (["--law", "sector", "--kP", "1"], ["sector", "kP = 1"]),
         (["--law", "sector", "--reach", "0.2"], ["--reach", "sector"]),
         (["--resume", "--out", "nowhere"], ["'nowhere'"]),
-        (["--further", "--out", "nowhere"], ["'nowhere'"]),
-        (["--resume", "--further"], ["--resume", "--further", "--overwrite"]),
+        (["--append", "--out", "nowhere"], ["'nowhere'"]),
+        (["--resume", "--append"], ["--resume", "--append", "--overwrite"]),
         (["--tolerance", "0"], ["tolerance", "0.0"]),
         (["--tolerance", "2"], ["tolerance", "0.01", "2.0"]),
         (["--aspect", "1000"], ["aspect", "3.95", "1000"]),
@@ -130,22 +128,22 @@ def table(output: str) -> dict[str, list[str]]:
     """The rows of `compare` by name, which may contain spaces."""
     lines = output.splitlines()
     head = next(n for n, line in enumerate(lines) if line.startswith("law "))
-    notes = ("no law", "rings have")
+    notes = ("no law", "polygons have")
     rows = [line for line in lines[head + 1 :] if not line.startswith(notes)]
     width = lines[head].index("I") - 8  # a column of nine digits
     return {line[:width].strip(): line[width:].split(maxsplit=5) for line in rows}
 
 
-@pytest.mark.parametrize("kind", ["smooth", "rough"])
+@pytest.mark.parametrize("kind", ["smooth", "bead"])
 def test_compare_has_a_row_a_law(kind: str, tmp_path: Path) -> None:
     options = ("--number", "8", "--beads", "20", "--strain", "0.03")
-    rough = ("--rough",) if kind == "rough" else ()
+    rough = ("--rough",) if kind == "bead" else ()
     result = run("compare", *options, *rough, cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    assert result.stdout.startswith(f"8 {kind} rings, 20 beads on a small one, 3 % strain")
+    assert result.stdout.startswith(f"8 {kind} polygons, 20 beads on a small one, 3 % strain")
     rows = table(result.stdout)
-    assert {"rings", "disk", "sector", "balanced"} < rows.keys()
-    assert rows.pop("rings")[0] == "-"
+    assert {"polygons", "disk", "sector", "balanced"} < rows.keys()
+    assert rows.pop("polygons")[0] == "-"
     assert rows.pop("disk")[2] == "-"
     for row in rows.values():
         assert 0.0 < float(row[0]) < 0.02
@@ -154,11 +152,11 @@ def test_compare_has_a_row_a_law(kind: str, tmp_path: Path) -> None:
     assert "interlock" not in result.stdout
 
 
-def test_compare_warns_that_rings_interlock(tmp_path: Path) -> None:
+def test_compare_warns_that_polygons_interlock(tmp_path: Path) -> None:
     options = ("--number", "8", "--beads", "20", "--strain", "1e-7")
     result = run("compare", *options, "--rough", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    assert "the rings interlock" in result.stdout.splitlines()[-1]
+    assert "the polygons interlock" in result.stdout.splitlines()[-1]
 
 
 def test_compare_marks_what_failed(
@@ -247,10 +245,10 @@ def test_ranks_print_once_what_is_wrong(arguments: list[str], line: str, tmp_pat
 def test_an_interruption_tells_how_to_go_on(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def interrupted(*_: object) -> None:
+    def interrupted(*_: object, **settings: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli, "draw_movie", interrupted)
+    monkeypatch.setattr(deformable.Run, "movie", interrupted)
     monkeypatch.setattr("sys.argv", ["deformable", "movie", "run"])
     with pytest.raises(SystemExit) as end:
         cli.main()

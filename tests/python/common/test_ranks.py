@@ -163,7 +163,7 @@ UNLUCKY = """
 import deformable
 from deformable.cli import jam, main
 
-def unlucky(law, pressure, number, seed, values):
+def unlucky(law, pressure, number, seed, *others):
     raise deformable.LammpsError("out of luck")
 
 jam.measure = unlucky

@@ -25,15 +25,15 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: deformable.move(P, 1), "sim", "a Packing"),
     (lambda: deformable.shear_modulus(P, 0.01), "state", "a Packing"),
     (lambda: deformable.bulk_modulus(P, 0.01), "state", "a Packing"),
-    (lambda: deformable.load(3), "folder", "3"),
+    (lambda: deformable.Run(3).simulation(), "folder", "3"),
     (lambda: deformable.bidisperse("16"), "number", "'16'"),
     (lambda: Ring(kA="1"), "kA", "'1'"),
     (lambda: Ring(kA=[1, -1]), "kA", "-1"),
     (lambda: Ring(contact=2), "contact", "2"),
     (lambda: P.at(np.float64(-0.5)), "phi", "-0.5"),
     (lambda: deformable.Simulation(P, Ring(), comm=1), "comm", "1"),
-    (lambda: deformable.load("nowhere", comm=0), "comm", "0"),
-    (lambda: deformable.resume("nowhere", comm="x"), "comm", "'x'"),
+    (lambda: deformable.Run("nowhere").simulation(comm=0), "comm", "0"),
+    (lambda: deformable.Run("nowhere").resume(comm="x"), "comm", "'x'"),
     (lambda: deformable.BeadReference("x"), "packing", "'x'"),
     (lambda: deformable.BeadReference(P, 0.05), "beads", "0.05"),
     (lambda: deformable.BeadReference(P, walls=3), "walls", "3"),
@@ -41,8 +41,8 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: next(deformable.record([P], "x")), "a state that is recorded", "a Packing"),
     (lambda: deformable.record([], 3), "folder", "3"),
     (lambda: deformable.record([], "x", "seed 3"), "parameters", "'seed 3'"),
-    (lambda: deformable.compress_in("x", P, 0.01, 1), "sim", "a Packing"),
-    (lambda: deformable.resume(3), "folder", "3"),
+    (lambda: deformable.compress_in(P, "x", 0.01, 1), "sim", "a Packing"),
+    (lambda: deformable.Run(3).resume(), "folder", "3"),
     (lambda: deformable.movie(3, "a.gif"), "states", "3"),
     (lambda: deformable.movie([P], "a.gif"), "a state of a movie", "a Packing"),
     (lambda: deformable.movie([], 3), "path", "3"),
@@ -91,7 +91,7 @@ def test_a_closed_simulation_refuses_calls(kind: Callable[[], Any], tmp_path: Pa
     ]
     if isinstance(sim, deformable.Simulation):
         calls += [lambda: deformable.move(sim, 1, temperature=1.0), lambda: sim.restart(P)]
-        calls += [lambda: deformable.compress_in(tmp_path, sim, 0.01, 1)]
+        calls += [lambda: deformable.compress_in(sim, tmp_path, 0.01, 1)]
     assert not sim.closed
     sim.close()
     sim.close()  # which changes nothing

@@ -23,7 +23,7 @@ class Naive:
 
 def naive(state: deformable.BeadState, rings: list[np.ndarray], box: np.ndarray) -> Naive:
     """Energy, forces on beads and forces of ring j's image on ring i, for these beads."""
-    beads, rest, kinds = state.beads, state.rings, state.packing.species
+    beads, rest, kinds = state.beads, state.polygons, state.packing.species
     energy, force, contacts = 0.0, [np.zeros_like(ring) for ring in rings], {}
     for ring, f, kind in zip(rings, force, kinds, strict=True):
         count = len(ring)

@@ -43,7 +43,7 @@ def test_energy_and_forces_are_the_formula(crumpled: deformable.BeadReference) -
 
 def test_contacts_are_those_of_the_beads(crumpled: deformable.BeadReference) -> None:
     state = crumpled.state()
-    contacts = state.contacts
+    contacts = state.contact_table
     exact = naive(state, state.outlines, state.packing.box).contacts
     keys = zip(contacts.i, contacts.j, *contacts.image.T, strict=True)
     seen = dict(zip([tuple(map(int, key)) for key in keys], contacts.force, strict=True))
@@ -56,7 +56,7 @@ def test_contacts_are_those_of_the_beads(crumpled: deformable.BeadReference) -> 
     np.add.at(total, contacts.j, -contacts.force)
     force = np.split(
         gather(crumpled.lmp, "f", 3)[:, :2],
-        np.cumsum(state.rings.number[state.packing.species])[:-1],
+        np.cumsum(state.polygons.number[state.packing.species])[:-1],
     )
     assert total == pytest.approx(np.array([f.sum(axis=0) for f in force]), abs=1e-12)
 
@@ -87,7 +87,7 @@ def test_areas_perimeters_and_centers(crumpled: deformable.BeadReference) -> Non
     centers = [ring.mean(axis=0) for ring in state.outlines]
     assert state.packing.positions == pytest.approx(np.array(centers))
     assert state.phi == pytest.approx(state.area.sum() / np.prod(state.packing.box.diagonal()))
-    rest = state.rings.area[state.packing.species]
+    rest = state.polygons.area[state.packing.species]
     assert state.area_deficit == pytest.approx(rest - state.area)
 
 
@@ -96,17 +96,17 @@ def test_undeformed_rings_are_at_rest() -> None:
     with deformable.BeadReference(loose, SOFT) as rings:
         state = rings.state()
         # lengths are off by roundings of coordinates below 8: 14 and 23 springs, (8 eps)^2 each
-        stiffness = state.rings.number @ state.rings.kL
+        stiffness = state.polygons.number @ state.polygons.kL
         assert state.energy < 0.5 * stiffness * (8 * np.finfo(float).eps) ** 2
-        assert len(state.contacts.i) == 0
+        assert len(state.contact_table.i) == 0
         assert (state.residual, state.coordination) == (0.0, 0.0)
         assert state.packing.positions == pytest.approx(loose.positions, abs=1e-14)
         e = 0.01
         rings.deform((1.0 + e) * rings.box)
         stretched = rings.state()
     of_each, rest = loose.species, state.perimeter
-    number = state.rings.number[of_each]
-    assert rest == pytest.approx(number * state.rings.spacing[of_each], rel=1e-13)
+    number = state.polygons.number[of_each]
+    assert rest == pytest.approx(number * state.polygons.spacing[of_each], rel=1e-13)
     assert stretched.perimeter == pytest.approx((1.0 + e) * rest, rel=1e-12)
     kP, kA = np.array([7.0, 20.0])[of_each] / number, np.array([3.0, 0.5])[of_each]
     perimeter = 0.5 * kP * (stretched.perimeter - rest) ** 2
@@ -119,14 +119,16 @@ def test_rings_that_meet_through_several_images() -> None:
     with deformable.BeadReference(pair(1.4), deformable.Beads(number=24)) as rings:
         state = rings.relax(0.01)
     assert state.residual <= 0.01
-    assert state.contacts.i.tolist() == [0] * 4
-    assert state.contacts.j.tolist() == [1] * 4
-    images = {tuple(image) for image in state.contacts.image.tolist()}
+    assert state.contact_table.i.tolist() == [0] * 4
+    assert state.contact_table.j.tolist() == [1] * 4
+    images = {tuple(image) for image in state.contact_table.image.tolist()}
     assert images == {(-1, -1), (-1, 0), (0, -1), (0, 0)}
-    along = (state.contacts.image + 0.5) / np.sqrt(0.5)  # unit vectors from 0 to 1
-    pushed = -np.sum(state.contacts.force * along, axis=1)
+    along = (state.contact_table.image + 0.5) / np.sqrt(0.5)  # unit vectors from 0 to 1
+    pushed = -np.sum(state.contact_table.force * along, axis=1)
     assert pushed == pytest.approx(np.full(4, pushed.mean()), rel=0.02)
-    assert state.contacts.force.sum(axis=0) == pytest.approx([0.0, 0.0], abs=0.02 * pushed.mean())
+    assert state.contact_table.force.sum(axis=0) == pytest.approx(
+        [0.0, 0.0], abs=0.02 * pushed.mean()
+    )
 
 
 def test_rings_touch_at_the_effective_radius() -> None:
@@ -141,7 +143,7 @@ def test_rings_touch_at_the_effective_radius() -> None:
         for strain in (0.02, 0.04):
             rings.deform((1.0 - strain) * width * np.eye(2))
             state = rings.relax(0.01)
-    (radius,), (spacing,) = state.rings.radius, state.rings.spacing
+    (radius,), (spacing,) = state.polygons.radius, state.polygons.spacing
     normal, tangent = np.array([1.0, 1.0]) / np.sqrt(2.0), np.array([-1.0, 1.0]) / np.sqrt(2.0)
     middle = state.packing.positions.mean(axis=0)
     rows = []
@@ -150,7 +152,7 @@ def test_rings_touch_at_the_effective_radius() -> None:
         rows.append(n[(np.abs(t) < 2.0 * spacing) & (side * n < 0.5 * radius)])
     gap = rows[1].mean() - rows[0].mean()
     roughness = 2.0 * beads.radius - np.sqrt(4.0 * beads.radius**2 - 0.25 * spacing**2)
-    predicted = 2.0 * (state.rings.effective_radius[0] - radius)
+    predicted = 2.0 * (state.polygons.effective_radius[0] - radius)
     assert predicted == pytest.approx(2.0 * beads.radius - roughness)
     # beads give way by kA S L0 / kr < 1e-4 of it, springs by less; 1 % is for the residual
     assert abs(gap - predicted) < 0.01 * roughness
@@ -164,7 +166,7 @@ def test_relaxation_ends_at_the_tolerance(kA: Any) -> None:
         state = rings.relax(0.02)
         force = np.linalg.norm(gather(rings.lmp, "f", 3), axis=1).max()
         pressure = np.resize(kA, 2)[jammed.species] * np.maximum(state.area_deficit, 0.0)
-        borne = np.mean(pressure * state.rings.spacing[jammed.species])
+        borne = np.mean(pressure * state.polygons.spacing[jammed.species])
         assert 0.0 < force <= 0.02 * borne
         assert state.residual == pytest.approx(force / borne)
         assert not state.stalled
@@ -191,7 +193,7 @@ def test_loose_rings_relax_at_once(change: float) -> None:
         assert rings.lmp.extract_global("ntimestep") < 5000
     assert (state.residual, state.stalled) == (0.0, False)
     assert state.energy < 1e-20
-    assert len(state.contacts.i) == 0
+    assert len(state.contact_table.i) == 0
 
 
 def test_compress_yields_states() -> None:
@@ -227,7 +229,7 @@ with deformable.BeadReference(jammed, deformable.Beads(number=20)) as rings:
     rings.deform(0.97 * rings.box)
     rings.lmp.command("minimize 0 0 100 200")
     state = rings.state()
-contacts = state.contacts
+contacts = state.contact_table
 seen = [
     state.energy, state.residual, *state.stress.ravel(), *state.area, *state.perimeter,
     *state.packing.positions.ravel(), *contacts.force.ravel(),

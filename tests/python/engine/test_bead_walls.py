@@ -28,7 +28,7 @@ def test_walls_press_like_beads() -> None:
     pushed = exact.force[0] - LONE_BEADS.kr * overlap @ walls.normal
     assert force == pytest.approx(pushed, abs=1e-12)
     assert state.residual <= 0.01
-    assert state.contacts.i.size == 0
+    assert state.contact_table.i.size == 0
 
 
 def test_beads_keep_their_place_on_walls_that_stick() -> None:
@@ -100,7 +100,7 @@ def test_walls_press_smooth_rings_at_their_skin() -> None:
         for height in (0.49, 0.48):
             ring.confine(square(height))
             state = ring.relax(1e-3)
-    (kP,), (skin,) = state.rings.kP, state.rings.skin
+    (kP,), (skin,) = state.polygons.kP, state.polygons.skin
     walls = square(0.48)
     law = core.soft_ring(0.5, walls.angle, np.full(4, 0.02), 1.0, kP, skin)
     # walls yield by p L0/kr, 3e-5 of the indentation; chords of 160 sides cut (pi/160)^2 off

@@ -72,7 +72,7 @@ def tell(
 
 def assert_saved_as_it_is(state: deformable.State, folder: Path) -> None:
     state.save(folder)
-    with deformable.load(folder) as again:
+    with deformable.Run(folder).simulation() as again:
         found = again.state()
     # balanced contacts are known to 1e-8 of their forces
     assert found.energy == pytest.approx(state.energy, rel=1e-7, abs=1e-16)

@@ -21,7 +21,7 @@ contacts = state.contact_table[["i", "j"]].tolist()
 seen = [state.phi, state.pressure, state.energy, state.coordination, contacts]
 assert MPI.COMM_WORLD.allgather(seen) == [seen] * MPI.COMM_WORLD.size
 assert state.root == (MPI.COMM_WORLD.rank == 0)
-with deformable.load("run") as again:
+with deformable.Run("run").simulation() as again:
     assert abs(again.state().energy / state.energy - 1) < 1e-12
 if MPI.COMM_WORLD.rank == 0:
     print(json.dumps(seen))
@@ -46,7 +46,7 @@ import deformable
 
 start = deformable.jam(deformable.bidisperse(32, seed=6)).at(0.87)
 sim = deformable.Simulation(start, deformable.Ring(contact="radical"))
-for state in deformable.compress_in("run", sim, strain=0.005, steps=5, tolerance=1e-9):
+for state in deformable.compress_in(sim, "run", strain=0.005, steps=5, tolerance=1e-9):
     pass
 """
 

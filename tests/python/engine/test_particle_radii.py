@@ -158,7 +158,7 @@ def test_saved_state_goes_on_as_it_was(
     with deformable.Simulation(state.packing, law) as sim:
         sim.state().save(tmp_path)
         expected = sim.state()
-    with deformable.load(tmp_path) as sim:
+    with deformable.Run(tmp_path).simulation() as sim:
         again = sim.state()
         masses = np.array(sim.lmp.gather("rmass", 1, 1))
     assert np.array_equal(again.packing.radius, state.packing.radius)

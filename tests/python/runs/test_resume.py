@@ -116,7 +116,7 @@ def test_killed_again_and_again(uninterrupted: dict[str, bytes], tmp_path: Path)
         assert (result.returncode, result.stderr) == (0, "")
         assert result.stdout == "the compression in 'run' is complete\n"
     assert contents(tmp_path / "run") == uninterrupted
-    assert list(deformable.resume(tmp_path / "run")) == []
+    assert list(deformable.Run(tmp_path / "run").resume()) == []
 
 
 def in_process(*options: str) -> None:
@@ -145,21 +145,18 @@ def test_the_same_command_resumes(
             in_process("--resume", option, *given.split())
         assert f"'run' was begun with {option} {saved}, not {given}" in str(error.value)
     with pytest.raises(deformable.FileError, match="at step 2 of 5: finish it first with --resume"):
-        in_process("--further", "--steps", "1")
-    with (
-        deformable.load(tmp_path / "run") as sim,
-        pytest.raises(deformable.FileError, match="at step 2 of 5: finish it first"),
-    ):
-        deformable.compress_in(tmp_path / "run", sim, 0.01, 1, append=True)
+        in_process("--append", "--steps", "1")
+    with pytest.raises(deformable.FileError, match="at step 2 of 5: finish it first"):
+        deformable.Run(tmp_path / "run").compress(0.01, 1)
     assert contents(tmp_path / "run") == broken
     result = compress(*START, *law, "--resume", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert contents(tmp_path / "run") == uninterrupted
 
-    result = compress("--further", "--strain", "0.001", "--steps", "1", cwd=tmp_path)
+    result = compress("--append", "--strain", "0.001", "--steps", "1", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     with pytest.raises(deformable.ParameterError, match="was begun with --seed 5, not 3"):
-        in_process("--further", "--seed", "3")  # of the first compression
+        in_process("--append", "--seed", "3")  # of the first compression
     in_process("--resume", "--seed", "5", "--steps", "1")
 
 
@@ -171,13 +168,13 @@ def test_a_run_is_not_overwritten(uninterrupted: dict[str, bytes], tmp_path: Pat
     result = compress("--number", "8", cwd=tmp_path)
     assert (result.returncode, result.stdout) == (2, "")
     assert result.stderr.startswith("error: 'run' holds a run")
-    for way in ("--resume", "--further", "--overwrite"):
+    for way in ("--resume", "--append", "--overwrite"):
         assert way in result.stderr
-    with deformable.load(folder) as sim:
-        with pytest.raises(deformable.FileError, match="overwrite=True"):
-            deformable.compress_in(folder, sim, 0.01, 1)
-        with pytest.raises(deformable.ParameterError, match="not both"):
-            deformable.compress_in(folder, sim, 0.01, 1, append=True, overwrite=True)
+    with (
+        deformable.Run(folder).simulation() as sim,
+        pytest.raises(deformable.FileError, match="overwrite=True"),
+    ):
+        deformable.compress_in(sim, folder, 0.01, 1)
     assert contents(folder) == uninterrupted
     result = compress("--number", "8", "--steps", "1", "--overwrite", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
@@ -209,16 +206,13 @@ def test_missing_frames_are_refused(
     (tmp_path / name).unlink()
     if left is not None:
         (tmp_path / name).write_text(left)
-    with (
-        deformable.load(tmp_path) as sim,
-        pytest.raises(deformable.FileError, match=rf"{name} lacks frame \d"),
-    ):
-        deformable.compress_in(tmp_path, sim, 0.01, 1, append=True)
+    with pytest.raises(deformable.FileError, match=rf"{name} lacks frame \d"):
+        deformable.Run(tmp_path).compress(0.01, 1)
     summary = json.loads((tmp_path / "summary.json").read_text())
     summary["parameters"]["steps"] = 6
     (tmp_path / "summary.json").write_text(json.dumps(summary))
     with pytest.raises(deformable.FileError, match=rf"{name} lacks frame \d"):
-        deformable.resume(tmp_path)
+        deformable.Run(tmp_path).resume()
 
 
 def test_numbers_of_numpy_can_be_resumed(tmp_path: Path) -> None:
@@ -226,11 +220,11 @@ def test_numbers_of_numpy_can_be_resumed(tmp_path: Path) -> None:
     packing = deformable.jam(deformable.bidisperse(8, seed=1))
     with deformable.Simulation(packing, deformable.Ring()) as sim:
         run = deformable.compress_in(
-            tmp_path, sim, np.float32(0.02), np.int64(3), tolerance=np.float32(1e-6)
+            sim, tmp_path, np.float32(0.02), np.int64(3), tolerance=np.float32(1e-6)
         )
         next(run)
         del run
-    assert len(list(deformable.resume(tmp_path))) == 2
+    assert len(list(deformable.Run(tmp_path).resume())) == 2
     assert json.loads((tmp_path / "summary.json").read_text())["parameters"]["steps"] == 3
 
 
@@ -242,7 +236,7 @@ def test_killed_from_outside(uninterrupted: dict[str, bytes], tmp_path: Path) ->
         time.sleep(0.01)
     process.kill()
     process.wait()
-    for _ in deformable.resume(tmp_path / "run"):
+    for _ in deformable.Run(tmp_path / "run").resume():
         pass
     assert contents(tmp_path / "run") == uninterrupted
 
@@ -252,16 +246,14 @@ def test_python_resumes_what_it_began(jammed: deformable.Packing, tmp_path: Path
     tilted = deformable.jam(deformable.bidisperse(12, tilt=0.3, aspect=1.2, seed=2))
     for name, stop in (("whole", 3), ("broken", 1)):
         folder = tmp_path / name
-        for packing, how in ((jammed, {}), (tilted, {"overwrite": True}), (None, {"append": True})):
-            sim = (
-                deformable.load(folder)
-                if packing is None
-                else deformable.Simulation(packing, deformable.Ring())
-            )
-            run = deformable.compress_in(folder, sim, 0.02, 3, **how)
-            for _, state in zip(range(stop if "append" in how else 3), run, strict=False):
-                assert state.root
-    states = list(deformable.resume(tmp_path / "broken"))
+        for packing in (jammed, tilted):
+            sim = deformable.Simulation(packing, deformable.Ring())
+            steps = deformable.compress_in(sim, folder, 0.02, 3, overwrite=packing is tilted)
+            assert all(state.root for state in steps)
+        further = deformable.Run(folder).compress(0.02, 3)
+        for _, state in zip(range(stop), further, strict=False):
+            assert state.root
+    states = list(deformable.Run(tmp_path / "broken").resume())
     assert len(states) == 2
     assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
     parameters = json.loads((tmp_path / "whole" / "summary.json").read_text())["parameters"]
@@ -274,24 +266,24 @@ def test_a_resumed_packing_was_rigid(
 ) -> None:
     """So that a resumed packing that loses its rigidity still gives a warning."""
     first = deformable.Simulation(jammed, deformable.Ring())
-    next(deformable.compress_in(tmp_path, first, 0.02, 2))
+    next(deformable.compress_in(first, tmp_path, 0.02, 2))
     again = []
+    opened = deformable.Run.simulation
     monkeypatch.setattr(
-        "deformable.runs.resume.load",
-        lambda *given: again.append(deformable.load(*given)) or again[0],
+        deformable.Run, "simulation", lambda *given: again.append(opened(*given)) or again[0]
     )
-    deformable.resume(tmp_path)
+    deformable.Run(tmp_path).resume()
     assert again[0]._rigid_phi == first._rigid_phi < 1.0
 
 
 def test_what_cannot_be_resumed(state: deformable.State, tmp_path: Path) -> None:
     with pytest.raises(deformable.FileError, match=r"summary\.json is missing"):
-        deformable.resume(tmp_path)
+        deformable.Run(tmp_path).resume()
     for _ in deformable.record([state], tmp_path):
         pass
-    with pytest.raises(deformable.FileError, match="append=True"):
-        deformable.resume(tmp_path)
+    with pytest.raises(deformable.FileError, match=r"Run\.compress"):
+        deformable.Run(tmp_path).resume()
     lines = (tmp_path / "packing.data").read_text().splitlines(keepends=True)
     (tmp_path / "packing.data").write_text("".join(lines[:-2]))
     with pytest.raises(deformable.FileError, match=r"packing\.data .* 30 "):
-        deformable.resume(tmp_path)
+        deformable.Run(tmp_path).resume()

@@ -1,7 +1,6 @@
 """A shear that is interrupted and resumed gives the files of one that was not, byte for byte."""
 
 import csv
-import json
 from pathlib import Path
 
 import deformable
@@ -26,7 +25,7 @@ def squeezed() -> deformable.Packing:
 
 def begin(packing: deformable.Packing, folder: Path) -> list[deformable.State]:
     sim = deformable.Simulation(packing, deformable.Ring())
-    return deformable.shear_in(folder, sim, STRAIN, STEPS, parameters={"seed": 4})
+    return deformable.shear_in(sim, folder, STRAIN, STEPS, parameters={"seed": 4})
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -41,10 +40,10 @@ def test_interrupted_after_any_step(squeezed: deformable.Packing, tmp_path: Path
         states = begin(squeezed, tmp_path / str(steps))
         for _ in range(steps):
             next(states)
-        missing = list(deformable.resume(tmp_path / str(steps)))
+        missing = list(deformable.Run(tmp_path / str(steps)).resume())
         assert len(missing) == STEPS - steps
         assert contents(tmp_path / str(steps)) == contents(tmp_path / "whole")
-    assert list(deformable.resume(tmp_path / "whole")) == []
+    assert list(deformable.Run(tmp_path / "whole").resume()) == []
 
 
 def test_it_is_a_shear(squeezed: deformable.Packing, tmp_path: Path) -> None:
@@ -52,7 +51,7 @@ def test_it_is_a_shear(squeezed: deformable.Packing, tmp_path: Path) -> None:
     with deformable.Simulation(squeezed, deformable.Ring()) as sim:
         first, *_ = deformable.shear(sim, 0.02, 2)
     with deformable.Simulation(squeezed, deformable.Ring()) as sim:
-        again, last = deformable.shear_in(tmp_path, sim, 0.02, 2)
+        again, last = deformable.shear_in(sim, tmp_path, 0.02, 2)
     assert again.energy == pytest.approx(first.energy, rel=1e-4)
     lean = last.packing.box[1, 0] - squeezed.box[1, 0]
     assert lean == pytest.approx(0.02 * squeezed.box[1, 1], rel=1e-12)
@@ -67,53 +66,28 @@ def strains(folder: Path) -> list[str]:
 def test_the_first_frame_is_the_start(squeezed: deformable.Packing, tmp_path: Path) -> None:
     """Frame 0 of a new run; a run that is sheared further goes on after its last frame."""
     with deformable.Simulation(squeezed, deformable.Ring()) as sim:
-        last = list(deformable.shear_in(tmp_path, sim, 0.02, 2))[-1]
+        list(deformable.shear_in(sim, tmp_path, 0.02, 2))
     assert strains(tmp_path) == ["0.0", "0.01", "0.02"]
-    first, *_ = deformable.replay(tmp_path)
+    first, *_ = deformable.Run(tmp_path)
     # LAMMPS takes them to fractions of the box and back, which rounds twice
     rounding = 2 * np.spacing(squeezed.box.max())
     np.testing.assert_allclose(first.packing.positions, squeezed.positions, 0, rounding)
-    with deformable.Simulation(last.packing, deformable.Ring()) as sim:
-        list(deformable.shear_in(tmp_path, sim, 0.04, 1, append=True))
-    assert strains(tmp_path) == ["0.0", "0.01", "0.02", "0.04"]
-
-
-def test_a_run_of_an_older_version_resumes(squeezed: deformable.Packing, tmp_path: Path) -> None:
-    """Its series has neither the strain nor the start."""
-    states = begin(squeezed, tmp_path)
-    next(states)
-    summary = json.loads((tmp_path / "summary.json").read_text())
-    summary["parameters"]["start"]["frame"] = 0
-    (tmp_path / "summary.json").write_text(json.dumps(summary))
-    data = (tmp_path / "packing.data").read_text()
-    (tmp_path / "packing.data").write_text(data.replace(", 2 frames\n", ", 1 frames\n", 1))
-    with (tmp_path / "series.csv").open(newline="") as file:
-        (_, row) = csv.DictReader(file)
-    row = {name: value for name, value in row.items() if name != "strain"} | {"frame": "0"}
-    lines = [",".join(part) + "\r\n" for part in (row.keys(), row.values())]
-    (tmp_path / "series.csv").write_bytes("".join(lines).encode())
-    frames = (tmp_path / "trajectory.lammpstrj").read_text().split("ITEM: TIMESTEP\n")
-    text = "ITEM: TIMESTEP\n" + frames[2].replace("1\n", "0\n", 1)
-    (tmp_path / "trajectory.lammpstrj").write_text(text)
-
-    whole = list(begin(squeezed, tmp_path / "whole"))
-    missing = list(deformable.resume(tmp_path))
-    assert [state.energy for state in missing] == [state.energy for state in whole[1:]]
-    assert strains(tmp_path) == ["none"] * STEPS
+    list(deformable.Run(tmp_path).shear(0.04, 1))
+    assert strains(tmp_path) == ["0.0", "0.01", "0.02", "0.06"]
 
 
 def test_refusals(squeezed: deformable.Packing, tmp_path: Path) -> None:
     with deformable.Simulation(squeezed, deformable.Ring()) as sim:
         for values, word in (((0.1, 0), "steps"), ((np.nan, 2), "strain")):
             with pytest.raises(deformable.ParameterError, match=word):
-                deformable.shear_in(tmp_path / "run", sim, *values)
+                deformable.shear_in(sim, tmp_path / "run", *values)
         with pytest.raises(deformable.ParameterError, match=r"tolerance .* 0\.5"):
-            deformable.shear_in(tmp_path / "run", sim, 0.1, 2, tolerance=0.5)
+            deformable.shear_in(sim, tmp_path / "run", 0.1, 2, tolerance=0.5)
         assert not list(tmp_path.iterdir())
-        next(deformable.shear_in(tmp_path, sim, 0.02, 2))
+        next(deformable.shear_in(sim, tmp_path, 0.02, 2))
         with pytest.raises(deformable.FileError, match="overwrite=True"):
-            deformable.shear_in(tmp_path, sim, 0.02, 2)
+            deformable.shear_in(sim, tmp_path, 0.02, 2)
         with pytest.raises(deformable.FileError, match="interrupted at step 1 of 2"):
-            deformable.shear_in(tmp_path, sim, 0.02, 2, append=True)
+            deformable.Run(tmp_path).shear(0.02, 2)
     with deformable.Disks(squeezed) as disks, pytest.raises(deformable.ParameterError, match="sim"):
-        deformable.shear_in(tmp_path / "run", disks, 0.1, 2)
+        deformable.shear_in(disks, tmp_path / "run", 0.1, 2)

@@ -42,7 +42,7 @@ def jammed() -> deformable.Packing:
 def run(jammed, tmp_path_factory) -> tuple[Path, list[deformable.State]]:
     folder = tmp_path_factory.mktemp("run")
     with deformable.Simulation(jammed, LAW) as sim:
-        steps = deformable.compress_in(folder, sim, strain=0.03, steps=3, tolerance=1e-4)
+        steps = deformable.compress_in(sim, folder, strain=0.03, steps=3, tolerance=1e-4)
         return folder, list(steps)
 
 
@@ -80,11 +80,11 @@ def test_compression_scales_walls_with_particles(jammed, run) -> None:
 def test_saved_runs_are_read_back(run) -> None:
     """With every digit of the walls; replayed with those of each frame."""
     folder, states = run
-    with deformable.load(folder) as sim:
+    with deformable.Run(folder).simulation() as sim:
         again = sim.state()
     assert again.packing.walls == states[-1].packing.walls
     assert again.energy == pytest.approx(states[-1].energy, rel=1e-12)
-    replayed = list(deformable.replay(folder))
+    replayed = list(deformable.Run(folder))
     for one, other in zip(replayed, states, strict=True):
         assert one.energy == pytest.approx(other.energy, rel=1e-6)
         assert one.phi == pytest.approx(other.phi, rel=1e-12)
@@ -101,7 +101,7 @@ def test_interrupted_runs_are_resumed(run, tmp_path: Path) -> None:
     middle = states[0]
     summary = json.loads((folder / "summary.json").read_text())
     middle.save(tmp_path, summary["parameters"], frames=1)
-    rest = list(deformable.resume(tmp_path))
+    rest = list(deformable.Run(tmp_path).resume())
     assert [state.energy for state in rest] == [state.energy for state in states[1:]]
     for name in ("packing.data", "summary.json", "in.lammps", "trajectory.lammpstrj"):
         assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
@@ -131,7 +131,7 @@ def test_damaged_walls_in_a_summary(run, tmp_path: Path, text: str) -> None:
     summary["walls"] = [json.loads(text)]
     (tmp_path / "summary.json").write_text(json.dumps(summary))
     with pytest.raises(deformable.FileError, match="cannot be read"):
-        deformable.load(tmp_path)
+        deformable.Run(tmp_path).simulation()
 
 
 def artists(state: deformable.State) -> tuple[int, int]:
@@ -154,7 +154,7 @@ def test_pictures(run, tmp_path: Path) -> None:
         assert artists(sim.state()) == (9, 5)
     with deformable.Simulation(replace(start, walls=()), LAW) as sim:
         assert artists(sim.state()) == (0, 5)
-    deformable.movie(folder, tmp_path / "movie.gif")
+    deformable.Run(folder).movie(tmp_path / "movie.gif")
     assert (tmp_path / "movie.gif").stat().st_size > 10_000
 
 

@@ -152,7 +152,7 @@ def test_all_modes_of_the_same_stiffness_are_found() -> None:
     ("walls", "zero"),
     [((deformable.Circle((0, 0), 4),), 1), (ANNULUS, 1), (SCENE, 0), (CHANNEL, 1), (TRIANGLE, 0)],
 )
-def test_motions_between_walls(walls: tuple[deformable.model.wall_shapes.Wall, ...], zero: int):
+def test_motions_between_walls(walls: tuple[deformable.model.walls.Wall, ...], zero: int):
     """A rotation in a circle or annulus, a translation along a channel, none around others."""
     packing = deformable.bidisperse(40, radii=(0.4, 0.56), seed=5).between(walls)
     with deformable.Disks(packing.at(0.95)) as disks:

@@ -1,5 +1,6 @@
 """Force chains, maps and movies, and the runs that they are drawn from."""
 
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -25,14 +26,14 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[deformable
         pressed = deformable.compress(sim, strain=0.03, steps=2)
         states = list(deformable.record(pressed, folder))
         motion = deformable.move(sim, 60, temperature=1e-5, every=20, seed=1)
-        states += deformable.record(motion, folder, append=True)
+        states += deformable.Run(folder).append(motion)
     return folder, states
 
 
 @pytest.mark.usefixtures("exact_balance")
 def test_replay_gives_the_states_again(run: tuple[Path, list[deformable.State]]) -> None:
     folder, states = run
-    again = list(deformable.replay(folder))
+    again = list(deformable.Run(folder))
     assert len(again) == len(states) == 5
     for one, other in zip(again, states, strict=True):
         assert one.phi == pytest.approx(other.phi, rel=1e-12)
@@ -42,34 +43,30 @@ def test_replay_gives_the_states_again(run: tuple[Path, list[deformable.State]])
     assert states[-1].temperature > 0.0
 
 
-def test_runs_without_velocities_are_replayed(
-    run: tuple[Path, list[deformable.State]], tmp_path: Path
-) -> None:
-    run[1][0].save(tmp_path)
-    frame = (run[0] / "trajectory.lammpstrj").read_text()
-    (tmp_path / "trajectory.lammpstrj").write_text(frame.replace("vx vy", "ux uy"))
-    assert [state.temperature for state in deformable.replay(tmp_path)] == [0.0] * 5
-
-
 @pytest.mark.parametrize(
     ("broken", "message"),
     [
         (None, r"trajectory\.lammpstrj is missing"),
         (lambda text: text[: len(text) - 700], "frame 4 .* cannot be read: [^;]*$"),
         (lambda text: text.replace("id type x y", "id type a b"), "frame 0 .* cannot be read"),
-        (lambda text: "junk\n", r"trajectory\.lammpstrj has no state"),
+        (
+            lambda text: "junk\n",
+            r"frame 0 of .*trajectory\.lammpstrj cannot be read: it is missing",
+        ),
     ],
     ids=["missing", "half", "columns", "junk"],
 )
 def test_broken_trajectories_are_named(
     run: tuple[Path, list[deformable.State]], tmp_path: Path, broken: object, message: str
 ) -> None:
-    run[1][0].save(tmp_path)
+    shutil.copytree(run[0], tmp_path, dirs_exist_ok=True)
+    trajectory = tmp_path / "trajectory.lammpstrj"
     if callable(broken):
-        text = (run[0] / "trajectory.lammpstrj").read_text()
-        (tmp_path / "trajectory.lammpstrj").write_text(broken(text))
+        trajectory.write_text(broken(trajectory.read_text()))
+    else:
+        trajectory.unlink()
     with pytest.raises(deformable.FileError, match=message):
-        list(deformable.replay(tmp_path))
+        list(deformable.Run(tmp_path))
 
 
 def test_shape_parameter(state: deformable.State) -> None:
@@ -131,7 +128,7 @@ def test_pictures_with_one_bar(state: deformable.State) -> None:
     figure = Figure()
     axes = figure.subplots(1, 2)
     for ax in axes:
-        assert state.plot(ax, colorbar=False, limits=(0.0, 1.0), forces=True) is ax
+        assert state.plot(ax, colorbar=False, vmin=0.0, vmax=1.0, forces=True) is ax
     assert len(figure.axes) == 2
     bar = figure.colorbar(axes[0].collections[0], ax=axes)
     assert bar.mappable.get_clim() == (0.0, 1.0)
@@ -145,7 +142,10 @@ def test_movie_has_a_picture_a_state(
     from PIL import Image
 
     path = tmp_path / "movie.gif"
-    deformable.movie(run[0] if source == "folder" else iter(run[1]), path, forces=True, rate=5)
+    if source == "folder":
+        deformable.Run(run[0]).movie(path, forces=True, rate=5)
+    else:
+        deformable.movie(iter(run[1]), path, forces=True, rate=5)
     with Image.open(path) as image:
         assert image.n_frames == len(run[1])
         assert image.info["duration"] == 200  # ms

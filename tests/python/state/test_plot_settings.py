@@ -9,7 +9,7 @@ matplotlib.use("agg")
 
 def test_settings_of_a_picture(state: deformable.State) -> None:
     axes = state.plot(
-        color_by="area", colormap="magma", limits=(0.5, 2), title="a packing", forces=True
+        color_by="area", cmap="magma", vmin=0.5, vmax=2, title="a packing", forces=True
     )
     particles = axes.collections[0]
     assert particles.get_cmap().name == "magma"
@@ -25,11 +25,12 @@ def test_settings_of_a_picture(state: deformable.State) -> None:
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ({"colormap": "rainbows"}, "colormap .*'rainbows'"),
-        ({"colormap": ["magma"]}, r"colormap .*\['magma'\]"),
-        ({"limits": (1.0, 1.0)}, r"limits .*1\.0, 1\.0"),
-        ({"limits": (1.0,)}, r"limits .*\(1\.0,\)"),
-        ({"limits": (0.0, float("nan"))}, "limits .*nan"),
+        ({"cmap": "rainbows"}, "cmap .*'rainbows'"),
+        ({"cmap": ["magma"]}, r"cmap .*\['magma'\]"),
+        ({"vmin": 1.0, "vmax": 1.0}, "vmin must be below vmax, not 1 and 1"),
+        ({"color_by": "area", "vmax": -1.0}, "vmin must be below vmax, not .* and -1"),
+        ({"vmin": (1.0,)}, r"vmin .*\(1\.0,\)"),
+        ({"vmax": float("nan")}, "vmax .*nan"),
     ],
 )
 def test_other_settings_are_refused(

@@ -45,4 +45,4 @@ def test_other_states(jammed: deformable.Packing) -> None:
         assert repr(disks.state()).startswith("<DiskState: 32 particles, soft disks, phi = 0.8")
     few = deformable.jam(deformable.bidisperse(8, seed=1))
     with deformable.BeadReference(few, deformable.Beads(number=20)) as rings:
-        assert repr(rings.state()).startswith("<BeadState: 8 rings, phi = 0.")
+        assert repr(rings.state()).startswith("<BeadState: 8 polygons, phi = 0.")

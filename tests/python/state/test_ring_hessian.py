@@ -241,7 +241,7 @@ from mpi4py import MPI
 import deformable
 from exact_balance import exactly_balanced
 
-packing = deformable.load({folder!r}).state().packing
+packing = deformable.Run({folder!r}).simulation().state().packing
 found = []
 for contact in ("radical", "balanced", "tilted"):
     law = deformable.Ring(kA=1.0, kP=0.3, contact=contact)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from deformable import core
 from deformable.engine.lammps import gather
-from deformable.studies.comparison import ring_outlines, shape_errors
+from deformable.studies.comparison import polygon_outlines, shape_errors
 from deformable.studies.shape_error import shape_error
 
 # Made by a bead code that shares nothing with this project; coordinates have nine decimals. The
@@ -57,7 +57,7 @@ def place(rings: deformable.BeadReference, outlines: list[np.ndarray]) -> None:
 def test_the_independent_packing_is_at_rest_here(independent: deformable.BeadState) -> None:
     area, perimeter = np.array(REFERENCE["area"]), independent.perimeter
     assert np.abs(independent.area - area).max() < ROUNDING * perimeter.max()
-    rest = independent.rings.area[independent.packing.species]
+    rest = independent.polygons.area[independent.packing.species]
     assert rest == pytest.approx(REFERENCE["rest_area"], rel=1e-10)
     assert independent.energy == pytest.approx(3.378e-6, rel=1e-3)
 
@@ -86,7 +86,7 @@ def test_laws_on_the_independent_packing(
 
 def test_balanced_law_on_the_independent_packing(independent: deformable.BeadState) -> None:
     """With the rings' own stiffness and skin: areas to 1 %, energy to 1 %, outlines to 2e-4."""
-    rings = independent.rings
+    rings = independent.polygons
     kP, skin = 300.0 / rings.number, rings.effective_radius - rings.radius
     found = deformable.compare(independent, deformable.Ring(kP=kP, skin=skin, contact="balanced"))
     assert found.shape_error.mean() < 2e-4
@@ -105,7 +105,7 @@ def test_circles_on_the_independent_packing(independent: deformable.BeadState) -
     for ring, center, kind in zip(
         independent.outlines, packing.positions, packing.species, strict=True
     ):
-        circle = core.outline("ring", independent.rings.radius[kind], [], [], 1440)
+        circle = core.outline("ring", independent.polygons.radius[kind], [], [], 1440)
         errors.append(shape_error(ring - center, circle, packing.radii[kind]))
     assert np.mean(errors) == pytest.approx(7.690e-3, abs=1e-6)
 
@@ -122,14 +122,14 @@ def test_predictions_are_for_the_centers_and_effective_radii(small: deformable.B
     state = deformable.predict(small, deformable.Ring(kA=2.0))
     apart = (state.packing.positions - small.packing.positions) @ np.linalg.inv(small.packing.box)
     assert apart - np.rint(apart) == pytest.approx(0.0, abs=1e-12)
-    assert state.packing.radii.tolist() == small.rings.effective_radius.tolist()
+    assert state.packing.radii.tolist() == small.polygons.effective_radius.tolist()
     assert state.packing.box == pytest.approx(small.packing.box)
     assert state.law == deformable.Ring(kA=2.0)
 
 
 def test_measures_of_a_comparison(small: deformable.BeadState) -> None:
     found = deformable.compare(small, deformable.Ring())
-    ours, exact = found.state.area_deficit, small.rings.area[small.packing.species] - small.area
+    ours, exact = found.state.area_deficit, small.polygons.area[small.packing.species] - small.area
     assert found.area_deficit_error == pytest.approx(
         np.sqrt(np.mean((ours - exact) ** 2) / np.mean(exact**2))
     )
@@ -146,7 +146,7 @@ def test_beads_on_the_outlines_have_no_error(
     small: deformable.BeadState, law: Callable[[], deformable.Ring | deformable.Sector]
 ) -> None:
     state = deformable.predict(small, law())
-    outlines = ring_outlines(small, state)
+    outlines = polygon_outlines(small, state)
     centers = small.packing.positions
     exact = replace(
         small, outlines=[line + center for line, center in zip(outlines, centers, strict=True)]
@@ -169,7 +169,7 @@ def test_a_folded_outline_is_named(small: deformable.BeadState) -> None:
         with pytest.raises(deformable.ParameterError, match="compress less") as error:
             deformable.compare(pressed, law)
         state = deformable.predict(pressed, law)
-        folds = [n for n, line in enumerate(ring_outlines(pressed, state)) if turns_back(line)]
+        folds = [n for n, line in enumerate(polygon_outlines(pressed, state)) if turns_back(line)]
         assert f"particle {folds[0]} folds in the {law.name} law" in str(error.value)
 
 
@@ -188,9 +188,9 @@ def test_no_load_no_ratio(small: deformable.BeadState) -> None:
 def test_outlines_have_the_areas_of_the_law(small: deformable.BeadState) -> None:
     """Parallel to the particle's outline: the same area deficit, and the radius of the beads."""
     state = deformable.predict(small, deformable.Ring())
-    radius = small.rings.radius[small.packing.species]
+    radius = small.polygons.radius[small.packing.species]
     for line, deficit, r in zip(
-        ring_outlines(small, state), state.area_deficit, radius, strict=True
+        polygon_outlines(small, state), state.area_deficit, radius, strict=True
     ):
         x, y = line.T
         area = 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)

@@ -5,10 +5,10 @@ from pathlib import Path
 import deformable
 import numpy as np
 import pytest
-from deformable.studies.ensemble import (
-    LAWS,
+from deformable.studies.ensemble.packings import (
     Row,
     before_rearrangement,
+    contact_law,
     excess_coordination,
     exponents,
     is_significant,
@@ -16,7 +16,7 @@ from deformable.studies.ensemble import (
     measure,
     summarize,
 )
-from deformable.studies.ensemble_tables import read_table, write_tables
+from deformable.studies.ensemble.tables import read_table, write_tables
 
 
 def test_exponents_of_power_laws_are_exact() -> None:
@@ -110,8 +110,11 @@ def test_rings_follow_a_cubic_law_and_disks_a_linear_one() -> None:
         assert all(row["bulk_linear"] and row["shear_linear"] for row in rows)
 
 
-def test_laws_are_those_of_the_package_and_disks() -> None:
-    assert list(LAWS) == ["disk", "balanced", "tilted", "radical", "sector"]
+def test_names_of_laws() -> None:
+    assert contact_law("disk") is None
+    assert contact_law("tilted") == deformable.Ring(contact="tilted")
+    with pytest.raises(KeyError):
+        contact_law("disks")
 
 
 def test_tables_come_back_as_they_were(tmp_path: Path) -> None:
@@ -126,11 +129,10 @@ def test_tables_come_back_as_they_were(tmp_path: Path) -> None:
     ("text", "word"),
     [
         ("law,number\ndisk,many\n", "'many'"),
-        ("law,window,number,seed\nring,1e-7,8,1\n", "'onset_pressure'"),
+        ("law,number,seed\nradical,8,1\n", "'onset_pressure'"),
     ],
 )
 def test_other_tables_are_refused(text: str, word: str, tmp_path: Path) -> None:
-    """Those of version 0.1 among them."""
     (tmp_path / "table.csv").write_text(text)
     with pytest.raises(deformable.FileError, match=rf"table\.csv .*{word}"):
         read_table(tmp_path / "table.csv")

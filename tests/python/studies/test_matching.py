@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from deformable import BeadReference, Beads, BeadState, Ring, Simulation, State, bidisperse, jam
-from deformable.studies.crystal import crystal_row
+from deformable.studies.accuracy.compressions import smooth_beads
 from deformable.studies.matching import centers_rms, matching
-from deformable.studies.smooth_compressions import smooth_beads
+from deformable.studies.roughness.crystal import crystal_row
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +31,9 @@ def test_distance_of_centers(pair):
     """Neither drift nor periodic images nor rattlers count; a particle that moves does."""
     exact, own = pair
     same = replace(exact, packing=replace(exact.packing, positions=own.packing.positions))
-    touching = np.bincount(np.concatenate([exact.contacts.i, exact.contacts.j]), minlength=8)
+    touching = np.bincount(
+        np.concatenate([exact.contact_table.i, exact.contact_table.j]), minlength=8
+    )
     held = np.flatnonzero((touching >= 3) & ~own.rattlers)
     assert len(held) >= 3
     assert centers_rms(same, own) == pytest.approx(0.0, abs=1e-15)
@@ -47,18 +49,18 @@ def test_distance_of_centers(pair):
 
 def test_rattlers_do_not_count(pair):
     exact, own = pair
-    loose = exact.contacts.i[0]
-    there = (exact.contacts.i != loose) & (exact.contacts.j != loose)
+    loose = exact.contact_table.i[0]
+    there = (exact.contact_table.i != loose) & (exact.contact_table.j != loose)
     contacts = replace(
-        exact.contacts,
-        **{name: value[there] for name, value in vars(exact.contacts).items()},
+        exact.contact_table,
+        **{name: value[there] for name, value in vars(exact.contact_table).items()},
     )
-    exact = replace(exact, contacts=contacts)
+    exact = replace(exact, contact_table=contacts)
     step = np.zeros((8, 2))
     step[loose] = 0.1
     assert centers_rms(exact, own) == centers_rms(moved(exact, step), own)
     none = replace(contacts, **{name: value[:0] for name, value in vars(contacts).items()})
-    assert centers_rms(replace(exact, contacts=none), own) is None
+    assert centers_rms(replace(exact, contact_table=none), own) is None
     assert centers_rms(exact, replace(own, stress=1e-7 * own.stress)) is None
 
 
@@ -67,7 +69,7 @@ def test_matching_rings_have_the_same_effective_radii(smooth):
     packing = bidisperse(4, seed=1)
     for number in (40, 100):
         beads = smooth_beads(number, smooth=smooth)
-        rings = beads.rings(matching(packing, beads).radii)
+        rings = beads.polygons(matching(packing, beads).radii)
         # ten steps leave the rounding of sums of a few terms
         np.testing.assert_allclose(rings.effective_radius, packing.radii, rtol=1e-14)
 

@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from deformable import Beads, Comparison, ParameterError, core, squeeze
-from deformable.studies import packing_figure, paper, paper_figures
+from deformable.studies.packings import figure as packing_figure
+from deformable.studies.paper import figures as paper_figures
+from deformable.studies.paper import results as paper
+from deformable.studies.paper.single import IRREGULAR, Squeezed, regular
 from deformable.studies.shape_error import shape_error
-from deformable.studies.single import IRREGULAR, Squeezed, regular
 
 PAPER = paper.ring_in_walls(188, 1e4)
 
@@ -52,7 +54,7 @@ def test_error_falls_with_stiffness_and_grows_with_indentation(sweep: list[Squee
 def chord(result: Squeezed) -> float:
     """Beads of distance L0 draw an arc of radius q to within L0^2/8q."""
     arc = 1.0 - paper.polygon_stiffness(len(result.walls.angle)) * result.indentation / np.pi
-    return float(result.beads.rings.spacing[0]) ** 2 / (8.0 * arc)
+    return float(result.beads.polygons.spacing[0]) ** 2 / (8.0 * arc)
 
 
 @pytest.mark.parametrize("kL", [1.0, 1e3])
@@ -97,7 +99,7 @@ def packed() -> dict[str, Comparison]:
 
 def test_packing_is_nearer_to_the_laws_than_to_circles(packed: dict[str, Comparison]) -> None:
     beads = packed["radical"].beads
-    assert beads.rings.number.tolist() == [50, 72]
+    assert beads.polygons.number.tolist() == [50, 72]
     assert not beads.stalled
     circle = np.mean(
         [
@@ -105,7 +107,7 @@ def test_packing_is_nearer_to_the_laws_than_to_circles(packed: dict[str, Compari
             for ring, center, radius, outer in zip(
                 beads.outlines,
                 beads.packing.positions,
-                beads.rings.radius[beads.packing.species],
+                beads.polygons.radius[beads.packing.species],
                 beads.packing.radius,
                 strict=True,
             )

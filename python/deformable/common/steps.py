@@ -1,0 +1,44 @@
+"""Protocols work while their states are asked for; a call that nobody iterates over says so."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+
+
+class Steps(Iterator[T]):
+    """The results of steps, each done when it is asked for.
+
+    Args:
+        name: of the protocol.
+        results: of its steps.
+
+    Warns:
+        RuntimeWarning: it is thrown away before the first step.
+    """
+
+    def __init__(self, name: str, results: Iterator[T]) -> None:
+        self._name, self._begun = name, False
+        self._results: Any = results  # a generator
+
+    def __next__(self) -> T:
+        self._begun = True
+        result: T = next(self._results)
+        return result
+
+    def close(self) -> None:
+        """End the protocol here."""
+        self._begun = True
+        self._results.close()
+
+    def __del__(self) -> None:
+        if not self._begun:
+            warnings.warn(
+                f"{self._name} has done nothing: iterate over it, as in `for state in "
+                f"{self._name}(...)`, or take list({self._name}(...))",
+                RuntimeWarning,
+                stacklevel=2,
+            )

@@ -1,0 +1,231 @@
+"""Runs that are written as they go on.
+
+Each step of `compress_in` and `shear_in` starts from the packing in the folder, which has all
+digits, and from the box of the first step. So a step gives the same whether or not the same process
+computed those before it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..common.errors import ParameterError
+from ..common.files import make_folder
+from ..common.steps import Steps
+from ..common.validate import expect, positive
+from ..engine.relaxation import TOLERANCE
+from ..engine.simulation import Simulation
+from ..io import frames
+from ..io.run_folder import DATA, refuse
+from ..io.store import setup
+from ..model.packing import Packing
+from ..protocols.compression import check_strain_and_steps, remaining_steps
+from ..protocols.shear import check_shear, shear_steps
+from ..state.state import State
+
+# With a larger one the forces on a particle are far from balanced.
+LARGEST_TOLERANCE = 1e-2
+
+_WAYS = (
+    "finish it with Run.resume",
+    "go on with Run.compress or Run.shear",
+    "replace it with overwrite=True",
+)
+
+
+def record(
+    states: Iterable[State], folder: str | Path, parameters: Mapping[str, Any] | None = None
+) -> Iterator[State]:
+    """Write each state into a folder as it comes: an interrupted run loses nothing.
+
+        for state in deformable.record(deformable.compress(sim, 0.01, 10), "run"):
+            print(state.phi)
+
+    Args:
+        states: e.g. from `compress`.
+        folder: made if missing; a run in it is replaced. `Run.append` goes on with it.
+        parameters: anything that JSON can hold, for the summary.
+
+    Yields:
+        The states, unchanged.
+
+    Raises:
+        ParameterError: these are no states, of a `Simulation`, or no parameters.
+        FileError: a file cannot be written, or `series.csv` is that of another program.
+    """
+    expect("folder", folder, str, Path)
+    expect_states(states, parameters)
+    frames.refuse_foreign(Path(folder))
+    return Steps("record", write(states, Path(folder), parameters or {}, 0))
+
+
+def compress_in(
+    sim: Simulation,
+    folder: str | Path,
+    strain: float,
+    steps: int,
+    tolerance: float = TOLERANCE,
+    parameters: Mapping[str, Any] | None = None,
+    overwrite: bool = False,
+) -> Iterator[State]:
+    """Compress as `compress`, and write as `record`, so that `Run.resume` can go on at any step.
+
+    Args:
+        sim: without further commands to its `lmp`, because each step starts a new LAMMPS.
+        folder: made if missing.
+        strain: of all steps together, as in `compress`.
+        steps: as in `compress`.
+        tolerance: of each relaxation, see `Simulation.relax`; at most 0.01.
+        parameters: anything that JSON can hold, for the summary.
+        overwrite: replace the run in the folder.
+
+    Yields:
+        The relaxed state after each step, once it is written.
+
+    Raises:
+        ParameterError: as for `compress`, or the tolerance is too large.
+        FileError: the folder holds a run and `overwrite` is not given, or it holds something else.
+    """
+    return _begin_in(sim, folder, "compression", (strain, steps, tolerance), parameters, overwrite)
+
+
+def shear_in(
+    sim: Simulation,
+    folder: str | Path,
+    strain: float,
+    steps: int,
+    tolerance: float = TOLERANCE,
+    parameters: Mapping[str, Any] | None = None,
+    overwrite: bool = False,
+) -> Iterator[State]:
+    """Shear as `shear`, and write as `record`, so that `Run.resume` can go on at any step.
+
+    Frame 0 is the state before the first step, with the strain 0. The other arguments are those of
+    `compress_in`.
+
+    Args:
+        strain: shear strain of all steps together.
+
+    Yields:
+        The relaxed state after each step, once it is written.
+
+    Raises:
+        ParameterError: as for `shear`, or the tolerance is too large.
+        FileError: as for `compress_in`.
+    """
+    return _begin_in(sim, folder, "shear", (strain, steps, tolerance), parameters, overwrite)
+
+
+def expect_states(states: Any, parameters: Any) -> None:
+    """Refuse objects of another kind."""
+    expect("states", states, Iterable)
+    expect("parameters", parameters, Mapping, type(None))
+
+
+def protocol_of(kind: str, strain: float, steps: int, tolerance: float) -> dict[str, Any]:
+    """The steps of a compression or a shear, for the parameters of a run.
+
+    Raises:
+        ParameterError: a value is out of range.
+    """
+    if kind == "compression":
+        check_strain_and_steps(strain, steps)
+    if positive("tolerance", tolerance) > LARGEST_TOLERANCE:
+        raise ParameterError(f"tolerance must be at most {LARGEST_TOLERANCE}, not {tolerance}")
+    numbers = {"strain": float(strain), "steps": int(steps), "tolerance": float(tolerance)}
+    return {"protocol": kind} | numbers if kind == "shear" else numbers
+
+
+def _begin_in(
+    sim: Simulation,
+    folder: str | Path,
+    kind: str,
+    steps: tuple[float, int, float],
+    parameters: Mapping[str, Any] | None,
+    overwrite: bool,
+) -> Iterator[State]:
+    expect("sim", sim, Simulation)
+    if kind == "shear":
+        check_shear(sim, *steps[:2])
+    protocol = protocol_of(kind, *steps)
+    sim.comm.barrier()  # rank 0 may still be writing
+    place = refuse(folder, "compression" if overwrite else None, _WAYS)
+    frames.refuse_foreign(place)
+    return begin(sim, place, protocol, parameters)
+
+
+def begin(
+    sim: Simulation,
+    folder: Path,
+    protocol: Mapping[str, Any],
+    parameters: Mapping[str, Any] | None,
+    before: Mapping[str, Any] | None = None,
+    first: int = 0,
+) -> Iterator[State]:
+    """Write the start of a run, and return its steps.
+
+    Args:
+        before: parameters of the run that it goes on with, if any.
+        first: number of the frames before.
+    """
+    expect("parameters", parameters, Mapping, type(None))
+    shears, new = protocol.get("protocol") == "shear", before is None
+    sim.strain = (sim.strain or 0.0) if shears else sim.strain
+    start = sim.state()  # all ranks have read the folder by then
+    began = {"frame": first + (shears and new), "box": start.packing.box.tolist()}
+    began["strain"] = sim.strain
+    parameters = {**(parameters or {}), **protocol, "start": began, **(before or {})}
+    if start.root and new:
+        (folder / DATA).unlink(missing_ok=True)  # no run is here until the new one is complete
+    if shears and new:
+        for _ in write([start], folder, parameters, first):
+            pass
+    elif start.root:
+        start.save(folder, parameters, frames=first)
+    return steps_of(sim, start.packing, folder, parameters, done=0)
+
+
+def steps_of(
+    sim: Simulation, packing: Packing, folder: Path, parameters: Mapping[str, Any], done: int
+) -> Iterator[State]:
+    """The steps that are missing, each written and started from a new LAMMPS."""
+    start = parameters["start"]
+    protocol = (parameters["strain"], parameters["steps"], done, parameters["tolerance"])
+    time, strain = sim.time, sim.strain
+    sim.restart(packing)
+    sim.time, sim.strain = time, strain
+    if parameters.get("protocol") == "shear":
+        states = shear_steps(sim, start.get("strain") or 0.0, *protocol)
+    else:
+        states = remaining_steps(sim, np.array(start["box"]), *protocol)
+    written = write(_restarting(sim, states), folder, parameters, start["frame"] + done)
+    return Steps(f"{parameters.get('protocol', 'compress')}_in", written)
+
+
+def _restarting(sim: Simulation, states: Iterable[State]) -> Iterator[State]:
+    for state in states:
+        yield state
+        sim.restart(state)
+
+
+def write(
+    states: Iterable[State], folder: Path, parameters: Mapping[str, Any], first: int
+) -> Iterator[State]:
+    """Write each state after the first frames of a folder; later frames are removed."""
+    for number, state in enumerate(states, start=first):
+        expect("a state that is recorded", state, State)
+        if state.root:
+            if number == first:
+                make_folder(folder)
+                if frames.frames_in(folder) > 0 == first:  # another run is replaced
+                    (folder / DATA).unlink(missing_ok=True)
+                frames.keep_frames(folder, first)
+            frames.append_setup(folder, number, setup(state.packing, state.law))
+            values, numbers = state.particle_values(), state.numbers()
+            frames.append_frame(folder, number, state.packing, values, numbers)
+            state.save(folder, parameters, frames=number + 1)
+        yield state

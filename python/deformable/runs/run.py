@@ -1,0 +1,272 @@
+"""Recorded runs: folders that are written as a run goes on, opened again, and gone on with.
+
+    packing.data            last state, LAMMPS data file
+    species.deformable      its species, for the pair style
+    in.lammps               LAMMPS script that reads these two
+    summary.json            numbers of the last state, law, parameters and versions
+    series.csv              one row per state
+    trajectory.lammpstrj    LAMMPS dump for OVITO and MDAnalysis
+    setups.jsonl            law, radii and walls of the frames: a line for each change
+
+`State.save` writes the first four, `record` all of them while a run goes on. A run may be
+interrupted at any moment: the packing is written last and atomically, with the number of recorded
+frames. Frames beyond it are removed when the run goes on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+from mpi4py import MPI
+
+from ..common.errors import FileError
+from ..common.progress import progress
+from ..common.steps import Steps
+from ..common.validate import expect
+from ..engine.lammps import communicator, place_velocities
+from ..engine.relaxation import TOLERANCE
+from ..engine.simulation import Simulation
+from ..io import frames
+from ..io.run_folder import refuse
+from ..io.store import read, read_motion, read_setup, summary_in
+from ..protocols.shear import check_shear
+from ..state.state import State
+from . import analysis, movie
+from .recording import begin, expect_states, protocol_of, steps_of, write
+
+if TYPE_CHECKING:
+    from MDAnalysis import Universe
+
+
+class Run:
+    """A run in a folder, or a saved state, which is a run without frames.
+
+        run = deformable.Run("run")
+        run[-1].plot()
+        for state in run:
+            print(state.phi)
+
+    `len(run)` is the number of recorded states, `run[3]` and `run[-1]` are states, and `run[2:5]`
+    is a list of them. States are evaluated again from the recorded positions, with the law, radii
+    and walls that they had, and are never `stalled`. The files are read when they are needed. All
+    MPI ranks must ask for the same.
+
+    Attributes:
+        folder: of the run.
+
+    Raises:
+        FileError: when files are needed: one is missing or cannot be read.
+        IndexError: there is no such state.
+    """
+
+    def __init__(self, folder: str | Path) -> None:
+        expect("folder", folder, str, Path)
+        self.folder = Path(folder)
+
+    def __repr__(self) -> str:
+        return f"Run({str(self.folder)!r})"
+
+    def __len__(self) -> int:
+        summary_in(refuse(self.folder, but="compression"))  # or say what is missing
+        return frames.frames_in(self.folder)
+
+    def __iter__(self) -> Iterator[State]:
+        return self._states(self._numbers())
+
+    @overload
+    def __getitem__(self, index: int) -> State: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[State]: ...
+    def __getitem__(self, index: int | slice) -> State | list[State]:
+        numbers = self._numbers()
+        if isinstance(index, slice):
+            return list(self._states(numbers[index]))
+        if not -len(numbers) <= index < len(numbers):
+            raise IndexError(f"'{self.folder}' has {len(numbers)} states, and no state {index}")
+        (state,) = self._states([numbers[index]])
+        return state
+
+    def _numbers(self) -> range:
+        """Of all states."""
+        communicator(None).barrier()  # rank 0 may still be writing
+        return range(len(self))
+
+    def _states(self, numbers: Iterable[int]) -> Iterator[State]:
+        """States of these frames, from 0."""
+        numbers = list(numbers)
+        if not numbers:
+            return
+        texts, setups = frames.texts_of(self.folder), frames.setups_in(self.folder)
+        clock = frames.clock_of(self.folder)
+        with progress("replaying", unit="state", total=len(numbers)) as bar:
+            for number in numbers:
+                try:
+                    law, radii, walls = read_setup(frames.setup_of(setups, number))
+                    if number >= len(texts):
+                        raise LookupError("it is missing")
+                    packing, velocities = frames.read_frame(texts[number], radii)
+                    packing = replace(packing, walls=walls)
+                    time, strain = clock[number] if number < len(clock) else (0.0, None)
+                except (ValueError, TypeError, LookupError) as error:
+                    reason = str(error).split(";")[0]  # what follows is advice on NumPy
+                    raise FileError(
+                        f"frame {number} of {self.folder / frames.TRAJECTORY} cannot be read: "
+                        f"{reason}"
+                    ) from None
+                with Simulation(packing, law) as sim:
+                    yield replace(sim.state(), velocities=velocities, time=time, strain=strain)
+                bar.update()
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """The parameters in the summary; those of what was done before have the key `before`."""
+        return summary_in(self.folder).get("parameters") or {}
+
+    def simulation(self, comm: MPI.Comm | None = None) -> Simulation:
+        """A simulation of the last state: the same particles, box and law.
+
+        Velocities, time and shear strain go on from those of the state.
+
+        Args:
+            comm: as for `Simulation`.
+        """
+        communicator(comm).barrier()  # rank 0 may still be writing
+        packing, law = read(self.folder)
+        motion = read_motion(self.folder, len(packing))
+        sim = Simulation(packing, law, comm)
+        place_velocities(sim.lmp, motion.velocities)
+        sim.time, sim.strain = motion.time, motion.strain
+        return sim
+
+    def append(
+        self, states: Iterable[State], parameters: Mapping[str, Any] | None = None
+    ) -> Iterator[State]:
+        """Go on with the run: as `record`, behind the states that it has."""
+        expect_states(states, parameters)
+        written = write(states, self.folder, {**(parameters or {}), **self._before()}, len(self))
+        return Steps("append", written)
+
+    def compress(
+        self,
+        strain: float,
+        steps: int,
+        tolerance: float = TOLERANCE,
+        parameters: Mapping[str, Any] | None = None,
+        comm: MPI.Comm | None = None,
+    ) -> Iterator[State]:
+        """Compress the last state further: as `compress_in`, behind the states of the run.
+
+        Raises:
+            FileError: the run is interrupted, see `resume`, or lacks frames.
+        """
+        return self._go_on("compression", (strain, steps, tolerance), parameters, comm)
+
+    def shear(
+        self,
+        strain: float,
+        steps: int,
+        tolerance: float = TOLERANCE,
+        parameters: Mapping[str, Any] | None = None,
+        comm: MPI.Comm | None = None,
+    ) -> Iterator[State]:
+        """Shear the last state: as `shear_in`, behind the states of the run.
+
+        Raises:
+            FileError: the run is interrupted, see `resume`, or lacks frames.
+        """
+        return self._go_on("shear", (strain, steps, tolerance), parameters, comm)
+
+    def resume(self, comm: MPI.Comm | None = None) -> Iterator[State]:
+        """Finish an interrupted `compress_in` or `shear_in`, with the numbers of a whole one.
+
+        The files of an unfinished step are removed.
+
+        Args:
+            comm: as for `Simulation`.
+
+        Yields:
+            The states that are missing; none if the run is complete.
+
+        Raises:
+            FileError: the run is another one, or its files cannot be read.
+        """
+        communicator(comm).barrier()  # rank 0 may still be writing
+        packing, _ = read(self.folder)
+        parameters, done = self.parameters, self.steps_done
+        if done is None:
+            raise FileError(
+                f"the run in '{self.folder}' is none that can be resumed: compress it further with "
+                "--append (in Python: Run.compress)"
+            )
+        communicator(comm).barrier()  # all ranks have read the folder
+        if done >= parameters["steps"]:
+            return iter(())
+        frames.check_frames(self.folder)
+        sim = self.simulation(comm)
+        if done > 0:
+            sim.relax(np.finfo(float).max)  # relaxed already: this only finds whether it is rigid
+        return steps_of(sim, packing, self.folder, parameters, done)
+
+    @property
+    def steps_done(self) -> int | None:
+        """Recorded steps of the last `compress_in` or `shear_in`; None if there is none."""
+        parameters = self.parameters
+        return len(self) - int(parameters["start"]["frame"]) if "start" in parameters else None
+
+    def movie(self, path: str | Path, **settings: Any) -> None:
+        """Draw the states as a movie, see `deformable.movie`."""
+        movie.movie(self, path, **settings)
+
+    def export(self, path: str | Path) -> None:
+        """Write the outlines of the states for ParaView and OVITO, see `deformable.export`."""
+        analysis.export(self, path)
+
+    def series(self) -> Any:
+        """The numbers of the states as a DataFrame of pandas, with the frames as index.
+
+        Raises:
+            ImportError: pandas is missing (`pip install 'lammps-deformable[pandas]'`).
+        """
+        return analysis.series(self.folder)
+
+    def universe(self) -> Universe:
+        """A Universe of MDAnalysis.
+
+            for frame in deformable.Run("run").universe().trajectory:
+                print(frame.time, frame.data["area"].mean())
+
+        Particles and frames are those of `State.to_mdanalysis`. `time` is that of a motion whose
+        states are equally far apart, and the number of the frame in all other runs.
+
+        Raises:
+            FileError: the number of particles changes, which MDAnalysis does not know.
+        """
+        return analysis.universe(self.folder)
+
+    def _before(self) -> dict[str, Any]:
+        """The parameters of the run, for the summary of the next one."""
+        frames.check_frames(self.folder)
+        return {"before": summary_in(self.folder).get("parameters")}
+
+    def _go_on(
+        self,
+        kind: str,
+        steps: tuple[float, int, float],
+        parameters: Mapping[str, Any] | None,
+        comm: MPI.Comm | None,
+    ) -> Iterator[State]:
+        expect_states((), parameters)
+        protocol, sim = protocol_of(kind, *steps), self.simulation(comm)
+        if kind == "shear":
+            check_shear(sim, *steps[:2])
+        done, whole = self.steps_done, self.parameters.get("steps", 0)
+        if done is not None and done < whole:
+            raise FileError(
+                f"the run in '{self.folder}' is interrupted at step {done} of {whole}: finish it "
+                "first with --resume (in Python: Run.resume)"
+            )
+        return begin(sim, self.folder, protocol, parameters, self._before(), len(self))

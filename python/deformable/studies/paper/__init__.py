@@ -1,0 +1,1 @@
+"""The paper's results on one particle between walls, and its packing."""

@@ -1,0 +1,1 @@
+"""How smooth the polygons of the reference are: friction, hysteresis, a crystal."""

@@ -1,0 +1,1 @@
+"""How far each law goes before it fails."""

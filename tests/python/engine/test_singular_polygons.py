@@ -1,0 +1,31 @@
+"""Newton's method for smooth rings where the Hessian is singular."""
+
+import deformable
+import numpy as np
+import pytest
+import scipy.sparse.linalg
+from deformable.engine.smooth_polygons import SmoothPolygons, relax_smooth
+
+
+@pytest.mark.parametrize("failures", [1, 10**9])
+def test_a_singular_hessian(failures: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """More damping helps; if it never does, the rings stay about where they are."""
+    beads = deformable.Beads(number=20, smooth=True)
+    packing = deformable.Packing([[0, 0], [0.9, 0]], [0, 0], [0.5], 4.0 * np.eye(2))
+    rings = SmoothPolygons(beads, beads.polygons(packing.radii), packing.species, packing.box)
+    angle = 2.0 * np.pi * np.arange(20) / 20
+    circle = 0.48 * np.column_stack([np.cos(angle), np.sin(angle)])
+    start = np.concatenate([center + circle for center in packing.positions])
+    exact, left = scipy.sparse.linalg.splu, [failures]
+
+    def sometimes(*arguments: object, **options: object) -> object:
+        left[0] -= 1
+        if left[0] >= 0:
+            raise RuntimeError("Factor is exactly singular")
+        return exact(*arguments, **options)
+
+    monkeypatch.setattr(scipy.sparse.linalg, "splu", sometimes)
+    relaxed = relax_smooth(rings, start, 1e-6)
+    residual = rings.residual(rings.energy(relaxed))
+    assert residual <= (1e-6 if failures == 1 else rings.residual(rings.energy(start)))
+    assert np.isfinite(relaxed).all()
