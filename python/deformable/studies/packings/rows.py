@@ -37,7 +37,7 @@ _REPEATS = 5
 _STIFF = 10.0
 
 # Radius of the beads of mixtures, and the stiffness of contacts over the largest kA, as for
-# `studies.smooth_compressions.smooth_beads`.
+# `studies.accuracy.compressions.smooth_beads`.
 _SKIN, _CONTACT = 0.025, 10.0
 
 
