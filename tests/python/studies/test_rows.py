@@ -192,3 +192,19 @@ def test_soft_and_stiff_rings_come_to_rest():
     """The stiff ones need hundreds of steps to regain their size."""
     rows = packings.mixed_rows(16, 3, 0.02, 95, (1.0, 10.0), (0.1, math.inf))
     assert rows[0]["residual_beads"] <= 1e-6
+
+
+def test_the_error_of_the_reference_follows_from_two_numbers_of_vertices():
+    """Polygons whose energy is 1 - 5/N_v^2, and rough ones that do not count."""
+    energy = {count: 1.0 - 5.0 / count**2 for count in (30, 60, 90)}
+    rows = [
+        {
+            "method": "smooth",
+            "rings": count,
+            "reference": 90,
+            "energy_error": abs(energy[count] - energy[90]),
+        }
+        for count in (30, 60)
+    ]
+    rows.append({"method": "rough", "rings": 80, "reference": 90, "energy_error": 1.0})
+    assert errors.reference_error(rows) == pytest.approx(5.0 / 90**2, rel=1e-9)

@@ -148,6 +148,19 @@ def summary(rows: Sequence[Row], pareto: Sequence[Row]) -> list[Row]:
     return sorted(found, key=lambda row: row["seconds"] or 0.0)
 
 
+def reference_error(pareto: Sequence[Row]) -> float:
+    """Relative error of the energy of the reference polygons themselves.
+
+    The energy of polygons of N_v vertices is off by a part c/N_v^2, and the next finest polygons
+    differ from the reference by e. So the reference is off by e/((N_ref/N_v)^2 - 1).
+
+    Args:
+        pareto: of `pareto_means`.
+    """
+    fine = max((r for r in pareto if r["method"] == "smooth"), key=lambda row: row["rings"])
+    return fine["energy_error"] / ((fine["reference"] / fine["rings"]) ** 2 - 1.0)
+
+
 def fastest_as_good(pareto: Sequence[Row]) -> dict[str, Row]:
     """The fastest polygons of each kind whose energy is at least as right as the balanced law's."""
     (balanced,) = (row for row in pareto if row["method"] == "balanced")
