@@ -37,9 +37,9 @@ class Packing:
         box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
         particle_radii: undeformed radius of each particle, shape (N,) [length], or None: the radius
             of its species. If given, `radii` are the largest radii that a species allows.
-        walls: one shape or several: `Plane`, `Circle`, `Disk`, `Segment`, `Polygon`. A container
-            of planes and circles closes directions: the box is not periodic along them, and has
-            the length of the container there, whatever is given. Obstacles repeat with the box.
+        walls: one shape or several: `Plane`, `Circle`, `Disk`, `Segment`, `Polygon`. Where a
+            container of planes and circles closes a direction, the box is not periodic and spans
+            it, whatever is given. Obstacles repeat with the box.
 
     Raises:
         ParameterError: shapes disagree, a number is not finite, a radius or box length is not

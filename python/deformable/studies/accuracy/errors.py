@@ -106,7 +106,7 @@ def whole_percents(rows: Sequence[Row]) -> list[float]:
 def energy_errors(rows: Sequence[Row], law: str) -> dict[float, list[float]]:
     """|E/E(polygons) - 1| of a law at each strain, of all packings, against the finest polygons.
 
-    The sector law does not come to rest, and is taken at the centers of the polygons. Rows whose
+    The sector law does not converge, and is evaluated at the polygons' centers. Rows whose
     reference has not converged are left out.
 
     Args:

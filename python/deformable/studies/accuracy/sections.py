@@ -33,7 +33,7 @@ def in_short(rows: Sequence[Row], pareto: Sequence[Row]) -> Section:
             f"Laws and smooth polygons compress the same packings of {rows[0]['n']} particles from "
             "jamming, and each relaxes on its own. The table has the error of the energy: of the "
             f"laws against polygons of {finest} vertices, the median over the packings. The sector "
-            "law does not come to rest; it is taken at the centers of the polygons.",
+            "law does not converge; it is evaluated at the polygons' centers.",
             _as_good(pareto),
         ),
         pictures=[
