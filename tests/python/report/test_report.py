@@ -21,14 +21,14 @@ SMALLEST = Plan(
     pareto=[(8, 1, 57, 0.015, 1, (38,), (38,))],
     smooth=[(8, 1, 38, 0.015, 1)],
     friction=[(RINGS[0], 0.04, 2), (RINGS[1], 0.04, 2, 1e-2)],
-    hysteresis=[(6, 1, rings, 0.03, 2) for rings in RINGS],
+    hysteresis=[(6, 1, rings, 0.015, 2) for rings in RINGS],
     crystal=[(RINGS[0], 0.03)],
     large=(8, 3, 0.03, Beads(number=16)),
     mixtures=[(8, 1, 0.03, 38, (1.0, 10.0), (0.1, math.inf))],
     shapes={"indentations": (0.02,), "number": 24, "kL": 100.0},
     stiffness={"indentations": (0.01, 0.02), "number": 24, "kL": (1.0, 100.0)},
     limits=[(6, 0.05, (16, 24), (5.0, 10.0))],
-    stability={"packings": 1, "steps": 400, "densest": 1.12},
+    stability={"packings": 1, "steps": 400, "densest": 0.92},
 )
 
 KEYS = {
@@ -251,11 +251,10 @@ def test_no_matplotlib(tmp_path, monkeypatch):
 
 
 def test_stability(folder):
-    """Ring laws pass, tilted contacts up to confluence; failures of the sector law have reasons."""
+    """Ring laws pass up to confluence; failures of the sector law have reasons."""
     rows = json.loads((folder / "report.json").read_text())["stability"]
     assert {row["law"] for row in rows} == {"radical", "balanced", "tilted", "sector"}
-    crowded = {"law": "tilted", "case": "phi 0.5 to 1.12"}
-    missed = [row for row in rows if not row["ok"] and not crowded.items() <= row.items()]
+    missed = [row for row in rows if not row["ok"]]
     assert {row["law"] for row in missed} == {"sector"}
     assert {row["quantity"] for row in missed} >= {
         "residual of FIRE",
