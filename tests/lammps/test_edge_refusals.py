@@ -163,7 +163,9 @@ def test_vertex_on_another_rank(tmp_path):
     commands = f"log log.lammps\nprocessors 4 1 1\n{HEADER}\nread_data data\n{TWO}run 0"
     result = lmp(4, commands, tmp_path)
     assert result.returncode != 0
-    found = f"{STYLE}: (atom [34] of ring 1 is not found beside atom [23]|the edge of ring 1 .*atom 3 )"
+    found = (
+        f"{STYLE}: (atom [34] of ring 1 is not found beside atom [23]|the edge of ring 1 .*atom 3 )"
+    )
     assert re.search(found, (tmp_path / "log.lammps").read_text() + result.stdout)
 
 

@@ -122,7 +122,8 @@ def compress_command(
     else:
         check_together(settings, given)
         states = _begin(folder, settings, overwrite)
-    last = print_states(states, len(Run(folder)), _COLUMNS)
+    done = len(Run(folder)) if resume or append else 0
+    last = print_states(states, done, _COLUMNS)
     if last is None:
         print_once(f"the compression in '{folder}' is complete")
     else:

@@ -64,7 +64,8 @@ def shear_command(
         before = {"before": Run(run).parameters}
         sim = Run(run).simulation()
         states = shear_in(sim, folder, strain, steps, tolerance, before, overwrite)
-    last = print_states(states, Run(folder).steps_done or 0, _COLUMNS)
+    done = Run(folder).steps_done if resume else None
+    last = print_states(states, done or 0, _COLUMNS)
     if last is None:
         print_once(f"the shear in '{folder}' is complete")
     else:

@@ -106,7 +106,12 @@ def _text(path: Path, folder: Path) -> str:
     try:
         return path.read_text()
     except FileNotFoundError:
-        raise FileError(f"no saved run in '{folder}': {path} is missing") from None
+        raise FileError(
+            f"no saved run in '{folder}': {path} is missing. Name another folder, or begin a run "
+            "there, as with deformable compress --out"
+        ) from None
+    except NotADirectoryError:
+        raise FileError(f"'{folder}' is a file, not a folder: name another folder") from None
     except OSError as error:
         raise FileError(f"{path} cannot be read: {error.strerror}") from None
 

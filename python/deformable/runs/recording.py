@@ -155,10 +155,12 @@ def _begin_in(
     sim.comm.barrier()  # rank 0 may still be writing
     place = refuse(folder, "compression" if overwrite else None, _WAYS)
     frames.refuse_foreign(place)
-    return begin(sim, place, protocol, parameters)
+    name = "shear_in" if kind == "shear" else "compress_in"
+    return begin(name, sim, place, protocol, parameters)
 
 
 def begin(
+    name: str,
     sim: Simulation,
     folder: Path,
     protocol: Mapping[str, Any],
@@ -166,13 +168,26 @@ def begin(
     before: Mapping[str, Any] | None = None,
     first: int = 0,
 ) -> Iterator[State]:
-    """Write the start of a run, and return its steps.
+    """The steps of a run. Nothing is written before the first one is asked for.
 
     Args:
+        name: of what the user has called.
         before: parameters of the run that it goes on with, if any.
         first: number of the frames before.
     """
     expect("parameters", parameters, Mapping, type(None))
+    return Steps(name, _begun(sim, folder, protocol, parameters, before, first))
+
+
+def _begun(
+    sim: Simulation,
+    folder: Path,
+    protocol: Mapping[str, Any],
+    parameters: Mapping[str, Any] | None,
+    before: Mapping[str, Any] | None,
+    first: int,
+) -> Iterator[State]:
+    """Write the start of a run, then take its steps."""
     shears, new = protocol.get("protocol") == "shear", before is None
     sim.strain = (sim.strain or 0.0) if shears else sim.strain
     start = sim.state()  # all ranks have read the folder by then
@@ -186,7 +201,7 @@ def begin(
             pass
     elif start.root:
         start.save(folder, parameters, frames=first)
-    return steps_of(sim, start.packing, folder, parameters, done=0)
+    yield from steps_of(sim, start.packing, folder, parameters, done=0)
 
 
 def steps_of(
@@ -202,8 +217,7 @@ def steps_of(
         states = shear_steps(sim, start.get("strain") or 0.0, *protocol)
     else:
         states = remaining_steps(sim, np.array(start["box"]), *protocol)
-    written = write(_restarting(sim, states), folder, parameters, start["frame"] + done)
-    return Steps(f"{parameters.get('protocol', 'compress')}_in", written)
+    return write(_restarting(sim, states), folder, parameters, start["frame"] + done)
 
 
 def _restarting(sim: Simulation, states: Iterable[State]) -> Iterator[State]:

@@ -85,8 +85,17 @@ class Run:
         numbers = self._numbers()
         if isinstance(index, slice):
             return list(self._states(numbers[index]))
-        if not -len(numbers) <= index < len(numbers):
-            raise IndexError(f"'{self.folder}' has {len(numbers)} states, and no state {index}")
+        expect("the number of a state", index, int, np.integer)
+        last = len(numbers) - 1
+        if last < 0:
+            raise IndexError(
+                f"'{self.folder}' has one saved state and no recorded ones: Run.simulation() reads it"
+            )
+        if not -last - 1 <= index <= last:
+            raise IndexError(
+                f"'{self.folder}' has {last + 1} states, and no state {index}: give 0 to {last}, or "
+                f"-1 to {-last - 1} from the end"
+            )
         (state,) = self._states([numbers[index]])
         return state
 
@@ -199,8 +208,8 @@ class Run:
         parameters, done = self.parameters, self.steps_done
         if done is None:
             raise FileError(
-                f"the run in '{self.folder}' is none that can be resumed: compress it further with "
-                "--append (in Python: Run.compress)"
+                f"the run in '{self.folder}' cannot be resumed, as its last states are none of "
+                "compress_in or shear_in: go on with Run.compress (in the shell: --append)"
             )
         communicator(comm).barrier()  # all ranks have read the folder
         if done >= parameters["steps"]:
@@ -209,7 +218,7 @@ class Run:
         sim = self.simulation(comm)
         if done > 0:
             sim.relax(np.finfo(float).max)  # relaxed already: this only finds whether it is rigid
-        return steps_of(sim, packing, self.folder, parameters, done)
+        return Steps("Run.resume", steps_of(sim, packing, self.folder, parameters, done))
 
     @property
     def steps_done(self) -> int | None:
@@ -269,4 +278,5 @@ class Run:
                 f"the run in '{self.folder}' is interrupted at step {done} of {whole}: finish it "
                 "first with --resume (in Python: Run.resume)"
             )
-        return begin(sim, self.folder, protocol, parameters, self._before(), len(self))
+        name = "Run.shear" if kind == "shear" else "Run.compress"
+        return begin(name, sim, self.folder, protocol, parameters, self._before(), len(self))

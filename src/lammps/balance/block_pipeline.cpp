@@ -40,6 +40,12 @@ void BlockPipeline::extrapolate(const deformable::Extrapolation &by)
   kernels.extrapolate(arrays(), by, 0, pairs->size);
 }
 
+void BlockPipeline::start_from_nothing()
+{
+  const PairArrays a = arrays();
+  for (int k = 0; k < pairs->size; ++k) a.force[k] = deformable::least_force<double>(a, k);
+}
+
 void BlockPipeline::take_past()
 {
   const PairArrays a = arrays();

@@ -34,7 +34,7 @@ class BlockPipeline : protected Pointers {
     SHAPE,      // rings, for the forces of their pairs
     ADAPT,      // the same after a small step
     LOOK,       // what is left of overlaps
-    WAIT,       // until the blocks that are two away have looked
+    WAIT,       // until the blocks that are two away have looked, whose pairs RELAX may change
     RELAX,      // a few pairs that are far from balance
     TURN,       // shapes of the rings of those
     CORRECT,    // an iteration of the corrector
@@ -51,7 +51,7 @@ class BlockPipeline : protected Pointers {
 
   ForceCorrector corrector;
   PairRelaxation relaxation;
-  int evaluations = 0;    // runs that ended with a look
+  int evaluations = 0;    // of the call: shapes of all rings, and what is left of the overlaps then
 
   void arrange(ForceBatches &, NearPairs &, RemoteSides &);    // contacts are new
   void begin_call();                                           // units may be new
@@ -59,7 +59,7 @@ class BlockPipeline : protected Pointers {
   // First forces, and how the present ones become past ones.
   void extrapolate(const deformable::Extrapolation &);
   void take_past();
-  void start_from_nothing() { std::fill(pairs->force.begin(), pairs->force.end(), 0.0); }
+  void start_from_nothing();
   void remember() { remember(0, pairs->size); }
 
   // Both ranks of a pair take the mean of their overlaps and of their first forces.

@@ -1,5 +1,6 @@
 // How the forces of the last calls predict those of the next one: by a polynomial in time through the last calls at
-// successive steps, at most a cubic. Behind a kink, where a contact has opened or closed, by a straight line.
+// successive steps, at most a cubic. Where that is a cubic, forces behind a kink, which a contact has that opened or closed,
+// are predicted by a straight line.
 //
 // The error of a cubic is even in time, so what corrections leave of it neither heats nor cools. With a quadratic energies
 // drifted. In a minimization velocities jump, and a quadratic is as good.
@@ -32,12 +33,15 @@ class ForcePredictor {
   // Forces are known well before they are corrected.
   bool predicts() const { return calls >= QUADRATIC; }
 
-  // smooth: third differences of forces that are no kink, in the unit of the differences.
+  // smooth: third differences of forces that are no kink, in the unit of the differences. After a prediction that no rings
+  // could bear it is infinite: then each kink counts.
   deformable::Extrapolation next(bool minimizing, double smooth) const
   {
-    const bool is_cubic = calls == CUBIC && !minimizing && std::isfinite(smooth);
+    constexpr double INFINITE = std::numeric_limits<double>::infinity();
+    const bool is_cubic = calls == CUBIC && !minimizing;
+    const double no_kink = std::isfinite(smooth) ? smooth : 0.0;
     return {calls >= LINEAR ? 1.0 : 0.0, calls >= QUADRATIC ? 1.0 : 0.0, is_cubic ? 1.0 : 0.0,
-            is_cubic ? smooth : std::numeric_limits<double>::infinity()};
+            is_cubic ? no_kink : INFINITE};
   }
 
  private:

@@ -72,7 +72,7 @@ bool ForceSolver::solve()
   double halved = std::numeric_limits<double>::infinity();
   int since = evaluations();
   for (;;) {
-    if (!now.exists && !is_anew) {    // forces were extrapolated too far
+    if (!now.exists && !is_anew) {    // forces were extrapolated too far: anew, even beyond maxeval
       is_anew = true;
       forget();
       pipeline.start_from_nothing();
@@ -110,7 +110,8 @@ bool ForceSolver::is_balanced(Evaluation &now)
 Evaluation ForceSolver::first_evaluation()
 {
   const bool is_planned = is_first && predictor.predicts() && !minimizing() && !lines &&
-                          pipeline.corrector.knows_bounds() && planned_from.imbalance > 0.0;
+                          pipeline.corrector.knows_bounds() && planned_from.exists &&
+                          planned_from.norm2 > 0.0 && planned_from.force > 0.0;
   if (is_planned) {
     is_first = false;
     return evaluate_and_correct();
@@ -160,7 +161,6 @@ bool ForceSolver::correct_some(Evaluation &now)
   if (!pipeline.are_few(limit(now), chosen)) return false;
 
   ++local_corrections;
-  is_corrected = true;
   const Evaluation from = now;
   Stages stages(pipeline.corrector.plan(accuracy(from)), Stage::CORRECT);
   stages.insert(stages.end(), {Stage::STEP, shape_after(from)});

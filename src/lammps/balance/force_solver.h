@@ -85,8 +85,8 @@ class ForceSolver : protected Pointers {
   bool is_first = true;    // solution of this call
   bool is_remembered = false;
   bool is_corrected = false;    // in this call
-  Evaluation
-      planned_from;    // before the first correction of this call; until that is known, of the last one
+  // Before the correction of the last call, and then of this one, which is planned from it.
+  Evaluation planned_from;
 
   bool minimizing() const;
   double limit(const Evaluation &now) const { return tolerance * now.force; }

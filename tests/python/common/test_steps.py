@@ -26,3 +26,21 @@ def test_a_call_that_does_nothing_warns(
             warnings.simplefilter("error")
             if protocol != "compress_in":
                 assert next(calls[protocol]())
+
+
+def test_nothing_is_written_before_the_first_step(state: deformable.State, tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    with deformable.Simulation(state.packing, state.law) as sim:
+        with pytest.warns(RuntimeWarning, match="^compress_in has done nothing"):
+            deformable.compress_in(sim, folder, 0.001, 2)
+        assert not folder.exists()
+        list(deformable.compress_in(sim, folder, 0.001, 2))
+    run = deformable.Run(folder)
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    with pytest.warns(RuntimeWarning, match=r"^Run\.compress has done nothing"):
+        run.compress(0.001, 2)
+    with pytest.warns(RuntimeWarning, match=r"^Run\.shear has done nothing"):
+        run.shear(0.001, 2)
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+    assert len(list(run.compress(0.001, 1))) == 1
+    assert len(run) == 3

@@ -119,5 +119,5 @@ def test_a_saved_state_is_a_run_without_frames(start: Packing, tmp_path: Path) -
         sim.state().save(tmp_path)
     run = deformable.Run(tmp_path)
     assert (len(run), list(run), run[:]) == (0, [], [])
-    with pytest.raises(IndexError, match="has 0 states"):
+    with pytest.raises(IndexError, match="one saved state and no recorded ones"):
         run[-1]
