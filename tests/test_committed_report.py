@@ -150,7 +150,7 @@ def test_rings_as_right_as_the_balanced_law_take_a_hundred_times_as_long():
 
 
 def test_smooth_rings_are_smooth():
-    """Rough rings catch, smooth ones do not; near jamming a packing may come back by another way."""
+    """Rough rings catch, smooth ones do not; near jamming a packing may find another minimum."""
     for row in rows("friction", smooth=False):
         assert row["friction"] > 0.2
     for row in rows("friction", smooth=True):

@@ -89,12 +89,12 @@ class Run:
         last = len(numbers) - 1
         if last < 0:
             raise IndexError(
-                f"'{self.folder}' has one saved state and no recorded ones: Run.simulation() reads it"
+                f"'{self.folder}' has one saved state and no recorded ones: take Run.simulation()"
             )
         if not -last - 1 <= index <= last:
             raise IndexError(
-                f"'{self.folder}' has {last + 1} states, and no state {index}: give 0 to {last}, or "
-                f"-1 to {-last - 1} from the end"
+                f"'{self.folder}' has {last + 1} states, and no state {index}: give 0 to {last}, "
+                f"or -1 to {-last - 1} from the end"
             )
         (state,) = self._states([numbers[index]])
         return state
