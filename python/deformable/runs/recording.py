@@ -149,6 +149,7 @@ def _begin_in(
     overwrite: bool,
 ) -> Iterator[State]:
     expect("sim", sim, Simulation)
+    _ = sim.lmp  # or say that it is closed
     if kind == "shear":
         check_shear(sim, *steps[:2])
     protocol = protocol_of(kind, *steps)
