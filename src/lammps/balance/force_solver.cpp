@@ -96,7 +96,8 @@ bool ForceSolver::solve()
   return now.exists && now.worst() <= limit(now);
 }
 
-// The forces of a minimizer vanish. Those of contacts go on with them below the tolerance if each call corrects them. Torques count only where forces balance: before, they are not worth their evaluation.
+// The forces of a minimizer vanish. Those of contacts go on with them below the tolerance if each call corrects them.
+// Torques count only where forces balance: before, they are not worth their evaluation.
 bool ForceSolver::is_balanced(Evaluation &now)
 {
   if (!now.exists || now.imbalance > limit(now)) return false;
