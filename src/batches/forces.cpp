@@ -13,7 +13,7 @@ const ForceKernels force_kernels = {
     shape_rings,  adapt_rings,    slopes_of_rings,      begin_corrections,
     multiply,     advance,        advance_and_multiply, advance_twice,
     locate_pairs, find_residuals, find_unbalanced,      extrapolate,
-    take_step,    remember,       find_tilts,           turn_lines,
+    take_step,    remember,       find_lines,           take_lines,
     dot};
 
 }    // namespace deformable::DEFORMABLE_LEVEL

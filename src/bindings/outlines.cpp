@@ -1,7 +1,8 @@
 #include "laws.h"
 
 #include "contact.h"
-#include "outline.h"
+#include "curved_outline.h"
+#include "parameter_rules.h"
 
 #include <nanobind/stl/string.h>
 
@@ -38,6 +39,30 @@ Points outline_points(const std::string &law, double radius, nb::handle angle,
   } else {
     refuse("law is '" + law + "': it must be 'ring', 'sector' or 'area_sector'");
   }
+  return to_numpy<Points>(outline.xy.data(), {outline.xy.size() / 2, 2});
+}
+
+Points curved_points(double radius, nb::handle angles, nb::handle lengths, nb::handle half_angles,
+                     int points, bool same_area)
+{
+  require_fine(points);
+  require_positive("radius", radius);
+  const std::vector<double> angle = vector_of("angle", angles),
+                            length = vector_of("length", lengths),
+                            half_angle = vector_of("half_angle", half_angles);
+  if (angle.size() != length.size() || angle.size() != half_angle.size())
+    refuse("angle, length and half_angle must have the same length");
+  std::vector<CurvedContact> contacts;
+  for (std::size_t c = 0; c < angle.size(); ++c) {
+    if (length[c] < 0.0)
+      refuse("length: lengths must not be negative, not " + shown_number(length[c]));
+    if (!(std::fabs(half_angle[c]) < 0.5 * PI))
+      refuse("half_angle: must lie between -pi/2 and pi/2, not " + shown_number(half_angle[c]));
+    if (length[c] > 0.0)
+      contacts.push_back({std::remainder(angle[c], 2.0 * PI), length[c], half_angle[c]});
+  }
+  Outline outline = {same_area};
+  curved_outline(radius, std::move(contacts), points, outline);
   return to_numpy<Points>(outline.xy.data(), {outline.xy.size() / 2, 2});
 }
 
@@ -130,6 +155,13 @@ Returns an array (m, 2), a closed polygon about the center, counterclockwise, th
 repeated; every point is exact, the ends of the contacts among them. `points` sets how fine a whole
 turn is divided. With `same_area` the points between contacts lie a little outside, so that the polygon
 has the area of the outline, 2e-4 more for 180 points. Parameters and errors as for the law.)");
+  m.def("curved_outline", &curved_points, "radius"_a, "angle"_a, "length"_a, "half_angle"_a,
+        "points"_a = 180, "same_area"_a = false,
+        R"(The outline of a ring whose contacts are arcs.
+
+As `outline`, from what `forced_ring` gives: its `support_radius` [length], and the `contact_length` L [length],
+direction and half angle [rad] of each contact. Raises ValueError for a negative length, or a half angle of a
+quarter turn and more.)");
   m.def("sector_arcs", &arcs_of, "radius"_a, "angle"_a, "indentation"_a, "closed"_a = true,
         R"(The arcs of `sector`, one a sector, by rising angle.
 

@@ -1,8 +1,7 @@
 #include "laws.h"
 
+#include "contact_curve.h"
 #include "parameter_rules.h"
-#include "ring_forces.h"
-#include "tilt.h"
 
 #include <cmath>
 
@@ -11,18 +10,24 @@ using namespace deformable;
 namespace {
 
 struct ForcedRing {
-  Stiffness stiffness;
-  RingLoad load;
+  Stiffness stiffness = {};
+  RingLoad load = {0.0, 0.0};
   LoadedRing ring;
-  double radius;
+  double radius = 0.0, bend = 0.0;    // X/2 pi p, see contact_curve.h
   std::vector<double> indentation, length, slope, slope_rate, d_angle, compliance;
 };
 
 ForcedRing forced_ring(double radius, nb::handle angles, nb::handle forces, double kA, double kP,
-                       double skin, double tension)
+                       double skin, double tension, nb::handle half_angles)
 {
   require_positive("radius", radius);
   const std::vector<double> angle = vector_of("angle", angles), force = vector_of("force", forces);
+  const std::vector<double> half_angle = half_angles.is_none()
+                                             ? std::vector<double>(force.size(), 0.0)
+                                             : vector_of("half_angle", half_angles);
+  if (half_angle.size() != force.size())
+    refuse("half_angle and force must have the same length, not " +
+           std::to_string(half_angle.size()) + " and " + std::to_string(force.size()));
   if (angle.size() != force.size())
     refuse("angle and force must have the same length, not " + std::to_string(angle.size()) +
            " and " + std::to_string(force.size()));
@@ -30,7 +35,9 @@ ForcedRing forced_ring(double radius, nb::handle angles, nb::handle forces, doub
   refuse_invalid(radius, stiffness, skin);
   const std::size_t z = force.size();
   std::vector<double> green_force(z, 0.0), d_green_force(z, 0.0), g(z * z);
-  ForcedRing result = {stiffness, {0.0, 0.0}, {}, radius - skin, {}, {}, {}, {}, {}, {}};
+  ForcedRing result;
+  result.stiffness = stiffness;
+  result.radius = radius - skin;
   for (std::size_t c = 0; c < z; ++c) {
     if (force[c] < 0.0) refuse("force: forces must not be negative, not " + shown_number(force[c]));
     result.load.total += force[c];
@@ -44,13 +51,27 @@ ForcedRing forced_ring(double radius, nb::handle angles, nb::handle forces, doub
       const double slope = d_green(std::fabs(t), sine, cosine);
       if (c != k) d_green_force[c] += (t < 0.0 ? -slope : slope) * force[k];
     }
-  for (std::size_t c = 0; c < z; ++c) result.load.work += 0.5 * force[c] * green_force[c];
+  double excess = 0.0, cap = 0.0;
+  for (std::size_t c = 0; c < z; ++c) {
+    if (!(std::fabs(half_angle[c]) <= PI / 6.0 + 1e-12))
+      refuse("half_angle: contacts bend by pi/6 at most, not " + shown_number(half_angle[c]));
+    const double u = std::tan(0.5 * half_angle[c]);
+    const ArcTerms<double> arc = arc_terms(u);
+    result.load.work += 0.5 * force[c] * green_force[c];
+    excess += force[c] * arc.excess;
+    cap += force[c] * force[c] * arc.cap;
+    green_force[c] -= 0.5 * u * force[c];
+  }
+  const CurvedLoad<double> load = curved_load(result.load.work, result.load.total, excess, cap);
+  result.load = {load.work, load.total};
+  for (std::size_t c = 0; c < z; ++c) green_force[c] += load.shift;
   if (!find_pressure(result.radius, result.stiffness, result.load, result.ring))
     refuse("force: no ring of this stiffness bears these forces");
 
   const double p = result.ring.pressure;
   const RingCompliance C =
       compliance_of(result.radius, result.stiffness, result.load.work, result.ring);
+  result.bend = load.shift * C.per_pressure;
   result.compliance.resize(z * z);
   for (std::size_t c = 0; c < z; ++c) {
     const double b = green_force[c] * C.per_pressure;
@@ -95,6 +116,9 @@ void deformable::bind_ring_forces(nb::module_ &m)
       .def_prop_ro(
           "delta", [](const ForcedRing &r) { return r.ring.expansion; },
           "radial expansion of the ring, (P - P0)/2 pi [length]")
+      .def_prop_ro(
+          "support_radius", [](const ForcedRing &r) { return r.radius + r.ring.expansion - r.bend; },
+          "E of the support function H = E - sum L G between contacts, without the skin [length]")
       .def_prop_ro("indentation", vector(&ForcedRing::indentation), nb::rv_policy::move,
                    "a = dW/df of each contact [length], (z,)")
       .def_prop_ro("contact_length", vector(&ForcedRing::length), nb::rv_policy::move,
@@ -117,7 +141,7 @@ void deformable::bind_ring_forces(nb::module_ &m)
           nb::rv_policy::move, "C = da/df [length^2/energy], (z, z)");
 
   m.def("forced_ring", &forced_ring, "radius"_a, "angle"_a, "force"_a, "kA"_a, "kP"_a,
-        "skin"_a = 0.0, "tension"_a = 0.0,
+        "skin"_a = 0.0, "tension"_a = 0.0, "half_angle"_a = nb::none(),
         R"(The ring of `soft_ring` with given forces in place of given indentations.
 
 W(f) = max over a of f.a - U(a) is the convex conjugate of the energy U(a). Its derivatives are the
@@ -129,6 +153,9 @@ radius, angle, kA, kP, skin, tension
     As for `soft_ring`.
 force : array_like, shape (z,)
     The force of each contact, not negative [energy/length].
+half_angle : array_like, shape (z,), optional
+    Half angle of each contact line, an arc: positive where it is convex for this ring; straight if omitted
+    [rad]. Indentations are those of its middle, and `compliance` is that of straight lines.
 
 Returns
 -------
@@ -140,21 +167,4 @@ ValueError
     As for `soft_ring`; a negative force; forces that no ring with this stiffness bears.
 
 Source: docs/theory.md, "Balanced contacts".)");
-
-  m.def("curvature_energy", &curvature_energy, "force"_a, "pressure_i"_a, "pressure_j"_a,
-        "tension_i"_a, "tension_j"_a,
-        R"(What a contact line between two rings would still save if it were curved [energy].
-
-(p_i - p_j)^2 L^3 / (24 (T_i + T_j)) with L = F (1/p_i + 1/p_j)/2; infinite without tension.
-
-Parameters
-----------
-force
-    F of the contact [energy/length].
-pressure_i, pressure_j
-    Of both rings, positive if there is a force [energy/length^2].
-tension_i, tension_j
-    Of their outlines, see `ForcedRing` [energy/length].
-
-Source: docs/theory.md, "Tilted contacts".)");
 }

@@ -16,6 +16,7 @@ constexpr int LANES = 8;
 // places of contacts that are empty, bears nothing.
 struct PairDirections {
   const double *force, *angle, *nx, *ny;
+  const double *bend;    // tan(beta/2), see contact_curve.h; null where contact lines are straight
 };
 
 // Rings: batch x LANES + lane.
@@ -115,14 +116,21 @@ struct PairPlaces {
   double *per_distance, *overlap, *angle, *nx, *ny;
 };
 
-// Contact lines that tilt.
+// What contact lines need of their rings, by contact: dt/dtheta, 1/p and q (contact_curve.h).
+struct OutlineArrays {
+  double *slope_rate, *per_pressure, *free_radius;
+};
+
+// Contact lines that tilt and bend.
 struct LineArrays {
   const double *per_distance, *force;
-  const int *first, *second;            // contacts of the pairs
-  const double *slope, *slope_rate;     // t and dt/dtheta, by contact
-  double *sine, *next;                  // of the tilt, and of the next one
+  const int *first, *second;    // contacts of the pairs
+  const double *slope;          // t, by contact
+  OutlineArrays outline;
+  double *sine, *next_sine;             // of the tilt, and of the next one
+  double *bend, *next_bend;             // tan(beta/2)
   double *overlap, *angle, *nx, *ny;    // of the tilted line
-  double part;                          // of the step to the next tilt
+  double part;                          // of the step to the next tilt and bend
 };
 
 // Structures come by value: behind a reference, whatever a kernel stores might change them, and each use would load them
@@ -132,8 +140,8 @@ struct ForceKernels {
   bool (*shape)(RingBatches, PairDirections);
   // The same after small changes of the forces; the changes are in this unit and in single precision.
   bool (*adapt)(RingBatches, const double *forces, const float *changes, double unit);
-  // Slopes of outlines; also how they change as contacts turn (tilt.h), by contact, unless null.
-  void (*slopes)(RingBatches, PairDirections, double *slope_rate);
+  // Slopes of outlines, and what else contact lines need unless that is null.
+  void (*slopes)(RingBatches, PairDirections, OutlineArrays);
 
   // Iterations for C x = r of the pairs that have a positive weight w. Sums are over the contacts of this rank; each
   // pair of two rings has two of them. begin: takes residuals and weights, d = w r and C d; returns d C d. multiply: the
@@ -168,9 +176,9 @@ struct ForceKernels {
   // The forces become past ones.
   void (*remember)(PairArrays, int begin, int end);
 
-  // The next tilts, by Newton's method for each line alone; returns the largest imbalance. Lines take their next tilts.
-  double (*find_tilts)(LineArrays, int begin, int end);
-  void (*turn_lines)(LineArrays, int begin, int end);
+  // The next tilts and bends, by Newton's method for each line alone; returns the largest imbalance. Lines take them.
+  double (*find_lines)(LineArrays, int begin, int end);
+  void (*take_lines)(LineArrays, int begin, int end);
 
   double (*dot)(const float *, const float *, int begin, int end);
 };

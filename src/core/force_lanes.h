@@ -6,10 +6,10 @@
 #ifndef DEFORMABLE_FORCE_LANES_H
 #define DEFORMABLE_FORCE_LANES_H
 
+#include "contact_curve.h"
 #include "force_kernels.h"
 #include "lane_geometry.h"
 #include "pressure_lanes.h"
-#include "tilt.h"
 
 namespace deformable::DEFORMABLE_LEVEL {
 
@@ -94,10 +94,35 @@ DEFORMABLE_LANE_FUNCTION void for_contacts(const PairDirections &pairs, int n, c
   }
 }
 
+// The load of rings whose contacts are arcs (contact_curve.h), and their products, p (a + delta).
+DEFORMABLE_LANE_FUNCTION void bend_contacts(int n, const double *bend, const int *seats,
+                                            const Lanes *force, Lanes *product, Lanes &work,
+                                            Lanes &total)
+{
+  Lanes excess = Lanes{}, cap = Lanes{};
+#pragma GCC unroll 8
+  for (int m = 0; m < n; ++m) {
+    const int *const seat = seats + m * LANES;
+    const Lanes beta = of_pairs(bend, seat);
+    const Lanes u = each_lane(
+        [&](int w) DEFORMABLE_LANE_LAMBDA { return seat[w] & 1 ? -beta[w] : beta[w]; });
+    const ArcTerms<Lanes> arc = arc_terms(u);
+    excess += force[m] * arc.excess;
+    cap += force[m] * force[m] * arc.cap;
+    product[m] -= 0.5 * u * force[m];
+  }
+  const CurvedLoad<Lanes> load = curved_load(work, total, excess, cap);
+  work = load.work;
+  total = load.total;
+#pragma GCC unroll 8
+  for (int m = 0; m < n; ++m) product[m] += load.shift;
+}
+
 // Shapes from forces and their sums with G.
 template <bool SOFT>
-DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const Lanes *force, const Lanes *product,
-                                            const ContactArrays &c, const RingArrays &rings)
+DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const double *bend, const Lanes *force,
+                                            Lanes *product, const ContactArrays &c,
+                                            const RingArrays &rings)
 {
   Lanes work = Lanes{}, total = Lanes{};
 #pragma GCC unroll 8
@@ -105,7 +130,9 @@ DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const Lanes *force, const Lan
     work += force[m] * product[m];
     total += force[m];
   }
-  store(rings.work, 0.5 * work);
+  work *= 0.5;
+  if (bend) bend_contacts(n, bend, c.seat, force, product, work, total);
+  store(rings.work, work);
   store(rings.total, total);
   ComplianceLanes by;
   const bool exist = press<SOFT>(rings, by);
@@ -152,11 +179,11 @@ DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int conta
         product[m] += between * force[k];
         product[k] += between * force[m];
       });
-  return finish_shapes<SOFT>(n, force, product, c, rings);
+  return finish_shapes<SOFT>(n, pairs.bend, force, product, c, rings);
 }
 
 // Shapes the rings anew after their forces have changed a little, in the same directions, with the last G in single
-// precision for the changes.
+// precision for the changes; for straight contact lines.
 template <int SIZE, bool SOFT>
 DEFORMABLE_LANE_FUNCTION bool adapt_lanes(const double *forces, const float *changes, double unit,
                                           int contacts, const ContactArrays &c,
@@ -181,15 +208,15 @@ DEFORMABLE_LANE_FUNCTION bool adapt_lanes(const double *forces, const float *cha
       product[k] += between * change[m];
     }
   }
-  return finish_shapes<SOFT>(n, force, product, c, rings);
+  return finish_shapes<SOFT>(n, nullptr, force, product, c, rings);
 }
 
 // The slope of the outline at each contact, sum_k L_k G'(theta_c - theta_k); -f_c times that is dU/dtheta_c.
-// And its rate at contacts that turn, unless `rate` is null, for rings at rest.
+// And what else contact lines need, unless that is null; the rate for rings at rest.
 template <int SIZE>
 DEFORMABLE_LANE_FUNCTION void slope_lanes(const PairDirections &pairs, int contacts,
                                           const ContactArrays &c, const RingArrays &rings,
-                                          double *rate)
+                                          const OutlineArrays &outline)
 {
   const int n = SIZE > 0 ? SIZE : contacts;
   OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
@@ -205,14 +232,18 @@ DEFORMABLE_LANE_FUNCTION void slope_lanes(const PairDirections &pairs, int conta
   const Lanes per_p = load<Lanes>(rings.per_pressure);
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) store(c.slope + m * LANES, per_p * slope[m]);
-  if (!rate) return;
+  if (!outline.slope_rate) return;
   const Lanes lengths = load<Lanes>(rings.total) * per_p;
   const Lanes delta = rings.expansion ? load<Lanes>(rings.expansion) : Lanes{};
+  const Lanes q = load<Lanes>(rings.radius) + delta - lengths * (0.5 / PI);
 #pragma GCC unroll 8
-  for (int m = 0; m < n; ++m)
-    store(rate + m * LANES,
+  for (int m = 0; m < n; ++m) {
+    store(outline.slope_rate + m * LANES,
           slope_rate(lengths, Lanes{}, load<Lanes>(c.indentation + m * LANES) + delta,
                      force[m] * per_p));
+    store(outline.per_pressure + m * LANES, per_p);
+    store(outline.free_radius + m * LANES, q);
+  }
 }
 
 // kernel(n, number of contacts, contacts, rings) for each vector of rings, n a constant for the usual numbers.
@@ -268,11 +299,15 @@ static bool adapt_rings(RingBatches b, const double *forces, const float *change
                 : adapt_all<false>(b, forces, changes, unit);
 }
 
-static void slopes_of_rings(RingBatches b, PairDirections pairs, double *rate)
+static void slopes_of_rings(RingBatches b, PairDirections pairs, OutlineArrays outline)
 {
   for_all(b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
                  DEFORMABLE_LANE_LAMBDA {
-                   double *const of_batch = rate ? rate + (c.seat - b.contacts.seat) : nullptr;
+                   OutlineArrays of_batch = outline;
+                   if (outline.slope_rate)
+                     for (double **p : {&of_batch.slope_rate, &of_batch.per_pressure,
+                                        &of_batch.free_radius})
+                       *p += c.seat - b.contacts.seat;
                    slope_lanes<decltype(size)::value>(pairs, n, c, r, of_batch);
                  });
 }

@@ -10,9 +10,9 @@
 
 namespace deformable {
 
-// Local variables of one side of a contact: the vector v, the shift of the line, its direction. Laws have the first 2,
-// 3 or 4 of them.
-enum LineVariable { V_X, V_Y, SHIFT, DIRECTION, LINE_VARIABLES };
+// Local variables of one side of a contact: the vector v, the shift of the line, its direction and curvature. Laws have
+// the first 2, 3 or 5 of them.
+enum LineVariable { V_X, V_Y, SHIFT, DIRECTION, CURVATURE, LINE_VARIABLES };
 
 // A quantity with its derivatives by the local variables.
 struct LineQuantity {
@@ -37,8 +37,13 @@ struct LineQuantity {
   }
 };
 
+// What the energy of a ring depends on. Lines are straight, unless CURVATURE is a variable.
 struct Line {
-  LineQuantity indentation, angle;
+  LineQuantity indentation, angle, curvature = {0.0};
+  const LineQuantity &operator[](int q) const
+  {
+    return q == 0 ? indentation : q == 1 ? angle : curvature;
+  }
 };
 
 // The angle of v: dtheta/dv = turn t,   d^2theta/dv dv = -turn^2 (n t^T + t n^T)
@@ -95,7 +100,9 @@ inline Line turned_line(const SideVector &v, double radius_i, double radius_j, d
   a.mixed(DIRECTION, V_X, 0.5 * my);
   a.mixed(DIRECTION, V_Y, -0.5 * mx);
   theta.first[DIRECTION] = 1.0;
-  return {a, theta};
+  Line line = {a, theta};
+  line.curvature.first[CURVATURE] = 1.0;
+  return line;
 }
 
 }    // namespace deformable

@@ -7,9 +7,9 @@
 #define DEFORMABLE_PAIR_LANES_H
 
 #include "contact.h"
+#include "contact_curve.h"
 #include "force_kernels.h"
 #include "lane_geometry.h"
-#include "tilt.h"
 
 namespace deformable::DEFORMABLE_LEVEL {
 
@@ -199,23 +199,46 @@ static void remember(PairArrays p, int begin, int end)
   });
 }
 
-// The torque d sin(tilt) - t_i - t_j, over d, should vanish, unless the line is at an end of the range and would tilt
-// further. The part of the stiffness against tilts that the outlines leave is not below STABLE.
-static double find_tilts(LineArrays p, int begin, int end)
+// x of the first contact of a pair, less that of the second one.
+template <class T, class Arrays>
+DEFORMABLE_LANE_FUNCTION T first_less_second(const double *x, const Arrays &p, int k)
 {
-  constexpr double STABLE = 0.3;
+  return gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.first[k + w]; }) -
+         gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.second[k + w]; });
+}
+
+template <class T> DEFORMABLE_LANE_FUNCTION T within(T x, double most)
+{
+  return smaller(larger(x, T{} - most), T{} + most);
+}
+
+// What is left of the balance of a line, as a force. Of its torque d sin(tilt) - t_i - t_j, over d, nothing if the line is
+// at an end of the range and would tilt further. Of its curvature, what the change of the half angle b would do to the
+// overlap, f (1/p_i - 1/p_j) db/4, over the compliances G(0)/p of both rings. The part of the stiffness against tilts
+// that the outlines leave is not below STABLE.
+static double find_lines(LineArrays p, int begin, int end)
+{
+  constexpr double STABLE = 0.3, NOTHING = 1e-280;
   Lanes worst = Lanes{};
   double last_worst = 0.0;
   const auto look = [&](auto kind, int k, auto &worst) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
     const T force = load<T>(p.force + k), sine = load<T>(p.sine + k), zero = T{};
-    const T most = zero + LARGEST_SINE, per_d = load<T>(p.per_distance + k);
-    const T slope = of_both<T>(p.slope, p, k), rate = of_both<T>(p.slope_rate, p, k);
+    const T per_d = load<T>(p.per_distance + k), slope = of_both<T>(p.slope, p, k);
+    const T rate = of_both<T>(p.outline.slope_rate, p, k);
     const T off = slope * per_d - sine, stiffness = 1.0 - rate * per_d / root(1.0 - sine * sine);
-    const T better = sine + p.part * off / larger(stiffness, zero + STABLE);
-    const T next = smaller(larger(better, -most), most);
-    store(p.next + k, next);
-    worst = larger(worst, force * magnitude(select(next == sine, zero, off)));
+    const T next = within(sine + p.part * off / larger(stiffness, zero + STABLE), LARGEST_SINE);
+    store(p.next_sine + k, next);
+
+    const T radii = of_both<T>(p.outline.free_radius, p, k);
+    const T width = of_both<T>(p.outline.per_pressure, p, k);
+    const T wider = -first_less_second<T>(p.outline.per_pressure, p, k);
+    const T bent = within(0.5 * force * wider / larger(radii, zero + NOTHING), 0.5);
+    const T bend = load<T>(p.bend + k), change = bent / (1.0 + root(1.0 - bent * bent)) - bend;
+    store(p.next_bend + k, bend + p.part * change);
+    const T part = wider / larger(width, zero + NOTHING);
+    const T of_tilt = magnitude(select(next == sine, zero, off));
+    worst = larger(worst, force * larger(of_tilt, magnitude(part * change) * (0.5 / GREEN_AT_ZERO)));
   };
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     if constexpr (sizeof(kind) == sizeof(Lanes))
@@ -227,13 +250,13 @@ static double find_tilts(LineArrays p, int begin, int end)
   return last_worst;
 }
 
-static void turn_lines(LineArrays p, int begin, int end)
+static void take_lines(LineArrays p, int begin, int end)
 {
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
     const T nx = load<T>(p.nx + k), ny = load<T>(p.ny + k);
     const T s = load<T>(p.sine + k), c = root(1.0 - s * s);
-    const T sine = load<T>(p.next + k), cosine = root(1.0 - sine * sine);
+    const T sine = load<T>(p.next_sine + k), cosine = root(1.0 - sine * sine);
     const T ex = c * nx + s * ny, ey = c * ny - s * nx;    // from center to center
     const T x = cosine * ex - sine * ey, y = cosine * ey + sine * ex;
     store(p.sine + k, sine);
@@ -241,6 +264,7 @@ static void turn_lines(LineArrays p, int begin, int end)
     store(p.ny + k, y);
     store(p.angle + k, angle_of_lanes(x, y));
     store(p.overlap + k, load<T>(p.overlap + k) + (c - cosine) / load<T>(p.per_distance + k));
+    store(p.bend + k, load<T>(p.next_bend + k));
   });
 }
 

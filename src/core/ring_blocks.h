@@ -3,6 +3,7 @@
 #ifndef DEFORMABLE_RING_BLOCKS_H
 #define DEFORMABLE_RING_BLOCKS_H
 
+#include "curved_hessian.h"
 #include "line_geometry.h"
 #include "ring_hessian.h"
 #include "soft_ring.h"
@@ -18,15 +19,51 @@ struct RingBlocks : EnergyBlocks {
   std::vector<Contact> contacts;
   std::vector<char> is_active;
   std::vector<int> active;
-  std::vector<double> local;
+  std::vector<BentContact> bent;
+  std::vector<double> by_quantity, local;
   Shape shape;
   RingHessian hessian;
+  CurvedHessian curved;
 };
 
-// U of the lines of one particle: dU/dx = U_a da/dx + U_theta dtheta/dx, and with y = (a, theta) of all lines
-//   d^2U/dx dx' = sum_yy' U_yy' dy/dx dy'/dx' + sum_y U_y d^2y/dx dx'.
-// Each line has so many local variables x. `radius` is that of the ring, without its skin. Returns false if no ring
-// has this shape.
+// Adds one particle. The energy of its ring depends on so many quantities y of each active line: its derivatives by them,
+// in `gradient` and `block`, are those of the first quantity of all lines, then of the second one. With so many local
+// variables x of each line,
+//   dU/dx = sum_y U_y dy/dx,   d^2U/dx dx' = sum_yy' U_yy' dy/dx dy'/dx' + sum_y U_y d^2y/dx dx'.
+inline void chain_lines(const std::vector<Line> &lines, const std::vector<int> &active,
+                        int quantities, int variables, const double *gradient, const double *block,
+                        RingBlocks &b)
+{
+  const int z = static_cast<int>(lines.size()), n = static_cast<int>(active.size());
+  const int size = z * variables, all = quantities * n;
+  const std::size_t first = b.gradient.size();
+  b.gradient.resize(first + size);
+  b.local.assign(size * size, 0.0);
+  for (int m = 0; m < n; ++m)
+    for (int q = 0; q < quantities; ++q) {
+      const LineQuantity &of = lines[active[m]][q];
+      const int row = active[m] * variables;
+      for (int x = 0; x < variables; ++x) {
+        b.gradient[first + row + x] += gradient[q * n + m] * of.first[x];
+        for (int y = 0; y < variables; ++y)
+          b.local[(row + x) * size + row + y] += gradient[q * n + m] * of.second[x][y];
+      }
+      for (int l = 0; l < n; ++l)
+        for (int r = 0; r < quantities; ++r) {
+          const LineQuantity &to = lines[active[l]][r];
+          const double entry = block[(q * n + m) * all + r * n + l];
+          const int column = active[l] * variables;
+          for (int x = 0; x < variables; ++x) {
+            if (of.first[x] == 0.0) continue;
+            for (int y = 0; y < variables; ++y)
+              b.local[(row + x) * size + column + y] += of.first[x] * entry * to.first[y];
+          }
+        }
+    }
+  b.add_block(first, size, b.local.data());
+}
+
+// `radius` is that of the ring, without its skin. Returns false if no ring has this shape.
 inline bool add_ring(const std::vector<Line> &lines, int variables, double radius,
                      const Stiffness &k, RingBlocks &b)
 {
@@ -53,40 +90,40 @@ inline bool add_ring(const std::vector<Line> &lines, int variables, double radiu
   ring_hessian(
       {radius, b.shape.perimeter_excess / (2.0 * PI), k, p, contacts, b.shape.contact.data()}, n,
       b.active.data(), b.hessian);
-
-  const std::size_t first = b.gradient.size();
-  b.gradient.resize(first + z * variables);
   for (int c = 0; c < z; ++c) b.force.push_back(p * b.shape.contact[c].d_indentation);
-  const int size = z * variables;
-  b.local.assign(size * size, 0.0);
+  b.by_quantity.resize(2 * n);
   for (int m = 0; m < n; ++m) {
-    const int c = b.active[m];
-    const Line &line = lines[c];
-    const double by_a = p * b.shape.contact[c].d_indentation;
-    const double by_theta = p * b.shape.contact[c].d_angle;
-    for (int x = 0; x < variables; ++x) {
-      b.gradient[first + c * variables + x] =
-          by_a * line.indentation.first[x] + by_theta * line.angle.first[x];
-      for (int y = 0; y < variables; ++y)
-        b.local[(c * variables + x) * size + c * variables + y] +=
-            by_a * line.indentation.second[x][y] + by_theta * line.angle.second[x][y];
-    }
-    for (int l = 0; l < n; ++l) {
-      const int d = b.active[l];
-      const double *const row = b.hessian.block.data() + m * 2 * n;
-      const double aa = row[l], at = row[n + l], ta = row[n * 2 * n + l],
-                   tt = row[n * 2 * n + n + l];
-      for (int x = 0; x < variables; ++x) {
-        const double ax = line.indentation.first[x], tx = line.angle.first[x];
-        for (int y = 0; y < variables; ++y)
-          b.local[(c * variables + x) * size + d * variables + y] +=
-              (ax * aa + tx * ta) * lines[d].indentation.first[y] +
-              (ax * at + tx * tt) * lines[d].angle.first[y];
-      }
-    }
+    b.by_quantity[m] = p * b.shape.contact[b.active[m]].d_indentation;
+    b.by_quantity[n + m] = p * b.shape.contact[b.active[m]].d_angle;
   }
+  chain_lines(lines, b.active, 2, variables, b.by_quantity.data(), b.hessian.block.data(), b);
   b.energy += energy.value;
-  b.add_block(first, size, b.local.data());
+  return true;
+}
+
+// The same for curved lines that are at rest under these forces.
+inline bool add_curved_ring(const std::vector<Line> &lines, const std::vector<BentContact> &contacts,
+                            double radius, const Stiffness &k, RingBlocks &b)
+{
+  b.active.clear();
+  b.bent.clear();
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    b.force.push_back(contacts[c].force);
+    if (!(contacts[c].force > 0.0)) continue;
+    b.active.push_back(static_cast<int>(c));
+    b.bent.push_back(contacts[c]);
+  }
+  CurvedHessian &h = b.curved;
+  if (b.bent.empty()) {
+    chain_lines(lines, b.active, 3, LINE_VARIABLES, nullptr, nullptr, b);
+    return true;
+  }
+  if (!curved_hessian(radius, k, b.bent, h)) return false;
+  b.by_quantity = h.by_indentation;
+  b.by_quantity.insert(b.by_quantity.end(), h.by_angle.begin(), h.by_angle.end());
+  b.by_quantity.insert(b.by_quantity.end(), h.by_curvature.begin(), h.by_curvature.end());
+  chain_lines(lines, b.active, 3, LINE_VARIABLES, b.by_quantity.data(), h.block.data(), b);
+  b.energy += h.energy;
   return true;
 }
 

@@ -18,7 +18,7 @@ def exactly_balanced() -> Iterator[None]:
     arguments = lammps_commands.pair_style_arguments
 
     def exact(law: Law) -> str:
-        balance = " balance 1e-13 100" if law.name in ("balanced", "tilted") else ""
+        balance = " balance 1e-13 100" if law.name in ("balanced", "curved") else ""
         return arguments(law) + balance
 
     with pytest.MonkeyPatch.context() as patch:

@@ -261,8 +261,7 @@ class Simulation(Engine):
         refuse_other(self.lmp, self._setup)
         # commands given to `lmp` may have changed the particles
         self._species = species = gather(self.lmp, "type", 1).astype(np.int64) - 1
-        names = (*_RESULTS, "model_error") if self.law.tells_error else _RESULTS
-        results = " ".join(f"{name} 0" for name in names)
+        results = " ".join(f"{name} 0" for name in _RESULTS)
         run(
             self.lmp,
             f"{_THERMO}\n"
@@ -271,12 +270,12 @@ class Simulation(Engine):
         )
         try:
             run_forces(self.lmp, "run 0 post no", self._walls)
-            self._results = gather(self.lmp, "f_deformable_results", len(names))
+            self._results = gather(self.lmp, "f_deformable_results", len(_RESULTS))
             self._contact_rows = local_array(self.lmp, "deformable_rows", len(ROWS))
         finally:
             run(self.lmp, "unfix deformable_results\nuncompute deformable_rows")
 
-        area, perimeter, contacts, pressure, _, length = self._results.T[: len(_RESULTS)]
+        area, perimeter, contacts, pressure, _, length = self._results.T
         by_particle = self.lmp.extract_setting("radius_flag")
         self._particle_radii = gather(self.lmp, "radius", 1) if by_particle else None
         radius = self._radii[species] if self._particle_radii is None else self._particle_radii
@@ -291,9 +290,7 @@ class Simulation(Engine):
         return Forces(largest, max(mean, minimum_contact_force) or self._other_forces * largest)
 
     def _snapshot(self, forces: Forces, stalled: bool) -> State:
-        area, perimeter, contacts, pressure, arc_radius, _, *told = np.ascontiguousarray(
-            self._results.T
-        )
+        area, perimeter, contacts, pressure, arc_radius, _ = np.ascontiguousarray(self._results.T)
         if area.min() <= 0.0:
             n = int(area.argmin())
             raise LammpsError(
@@ -323,7 +320,6 @@ class Simulation(Engine):
             root=self.comm.rank == 0,
             wall_forces=wall_forces(self.lmp, self._walls),
             unsaved=unsaved(self.lmp, self._setup),
-            model_error=told[0] if told else None,
         )
 
     def _unjammed(self, phi: float) -> bool:

@@ -19,7 +19,7 @@ from ..common.validate import positive, shown
 _FARTHEST_REACH = 3.0
 
 # The default reach by the place of contact lines. Only radical lines cost more with a larger one.
-_REACH = {"balanced": 0.6, "tilted": 0.6, "radical": 0.3}
+_REACH = {"balanced": 0.6, "curved": 0.6, "radical": 0.3}
 
 
 class SpeciesParameters(NamedTuple):
@@ -91,7 +91,7 @@ class Ring:
     def __post_init__(self) -> None:
         if not isinstance(self.contact, str) or self.contact not in _REACH:
             raise ParameterError(
-                f"contact must be balanced, tilted or radical, not {shown(self.contact)}"
+                f"contact must be balanced, curved or radical, not {shown(self.contact)}"
             )
         given = _REACH[self.contact] if self.reach is math.nan else self.reach
         object.__setattr__(self, "reach", positive("reach", given))
@@ -123,13 +123,8 @@ class Ring:
 
     @property
     def name(self) -> str:
-        """`balanced`, `tilted` or `radical`, see `LAWS`."""
+        """`balanced`, `curved` or `radical`, see `LAWS`."""
         return self.contact
-
-    @property
-    def tells_error(self) -> bool:
-        """Whether states have an estimate of the law's own error, see `State.model_error`."""
-        return self.contact != "radical"
 
     def single_contact_stiffness(self, radius: float) -> float:
         """Stiffness of a particle's only contact, if it is weak: 0 [energy/length^2]."""
@@ -157,6 +152,8 @@ class Ring:
         inset: float = 0.0,
         points: int = 180,
         same_area: bool = False,
+        force: ArrayLike = (),
+        half_angle: ArrayLike = (),
     ) -> NDArray[np.float64]:
         """Outline of a particle about its center, a closed polygon of shape (m, 2) [length].
 
@@ -168,9 +165,17 @@ class Ring:
             inset: distance of the line that is returned to the outline, inward [length].
             points: number of points on a whole turn.
             same_area: move points between contacts a little outward, see `core.outline`.
+            force: of each contact, if they are curved, shape (z,) [energy/length].
+            half_angle: of each contact, likewise, shape (z,) [rad].
         """
         a = np.asarray(indentation, dtype=np.float64)
         kA, kP, skin, tension = (_at(values, species) for values in self._parameters)
+        if self.contact == "curved":
+            ring = core.forced_ring(radius, angle, force, kA, kP, skin, tension, half_angle)
+            whole = ring.support_radius + skin - inset
+            return core.curved_outline(
+                whole, angle, ring.contact_length, half_angle, points, same_area
+            )
         expansion = 0.0
         if math.isfinite(kP):  # the radius changes, and with it all indentations
             expansion = core.soft_ring(radius, angle, a, kA, kP, skin, tension).delta
@@ -218,11 +223,6 @@ class Sector:
     def name(self) -> str:
         """`sector`, see `LAWS`."""
         return "sector"
-
-    @property
-    def tells_error(self) -> bool:
-        """As for `Ring`: no."""
-        return False
 
     @property
     def kernel(self) -> str:
@@ -314,7 +314,7 @@ def _refuse(problem: str | None) -> None:
 # The contact laws by name, with stiffness 1: options, tables and files use these names.
 LAWS: dict[str, Law] = {
     "balanced": Ring(),
-    "tilted": Ring(contact="tilted"),
+    "curved": Ring(contact="curved"),
     "radical": Ring(contact="radical"),
     "sector": Sector(),
 }

@@ -23,6 +23,7 @@ COLUMNS = np.dtype(
         ("force", float),  # of this side, dU_i/da [energy/length]
         ("position", float, 2),  # of the contact line's point nearest to i [length]
         ("tilt", float),  # of the line: angle less the direction from i to j [rad]
+        ("half_angle", float),  # of the line, an arc: positive where it is convex for i [rad]
         ("force_vector", float, 2),  # on i by the contact; their sum is the force on i
     ]
 )
@@ -30,7 +31,7 @@ COLUMNS = np.dtype(
 # Those of compute deformable/contact. Its force vector is that of the energy of i alone.
 ROWS = (
     *("i", "j", "indentation", "length", "force", "x", "y"),
-    *("angle", "distance", "tilt", "fx", "fy"),
+    *("angle", "distance", "tilt", "half_angle", "fx", "fy"),
 )
 
 ContactTable = NDArray[np.void]
@@ -52,7 +53,7 @@ def contact_table(rows: NDArray[np.float64], packing: Packing, comm: MPI.Comm) -
     told = dict(zip(ROWS, rows.T, strict=True))
     table = np.zeros(len(rows), COLUMNS)
     table["i"], table["j"] = told["i"] - 1, told["j"] - 1
-    for name in ("indentation", "length", "force", "angle", "distance", "tilt"):
+    for name in ("indentation", "length", "force", "angle", "distance", "tilt", "half_angle"):
         table[name] = told[name]
     table["position"] = np.column_stack([told["x"], told["y"]])
     table["force_vector"] = np.column_stack([told["fx"], told["fy"]])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.factored import factored
-from ..core import RingBlocks, ring_blocks
+from ..core import RingBlocks, curved_blocks, ring_blocks
 from ..model.laws import Law, Ring
 from ..model.packing import Packing
 from .contact_table import ContactTable
@@ -20,8 +20,11 @@ from .sides import Sides, bearing, between, by_centers, by_strains, joined, with
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-# Local variables of a side: the vector, the shift of its line, the direction of its line.
-_VARIABLES = {"radical": 2, "balanced": 3, "tilted": 4}
+# Local variables of a side: the vector, then the shift, the direction and the curvature of its line.
+_VARIABLES = {"radical": 2, "balanced": 3, "curved": 5}
+
+# How those of the other side of a contact change.
+_OTHER_SIDE = (-1.0, 1.0, -1.0)
 
 # Lines are balanced once the forces of their sides agree to this part of the largest force, or to
 # the second one if rounding does not let them come closer. A state of LAMMPS comes with 1e-8, so
@@ -32,8 +35,8 @@ _TINY = float(np.finfo(float).tiny)
 # G(0), the indentation over the length of a contact alone.
 _GREEN = 0.75 / np.pi
 
-# Largest tilt of a line, and how close to it a line counts as held there [rad].
-_LARGEST_TILT, _CLOSE = 0.3, 1e-6
+# Largest tilt and half angle of a line, and how close to them a line counts as held there [rad].
+_LARGEST_TILT, _LARGEST_HALF_ANGLE, _CLOSE = 0.3, np.pi / 6.0, 1e-6
 
 
 @dataclass
@@ -47,6 +50,8 @@ class Lines:
         other: the other side of each, -1 for walls, shape (S,).
         shift: of each side's line, shape (S,) [length].
         direction: of each side's line, shape (S,) [rad].
+        half_angle: of each side's line, shape (S,) [rad].
+        force: of each side, shape (S,) [energy/length].
     """
 
     packing: Packing
@@ -55,6 +60,8 @@ class Lines:
     other: Integers
     shift: Floats
     direction: Floats
+    half_angle: Floats
+    force: Floats
 
     @property
     def first(self) -> Integers:
@@ -70,12 +77,11 @@ class Lines:
             [number, radius, material.kA, material.kP, material.skin, material.tension]
         )
         partner = np.where(self.sides.j < 0, 0.0, radius[self.sides.j])
-        angle = self.direction if self.law.contact == "tilted" else np.zeros_like(partner)
-        return ring_blocks(
-            self.law.contact,
-            particles,
-            np.column_stack([self.sides.vector, self.sides.turn, partner, self.shift, angle]),
-        )
+        sides = [self.sides.vector, self.sides.turn, partner]
+        if self.law.contact == "curved":
+            sides += [self.force, self.direction, self.half_angle]
+            return curved_blocks(particles, np.column_stack(sides))
+        return ring_blocks(self.law.contact, particles, np.column_stack([*sides, self.shift]))
 
     @property
     def variables(self) -> int:
@@ -83,13 +89,13 @@ class Lines:
         return _VARIABLES[self.law.contact]
 
     def chain(self) -> Any:
-        """Derivatives of the local variables by centers, shifts and directions, sparse."""
+        """Derivatives of the local variables by centers and places of lines, sparse."""
         from scipy.sparse import csr_matrix, hstack
 
         parts, count = [by_centers(self.sides, len(self.packing), self.variables)], len(self.first)
         ends = np.concatenate([self.first, self.other[self.first]])
         contact = np.tile(np.arange(count), 2)
-        for variable, sign in ((2, -1.0), (3, 1.0))[: self.variables - 2]:
+        for variable, sign in enumerate(_OTHER_SIDE[: self.variables - 2], start=2):
             values = np.repeat([1.0, sign], count)
             rows = self.variables * ends + variable
             shape = (parts[0].shape[0], count)
@@ -97,15 +103,10 @@ class Lines:
         return hstack(parts, format="csr")
 
     def move(self, step: Floats) -> None:
-        """Move the lines by a step of shifts and directions."""
-        first, count = self.first, len(self.first)
-        for values, sign, part in (
-            (self.shift, -1.0, step[:count]),
-            (self.direction, 1.0, step[count:]),
-        ):
-            if len(part):
-                values[first] += part
-                values[self.other[first]] += sign * part
+        """Move the lines by a step of shifts."""
+        first = self.first
+        self.shift[first] += step
+        self.shift[self.other[first]] -= step
 
     def part(self, kept: NDArray[np.bool_]) -> Lines:
         """Some of the sides, both or none of a contact."""
@@ -118,6 +119,8 @@ class Lines:
             other,
             self.shift[kept],
             self.direction[kept],
+            self.half_angle[kept],
+            self.force[kept],
         )
 
     def hessian(self) -> Hessian:
@@ -136,7 +139,7 @@ def lines_of(packing: Packing, law: Law, table: ContactTable, rattlers: bool = T
         rattlers: False leaves out the contacts of rattlers, see `DiskState.hessian`.
 
     Raises:
-        ParameterError: the law is `Sector`, or a line is held at the largest tilt.
+        ParameterError: the law is `Sector`, or a line is held at the largest tilt or curvature.
     """
     if not isinstance(law, Ring):
         raise ParameterError(
@@ -156,35 +159,42 @@ def lines_of(packing: Packing, law: Law, table: ContactTable, rattlers: bool = T
     count, radius = len(pairs), packing.radius
     other = np.full(len(sides.i), -1)
     other[:count] = _others(pairs)
-    tilt = pairs["tilt"] if law.contact == "tilted" else np.zeros(count)
-    if (held := np.abs(tilt) > _LARGEST_TILT - _CLOSE).any():
+    tilt, bend = pairs["tilt"], pairs["half_angle"]
+    held = (np.abs(tilt) > _LARGEST_TILT - _CLOSE) | (np.abs(bend) > _LARGEST_HALF_ANGLE - _CLOSE)
+    if held.any():
         i = int(pairs["i"][held][0])
         raise ParameterError(
-            f"a contact line of particle {i} is held at the largest tilt, {_LARGEST_TILT} rad, "
-            "where the energy has no second derivatives"
+            f"a contact line of particle {i} is held at the largest tilt, {_LARGEST_TILT} rad, or "
+            "the largest half angle, pi/6, where the energy has no second derivatives"
         )
     middle = radius[pairs["i"]] + radius[pairs["j"]] - np.hypot(*vector.T) * np.cos(tilt)
-    shift, direction = np.zeros(len(sides.i)), np.zeros(len(sides.i))
+    shift, direction, half_angle, force = np.zeros((4, len(sides.i)))
     moved = pairs["indentation"] - 0.5 * middle
     shift[:count] = 0.5 * (moved - moved[other[:count]])
     direction[:count] = np.arctan2(*vector.T[::-1]) + tilt
+    half_angle[:count], force[:count] = bend, pairs["force"]
+    force[count:] = _wall_forces(table, sides.part(np.arange(count, len(sides.i))))
     order = np.argsort(sides.i, kind="stable")
     place = np.empty_like(order)
     place[order] = np.arange(len(order))
     other = np.where(other < 0, -1, place[other])[order]
-    return Lines(packing, law, sides.part(order), other, shift[order], direction[order])
+    places = (values[order] for values in (shift, direction, half_angle, force))
+    return Lines(packing, law, sides.part(order), other, *places)
 
 
 def balanced(lines: Lines) -> Lines:
     """The same contacts with lines where the forces of their sides agree to rounding.
 
-    LAMMPS balances them to a tolerance. Contacts that bear nothing there are left out.
+    LAMMPS balances them to a tolerance. Contacts that bear nothing there are left out. Curved lines
+    stay as they are.
 
     Raises:
         ParameterError: the lines do not come to rest.
     """
     from scipy.sparse import csr_matrix
 
+    if lines.law.contact == "curved":
+        return lines
     before = np.inf
     for _ in range(_STEPS):
         blocks = lines.blocks()
@@ -220,6 +230,19 @@ def rattler_contacts(packing: Packing, table: ContactTable) -> tuple[Sides, Floa
     pair = np.flatnonzero(table["j"] >= 0)
     length[pair] += length[pair[_others(table[pair])]]
     return between(table["i"], table["j"], out * table["distance"][:, None]), _GREEN * length
+
+
+def _wall_forces(table: ContactTable, walls: Sides) -> Floats:
+    """The force of each side with a wall, 0 where the table has no contact."""
+    rows = table[table["j"] < 0]
+    force = np.zeros(len(walls.i))
+    angle = np.arctan2(*walls.vector.T[::-1])
+    for row in rows:
+        at = np.flatnonzero(walls.i == row["i"])
+        turned = np.remainder(angle[at] - row["angle"] + np.pi, 2.0 * np.pi) - np.pi
+        farther = walls.distance[at] / row["distance"] - 1.0
+        force[at[np.argmin(np.hypot(turned, farther))]] = row["force"]
+    return force
 
 
 def _bearing(packing: Packing, table: ContactTable) -> NDArray[np.bool_]:

@@ -57,7 +57,7 @@ class State(ContactNetwork, RingResponse, Exports):
         velocities: of the centers, zero after a relaxation, shape (N, 2) [length/time].
         contact_table: active contacts, with a row for each side, sorted by (i, j, image):
             structured array with the fields i, j (-1 for a wall), image (2,), angle, distance,
-            indentation, length, force, position (2,), tilt, force_vector (2,), see
+            indentation, length, force, position (2,), tilt, half_angle, force_vector (2,), see
             `contact_table.COLUMNS`.
         root: whether this process writes files (rank 0 of the run).
         time: of all calls of `move` so far, 0 without motion [time].
@@ -66,10 +66,6 @@ class State(ContactNetwork, RingResponse, Exports):
             [energy/length].
         unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
             pairs; empty without.
-        model_error: energy that each particle would still save if its contact lines were curved,
-            as they are between unequal pressures, shape (N,) [energy]; None for the laws
-            `radical` and `sector`. For `tilted` its sum is about what is left of the error of
-            `energy`, which is too large by it; docs/theory.md has the formula.
     """
 
     packing: Packing
@@ -91,7 +87,6 @@ class State(ContactNetwork, RingResponse, Exports):
     strain: float | None = None
     wall_forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
     unsaved: str = ""
-    model_error: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         for array in (value for value in vars(self).values() if isinstance(value, np.ndarray)):
@@ -171,9 +166,17 @@ class State(ContactNetwork, RingResponse, Exports):
         if inset.shape != (len(self.packing),):
             raise ParameterError(f"inset must have shape ({len(self.packing)},), not {inset.shape}")
         count("points", points)
+        lines = ("force", "half_angle") if self.law.name == "curved" else ()
         return [
             self.law.outline(
-                kind, radius, rows["angle"], rows["indentation"], distance, points, same_area
+                kind,
+                radius,
+                rows["angle"],
+                rows["indentation"],
+                distance,
+                points,
+                same_area,
+                **{name: rows[name] for name in lines},
             )
             for kind, radius, distance, rows in zip(
                 self.packing.species,
@@ -306,10 +309,9 @@ class State(ContactNetwork, RingResponse, Exports):
     def numbers(self) -> dict[str, Any]:
         """The state in numbers, by name.
 
-        `strain` is None without shear; `model_error`, the sum, is there for the laws that tell it.
+        `strain` is None without shear.
         """
         (lx, _), (xy, ly) = self.packing.box.tolist()
-        told = {} if self.model_error is None else {"model_error": float(self.model_error.sum())}
         return {
             "particles": len(self.packing),
             "lx": lx,
@@ -327,7 +329,6 @@ class State(ContactNetwork, RingResponse, Exports):
             "beyond": self.beyond,
             "residual": self.residual,
             "stalled": self.stalled,
-            **told,
         }
 
     def particle_values(self) -> dict[str, NDArray[Any]]:

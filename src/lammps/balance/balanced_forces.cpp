@@ -1,6 +1,6 @@
 #include "balanced_forces.h"
 
-#include "tilt.h"
+#include "contact_curve.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -44,7 +44,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
     if (!is_balanced) warn_unbalanced();
     break;
   }
-  if (near.pairs.tilts && new_list && !warned_limited) warn_limited();
+  if (near.pairs.curved && new_list && !warned_limited) warn_limited();
   return -1;
 }
 
@@ -220,48 +220,27 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
   return n;
 }
 
+double BalancedForces::line_length(int i, int k, double length) const
+{
+  if (!near.pairs.curved) return length;
+  const int ring = batches.place[i];
+  const double q = batches.radius[ring] + batches.loaded(ring).expansion -
+                   batches.total[ring] * batches.per_pressure[ring] * (0.5 / PI);
+  return arc_length(length, q, near.pairs.i[k] == i ? near.pairs.bend[k] : -near.pairs.bend[k]);
+}
+
 // Ranks compare when the neighbor list is new.
 void BalancedForces::warn_limited()
 {
-  int here = solver.limited_tilts() > 0.0, any = here;
+  int here = solver.limited_lines() > 0.0, any = here;
   if (comm->nprocs > 1) MPI_Allreduce(&here, &any, 1, MPI_INT, MPI_MAX, world);
   if (any == 0) return;
   warned_limited = true;
   if (comm->me == 0)
     error->warning(FLERR,
-                   "Contact lines would tilt by more than 0.3 rad, as between particles beyond the "
-                   "model: they tilt by 0.3. 'compute ID all pair' counts them");
-}
-
-/* ---------------------------------------------------------------------- */
-
-void BalancedForces::find_model_errors(std::vector<double> &of_particle)
-{
-  const NearPairs &pairs = near.pairs;
-  of_particle.assign(atom->nlocal, 0.0);
-  pressure_at.assign(batches.indentation.size(), 0.0);
-  tension_at = pressure_at;
-  for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
-    if (batches.particle[ring] < 0) continue;
-    const LoadedRing loaded = batches.loaded(ring);
-    const double T = tension(batches.radius[ring], loaded, batches.total[ring]);
-    for (int m = 0; m < batches.count[batches.particle[ring]]; ++m) {
-      const int c = batches.contact(static_cast<int>(ring), m);
-      pressure_at[c] = loaded.pressure;
-      tension_at[c] = T;
-    }
-  }
-  near.remote_sides.exchange(pairs.side[0].data() + pairs.remote, batches.contacts,
-                             pressure_at.data(), tension_at.data());
-  for (int k = 0; k < pairs.wall; ++k) {
-    const int a = pairs.side[0][k], b = pairs.side[1][k];
-    const double saved = curvature_energy(pairs.force[k], pressure_at[a], pressure_at[b],
-                                          tension_at[a], tension_at[b]);
-    of_particle[pairs.i[k]] += 0.5 * saved;
-    if (k < pairs.remote) of_particle[pairs.second(k)] += 0.5 * saved;
-  }
-  for (int i = 0; i < atom->nlocal; ++i)
-    if (batches.place[i] >= 0) of_particle[i] = std::min(of_particle[i], ring(i).energy.value);
+                   "Contact lines would tilt by more than 0.3 rad or bend by more than 30 degrees, as "
+                   "between particles beyond the model: they are held there. 'compute ID all pair' "
+                   "counts them");
 }
 
 /* ---------------------------------------------------------------------- */
@@ -281,6 +260,5 @@ void BalancedForces::warn_unbalanced()
 
 double BalancedForces::memory_usage() const
 {
-  return near.memory_usage() + batches.bytes() + solver.memory_usage() +
-         bytes_of(pressure_at, tension_at);
+  return near.memory_usage() + batches.bytes() + solver.memory_usage();
 }

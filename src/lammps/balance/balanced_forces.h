@@ -19,13 +19,13 @@ namespace LAMMPS_NS {
 
 class BalancedForces : protected Pointers {
  public:
-  // tilts: contact lines may also turn
-  BalancedForces(class LAMMPS *lmp, const deformable::ForceKernels &kernels, bool tilts,
+  // curved: contact lines may also tilt and bend
+  BalancedForces(class LAMMPS *lmp, const deformable::ForceKernels &kernels, bool curved,
                  double tolerance, int max_evaluations)
       : Pointers(lmp),
         kernels(kernels),
-        near(lmp, kernels, tilts),
-        solver(lmp, kernels, tilts, tolerance, max_evaluations)
+        near(lmp, kernels, curved),
+        solver(lmp, kernels, curved, tolerance, max_evaluations)
   {
   }
 
@@ -51,13 +51,14 @@ class BalancedForces : protected Pointers {
   // After finish: L G' summed over the other contacts of that side's ring, the slope of its outline at the contact.
   double outline_slope(int k, int side) const { return batches.slope[near.pairs.side[side][k]]; }
 
-  // After solve: what curved contact lines would still save (tilt.h), half of it for either particle, and not more than
-  // its energy; by particle of this rank.
-  void find_model_errors(std::vector<double> &of_particle);
-
-  // The tilt of the line of a pair, the same from both sides [rad], and the number of lines that would tilt further.
-  double tilt(int k) const { return near.pairs.tilts ? std::asin(near.pairs.tilt[k]) : 0.0; }
-  double limited_tilts() const { return solver.limited_tilts(); }
+  // The line of a pair: its tilt, the same from both sides, and its half angle, positive where it is convex for the first
+  // one [rad]. And the number of lines that would tilt or bend further.
+  double tilt(int k) const { return near.pairs.curved ? std::asin(near.pairs.tilt[k]) : 0.0; }
+  double half_angle(int k) const
+  {
+    return near.pairs.curved ? 2.0 * std::atan(near.pairs.bend[k]) : 0.0;
+  }
+  double limited_lines() const { return solver.limited_lines(); }
 
   // Of all rings of this rank. What is left of the overlaps is not in it.
   double energy() const;
@@ -73,9 +74,12 @@ class BalancedForces : protected Pointers {
   };
   Ring ring(int i) const;
 
-  // Contacts of ring i, their partners, and its shape. Returns their number.
+  // Contacts of ring i, their partners, and its shape, whose lengths are those of straight lines. Returns their number.
   int shape_of(int i, std::vector<deformable::Contact> &, std::vector<int> &seats,
                deformable::Shape &) const;
+
+  // The length of the line of pair k, of the length L from ring i.
+  double line_length(int i, int k, double length) const;
 
   double memory_usage() const;
 
@@ -86,7 +90,6 @@ class BalancedForces : protected Pointers {
   ForceSolver solver;
   std::vector<int> crowded;
   bool is_balanced = false, warned = false, warned_limited = false;
-  std::vector<double> pressure_at, tension_at;    // of the ring of each contact
 
   void arrange(const DeformableParticles &, bool new_list);
   void set_material(const DeformableParticles &);

@@ -100,7 +100,7 @@ void BlockPipeline::agree()
   };
   take_means(p.overlap);
   take_means(p.force);
-  if (p.tilts) take_means(p.per_distance);
+  if (p.curved) take_means(p.per_distance);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -24,8 +24,8 @@ struct Evaluation {
   double norm2 = 0.0, weights = 0.0;      // see deformable::Residuals
   double slope = 0.0;      // of the dual energy along the last step, where that began
   bool exists = false;     // every ring has a shape
-  double torque = -1.0;    // the largest imbalance of a tilt; negative: not known
-  double worst() const { return std::max(imbalance, torque); }
+  double of_lines = -1.0;    // the largest imbalance of a line, CurvedLines; negative: not known
+  double worst() const { return std::max(imbalance, of_lines); }
 };
 
 class BlockPipeline : protected Pointers {
@@ -94,8 +94,8 @@ class BlockPipeline : protected Pointers {
     deformable::RingBatches here = batches->arrays();
     const auto work = [&](int block, int stage) {
       blocks.choose(here, block);
-      if (stage == 1 && !pairs->tilts)    // those have slopes
-        kernels.slopes(here, pairs->directions(), nullptr);
+      if (stage == 1 && !pairs->curved)    // those have slopes
+        kernels.slopes(here, pairs->directions(), {});
       blocks.for_pairs(block, [&](int begin, int end, double) {
         if (stage == 2)
           act(begin, end);

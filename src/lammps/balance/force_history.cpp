@@ -2,19 +2,19 @@
 
 using namespace LAMMPS_NS;
 
-const PastForces *ForceHistory::find(tagint tag, tagint partner, double x, double y) const
+PastForces ForceHistory::find(tagint tag, tagint partner, double x, double y) const
 {
   const Entry wanted = entry_of(tag, partner, x, y, {});
   const auto [first, last] = std::equal_range(entries.begin(), entries.end(), wanted);
-  const PastForces *found = nullptr;
+  PastForces found;
   float nearest = wanted.x * wanted.x + wanted.y * wanted.y;
   for (auto entry = first; entry != last; ++entry) {
     const float dx = entry->x - wanted.x, dy = entry->y - wanted.y, square = dx * dx + dy * dy;
     if (square > nearest) continue;
     nearest = square;
-    found = &entry->past;
+    found = entry->past;
   }
-  return found;
+  return wanted.tag == tag ? found : found.from_second();
 }
 
 double ForceHistory::bulge(tagint tag) const

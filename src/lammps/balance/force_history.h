@@ -34,9 +34,9 @@ class ForceHistory {
     std::sort(bulges.begin(), bulges.end());
   }
 
-  // A particle in a small box may have several images of its partner: the one nearest to (x, y) counts. Null if
-  // there is none within the distance that (x, y) itself has.
-  const PastForces *find(tagint tag, tagint partner, double x, double y) const;
+  // A particle in a small box may have several images of its partner: the one nearest to (x, y) counts. Nothing is known
+  // if there is none within the distance that (x, y) itself has.
+  PastForces find(tagint tag, tagint partner, double x, double y) const;
 
   // Negative if it is not known.
   double bulge(tagint tag) const;
@@ -58,7 +58,7 @@ class ForceHistory {
   {
     const float fx = static_cast<float>(x), fy = static_cast<float>(y);
     if (partner < 0 || tag < partner) return {tag, partner, fx, fy, past};
-    return {partner, tag, -fx, -fy, past};
+    return {partner, tag, -fx, -fy, past.from_second()};
   }
   std::vector<Entry> entries;
   std::vector<std::pair<tagint, double>> bulges;

@@ -7,14 +7,14 @@
 
 using namespace LAMMPS_NS;
 
-ForceSolver::ForceSolver(LAMMPS *lmp, const deformable::ForceKernels &kernels, bool tilts,
+ForceSolver::ForceSolver(LAMMPS *lmp, const deformable::ForceKernels &kernels, bool curved,
                          double tolerance, int max_evaluations)
     : Pointers(lmp),
       tolerance(tolerance),
       max_evaluations(max_evaluations),
       pipeline(lmp, kernels)
 {
-  if (tilts) lines = std::make_unique<LineTilts>(kernels);
+  if (curved) lines = std::make_unique<CurvedLines>(kernels);
 }
 
 void ForceSolver::arrange(ForceBatches &b, NearPairs &p, RemoteSides &r, bool new_list)
@@ -67,7 +67,7 @@ bool ForceSolver::solve()
 
   local_corrections = 0;
   bool is_anew = false;
-  // beyond confluence, tilted lines may have no balance: so many evaluations that do not halve the imbalance are enough
+  // beyond confluence, curved lines may have no balance: so many evaluations that do not halve the imbalance are enough
   constexpr int STUCK = 200;
   double halved = std::numeric_limits<double>::infinity();
   int since = evaluations();
@@ -89,7 +89,7 @@ bool ForceSolver::solve()
     if (!correct_some(now)) now = correct(now);
   }
   if (lines) {
-    if (now.torque < 0.0) now.torque = lines->imbalance();
+    if (now.of_lines < 0.0) now.of_lines = lines->imbalance();
     lines->remember();
   }
   imbalance = now.worst() > 0.0 ? now.worst() / now.force : 0.0;
@@ -97,13 +97,13 @@ bool ForceSolver::solve()
 }
 
 // The forces of a minimizer vanish. Those of contacts go on with them below the tolerance if each call corrects them.
-// Torques count only where forces balance: before, they are not worth their evaluation.
+// Lines count only where forces balance: before, they are not worth their evaluation.
 bool ForceSolver::is_balanced(Evaluation &now)
 {
   if (!now.exists || now.imbalance > limit(now)) return false;
   if (minimizing() && !is_corrected && now.imbalance > 0.0) return false;
-  if (lines && now.torque < 0.0) now.torque = lines->imbalance();
-  return now.torque <= limit(now);
+  if (lines && now.of_lines < 0.0) now.of_lines = lines->imbalance();
+  return now.of_lines <= limit(now);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -176,44 +176,47 @@ bool ForceSolver::correct_some(Evaluation &now)
 Evaluation ForceSolver::correct(const Evaluation &from)
 {
   constexpr double CLOSE = 0.05, NO_WORSE = 2.0;
-  if (from.torque > 0.0) {    // only tilts are missing
-    lines->turn();
+  if (from.of_lines > 0.0) {    // only lines are missing
+    lines->take();
     return pipeline.evaluate();
   }
   is_corrected = true;
-  const bool turns = lines && from.imbalance <= CLOSE * from.force;
+  const bool moves = lines && from.imbalance <= CLOSE * from.force;
   const int corrections = pipeline.begin_corrections(from, accuracy(from));
   Stages stages(corrections, Stage::CORRECT);
   stages.push_back(Stage::STEP);
-  if (!turns) stages.insert(stages.end(), {shape_after(from), Stage::LOOK});
-  const Evaluation stepped = accept(pipeline.run(stages), from, corrections > 0, !turns);
-  if (!turns) return line_search(stepped, BETTER * from.imbalance);
-  const double torque = lines->imbalance();
-  lines->adapt(torque);
-  lines->turn();
+  if (!moves) stages.insert(stages.end(), {shape_after(from), Stage::LOOK});
+  const Evaluation stepped = accept(pipeline.run(stages), from, corrections > 0, !moves);
+  if (!moves) return line_search(stepped, BETTER * from.imbalance);
+  const double of_lines = lines->imbalance();
+  lines->adapt(of_lines);
+  lines->take();
   Evaluation now = pipeline.evaluate();
   now.slope = stepped.slope;
-  return line_search(now, NO_WORSE * std::max(from.imbalance, torque));
+  return line_search(now, NO_WORSE * std::max(from.imbalance, of_lines));
 }
 
 /* ----------------------------------------------------------------------
    Newton's method squares its relative error in each step: its direction need
    not be better than that, nor much better than the tolerance. The margin is
-   for the energy: what is left acts in each of millions of steps.
+   for the energy: what is left acts in each of millions of steps. Lines that
+   follow bring back about OF_LINES of a correction.
 ------------------------------------------------------------------------- */
 
 double ForceSolver::accuracy(const Evaluation &from) const
 {
-  constexpr double COARSE = 0.1, MARGIN = 0.1, SQUARE = 10.0;
-  const double most = SQUARE * pipeline.imbalance_per_pair(from) / from.force;
+  constexpr double COARSE = 0.1, MARGIN = 0.1, SQUARE = 10.0, OF_LINES = 0.03;
+  const double most = std::max(SQUARE * pipeline.imbalance_per_pair(from) / from.force,
+                               lines ? OF_LINES : 0.0);
   return std::min(COARSE, std::max(MARGIN * limit(from) / from.imbalance, most));
 }
 
 // New shapes from small steps have the rounding of single precision, a part of the step: 6e-4 of the tolerance at most.
+// They know straight lines only.
 ForceSolver::Stage ForceSolver::shape_after(const Evaluation &from) const
 {
   constexpr double SMALL_STEP = 1e4;
-  return from.imbalance <= SMALL_STEP * limit(from) ? Stage::ADAPT : Stage::SHAPE;
+  return !lines && from.imbalance <= SMALL_STEP * limit(from) ? Stage::ADAPT : Stage::SHAPE;
 }
 
 // Within the bounds of the spectrum no step has another slope; outside of them iterations diverge.

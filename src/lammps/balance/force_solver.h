@@ -20,8 +20,8 @@
 // All ranks do the same arithmetic in the same order of steps, from the same overlap and force of a pair, so that both
 // ranks of a pair agree on its force to the last bit.
 //
-// Where contact lines turn, the energy is smallest over their tilts too. They take a step (LineTilts) with each of
-// Newton's method, as soon as forces are close to balance.
+// Where contact lines are curved, the energy is smallest over their tilts and bends too. They take a step (CurvedLines)
+// with each of Newton's method, as soon as forces are close to balance.
 
 #ifndef LMP_FORCE_SOLVER_H
 #define LMP_FORCE_SOLVER_H
@@ -29,8 +29,8 @@
 #include "pointers.h"
 
 #include "block_pipeline.h"
+#include "curved_lines.h"
 #include "force_predictor.h"
-#include "line_tilts.h"
 
 #include <algorithm>
 #include <memory>
@@ -39,7 +39,7 @@ namespace LAMMPS_NS {
 
 class ForceSolver : protected Pointers {
  public:
-  ForceSolver(class LAMMPS *, const deformable::ForceKernels &, bool tilts, double tolerance,
+  ForceSolver(class LAMMPS *, const deformable::ForceKernels &, bool curved, double tolerance,
               int max_evaluations);
 
   const double tolerance;    // of the imbalance over the largest force
@@ -68,7 +68,7 @@ class ForceSolver : protected Pointers {
   double imbalance = 0.0;    // the largest of a pair, over the largest force
   // What is left of the overlap of a pair, r.
   double left(int k) const { return pipeline.left(k); }
-  double limited_tilts() const { return lines ? lines->limited : 0.0; }
+  double limited_lines() const { return lines ? lines->limited : 0.0; }
 
   double memory_usage() const { return pipeline.bytes() + (lines ? lines->bytes() : 0.0); }
 
@@ -79,7 +79,7 @@ class ForceSolver : protected Pointers {
   const int max_evaluations;    // of a call
   BlockPipeline pipeline;
   ForcePredictor predictor;
-  std::unique_ptr<LineTilts> lines;    // null: they are perpendicular to the lines of centers
+  std::unique_ptr<CurvedLines> lines;    // null: they are straight, perpendicular to lines of centers
   NearPairs *pairs = nullptr;
 
   bool is_first = true;    // solution of this call

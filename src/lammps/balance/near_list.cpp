@@ -53,8 +53,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
       }
       PastForces past;
       if (new_list) {
-        const PastForces *const found = history.find(atom->tag[i], atom->tag[j], dx, dy);
-        if (found) past = *found;
+        past = history.find(atom->tag[i], atom->tag[j], dx, dy);
       } else {
         const int end = owner >= 0 ? old.remote : old.wall;
         for (int k = (owner >= 0 ? first_old : first_old_remote)[i]; k < end && old.i[k] == i; ++k)
@@ -67,7 +66,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
     }
   }
   pairs.remote = pairs.size;
-  if (comm->nprocs > 1) remote_sides.match(candidates, pairs.tilts);
+  if (comm->nprocs > 1) remote_sides.match(candidates, pairs.curved);
   remote_tags.clear();
   for (const RemoteSides::Candidate &c : candidates) {
     pairs.add(c.i, c.j, c.past);
@@ -196,8 +195,7 @@ void NearList::add_walls(const DeformableParticles &p, bool new_list, const Know
       if (point.height > p.radius[own] + bulge[own] + margin) return;
       PastForces past;
       if (new_list) {
-        const PastForces *const found = history.find(atom->tag[own], code, 0.0, 0.0);
-        if (found) past = *found;
+        past = history.find(atom->tag[own], code, 0.0, 0.0);
       } else {
         for (int k = first_old[own]; k < old.size && old.i[k] == own; ++k)
           if (old.j[k] == code) past = old.past_of(k);

@@ -36,12 +36,12 @@ struct DeformableParticles {
 
 class NearList : protected Pointers {
  public:
-  NearList(class LAMMPS *lmp, const deformable::ForceKernels &kernels, bool tilts)
+  NearList(class LAMMPS *lmp, const deformable::ForceKernels &kernels, bool curved)
       : Pointers(lmp),
         remote_sides(lmp),
         kernels(kernels)
   {
-    pairs.tilts = tilts;
+    pairs.curved = curved;
   }
 
   NearPairs pairs;

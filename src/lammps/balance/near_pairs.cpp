@@ -11,12 +11,13 @@ void NearPairs::clear(const KnownPairs &old)
 {
   const std::size_t most = old.size + old.size / 64 + 16;
   static_cast<KnownPairs &>(*this) = KnownPairs();
-  tilts = old.tilts;
+  curved = old.curved;
   scale = old.scale;
   length = old.length;
   const auto make_room = [most](auto &...v) { (v.reserve(most), ...); };
   make_room(i, j, past, earlier[0], earlier[1], earlier[2]);
-  if (tilts) make_room(past_tilt[0], past_tilt[1], past_tilt[2]);
+  if (curved)
+    for (int n = 0; n < 3; ++n) make_room(past_tilt[n], past_bend[n]);
 }
 
 void NearPairs::set_units(double scale_, double length_)
@@ -37,7 +38,7 @@ void NearPairs::make_room()
   for (LargeVector<double> *v : {&force, &overlap, &per_distance, &angle, &ny})
     v->assign(one_more, 0.0);
   nx.assign(one_more, 1.0);
-  tilt.assign(tilts ? one_more : 0, 0.0);
+  for (LargeVector<double> *v : {&tilt, &bend}) v->assign(curved ? one_more : 0, 0.0);
   for (LargeVector<int> &v : side) v.assign(pairs, 0);
 }
 

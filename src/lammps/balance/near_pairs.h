@@ -15,12 +15,20 @@
 namespace LAMMPS_NS {
 
 // The force of a pair at the last call; negative: see ForceSolver. Its differences from call to call, further and further
-// back, see PairArrays. The sines of the tilts of its contact line at the last three calls, see LineTilts.
+// back, see PairArrays. The sines of the tilts of its contact line and its bends at the last three calls, see CurvedLines.
 struct PastForces {
   double force = deformable::UNKNOWN_FORCE;
   double earlier[3] = {0.0, 0.0, 0.0};
   double tilt[3] = {deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE,
                     deformable::UNKNOWN_FORCE};
+  double bend[3] = {0.0, 0.0, 0.0};    // from the first particle
+
+  PastForces from_second() const
+  {
+    PastForces past = *this;
+    for (double &b : past.bend) b = -b;
+    return past;
+  }
 };
 
 // Which pairs there are. Pairs with both particles on this rank come first, then those whose second particle is a
@@ -30,8 +38,8 @@ struct KnownPairs {
 
   LargeVector<int> i,
       j;    // local indices, as in the neighbor list; of a wall: its code, -1 - (w + n feature)
-  bool tilts = false;    // contact lines may tilt: without, the arrays of tilts are empty
-  LargeVector<double> past, past_tilt[3];
+  bool curved = false;    // contact lines tilt and bend: without, those arrays are empty
+  LargeVector<double> past, past_tilt[3], past_bend[3];
   LargeVector<float> earlier[3];       // in `unit`; see PastForces
   double scale = 1.0, length = 1.0;    // powers of two, of 1/(k R^2) and R: see PairArrays
   double unit() const { return length / scale; }
@@ -42,7 +50,9 @@ struct KnownPairs {
     found.force = past[k];
     for (int n = 0; n < 3; ++n) {
       found.earlier[n] = earlier[n][k] * unit();
-      if (tilts) found.tilt[n] = past_tilt[n][k];
+      if (!curved) continue;
+      found.tilt[n] = past_tilt[n][k];
+      found.bend[n] = past_bend[n][k];
     }
     return found;
   }
@@ -62,6 +72,7 @@ struct NearPairs : KnownPairs {
       per_distance;                     // of walls: the rotation of the direction per sideways step
   LargeVector<double> angle, nx, ny;    // normal of the contact line, from i to j
   LargeVector<double> tilt;             // sine of its angle with the line of centers
+  LargeVector<double> bend;             // tan(beta/2), see contact_curve.h
   LargeVector<int> side[2];             // index of the contact of i and of that of j
 
   int add(int i_, int j_, const PastForces &past_)
@@ -70,7 +81,10 @@ struct NearPairs : KnownPairs {
     j.push_back(j_);
     past.push_back(past_.force);
     for (int n = 0; n < 3; ++n) earlier[n].push_back(static_cast<float>(past_.earlier[n] / unit()));
-    for (int n = 0; n < 3 && tilts; ++n) past_tilt[n].push_back(past_.tilt[n]);
+    for (int n = 0; n < 3 && curved; ++n) {
+      past_tilt[n].push_back(past_.tilt[n]);
+      past_bend[n].push_back(past_.bend[n]);
+    }
     return size++;
   }
 
@@ -80,7 +94,7 @@ struct NearPairs : KnownPairs {
   };
   Centers centers(int k) const
   {
-    if (!tilts) return {nx[k], ny[k], 1.0};
+    if (!curved) return {nx[k], ny[k], 1.0};
     const double sine = tilt[k], cosine = std::sqrt(1.0 - sine * sine);
     return {cosine * nx[k] + sine * ny[k], cosine * ny[k] - sine * nx[k], cosine};
   }
@@ -89,7 +103,7 @@ struct NearPairs : KnownPairs {
   void set_units(double scale, double length);
   deformable::PairDirections directions() const
   {
-    return {force.data(), angle.data(), nx.data(), ny.data()};
+    return {force.data(), angle.data(), nx.data(), ny.data(), curved ? bend.data() : nullptr};
   }
   void make_room();    // for the arrays that add() does not fill
 
@@ -102,8 +116,8 @@ struct NearPairs : KnownPairs {
   double bytes() const
   {
     return bytes_of(i, j, owned, stiffening, past, earlier[0], earlier[1], earlier[2], past_tilt[0],
-                    past_tilt[1], past_tilt[2], force, overlap, per_distance, angle, nx, ny, tilt,
-                    side[0], side[1]);
+                    past_tilt[1], past_tilt[2], past_bend[0], past_bend[1], past_bend[2], force,
+                    overlap, per_distance, angle, nx, ny, tilt, bend, side[0], side[1]);
   }
 };
 

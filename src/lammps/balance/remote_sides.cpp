@@ -48,10 +48,10 @@ void RemoteSides::set_rows(int values)
   }
 }
 
-void RemoteSides::match(std::vector<Candidate> &candidates, bool tilts)
+void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
 {
-  enum { PARTNER, X, Y, PAST, EARLIER, TILT = EARLIER + 3 };
-  const int values = tilts ? TILT + 3 : TILT;
+  enum { PARTNER, X, Y, PAST, EARLIER, TILT = EARLIER + 3, BEND = TILT + 3, ALL = BEND + 3 };
+  const int values = curved ? ALL : TILT;
   constexpr double ROUNDING = 1e-12;
   const auto square = [](double x) { return x * x; };
   const auto at = [this](int row, int slot, int value) -> double & {
@@ -75,7 +75,10 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool tilts)
     at(i, slot, Y) = pair.y;
     at(i, slot, PAST) = pair.past.force;
     for (int n = 0; n < 3; ++n) at(i, slot, EARLIER + n) = pair.past.earlier[n];
-    for (int n = 0; n < 3 && tilts; ++n) at(i, slot, TILT + n) = pair.past.tilt[n];
+    for (int n = 0; n < 3 && curved; ++n) {
+      at(i, slot, TILT + n) = pair.past.tilt[n];
+      at(i, slot, BEND + n) = pair.past.bend[n];
+    }
   }
   comm->forward_comm_array(slots * values, rows.data());
 
@@ -96,7 +99,10 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool tilts)
     if (pair.past.force == deformable::UNKNOWN_FORCE) {
       pair.past.force = at(j, found, PAST);
       for (int n = 0; n < 3; ++n) pair.past.earlier[n] = at(j, found, EARLIER + n);
-      for (int n = 0; n < 3 && tilts; ++n) pair.past.tilt[n] = at(j, found, TILT + n);
+      for (int n = 0; n < 3 && curved; ++n) {
+        pair.past.tilt[n] = at(j, found, TILT + n);
+        pair.past.bend[n] = -at(j, found, BEND + n);    // as this rank sees it
+      }
     }
     candidates[kept] = pair;
     slot_here[kept++] = slot_here[c];

@@ -25,7 +25,7 @@ class RemoteSides : protected Pointers {
 
   // Leaves the candidates that the other rank has too, and gives both ranks the same past. Two images of a particle
   // in one direction are told apart by their positions.
-  void match(std::vector<Candidate> &candidates, bool tilts);
+  void match(std::vector<Candidate> &candidates, bool curved);
 
   // Appends the values of the other ranks' contacts to those of this rank's, from `own` on, in the order of match.
   // side: this rank's contacts of the pairs.

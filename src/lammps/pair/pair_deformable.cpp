@@ -211,14 +211,15 @@ void PairDeformable::check_own_image(int i, int j)
 ------------------------------------------------------------------------- */
 
 void PairDeformable::record(int i, int partner, const deformable::Contact &contact, double length,
-                            double force, const Push &push, double distance, double tilt)
+                            double force, const Push &push, double distance, double tilt,
+                            double half_angle)
 {
   if (!recording || (length == 0.0 && force == 0.0)) return;
   const double height = radius_of(i) - contact.indentation;
   const double *x = atom->x[i];
   recorded.push_back({i, partner < 0 ? 0 : atom->tag[partner], contact.indentation, length, force,
                       x[0] + height * contact.nx, x[1] + height * contact.ny, contact.angle,
-                      distance, tilt, push});
+                      distance, tilt, half_angle, push});
 }
 
 /* ---------------------------------------------------------------------- */
@@ -226,7 +227,6 @@ void PairDeformable::record(int i, int partner, const deformable::Contact &conta
 void *PairDeformable::extract_peratom(const char *name, int &ncol)
 {
   ncol = 0;
-  if (!tells_error && !strcmp(name, ParticleResults::NAME_OF_ERROR)) return nullptr;
   return results.extract(name);
 }
 

@@ -37,6 +37,7 @@ struct RecordedContact {
   double angle;       // of the direction to the line
   double distance;    // of the partner's center, or of the wall
   double tilt;        // of the line: its normal turns by this from the line of centers
+  double half_angle;  // of the line, an arc: positive where it is convex
   Push push;          // force on the particle from its own energy; from a wall all of it
 };
 
@@ -116,14 +117,7 @@ class PairDeformable : public Pair {
 
   // For compute deformable/contact, if there is one.
   void record(int i, int partner, const deformable::Contact &, double length, double force,
-              const Push &push, double distance, double tilt = 0.0);
-
-  bool tells_error = false;    // the law estimates its own error
-  bool needs_errors() const;
-  void store_model_error(int i, double error)
-  {
-    if (results.requested) results.store_model_error(i, error);
-  }
+              const Push &push, double distance, double tilt = 0.0, double half_angle = 0.0);
 
   // Results of a deformed particle, and of one that is still a circle.
   void store_shape(int i, const deformable::Contacts &contacts, double pressure)

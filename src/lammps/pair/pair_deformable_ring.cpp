@@ -43,10 +43,10 @@ void PairDeformableRing::settings(int narg, char **arg)
       utils::missing_cmd_args(FLERR, "pair_style deformable/ring " + keyword, error);
     if (keyword == "contact") {
       law = arg[iarg + 1];
-      if (law != "radical" && law != "balanced" && law != "tilted")
+      if (law != "radical" && law != "balanced" && law != "curved")
         error->all(
             FLERR_WORD(iarg + 1),
-            "pair_style deformable/ring contact '{}' is not 'balanced', 'tilted' or 'radical'",
+            "pair_style deformable/ring contact '{}' is not 'balanced', 'curved' or 'radical'",
             law);
     } else if (keyword == "balance") {
       balance_keyword = iarg;
@@ -80,12 +80,11 @@ void PairDeformableRing::settings(int narg, char **arg)
     reach = radical ? 0.3 : 0.6;    // a list of near pairs makes the larger one free
   if (radical && balance_keyword >= 0)
     error->all(FLERR_WORD(balance_keyword),
-               "pair_style deformable/ring balance is for 'contact balanced' and 'tilted' only");
+               "pair_style deformable/ring balance is for 'contact balanced' and 'curved' only");
   balanced.reset(radical ? nullptr
-                         : new BalancedForces(lmp, kernels->forces, law == "tilted", tolerance,
+                         : new BalancedForces(lmp, kernels->forces, law == "curved", tolerance,
                                               max_evaluations));
   whole_list = radical;
-  tells_error = !radical;
 }
 
 /* ---------------------------------------------------------------------- */

@@ -22,7 +22,7 @@ namespace LAMMPS_NS {
 
 class PairDeformableRing : public PairDeformable {
  public:
-  PairDeformableRing(class LAMMPS *lmp) : PairDeformable(lmp, 6) {}
+  PairDeformableRing(class LAMMPS *lmp) : PairDeformable(lmp, 5) {}
   void settings(int, char **) override;
   void coeff(int, char **) override;
   void *extract(const char *, int &) override;
@@ -47,7 +47,6 @@ class PairDeformableRing : public PairDeformable {
   std::vector<double> radii;                    // of all particles, ghosts included
   std::vector<deformable::Contact> contacts;    // of one particle
   std::vector<int> seats;
-  std::vector<double> errors;    // of the model, by particle
   void evaluate_balanced(bool new_material);
   Push push_of(int k, const NearPairs::Centers &, double share, double slope) const;
   void push_pairs(int begin, int end);

@@ -3,11 +3,7 @@
 #include "pair_deformable_ring.h"
 
 #include "comm.h"
-#include "compute.h"
-#include "modify.h"
 #include "neighbor.h"
-#include "output.h"
-#include "update.h"
 
 using namespace LAMMPS_NS;
 using namespace deformable;
@@ -34,16 +30,7 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
     no_shape(crushed, balanced->ring(crushed).contacts);
   }
   balanced->finish([this](int begin, int end) { push_pairs(begin, end); });
-  pvector[4] = 0.0;
-  if (needs_errors()) {
-    balanced->find_model_errors(errors);
-    for (int ii = 0; ii < list->inum; ++ii) {
-      const int i = list->ilist[ii];
-      store_model_error(i, errors[i]);
-      pvector[4] += errors[i];
-    }
-  }
-  pvector[5] = balanced->limited_tilts();
+  pvector[4] = balanced->limited_lines();
   if (eflag_global) eng_vdwl += balanced->energy();
   if (eflag_atom || needs_shapes() || neighbor->ago == 0)
     for (int ii = 0; ii < list->inum; ++ii) finish_balanced(list->ilist[ii]);
@@ -80,7 +67,7 @@ void PairDeformableRing::push_pairs(int begin, int end)
 {
   const NearPairs &p = balanced->pairs();
   double *const f = atom->f[0];
-  const bool plain = begin < p.remote && !p.tilts && !eflag_atom && !vflag_either;
+  const bool plain = begin < p.remote && !p.curved && !eflag_atom && !vflag_either;
   const int usual = plain ? end : begin;
   double rest_of_usual = 0.0;
   for (int k = begin; k < usual && eflag_global; ++k)
@@ -134,23 +121,6 @@ void PairDeformableRing::push_pairs(int begin, int end)
   }
 }
 
-/* ----------------------------------------------------------------------
-   A minimization asks for energies at each step, but for the error of the
-   model only when it prints, at its end, or if a compute has asked for it.
-------------------------------------------------------------------------- */
-
-bool PairDeformable::needs_errors() const
-{
-  if (!tells_error) return false;
-  if (results.requested) return true;
-  if (!eflag_global) return false;
-  const bigint now = update->ntimestep;
-  if (update->whichflag != 2 || now == update->laststep || now == output->next_thermo) return true;
-  for (Compute *const compute : modify->get_compute_by_style("^pair$"))
-    if (compute->matchstep(now)) return true;
-  return false;
-}
-
 /* ---------------------------------------------------------------------- */
 
 void PairDeformableRing::finish_balanced(int i)
@@ -169,20 +139,23 @@ void PairDeformableRing::finish_balanced(int i)
     const int k = seats[c] >> 1;
     return seats[c] & 1 ? p.i[k] : p.j[k];
   };
+  if (neighbor->ago == 0 && !is_within_reach(i, row)) refuse_bulge(i, row, partner(deepest(row)));
   for (int c = 0; c < row.size; ++c) {
     const int k = seats[c] >> 1, other = partner(c);
+    double &length = shape.contact[c].length;
+    length = balanced->line_length(i, k, length);
     const double distance = other < 0 ? radii[i] - row[c].indentation : 1.0 / p.per_distance[k];
     // each of two particles has half of the force along the line of centers
     const int side = seats[c] & 1;
     Push push = push_of(k, p.centers(k), other < 0 ? 1.0 : 0.5, balanced->outline_slope(k, side));
     if (side) push = {-push.fx, -push.fy};
-    record(i, other, row[c], shape.contact[c].length, p.force[k], push, distance,
-           balanced->tilt(k));
+    const double half_angle = balanced->half_angle(k);
+    record(i, other, row[c], length, p.force[k], push, distance, balanced->tilt(k),
+           side ? -half_angle : half_angle);
   }
   store_shape(i, row, ring.energy.derivative);
   const double r = ring_radius_of(i);
   if (is_beyond && PI * r * r <= shape.area_deficit)
     for (int c = 0; c < row.size; ++c)
       if (partner(c) >= 0 && shape.contact[c].length > 0.0) check_own_image(i, partner(c));
-  if (neighbor->ago == 0 && !is_within_reach(i, row)) refuse_bulge(i, row, partner(deepest(row)));
 }

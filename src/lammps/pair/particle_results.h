@@ -13,8 +13,6 @@ namespace LAMMPS_NS {
 
 class ParticleResults {
  public:
-  static constexpr const char *NAME_OF_ERROR = "model_error";
-
   bool requested = false;    // by extract
 
   // Values of all particles, null before the next call of resize; null for an unknown name.
@@ -26,14 +24,13 @@ class ParticleResults {
   // Particle i, whose ring has this radius when undeformed.
   void store_shape(int i, double radius, int contacts, const deformable::Shape &, double pressure);
   void store_circle(int i, double radius, double pressure);
-  void store_model_error(int i, double error) { values[MODEL_ERROR][i] = error; }
 
   double bytes() const;
 
  private:
-  enum { AREA, PERIMETER, CONTACTS, PRESSURE, ARC_RADIUS, CONTACT_LENGTH, MODEL_ERROR, SIZE };
-  static constexpr const char *NAMES[] = {"area",       "perimeter",      "contacts",   "pressure",
-                                          "arc_radius", "contact_length", NAME_OF_ERROR};
+  enum { AREA, PERIMETER, CONTACTS, PRESSURE, ARC_RADIUS, CONTACT_LENGTH, SIZE };
+  static constexpr const char *NAMES[] = {"area",     "perimeter",  "contacts",
+                                          "pressure", "arc_radius", "contact_length"};
   std::array<std::vector<double>, SIZE> values;
 };
 

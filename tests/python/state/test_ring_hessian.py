@@ -19,7 +19,7 @@ STIFFNESS = {
     "droplets": {"kA": math.inf, "kP": 0.0, "tension": 1.0},
     "mixture": {"kA": [1.0, 3.0], "kP": [0.5, math.inf], "skin": [0.0, 0.05]},
 }
-CONTACTS = ("radical", "balanced", "tilted")
+CONTACTS = ("radical", "balanced", "curved")
 LAWS = {
     f"{contact}-{name}": deformable.Ring(contact=contact, **values)
     for contact in CONTACTS
@@ -92,7 +92,7 @@ def test_every_law_and_stiffness(packing: deformable.Packing, law: deformable.Ri
     hessian = state.hessian()
     lines = hessian.matrix.shape[0] - 2 * len(packing)
     pairs = len({tuple(sorted((row["i"], row["j"]))) for row in state.contact_table})
-    assert lines == CONTACTS.index(law.contact) * pairs
+    assert lines == {"radical": 0, "balanced": 1, "curved": 3}[law.contact] * pairs
     assert repr(hessian) == f"<Hessian: 20 particles, {lines} variables of contact lines>"
 
 
@@ -114,7 +114,10 @@ def test_walls(scene: str, contact: str) -> None:
     with deformable.Simulation(deformable.push_off(start), law) as sim:
         state = sim.relax(1e-3)
     assert (state.contact_table["j"] < 0).sum() > 5
-    agrees(state.packing, law)
+    # at rest a particle may sit where a face ends, and there the force of the wall has a jump
+    shift = np.random.default_rng(1).uniform(-0.005, 0.005, state.packing.positions.shape)
+    moved = dataclasses.replace(state.packing, positions=state.packing.positions + shift)
+    agrees(moved, law)
 
 
 @pytest.mark.parametrize("contact", CONTACTS)
@@ -132,7 +135,7 @@ def test_a_particle_and_its_own_images(contact: str) -> None:
     assert right.shear_modulus > 1e-4
 
 
-@pytest.fixture(scope="module", params=["radical-perimeter", "balanced-finite", "tilted-droplets"])
+@pytest.fixture(scope="module", params=["radical-perimeter", "balanced-finite", "curved-droplets"])
 def relaxed(request: pytest.FixtureRequest) -> deformable.State:
     jammed = deformable.jam(deformable.bidisperse(64, seed=5))
     with deformable.Simulation(jammed.at(jammed.phi + 0.03), LAWS[request.param]) as sim:
@@ -218,7 +221,7 @@ def test_errors(packing: deformable.Packing) -> None:
 
 def test_lines_at_the_largest_tilt() -> None:
     packing = deformable.bidisperse(1, phi=1.9, tilt=0.54, aspect=0.88)
-    with deformable.Simulation(packing, deformable.Ring(kP=0.4, contact="tilted")) as sim:
+    with deformable.Simulation(packing, deformable.Ring(kP=0.4, contact="curved")) as sim:
         state = sim.state()
     assert np.abs(state.contact_table["tilt"]).max() == pytest.approx(0.3)
     with pytest.raises(deformable.ParameterError, match=r"particle 0.*0\.3"):
@@ -243,7 +246,7 @@ from exact_balance import exactly_balanced
 
 packing = deformable.Run({folder!r}).simulation().state().packing
 found = []
-for contact in ("radical", "balanced", "tilted"):
+for contact in ("radical", "balanced", "curved"):
     law = deformable.Ring(kA=1.0, kP=0.3, contact=contact)
     with exactly_balanced(), deformable.Simulation(packing, law) as sim:
         state = sim.state()

@@ -1,0 +1,180 @@
+// Second derivatives of the energy of a ring by the places, directions and curvatures of its contact lines.
+
+#ifndef DEFORMABLE_CURVED_HESSIAN_H
+#define DEFORMABLE_CURVED_HESSIAN_H
+
+#include "contact_curve.h"
+#include "dual.h"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace deformable {
+
+// A contact of a ring at rest, as it sees it: its force, direction, and u = tan(b/2).
+struct BentContact {
+  double force, angle, u;
+};
+
+struct CurvedHessian {
+  double energy = 0.0;
+  std::vector<double> indentation;                             // a
+  std::vector<double> by_indentation, by_angle, by_curvature;    // of U
+  std::vector<double> block;    // of U by a of the n contacts, then theta, then curvature: (3n)^2 entries
+};
+
+// X of A X = B by elimination with pivots, rows of both one after the other; X replaces B. False: A is singular.
+inline bool solve_by_elimination(std::vector<double> a, std::vector<double> &b, int n, int columns)
+{
+  for (int k = 0; k < n; ++k) {
+    int pivot = k;
+    for (int r = k + 1; r < n; ++r)
+      if (std::fabs(a[r * n + k]) > std::fabs(a[pivot * n + k])) pivot = r;
+    if (!(std::fabs(a[pivot * n + k]) > 0.0)) return false;
+    for (int c = 0; c < n; ++c) std::swap(a[k * n + c], a[pivot * n + c]);
+    for (int c = 0; c < columns; ++c) std::swap(b[k * columns + c], b[pivot * columns + c]);
+    for (int r = 0; r < n; ++r) {
+      if (r == k) continue;
+      const double part = a[r * n + k] / a[k * n + k];
+      if (part == 0.0) continue;
+      for (int c = k; c < n; ++c) a[r * n + c] -= part * a[k * n + c];
+      for (int c = 0; c < columns; ++c) b[r * columns + c] -= part * b[k * columns + c];
+    }
+  }
+  for (int k = 0; k < n; ++k)
+    for (int c = 0; c < columns; ++c) b[k * columns + c] /= a[k * n + k];
+  return true;
+}
+
+// The conjugate W(f, theta, kappa) of U(a, theta, kappa), kappa the curvature of each line, has
+//   dW/df = a,   dW/dtheta = f t = -dU/dtheta,   dW/dkappa = -f excess/kappa^2 = -dU/dkappa,
+// see ring_forces.h and contact_curve.h. Pressure, expansion and all u solve the equations of those files for given f,
+// theta and kappa; sin b = kappa s, with half the chord s = f/2p + q sin b. So numbers with derivatives give those of
+// the equations, and then W''. With W_ff = A, W_fy = B, W_yy = C for y = (theta, kappa):
+//   U_aa = A^-1,   U_ay = -A^-1 B,   U_yy = B^T A^-1 B - C.
+// False: the ring bears nothing, or is not stable.
+inline bool curved_hessian(double radius, const Stiffness &k, const std::vector<BentContact> &contacts,
+                           CurvedHessian &h)
+{
+  const int n = static_cast<int>(contacts.size()), inner = n + 2, outer = 3 * n;
+  const std::size_t all = outer + inner;
+  double green_work = 0.0, plain = 0.0, excesses = 0.0, caps = 0.0;
+  for (const BentContact &c : contacts) {
+    for (const BentContact &d : contacts) {
+      const double t = std::fabs(std::remainder(c.angle - d.angle, 2.0 * PI));
+      green_work += 0.5 * c.force * d.force * green(t, std::sin(t), std::cos(t));
+    }
+    const ArcTerms<double> arc = arc_terms(c.u);
+    plain += c.force;
+    excesses += c.force * arc.excess;
+    caps += c.force * c.force * arc.cap;
+  }
+  const CurvedLoad<double> load = curved_load(green_work, plain, excesses, caps);
+  LoadedRing ring;
+  if (!find_pressure(radius, k, {load.work, load.total}, ring) || !(ring.pressure > 0.0))
+    return false;
+  h.energy = ring.energy(radius, k, load.work);
+
+  const double T0 = tension(radius, ring, load.total);
+  std::vector<Dual> force(n), angle(n), curvature(n), u(n), sine(n);
+  for (int c = 0; c < n; ++c) {
+    const double sin_b = 2.0 * contacts[c].u / (1.0 + contacts[c].u * contacts[c].u);
+    const double s = (0.5 * contacts[c].force + T0 * sin_b) / ring.pressure;
+    force[c] = Dual::variable(contacts[c].force, c, all);
+    angle[c] = Dual::variable(contacts[c].angle, n + c, all);
+    curvature[c] = Dual::variable(sin_b / s, 2 * n + c, all);
+    u[c] = Dual::variable(contacts[c].u, outer + 2 + c, all);
+    sine[c] = 2.0 * u[c] / (1.0 + u[c] * u[c]);
+  }
+  const Dual p = Dual::variable(ring.pressure, outer, all);
+  const Dual delta = Dual::variable(ring.expansion, outer + 1, all);
+
+  std::vector<Dual> product(n), turning(n), sweep(n);
+  Dual work, total, excess, cap;
+  for (int c = 0; c < n; ++c) {
+    product[c] = GREEN_AT_ZERO * force[c];
+    for (int d = 0; d < n; ++d) {
+      if (d == c) continue;
+      Dual t = angle[c] - angle[d];
+      t.value = std::remainder(t.value, 2.0 * PI);
+      const double sign = t.value < 0.0 ? -1.0 : 1.0;
+      t = sign * t;
+      product[c] += green(t, sin(t), cos(t)) * force[d];
+      turning[c] += sign * d_green(t, sin(t), cos(t)) * force[d];
+    }
+    const ArcTerms<Dual> arc = arc_terms(u[c]);
+    work += 0.5 * force[c] * product[c];
+    total += force[c];
+    excess += force[c] * arc.excess;
+    cap += force[c] * force[c] * arc.cap;
+    sweep[c] = arc.sweep;
+  }
+  const CurvedLoad<Dual> loaded = curved_load(work, total, excess, cap);
+  const Dual T = p * (radius + delta) - loaded.total * (0.5 / PI);
+
+  std::vector<Dual> zero(inner), value(outer);
+  zero[0] = k.conserves_perimeter() ? delta : T - k.tension - (2.0 * PI * k.kP) * delta;
+  zero[1] = (p - k.rest_pressure(radius)) / k.kA - loaded.work / (p * p) +
+            PI * delta * (2.0 * radius + delta);
+  for (int c = 0; c < n; ++c) {
+    zero[2 + c] = sine[c] * (p - curvature[c] * T) - 0.5 * curvature[c] * force[c];
+    const Dual half_chord = (0.5 * force[c] + T * sine[c]) / p;
+    value[c] = (product[c] + loaded.shift - 0.5 * u[c] * force[c]) / p - delta;
+    value[n + c] = force[c] * turning[c] / p;
+    value[2 * n + c] = -force[c] * sweep[c] * half_chord * half_chord;
+  }
+  const auto derivative = [](const Dual &x, int index) {
+    return x.by.empty() ? 0.0 : x.by[index];
+  };
+  std::vector<double> of_inner(inner * inner), response(inner * outer);
+  for (int r = 0; r < inner; ++r) {
+    for (int c = 0; c < inner; ++c) of_inner[r * inner + c] = derivative(zero[r], outer + c);
+    for (int c = 0; c < outer; ++c) response[r * outer + c] = -derivative(zero[r], c);
+  }
+  if (!solve_by_elimination(of_inner, response, inner, outer)) return false;
+  std::vector<double> W(outer * outer);
+  for (int r = 0; r < outer; ++r)
+    for (int c = 0; c < outer; ++c) {
+      double &entry = W[r * outer + c] = derivative(value[r], c);
+      for (int m = 0; m < inner; ++m)
+        entry += derivative(value[r], outer + m) * response[m * outer + c];
+    }
+
+  const int others = 2 * n;
+  std::vector<double> A(n * n), inverse(n * (n + others), 0.0);    // A^-1 and A^-1 B
+  for (int r = 0; r < n; ++r) {
+    inverse[r * (n + others) + r] = 1.0;
+    for (int c = 0; c < n; ++c) A[r * n + c] = W[r * outer + c];
+    for (int c = 0; c < others; ++c) inverse[r * (n + others) + n + c] = W[r * outer + n + c];
+  }
+  if (!solve_by_elimination(A, inverse, n, n + others)) return false;
+  h.block.assign(outer * outer, 0.0);
+  for (int r = 0; r < outer; ++r)
+    for (int c = 0; c < outer; ++c) {
+      double entry = 0.0;
+      if (r < n)
+        entry = (c < n ? 1.0 : -1.0) * inverse[r * (n + others) + c];
+      else if (c < n)
+        entry = -inverse[c * (n + others) + r];
+      else {
+        entry = -W[r * outer + c];
+        for (int m = 0; m < n; ++m)
+          entry += W[m * outer + r] * inverse[m * (n + others) + c];
+      }
+      h.block[r * outer + c] += 0.5 * entry;
+      h.block[c * outer + r] += 0.5 * entry;
+    }
+  for (auto *v : {&h.indentation, &h.by_indentation, &h.by_angle, &h.by_curvature}) v->resize(n);
+  for (int c = 0; c < n; ++c) {
+    h.indentation[c] = value[c].value;
+    h.by_indentation[c] = contacts[c].force;
+    h.by_angle[c] = -value[n + c].value;
+    h.by_curvature[c] = -value[2 * n + c].value;
+  }
+  return true;
+}
+
+}    // namespace deformable
+
+#endif

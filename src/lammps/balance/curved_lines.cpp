@@ -1,0 +1,128 @@
+#include "curved_lines.h"
+
+#include "contact_curve.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using deformable::LARGEST_BEND;
+using deformable::LARGEST_SINE;
+using deformable::UNKNOWN_FORCE;
+
+void CurvedLines::arrange(ForceBatches &b, NearPairs &p, RemoteSides &r)
+{
+  pairs = &p;
+  batches = &b;
+  remote = &r;
+}
+
+// From three past values: without the twist. A pair without a past has no tilt either.
+void CurvedLines::predict(const deformable::Extrapolation &by)
+{
+  NearPairs &p = *pairs;
+  for (LargeVector<double> *const past : {p.past_tilt, p.past_bend}) {
+    const double *const now = past[0].data(), *const last = past[1].data();
+    double *const before = past[2].data();
+    for (int k = 0; k < p.size; ++k) {
+      const double change = now[k] - last[k], bend = change - (last[k] - before[k]);
+      const bool is_known = p.past_tilt[0][k] != UNKNOWN_FORCE;
+      before[k] = is_known ? now[k] + by.slope * change + by.bend * bend : now[k];
+    }
+    std::swap(past[1], past[2]);
+    std::swap(past[0], past[1]);
+  }
+}
+
+void CurvedLines::begin()
+{
+  const NearPairs &p = *pairs;
+  part = 1.0;
+  last_imbalance = 0.0;
+  for (std::vector<double> *const v : {&next_sine, &next_bend}) v->resize(p.size);
+  for (std::vector<double> *const v : {&slope_rate, &per_pressure, &free_radius})
+    v->resize(batches->indentation.size());
+  for (int k = 0; k < p.size; ++k) {
+    const bool is_known = p.past_tilt[0][k] != UNKNOWN_FORCE;
+    const double sine = is_known ? p.past_tilt[0][k] : 0.0, bend = is_known ? p.past_bend[0][k] : 0.0;
+    next_sine[k] = std::clamp(sine, -LARGEST_SINE, LARGEST_SINE);
+    next_bend[k] = std::clamp(bend, -LARGEST_BEND, LARGEST_BEND);
+  }
+  take();
+}
+
+deformable::OutlineArrays CurvedLines::outline()
+{
+  return {slope_rate.data(), per_pressure.data(), free_radius.data()};
+}
+
+deformable::LineArrays CurvedLines::arrays()
+{
+  NearPairs &p = *pairs;
+  deformable::LineArrays a;
+  a.per_distance = p.per_distance.data();
+  a.force = p.force.data();
+  a.first = p.side[0].data();
+  a.second = p.side[1].data();
+  a.slope = batches->slope.data();
+  a.outline = outline();
+  a.sine = p.tilt.data();
+  a.next_sine = next_sine.data();
+  a.bend = p.bend.data();
+  a.next_bend = next_bend.data();
+  a.overlap = p.overlap.data();
+  a.angle = p.angle.data();
+  a.nx = p.nx.data();
+  a.ny = p.ny.data();
+  a.part = part;
+  return a;
+}
+
+double CurvedLines::imbalance()
+{
+  kernels.slopes(batches->arrays(), pairs->directions(), outline());
+  const int *const side = pairs->side[0].data() + pairs->remote, own = batches->contacts;
+  remote->exchange(side, own, batches->slope.data(), slope_rate.data());
+  remote->exchange(side, own, per_pressure.data(), free_radius.data());
+  return remote->largest(kernels.find_lines(arrays(), 0, pairs->wall));
+}
+
+// Forces respond to lines, which Newton's method for each line alone does not know. Beyond the model the response may be
+// so strong that full steps oscillate.
+void CurvedLines::adapt(double imbalance)
+{
+  constexpr double NOT_LESS = 0.9, LEAST = 0.05;
+  const bool falls = last_imbalance == 0.0 || imbalance < NOT_LESS * last_imbalance;
+  part = falls ? std::min(1.0, 1.5 * part) : std::max(LEAST, 0.5 * part);
+  last_imbalance = imbalance;
+}
+
+void CurvedLines::take()
+{
+  kernels.take_lines(arrays(), 0, pairs->wall);
+}
+
+void CurvedLines::remember()
+{
+  NearPairs &p = *pairs;
+  for (int k = 0; k < p.wall; ++k) {
+    const bool is_new = p.past_tilt[0][k] == UNKNOWN_FORCE;
+    const bool is_young = is_new || p.past_tilt[1][k] == UNKNOWN_FORCE;
+    const bool is_short = is_new || p.past_tilt[2][k] == UNKNOWN_FORCE;
+    const auto keep = [&](LargeVector<double> *past, double value) {
+      past[0][k] = value;
+      if (is_young) past[1][k] = value;
+      if (is_short) past[2][k] = value;
+    };
+    keep(p.past_tilt, next_sine[k]);
+    keep(p.past_bend, next_bend[k]);
+  }
+  const auto count = [&p](int begin, int end) {
+    int found = 0;
+    for (int k = begin; k < end; ++k)
+      found += p.force[k] > 0.0 && (std::fabs(p.tilt[k]) >= LARGEST_SINE ||
+                                    std::fabs(p.bend[k]) >= LARGEST_BEND);
+    return found;
+  };
+  limited = count(0, p.remote) + 0.5 * count(p.remote, p.wall);
+}
