@@ -61,8 +61,8 @@ def compress_command(
         law_option(
             LAWS,
             "Contact law. Contacts slip with contact lines where the forces of both sides are "
-            "equal (balanced), also their torques (tilted), or on radical axes (radical), or they "
-            "stick (sector).",
+            "equal (balanced), on arcs that balance torques and pressures too (curved), or on "
+            "radical axes (radical), or they stick (sector).",
         ),
     ] = "balanced",
     kA: Annotated[

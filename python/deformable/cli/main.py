@@ -149,7 +149,7 @@ def compare(
     if smooth:
         print_once(
             "polygons have an error of their own, which falls with the square of the number of "
-            f"beads: --beads {2 * beads} tells more of balanced and tilted contacts"
+            f"beads: --beads {2 * beads} tells more of balanced and curved contacts"
         )
     elif not any(row["energy_ratio"] for row in rows):
         print_once(

@@ -66,12 +66,15 @@ class Ring:
             may be 0. The last term of U is the pressure tension/R of a free particle, so that it
             is at rest with the radius R. With kP the perimeter alone would shrink to
             P0 - tension/kP.
-        contact: place of the contact lines: `balanced`, where the forces of both sides are equal,
-            `tilted`, where also their torques are, or `radical`, the radical axis of the
-            undeformed circles. Compared with smooth rings, `balanced` is right to 1.4 % up to
-            3 % strain, where `radical` is wrong by factors; it takes about 1.4 times as long to
-            relax. The lines of `balanced` are perpendicular to the line of centers; those of
-            `tilted` turn, which removes most of the error that is left (docs/theory.md).
+        contact: the contact lines. `balanced`: straight, perpendicular to the line of centers,
+            where the forces of both sides are equal. `curved`: arcs between particles of unequal
+            pressure, whose torques are balanced too; at rest this is the exact shape of slipping
+            particles, and for droplets that of a foam. `radical`: on the radical axis of the
+            undeformed circles. Compared with smooth polygons, `balanced` is right to 1.4 % up to
+            3 % strain, `curved` to less than the polygons' own error, and `radical` wrong by
+            factors. A relaxation takes about 1.4 times as long with `balanced` as with `radical`,
+            and a little longer with `curved`; a step of motion takes two to three times as long
+            with `curved` as with `balanced`.
 
     Raises:
         ParameterError: a stiffness is not positive, both are infinite, the reach is not in

@@ -32,7 +32,7 @@ def polish(state: S, tolerance: float = 1e-10) -> S:
     """Relax a relaxed state further, in the same packing: Newton's method, a few steps.
 
     A step solves H u = f with the Hessian of the contact network. Rattlers are moved away from what
-    they touch. Contacts that hardly bear may open or close. `balanced` and `tilted` contacts are
+    they touch. Contacts that hardly bear may open or close. `balanced` and `curved` contacts are
     balanced to rounding meanwhile.
 
         fine = deformable.polish(sim.relax())

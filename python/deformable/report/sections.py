@@ -39,7 +39,8 @@ _TERMS = Section(
         "where the undeformed circles cross",
         "balanced": "ring law, contacts slip: contact lines where the forces of both sides "
         "are equal; the default",
-        "tilted": "as balanced, and the lines turn until the torques of both sides are equal",
+        "curved": "ring law, contacts slip: the exact law, whose contact lines tilt and bend until "
+        "torques and pressures of both sides are balanced too",
         "ring": "the ring law of a particle between walls, where contact lines are given",
         "kP inf": "the same law with the perimeter conserved; without it the perimeter has the "
         "stiffness kP of the springs",

@@ -29,7 +29,7 @@ _CORRECTIONS, _REMAINDER = 20, 1e-13
 class Hessian:
     """Second derivatives of the energy of a packing by the coordinates of its centers.
 
-    The lines of `balanced` and `tilted` contacts follow the centers. Their energy is stationary in
+    The lines of `balanced` and `curved` contacts follow the centers. Their energy is stationary in
     the places of the lines, which are variables of their own here: the matrix stays sparse, and
     that of the centers alone is its Schur complement,
 
@@ -41,8 +41,8 @@ class Hessian:
         packing: the particles.
         matrix: M, sparse and symmetric, shape (2N + lines, 2N + lines) [energy/length^2]. Rows
             are x_0, y_0, x_1, y_1, ... of the centers, then the shift of each line [length], then
-            for `tilted` the direction of each line [rad]. Soft disks and `radical` have no such
-            lines: M is H.
+            for `curved` the direction [rad] and the curvature [1/length] of each line. Soft disks
+            and `radical` have no such lines: M is H.
         energy: [energy].
         gradient: of the energy, shape (2N + lines,); minus the forces, and what is left of the
             balance of lines.

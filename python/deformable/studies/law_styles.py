@@ -27,7 +27,7 @@ STYLES = {
     "radical, kP inf": Style("#0072b2", "D", "--"),
     "radical": Style("#009e73", "^", (0, (1, 1))),
     "balanced": Style("#e69f00", "*", "-."),
-    "tilted": Style("#56b4e9", "X", (0, (5, 1))),
+    "curved": Style("#56b4e9", "X", (0, (5, 1))),
     "balanced, kP inf": Style("#cc79a7", "P", (0, (4, 1, 1, 1, 1, 1))),
 }
 # Between walls there is no choice of contact lines: one style for the ring law.

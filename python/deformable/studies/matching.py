@@ -24,7 +24,7 @@ _UNJAMMED = 1e-6
 def matching_laws(beads: Beads, polygons: Polygons, rigid: Sequence[bool] = ()) -> dict[str, Law]:
     """The contact laws for polygons of such beads, by name.
 
-    `radical`, `balanced` and `tilted` have the polygons' own stiffness kP = kL/N_v, and their beads
+    `radical`, `balanced` and `curved` have the polygons' own stiffness kP = kL/N_v, and their beads
     as a rigid skin. `radical, kP inf` conserves perimeters, as the paper does. `sector`, which has
     a single kA, is left out if the kA of the species differ.
 
@@ -42,7 +42,7 @@ def matching_laws(beads: Beads, polygons: Polygons, rigid: Sequence[bool] = ()) 
         "radical, kP inf": Ring(kA, contact="radical"),
         "radical": Ring(kA, kP=kP, skin=skin, contact="radical"),
         "balanced": Ring(kA, kP=kP, skin=skin, contact="balanced"),
-        "tilted": Ring(kA, kP=kP, skin=skin, contact="tilted"),
+        "curved": Ring(kA, kP=kP, skin=skin, contact="curved"),
     }
     if any(rigid):
         kP = np.where(rigid, math.inf, kP).tolist()

@@ -118,7 +118,7 @@ def _response(state: State | DiskState, unit: float) -> Row:
 
 def _spectrum(state: State | DiskState, modes: int | None) -> Row:
     hessian = state.hessian(rattlers=False)
-    # lines of balanced and tilted contacts are variables of the sparse matrix
+    # lines of balanced and curved contacts are variables of the sparse matrix
     has_lines = hessian.matrix.shape[0] > hessian.size
     trace = np.trace(hessian.reduced()) if has_lines else hessian.matrix.trace()
     stiffness = trace / (2.0 * state.network_contacts)

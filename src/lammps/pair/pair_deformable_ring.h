@@ -1,4 +1,4 @@
-// The ring laws, whose contacts slip: pair_style deformable/ring [contact balanced|tilted|radical]
+// The ring laws, whose contacts slip: pair_style deformable/ring [contact balanced|curved|radical]
 // [balance tol maxeval] [reach f] [radius type|atom]
 
 #ifdef PAIR_CLASS

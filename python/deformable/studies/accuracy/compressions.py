@@ -85,8 +85,6 @@ def smooth_rows(
         own: true if the law relaxed on its own, false if its particles have the centers of the
             reference. Rivals, and no row of the sector law, are on their own.
         energy_ratio, pressure_ratio: over those of the reference; None where one is unjammed.
-        told: the part of the reference's energy by which the law says its own is too large, see
-            `State.model_error`; None where it does not tell, or one is unjammed.
         S_rms: root mean square difference of the area deficits over their root mean square.
         I: mean distance of the outlines over the radius, each about its own center; None if an
             outline of a law folds.
@@ -169,18 +167,12 @@ def _against(exact: BeadState, other: State | BeadState, seconds: float | None) 
     return {
         "energy_ratio": None if loose else _over(other.energy, exact.energy),
         "pressure_ratio": None if loose else _over(other.pressure, exact.pressure),
-        "told": None if loose else _told(exact, other),
         "S_rms": _over(wrong, norm(exact.area_deficit)),
         "I": _shape_error(exact, other),
         "distance": 0.0 if seconds is None else centers_rms(exact, other),
         "law_residual": None if seconds is None else other.residual,
         "seconds": seconds,
     }
-
-
-def _told(exact: BeadState, other: State | BeadState) -> float | None:
-    told = other.model_error if isinstance(other, State) else None
-    return None if told is None else _over(float(told.sum()), exact.energy)
 
 
 def _over(value: float, exact: float) -> float | None:

@@ -151,7 +151,7 @@ def compressions(rows: Sequence[Row]) -> Section:
             f"Its energy is to be right to {bars}, wherever the polygons have converged (residual "
             f"at most {show(CONVERGED)}). {len(own) - len(missed)} of {len(own)} steps are. "
             + (_reasons(missed) if missed else ""),
-            f"The law `tilted`: {_along(rows, 'tilted', numbers[-1])}.",
+            f"The law `curved`: {_along(rows, 'curved', numbers[-1])}.",
             "The laws `radical` have contact lines on the radical axis. Their energies are off by "
             f"factors: {_medians(rows, numbers[-1])}.",
         ),

@@ -39,7 +39,7 @@ T = TypeVar("T")
 # The ring laws have one kernel.
 KERNELS = {
     "balanced": core.ring,
-    "tilted": core.ring,
+    "curved": core.ring,
     "radical": core.ring,
     "sector": core.sector,
 }
@@ -70,7 +70,7 @@ def stability_rows(packings: int = 100, steps: int = 1_000_000, densest: float =
     Args:
         packings: number relaxed by each law.
         steps: of the longest run at constant energy.
-        densest: largest packing fraction; past confluence tilted contacts take minutes.
+        densest: largest packing fraction; past confluence curved contacts take minutes.
     """
     jammed = jam(bidisperse(16, seed=1))
     return [
@@ -219,7 +219,7 @@ def stiffness_rows(jammed: Packing) -> Iterator[Row]:
         yield row("kA 1e-6 to 1e6", name, "largest residual of FIRE", left, TOLERANCE, why)
 
     kP = 10.0 ** np.arange(-6, 13, 2)
-    for contact in ("radical", "balanced", "tilted"):
+    for contact in ("radical", "balanced", "curved"):
         stiff = at_rest(packing, Ring(contact=contact)).energy
         energies = np.array(
             [at_rest(packing, Ring(kP=float(k), contact=contact, reach=1.0)).energy for k in kP]
@@ -264,7 +264,7 @@ def size_rows() -> Iterator[Row]:
     """Large particles among small ones: outlines bulge further, which needs more reach."""
     for ratio, reach in ((1.4, 0.3), (3.0, 0.5), (10.0, 3.0)):
         case, jammed = f"sizes 1 to {ratio:g}", jam(bidisperse(16, ratio=ratio, seed=1))
-        for contact in ("radical", "balanced", "tilted"):
+        for contact in ("radical", "balanced", "curved"):
             state = strained(jammed, Ring(contact=contact, reach=reach))
             yield row(case, contact, "residual of FIRE", state.residual, TOLERANCE)
         state = strained(jammed, Sector())
