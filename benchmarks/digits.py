@@ -59,7 +59,7 @@ def cases(short: bool) -> Iterator[tuple[str, Callable[[], object]]]:
         yield f"jam, 32 particles, {name}", lambda law=law: df.jam(df.bidisperse(32), law)
     for name, law in {
         "radical": df.Ring(contact="radical"),
-        "tilted": df.Ring(contact="tilted"),
+        "curved": df.Ring(contact="curved"),
     }.items():
         yield f"compress, 64 particles, {name}", lambda law=law: strained(law, df.compress)
     yield "shear, 64 particles, balanced", lambda: strained(df.Ring(), df.shear)

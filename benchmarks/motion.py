@@ -24,7 +24,7 @@ def step(
 
     Args:
         packing: it is relaxed first, so that contacts are balanced.
-        law: with balanced or tilted contacts; other laws need no evaluations.
+        law: with balanced or curved contacts; other laws need no evaluations.
         temperature: of the start.
         dt: the time step.
         warm: time of motion before the steps that count.

@@ -22,7 +22,7 @@ from deformable.engine.lammps import silent_lammps
 from mpi4py import MPI
 
 REACHES = (0.3, 0.45, 0.6, 1.0)
-LAWS = ("balanced", "tilted", "radical")
+LAWS = ("balanced", "curved", "radical")
 MOTIONS = {"slow": (1e-6, 0.05), "fast": (1e-3, 0.02)}  # temperature and time step
 STEPS, TURNS = 300, 5
 

@@ -5,7 +5,7 @@
 Bidisperse packings of several sizes, size ratios and box shapes are jammed as soft disks and
 compressed in steps to 5 % beyond jamming. Each state is relaxed until no force exceeds 1e-6 of the
 mean contact force, with the ring laws. The summary has the number of states and of stalled ones,
-the largest residual, the force calls, and the processor time of `balanced` and of `tilted` over
+the largest residual, the force calls, and the processor time of `balanced` and of `curved` over
 that of `radical` for each packing. The laws take turns, so that ratios are right on a busy machine.
 """
 
@@ -28,7 +28,7 @@ NUMBERS, SEEDS = (16, 32, 64, 128), (1, 2, 3)
 SHAPES = ({"ratio": 1.4}, {"ratio": 1.0}, {"ratio": 3.0}, {"ratio": 1.4, "tilt": 0.4})
 STRAINS = (0.002, 0.01, 0.03, 0.05)
 TOLERANCE = 1e-6
-LAWS = ("radical", "balanced", "tilted")
+LAWS = ("radical", "balanced", "curved")
 
 
 def measure(law: str, number: int, seed: int, shape: dict[str, float]) -> list[dict[str, Any]]:

@@ -19,7 +19,7 @@ FOLDER = Path(__file__).parents[1] / "docs" / "jamming"
 DISKS = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1]
 
 # Those with second derivatives.
-LAWS = ("disk", "radical", "balanced", "tilted")
+LAWS = ("disk", "radical", "balanced", "curved")
 
 
 def main() -> None:
