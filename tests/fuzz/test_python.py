@@ -37,7 +37,10 @@ BUILDERS = {
         {"kA": 1.0, "reach": 0.3, "kP": 1.0, "skin": 0.1, "contact": "radical"},
     ),
     "Sector": (deformable.Sector, {"kA": 1.0, "kP": float("inf")}),
-    "Beads": (deformable.Beads, {"number": 50, "radius": 0.05, "kL": 1.0, "kA": 1.0, "kr": 1.0}),
+    "PolygonModel": (
+        deformable.PolygonModel,
+        {"number": 50, "radius": 0.05, "kL": 1.0, "kA": 1.0, "kr": 1.0},
+    ),
     "Walls": (deformable.Walls, {"angle": [0.0, 2.0, 4.0], "height": [1.0, 1.0, 1.0]}),
     "Packing": (
         deformable.Packing,

@@ -36,16 +36,16 @@ Overwrite = Annotated[
 ]
 
 
-def law_option(names: Iterable[str], help: str) -> Any:
-    """The option --law: one of the names."""
+def choice_option(names: Iterable[str], help: str) -> Any:
+    """An option whose value is one of these names."""
     names = tuple(names)
 
-    def law(name: str) -> str:
+    def choose(name: str) -> str:
         if name not in names:
             raise typer.BadParameter(f"'{name}' is none of {', '.join(names)}")
         return name
 
-    return typer.Option(parser=law, metavar="|".join(names), help=help)
+    return typer.Option(parser=choose, metavar="|".join(names), help=help)
 
 
 class Command(TyperCommand):

@@ -194,7 +194,7 @@ def test_picture(state: deformable.State) -> None:
 
 def test_rings_of_beads_refuse_particle_radii(jammed: deformable.Packing) -> None:
     with pytest.raises(deformable.ParameterError, match="particle_radii"):
-        deformable.BeadReference(jammed)
+        deformable.PolygonSimulation(jammed)
 
 
 def test_outline_is_of_the_radius_of_its_own(state: deformable.State) -> None:

@@ -21,7 +21,7 @@ _LEAST_SPACING = 0.06
 
 
 @dataclass(frozen=True)
-class Beads:
+class PolygonModel:
     """The deformable-polygon model: bead polygons, joined by springs around a soft area.
 
         U = kL/2 sum (L - L0)^2 + kA/2 sum (A - A0)^2 + contacts
@@ -45,14 +45,14 @@ class Beads:
         kL: stiffness of a spring [energy/length^2]; the perimeter of a polygon has kP = kL/N_v.
         kA: stiffness of the area of a polygon [energy/length^4].
         kr: stiffness of the contact of two beads, or of a vertex and an edge [energy/length^2].
-        smooth: whether polygons are smooth, else rough.
+        smooth: smooth polygons, else bead polygons.
 
     Raises:
         ParameterError: a value is not positive and finite, or a polygon has fewer than 3 beads.
 
     Source: Boromand et al., Phys. Rev. Lett. 121, 248003 (2018); R. Maharana, "Efficient
     Simulation of Deformable Particles", whose rest area lacks a factor cos(pi/N_v).
-    docs/theory.md, "Smooth rings".
+    docs/theory.md, "Smooth polygons".
     """
 
     number: int | Sequence[int] = 50
@@ -124,8 +124,10 @@ class Beads:
                 f"of radius {radii[closest]:g}, LAMMPS cannot list so many neighbors: take "
                 f"{'number = ' if one else ''}{most:g} or fewer"
             )
-        rough = polygon + 0.5 * np.sqrt(np.maximum(4.0 * self.radius**2 - 0.25 * spacing**2, 0.0))
-        effective_radius = radii.astype(np.float64) if self.smooth else rough
+        of_beads = polygon + 0.5 * np.sqrt(
+            np.maximum(4.0 * self.radius**2 - 0.25 * spacing**2, 0.0)
+        )
+        effective_radius = radii.astype(np.float64) if self.smooth else of_beads
         return Polygons(
             number=number.astype(np.int64),
             radius=0.5 * spacing / sine,
@@ -154,7 +156,7 @@ class Polygons:
         spacing: rest length of the springs, L0 [length].
         area: rest area, A0 = N_v L0^2/4 cot(pi/N_v) [length^2].
         effective_radius: of the smooth particle that equals a polygon for other polygons [length].
-            It is R of a smooth polygon, and R - p + sqrt(4p^2 - L0^2/4)/2 of a rough one, because
+            It is R of a smooth polygon, and R - p + sqrt(4p^2 - L0^2/4)/2 of a bead polygon, as
             facing rows of beads interlock. For a smooth wall the radius is R.
         skin: thickness of the rigid shell around that particle's polygon, `effective_radius` minus
             R - p [length].
