@@ -24,11 +24,12 @@ from ..plugin import directory, potentials
 from ..runs.run import Run
 from .compress import compress_command
 from .jam import jam_command
-from .options import Command, choice_option, one_rank_prints, refuse_ranks
+from .options import Command, Group, choice_option, one_rank_prints, refuse_ranks
 from .plot import plot_command
 from .shear import shear_command
 
 app = typer.Typer(
+    cls=Group,
     help="Two-dimensional deformable particles in LAMMPS.",
     no_args_is_help=True,
     add_completion=False,

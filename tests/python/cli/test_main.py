@@ -227,10 +227,10 @@ def test_error_on_one_rank_ends_all(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        (["compress", "--bubbles", "3"], "Error: No such option: --bubbles"),
-        (["compress", "--number", "many"], "Error: Invalid value for '--number': "),
-        (["jam"], "Error: Missing argument "),
-        (["bubble"], "Error: No such command 'bubble'"),
+        (["compress", "--bubbles", "3"], "error: No such option: --bubbles"),
+        (["compress", "--number", "many"], "error: --number many: "),
+        (["jam"], "error: Missing argument "),
+        (["bubble"], "error: No such command 'bubble'"),
         (["plot", "--help"], "Usage: deformable plot "),
         ([], "Usage: deformable "),
     ],

@@ -159,9 +159,7 @@ def _measure(walls: Walls, a: float, reference: PolygonState, seconds: float) ->
     touching = pressed >= 0.0  # contacts of the sector law; the ring law finds its own
     stuck, slipping = (walls.angle[touching], pressed[touching]), (walls.angle, pressed)
     rest, skin = reference.polygons, reference.model.radius
-    beyond = (
-        rest.radius[0] - 1.0
-    )  # corners of a smooth polygon at rest, which has the circle's length
+    beyond = rest.radius[0] - 1.0  # corners of a smooth polygon, which has the circle's length
     kA, kP, outer = float(rest.kA[0]), float(rest.kP[0]), 1.0 + skin
     ring = Ring(kA, kP=kP, skin=skin)
     calls: dict[str, Callable[[], core.Shape | core.SoftShape]] = {
