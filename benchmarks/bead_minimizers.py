@@ -124,7 +124,7 @@ def main() -> None:
     result = {
         "command": "python benchmarks/bead_minimizers.py",
         "number": NUMBER,
-        "beads": BEADS.number,
+        "beads": BEADS.vertices,
         "strain": STRAIN,
         "tolerances": TOLERANCES,
         "limit_seconds": LIMIT,

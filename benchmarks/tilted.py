@@ -44,7 +44,7 @@ def accuracy() -> list[dict[str, Any]]:
 def mixtures() -> list[dict[str, Any]]:
     kA, kP, count = (1.0, 10.0), (2.0, 40.0), 80
     number = (
-        PolygonModel(number=count, radius=SKIN, smooth=True).polygons(np.array([0.5, 0.7])).number
+        PolygonModel(vertices=count, radius=SKIN, smooth=True).polygons(np.array([0.5, 0.7])).number
     )
     springs = [stiffness * n for stiffness, n in zip(kP, number.tolist(), strict=True)]
     model = PolygonModel(count, SKIN, springs, kA, kr=10.0 * max(kA), smooth=True)

@@ -39,7 +39,7 @@ BUILDERS = {
     "Sector": (deformable.Sector, {"kA": 1.0, "kP": float("inf")}),
     "PolygonModel": (
         deformable.PolygonModel,
-        {"number": 50, "radius": 0.05, "kL": 1.0, "kA": 1.0, "kr": 1.0},
+        {"vertices": 50, "radius": 0.05, "kL": 1.0, "kA": 1.0, "kr": 1.0},
     ),
     "Walls": (deformable.Walls, {"angle": [0.0, 2.0, 4.0], "height": [1.0, 1.0, 1.0]}),
     "Packing": (
@@ -85,7 +85,7 @@ FEW = [60, pytest.param(4000, marks=pytest.mark.slow)]
 def test_builders(name, examples):
     build, right = BUILDERS[name]
     some = st.dictionaries(st.sampled_from(list(right)), ANYTHING, min_size=1, max_size=2).filter(
-        lambda wrong: not is_large(wrong.get("number"))
+        lambda wrong: not is_large(wrong.get("number", wrong.get("vertices")))
     )
 
     @settings(max_examples=examples, deadline=None)

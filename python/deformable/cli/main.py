@@ -125,7 +125,7 @@ def compare(
         f"{100 * strain:g} % strain from jamming"
     )
     rows, _ = packing_rows(
-        number, seed, strain, PolygonModel(number=vertices, smooth=polygons == "smooth")
+        number, seed, strain, PolygonModel(vertices=vertices, smooth=polygons == "smooth")
     )
     width = max(len(row["law"]) for row in rows)
     print_once(

@@ -39,8 +39,8 @@ class PolygonModel:
     L0 = 2 pi (R - p), and R is the radius of the particle in the ring laws.
 
     Args:
-        number: beads on a polygon of the smallest species; larger ones get more, N_v ~ R - p. Or a
-            number for each species.
+        vertices: N_v, beads or vertices of a polygon of the smallest species; larger ones get more,
+            N_v ~ R - p. Or a number for each species.
         radius: p, of a bead [length]; contacts reach as far as 2p.
         kL: stiffness of a spring [energy/length^2]; the perimeter of a polygon has kP = kL/N_v.
         kA: stiffness of the area of a polygon [energy/length^4].
@@ -55,7 +55,7 @@ class PolygonModel:
     docs/theory.md, "Smooth polygons".
     """
 
-    number: int | Sequence[int] = 50
+    vertices: int | Sequence[int] = 50
     radius: float = 0.05
     kL: float | Sequence[float] = 300.0
     kA: float | Sequence[float] = 1.0
@@ -71,14 +71,14 @@ class PolygonModel:
             if not ((values > 0.0) & np.isfinite(values)).all():
                 raise ParameterError(f"{name} must be positive and finite, not {shown(values)}")
         try:
-            counts = np.atleast_1d(np.asarray(self.number))
+            counts = np.atleast_1d(np.asarray(self.vertices))
         except ValueError:  # rows of unequal length
             counts = np.empty(0)
         whole = counts.ndim == 1 and counts.dtype.kind in "iuf" and np.isfinite(counts).all()
         whole = whole and counts.size > 0
         if not (whole and (counts == np.rint(counts)).all() and (counts >= 3).all()):
             raise ParameterError(
-                f"a polygon needs a whole number of beads, at least 3, not {self.number}"
+                f"a polygon needs a whole number of beads, at least 3, not {self.vertices}"
             )
 
     def polygons(self, radii: NDArray[np.float64]) -> Polygons:
@@ -95,26 +95,26 @@ class PolygonModel:
                 f"beads of radius {self.radius:g} are too large for a particle of radius "
                 f"{radii.min():g}: take less than half of that"
             )
-        one = np.ndim(self.number) == 0
-        if not one and len(np.asarray(self.number)) != len(radii):
+        one = np.ndim(self.vertices) == 0
+        if not one and len(np.asarray(self.vertices)) != len(radii):
             raise ParameterError(
-                f"number must be one number, or one for each of {len(radii)} species, not "
-                f"{self.number}"
+                f"vertices must be one number, or one for each of {len(radii)} species, not "
+                f"{self.vertices}"
             )
         share = polygon / polygon.min() if one else np.ones_like(polygon)
-        number = np.rint(np.asarray(self.number, dtype=np.float64) * share)
+        number = np.rint(np.asarray(self.vertices, dtype=np.float64) * share)
         half = np.pi / number  # of the angle of an edge
         cosine, sine = unit_vectors(half).T
         spacing = 2.0 * polygon * (half if self.smooth else sine)
         widest, closest = int(spacing.argmax()), int(spacing.argmin())
         if spacing[widest] >= 4.0 * self.radius and not self.smooth:  # edges have no gaps
             enough = np.floor(_beads_at(4.0 * self.radius, polygon)) + 1.0
-            # `number` is that of the smallest species: number * share must round to enough
+            # `vertices` are those of the smallest species: number * share must round to enough
             least = (np.floor((enough - 0.5) / share) + 1.0).max() if one else enough[widest]
             raise ParameterError(
                 f"{number[widest]:g} beads of radius {self.radius:g} are too few for a particle of "
                 f"radius {radii[widest]:g}, others slip between them: take "
-                f"{'number = ' if one else ''}{least:g} or more"
+                f"{'vertices = ' if one else ''}{least:g} or more"
             )
         if spacing[closest] < _LEAST_SPACING * self.radius:
             room = np.floor(_beads_at(_LEAST_SPACING * self.radius, polygon))
@@ -122,7 +122,7 @@ class PolygonModel:
             raise ParameterError(
                 f"{number[closest]:g} beads of radius {self.radius:g} are too many for a particle "
                 f"of radius {radii[closest]:g}, LAMMPS cannot list so many neighbors: take "
-                f"{'number = ' if one else ''}{most:g} or fewer"
+                f"{'vertices = ' if one else ''}{most:g} or fewer"
             )
         of_beads = polygon + 0.5 * np.sqrt(
             np.maximum(4.0 * self.radius**2 - 0.25 * spacing**2, 0.0)

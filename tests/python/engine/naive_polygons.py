@@ -70,4 +70,4 @@ def square(height: float, stick: bool = False) -> deformable.Walls:
 ALONE = deformable.Packing(np.zeros((1, 2)), [0], [0.5], 3.0 * np.eye(2))
 
 
-LONE_BEADS = deformable.PolygonModel(number=40, radius=0.03)
+LONE_BEADS = deformable.PolygonModel(vertices=40, radius=0.03)

@@ -16,7 +16,7 @@ from ranks import python
 pytestmark = pytest.mark.filterwarnings("error")
 
 
-SOFT = deformable.PolygonModel(number=14, radius=0.08, kL=[7.0, 20.0], kA=[3.0, 0.5], kr=11.0)
+SOFT = deformable.PolygonModel(vertices=14, radius=0.08, kL=[7.0, 20.0], kA=[3.0, 0.5], kr=11.0)
 
 
 SCENES = [{"number": 5, "seed": 2}, {"number": 4, "seed": 1, "tilt": 0.6, "aspect": 0.7}]
@@ -116,7 +116,7 @@ def test_undeformed_polygons_are_at_rest() -> None:
 
 
 def test_polygons_that_meet_through_several_images() -> None:
-    with deformable.PolygonSimulation(pair(1.4), deformable.PolygonModel(number=24)) as sim:
+    with deformable.PolygonSimulation(pair(1.4), deformable.PolygonModel(vertices=24)) as sim:
         state = sim.relax(0.01)
     assert state.residual <= 0.01
     assert state.contact_table.i.tolist() == [0] * 4
@@ -133,7 +133,7 @@ def test_polygons_that_meet_through_several_images() -> None:
 
 def test_polygons_touch_at_the_effective_radius() -> None:
     """Flat contacts of nine beads a side: facing rows interlock."""
-    model = deformable.PolygonModel(number=152, radius=0.01, kr=1000.0)
+    model = deformable.PolygonModel(vertices=152, radius=0.01, kr=1000.0)
     width = 2.0**0.5
     with deformable.PolygonSimulation(pair(width), model) as sim:
         # the polygons start bead on bead: turn one by 0.3 spacings, and relaxation does the rest
@@ -161,7 +161,7 @@ def test_polygons_touch_at_the_effective_radius() -> None:
 @pytest.mark.parametrize("kA", [1.0, (2.0, 20.0)])
 def test_relaxation_ends_at_the_tolerance(kA: Any) -> None:
     jammed = deformable.jam(deformable.bidisperse(6, seed=1))
-    with deformable.PolygonSimulation(jammed, deformable.PolygonModel(number=20, kA=kA)) as sim:
+    with deformable.PolygonSimulation(jammed, deformable.PolygonModel(vertices=20, kA=kA)) as sim:
         sim.deform(0.97 * sim.box)
         state = sim.relax(0.02)
         force = np.linalg.norm(gather(sim.lmp, "f", 3), axis=1).max()
@@ -174,7 +174,7 @@ def test_relaxation_ends_at_the_tolerance(kA: Any) -> None:
 
 def test_stiff_areas_of_soft_polygons_relax() -> None:
     """Then the whole ring oscillates faster than any spring, and the time step is shorter."""
-    model = deformable.PolygonModel(number=20, kL=1.0, kA=[1.0, 1e3], kr=1.0)
+    model = deformable.PolygonModel(vertices=20, kL=1.0, kA=[1.0, 1e3], kr=1.0)
     jammed = deformable.jam(deformable.bidisperse(6, seed=1))
     with deformable.PolygonSimulation(jammed, model) as sim:
         sim.deform(0.97 * sim.box)
@@ -200,7 +200,7 @@ def test_loose_polygons_relax_at_once(change: float) -> None:
 
 def test_compress_yields_states() -> None:
     jammed = deformable.jam(deformable.bidisperse(6, seed=1))
-    with deformable.PolygonSimulation(jammed, deformable.PolygonModel(number=20)) as sim:
+    with deformable.PolygonSimulation(jammed, deformable.PolygonModel(vertices=20)) as sim:
         states = list(deformable.compress(sim, strain=0.04, steps=2, tolerance=0.05))
         assert sim.box == pytest.approx(0.96 * jammed.box)
     assert [type(state) for state in states] == [deformable.PolygonState] * 2
@@ -213,7 +213,7 @@ def test_a_stalled_relaxation_warns(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(polygon_simulation, "_ITERATIONS", 10)
     monkeypatch.setattr(polygon_simulation, "_PATIENCE", 20)
     jammed = deformable.jam(deformable.bidisperse(6, seed=1))
-    with deformable.PolygonSimulation(jammed, deformable.PolygonModel(number=20)) as sim:
+    with deformable.PolygonSimulation(jammed, deformable.PolygonModel(vertices=20)) as sim:
         sim.deform(0.97 * sim.box)
         with pytest.warns(deformable.StalledWarning, match=r"stalled: the largest force is .* not"):
             state = sim.relax(1e-9)
@@ -227,7 +227,7 @@ from mpi4py import MPI
 import deformable
 
 jammed = deformable.jam(deformable.bidisperse(6, seed=3, tilt=0.2))
-with deformable.PolygonSimulation(jammed, deformable.PolygonModel(number=20)) as polygons:
+with deformable.PolygonSimulation(jammed, deformable.PolygonModel(vertices=20)) as polygons:
     polygons.deform(0.97 * polygons.box)
     polygons.lmp.command("minimize 0 0 100 200")
     state = polygons.state()

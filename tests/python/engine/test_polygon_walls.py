@@ -95,7 +95,7 @@ def test_walls_do_not_follow_the_box() -> None:
 
 def test_walls_press_smooth_polygons_at_their_skin() -> None:
     """The ring law with the skin c/2 has the same area deficit: both touch R + c/2 outside."""
-    model = replace(LONE_BEADS, number=160, kL=160.0, kr=300.0, smooth=True)
+    model = replace(LONE_BEADS, vertices=160, kL=160.0, kr=300.0, smooth=True)
     with deformable.PolygonSimulation(ALONE, model, square(0.5)) as sim:
         for height in (0.49, 0.48):
             sim.confine(square(height))

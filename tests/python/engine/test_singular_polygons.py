@@ -10,7 +10,7 @@ from deformable.engine.smooth_polygons import SmoothPolygons, relax_smooth
 @pytest.mark.parametrize("failures", [1, 10**9])
 def test_a_singular_hessian(failures: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """More damping helps; if it never does, the polygons stay about where they are."""
-    model = deformable.PolygonModel(number=20, smooth=True)
+    model = deformable.PolygonModel(vertices=20, smooth=True)
     packing = deformable.Packing([[0, 0], [0.9, 0]], [0, 0], [0.5], 4.0 * np.eye(2))
     polygons = SmoothPolygons(model, model.polygons(packing.radii), packing.species, packing.box)
     angle = 2.0 * np.pi * np.arange(20) / 20

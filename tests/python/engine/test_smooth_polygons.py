@@ -24,9 +24,9 @@ STORED = Path(__file__).parents[2] / "data"
 DATA = json.loads((STORED / "smooth_packing.json").read_text())
 STATES = {state["state"]: state for state in DATA["states"]}
 EXACT = deformable.PolygonModel(
-    number=DATA["N_v"], radius=0.5 * DATA["c"], kL=DATA["kL"], kA=1.0, kr=DATA["kr"], smooth=True
+    vertices=DATA["N_v"], radius=0.5 * DATA["c"], kL=DATA["kL"], kA=1.0, kr=DATA["kr"], smooth=True
 )
-FINE = deformable.PolygonModel(number=80, radius=0.025, kL=480.0, kr=10.0, smooth=True)
+FINE = deformable.PolygonModel(vertices=80, radius=0.025, kL=480.0, kr=10.0, smooth=True)
 
 
 def vertices(state: dict[str, Any]) -> np.ndarray:
@@ -151,7 +151,7 @@ def test_second_derivatives(name: str) -> None:
 def relaxed() -> deformable.PolygonState:
     """Six particles, compressed by 2 %."""
     jammed = deformable.jam(deformable.bidisperse(6, seed=1, tilt=0.3))
-    model = deformable.PolygonModel(number=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
+    model = deformable.PolygonModel(vertices=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
     with deformable.PolygonSimulation(jammed, model) as sim:
         sim.deform(0.98 * sim.box)
         state = sim.relax()
@@ -184,7 +184,7 @@ def test_energy_is_stationary_and_least(relaxed: deformable.PolygonState) -> Non
 
 
 def test_polygons_that_meet_through_several_images() -> None:
-    model = deformable.PolygonModel(number=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
+    model = deformable.PolygonModel(vertices=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
     with deformable.PolygonSimulation(pair(1.41), model) as sim:
         state = sim.relax()
     assert state.residual <= 1e-6
@@ -280,7 +280,7 @@ def test_soft_contacts_do_not_let_polygons_pass() -> None:
 
 def test_edges_that_meet_their_images_are_refused() -> None:
     packing = pair(1.42)
-    model = deformable.PolygonModel(number=5, radius=0.1, smooth=True)  # edges of 0.5 at rest
+    model = deformable.PolygonModel(vertices=5, radius=0.1, smooth=True)  # edges of 0.5 at rest
     with (
         deformable.PolygonSimulation(packing, model) as sim,
         pytest.raises(deformable.LammpsError, match="more than half of the box"),
@@ -294,7 +294,7 @@ from mpi4py import MPI
 import deformable
 
 jammed = deformable.jam(deformable.bidisperse(6, seed=3, tilt=0.2))
-model = deformable.PolygonModel(number=30, radius=0.025, kL=180.0, kr=10.0, smooth=True)
+model = deformable.PolygonModel(vertices=30, radius=0.025, kL=180.0, kr=10.0, smooth=True)
 with deformable.PolygonSimulation(jammed, model) as sim:
     sim.deform(0.98 * sim.box)
     state = sim.relax()
@@ -340,7 +340,7 @@ def test_kernel_refuses(change: dict[str, Any], message: str) -> None:
 
 def test_relax_smooth_reports_each_step() -> None:
     packing = pair(1.41)
-    model = deformable.PolygonModel(number=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
+    model = deformable.PolygonModel(vertices=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
     polygons = SmoothPolygons(model, model.polygons(packing.radii), packing.species, packing.box)
     seen: list[float] = []
     with deformable.PolygonSimulation(packing, model) as start:

@@ -10,14 +10,14 @@ RADII = np.array([0.5, 0.7])
 
 
 def test_numbers_of_the_paper() -> None:
-    polygons = deformable.PolygonModel(number=50, radius=0.05).polygons(RADII)
+    polygons = deformable.PolygonModel(vertices=50, radius=0.05).polygons(RADII)
     assert polygons.number.tolist() == [50, 72]
     assert polygons.radius == pytest.approx([0.45, 0.65])
     assert polygons.effective_radius == pytest.approx(RADII - 0.00205, abs=2e-5)
 
 
 def test_smooth_polygons_have_the_perimeter_of_the_law() -> None:
-    polygons = deformable.PolygonModel(number=80, radius=0.025, kL=480.0, smooth=True).polygons(
+    polygons = deformable.PolygonModel(vertices=80, radius=0.025, kL=480.0, smooth=True).polygons(
         RADII
     )
     assert polygons.number.tolist() == [80, 114]
@@ -34,16 +34,16 @@ def test_smooth_polygons_have_the_perimeter_of_the_law() -> None:
 
 def test_few_vertices_are_enough_for_smooth_polygons() -> None:
     assert (
-        deformable.PolygonModel(number=8, radius=0.01, smooth=True).polygons(RADII).number[0] == 8
+        deformable.PolygonModel(vertices=8, radius=0.01, smooth=True).polygons(RADII).number[0] == 8
     )
     with pytest.raises(deformable.ParameterError, match="too few"):
-        deformable.PolygonModel(number=8, radius=0.01).polygons(RADII)
+        deformable.PolygonModel(vertices=8, radius=0.01).polygons(RADII)
     with pytest.raises(deformable.ParameterError, match="too many"):
-        deformable.PolygonModel(number=9000, radius=0.01, smooth=True).polygons(RADII)
+        deformable.PolygonModel(vertices=9000, radius=0.01, smooth=True).polygons(RADII)
 
 
 def test_rest_values_are_those_of_a_regular_polygon() -> None:
-    polygons = deformable.PolygonModel(number=[5, 11], radius=0.1).polygons(np.array([0.4, 0.3]))
+    polygons = deformable.PolygonModel(vertices=[5, 11], radius=0.1).polygons(np.array([0.4, 0.3]))
     for n, radius, spacing, area in zip(
         polygons.number, (0.3, 0.2), polygons.spacing, polygons.area, strict=True
     ):
@@ -56,7 +56,7 @@ def test_rest_values_are_those_of_a_regular_polygon() -> None:
 
 @pytest.mark.parametrize("number", [[50, 80], (50, 80), np.array([50, 80]), np.array([50.0, 80.0])])
 def test_numbers_of_each_species(number: object) -> None:
-    assert deformable.PolygonModel(number=number).polygons(RADII).number.tolist() == [50, 80]
+    assert deformable.PolygonModel(vertices=number).polygons(RADII).number.tolist() == [50, 80]
 
 
 @pytest.mark.parametrize("number", [50, np.int64(50), np.float64(50.0)])
@@ -70,7 +70,7 @@ def test_one_number_is_of_the_smallest(number: int) -> None:
 )
 def test_numbers_of_beads_are_whole_and_three_or_more(number: object) -> None:
     with pytest.raises(deformable.ParameterError, match="whole number of beads, at least 3, not"):
-        deformable.PolygonModel(number=number)  # type: ignore[arg-type]
+        deformable.PolygonModel(vertices=number)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("name", ["radius", "kr"])
@@ -105,8 +105,8 @@ def test_stiffnesses_are_positive(name: str, value: Any, message: str) -> None:
 
 @pytest.mark.parametrize("kind", [list, tuple, np.array])
 def test_stiffnesses_of_each_species(kind: Any) -> None:
-    model = deformable.PolygonModel(number=[50, 80], kL=kind([1, 2]), kA=3)
-    assert model == deformable.PolygonModel(number=[50, 80], kL=(1.0, 2.0), kA=3.0)
+    model = deformable.PolygonModel(vertices=[50, 80], kL=kind([1, 2]), kA=3)
+    assert model == deformable.PolygonModel(vertices=[50, 80], kL=(1.0, 2.0), kA=3.0)
     polygons = model.polygons(RADII)
     assert polygons.kL.tolist() == [1.0, 2.0]
     assert polygons.kA.tolist() == [3.0, 3.0]
@@ -124,7 +124,7 @@ def test_one_stiffness_a_species(name: str, values: Any) -> None:
 
 def test_settings_may_be_numpy_numbers() -> None:
     model = deformable.PolygonModel(
-        number=np.int64(12), radius=np.float64(0.1), kL=np.float32(8), kA=2
+        vertices=np.int64(12), radius=np.float64(0.1), kL=np.float32(8), kA=2
     )
     with deformable.PolygonSimulation(deformable.bidisperse(2, phi=0.1), model) as polygons:
         assert polygons.state().residual == 0.0
@@ -133,7 +133,7 @@ def test_settings_may_be_numpy_numbers() -> None:
 @pytest.mark.parametrize("number", [[50], [50, 60, 70]])
 def test_one_number_a_species(number: list[int]) -> None:
     with pytest.raises(deformable.ParameterError, match=r"one for each of 2 species, not \["):
-        deformable.PolygonModel(number=number).polygons(RADII)
+        deformable.PolygonModel(vertices=number).polygons(RADII)
 
 
 @pytest.mark.parametrize("radius", [0.25, 0.5, 3.0])
@@ -146,8 +146,8 @@ def test_no_bead_slips_through_between_others() -> None:
     with pytest.raises(
         deformable.ParameterError, match=r"20 beads .* radius 0\.7, .* take 21 or more"
     ):
-        deformable.PolygonModel(number=[40, 20], radius=0.05).polygons(RADII)
-    enough = deformable.PolygonModel(number=[40, 21], radius=0.05).polygons(RADII)
+        deformable.PolygonModel(vertices=[40, 20], radius=0.05).polygons(RADII)
+    enough = deformable.PolygonModel(vertices=[40, 21], radius=0.05).polygons(RADII)
     assert enough.spacing[1] < 4.0 * 0.05 < 2.0 * 0.65 * np.sin(np.pi / 20)
     assert np.isfinite(enough.effective_radius).all()
 
@@ -158,7 +158,7 @@ def test_the_number_that_is_asked_for_suffices(
     radii: np.ndarray, number: float, way_out: str, step: int
 ) -> None:
     """One number is that of the smallest species, but a larger species may need more beads."""
-    message = rf"take number = \d+ or {way_out}$"
+    message = rf"take vertices = \d+ or {way_out}$"
     with pytest.raises(deformable.ParameterError, match=message) as error:
         deformable.PolygonModel(number).polygons(radii)
     limit = int(str(error.value).split()[-3])
@@ -171,9 +171,9 @@ def test_lammps_lists_the_neighbors_of_the_closest_beads() -> None:
     with pytest.raises(
         deformable.ParameterError, match=r"5000 .* radius 0\.7, .* take 1361 or fewer"
     ):
-        deformable.PolygonModel(number=[50, 5000]).polygons(RADII)
+        deformable.PolygonModel(vertices=[50, 5000]).polygons(RADII)
     jammed = deformable.jam(deformable.bidisperse(8, seed=1))
-    model = deformable.PolygonModel(number=244, radius=0.15)
+    model = deformable.PolygonModel(vertices=244, radius=0.15)
     with deformable.PolygonSimulation(jammed, model) as polygons:
         assert polygons.polygons.spacing == pytest.approx(0.06 * 0.15, rel=1e-2)
         polygons.deform(polygons.box * 0.97)

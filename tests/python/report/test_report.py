@@ -23,7 +23,7 @@ SMALLEST = Plan(
     friction=[(MODELS[0], 0.04, 2), (MODELS[1], 0.04, 2, 1e-2)],
     hysteresis=[(6, 1, model, 0.015, 2) for model in MODELS],
     crystal=[(MODELS[0], 0.03)],
-    large=(8, 3, 0.03, PolygonModel(number=16)),
+    large=(8, 3, 0.03, PolygonModel(vertices=16)),
     mixtures=[(8, 1, 0.03, 38, (1.0, 10.0), (0.1, math.inf))],
     shapes={"indentations": (0.02,), "number": 24, "kL": 100.0},
     stiffness={"indentations": (0.01, 0.02), "number": 24, "kL": (1.0, 100.0)},

@@ -32,7 +32,7 @@ def independent() -> deformable.PolygonState:
         REFERENCE["box"] * np.eye(2),
     )
     model = deformable.PolygonModel(
-        number=[len(outlines[REFERENCE["radius"].index(radius)]) for radius in radii],
+        vertices=[len(outlines[REFERENCE["radius"].index(radius)]) for radius in radii],
         radius=REFERENCE["bead_radius"],
         **{name: REFERENCE[name] for name in ("kL", "kA", "kr")},
     )
@@ -113,7 +113,7 @@ def test_circles_on_the_independent_packing(independent: deformable.PolygonState
 @pytest.fixture(scope="module")
 def small() -> deformable.PolygonState:
     jammed = deformable.jam(deformable.bidisperse(6, seed=3))
-    with deformable.PolygonSimulation(jammed, deformable.PolygonModel(number=40)) as sim:
+    with deformable.PolygonSimulation(jammed, deformable.PolygonModel(vertices=40)) as sim:
         (state,) = deformable.compress(sim, strain=0.02, steps=1, tolerance=0.02)
     return state
 

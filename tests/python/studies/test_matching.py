@@ -24,7 +24,7 @@ def pair() -> tuple[PolygonState, State]:
     """Rings, and particles of the ring law, both strained by 6 %."""
     start = jam(bidisperse(8, seed=1))
     states = []
-    for packing in (PolygonSimulation(start, PolygonModel(number=25)), Simulation(start, Ring())):
+    for packing in (PolygonSimulation(start, PolygonModel(vertices=25)), Simulation(start, Ring())):
         with packing as sim:
             sim.deform(0.94 * start.box)
             states.append(sim.relax())

@@ -15,7 +15,7 @@ LAWS = ["sector", "radical, kP inf", "radical", "balanced", "tilted"]
 
 def test_rows_of_a_packing():
     """Rows agree with the comparison, the relaxation and the definitions."""
-    model, strain = PolygonModel(number=20), 0.03
+    model, strain = PolygonModel(vertices=20), 0.03
     rows, comparisons = packings.packing_rows(8, 1, strain, model)
     by_law = {row["law"]: row for row in rows}
     assert list(comparisons) == LAWS
@@ -61,7 +61,7 @@ def test_rows_of_a_packing():
     assert by_law["disk"]["I"] == pytest.approx(np.mean(off), abs=3e-6)
 
 
-MIXED = PolygonModel(number=[20, 30], kL=[4.0, 1500.0], kA=[1.0, 10.0])
+MIXED = PolygonModel(vertices=[20, 30], kL=[4.0, 1500.0], kA=[1.0, 10.0])
 
 
 def test_laws_have_the_stiffness_of_each_species():
@@ -77,7 +77,7 @@ def test_laws_have_the_stiffness_of_each_species():
     assert matching_laws["balanced, kP inf"] == Ring(
         kA, kP=[0.2, math.inf], skin=skin, contact="balanced"
     )
-    equal = PolygonModel(number=[20, 30], kL=[4.0, 1500.0], kA=[2.0, 2.0])
+    equal = PolygonModel(vertices=[20, 30], kL=[4.0, 1500.0], kA=[2.0, 2.0])
     assert packings.matching_laws(equal, polygons=equal.polygons(np.array([0.5, 0.7])))[
         "sector"
     ] == Sector(2.0)

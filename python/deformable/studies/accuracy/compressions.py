@@ -49,7 +49,7 @@ def standard_polygons(count: int, kP: float = 6.0, smooth: bool = True) -> Polyg
         kP: stiffness of their perimeter [energy/length^2].
         smooth: whether they are smooth, else bead polygons.
     """
-    return PolygonModel(number=count, radius=0.025, kL=kP * count, kr=10.0, smooth=smooth)
+    return PolygonModel(vertices=count, radius=0.025, kL=kP * count, kr=10.0, smooth=smooth)
 
 
 def smooth_rows(

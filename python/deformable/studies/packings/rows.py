@@ -94,7 +94,7 @@ def mixed_rows(
             infinite value.
     """
     radii = bidisperse(number).radii
-    polygons = PolygonModel(number=count, radius=_SKIN, smooth=True).polygons(radii)
+    polygons = PolygonModel(vertices=count, radius=_SKIN, smooth=True).polygons(radii)
     rigid = np.isinf(kP)
     springs = polygons.number * np.where(rigid, _STIFF * np.array(kA) * radii**2, kP)
     model = PolygonModel(count, _SKIN, springs.tolist(), kA, kr=_CONTACT * max(kA), smooth=True)

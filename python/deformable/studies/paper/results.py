@@ -44,7 +44,7 @@ def ring_in_walls(number: int, kL: float) -> PolygonModel:
     a hexagon at a/R0 = 0.05, and for soft springs far below p q/(2 pi kP), by which the ring
     expands. Stiffer walls would only cost time steps.
     """
-    return PolygonModel(number=number, radius=0.1, kL=kL, kA=1.0, kr=min(kL, 1e3))
+    return PolygonModel(vertices=number, radius=0.1, kL=kL, kA=1.0, kr=min(kL, 1e3))
 
 
 def shapes(
