@@ -1,7 +1,7 @@
 # Everything from a fresh clone, with Python >= 3.10, a C++17 compiler and make:
 #
 #   make demo        compress 128 particles, with picture, trajectory and tables in demo/, and compare
-#                    the contact laws with rings of beads
+#                    the contact laws with polygons
 #   make test        run the tests without the long ones
 #   make test-slow   run the long tests
 #   make lint        check style and types

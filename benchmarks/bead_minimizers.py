@@ -22,7 +22,7 @@ import deformable
 import numpy as np
 
 HERE = Path(__file__).parent
-NUMBER, BEADS, STRAIN, LIMIT = 16, deformable.Beads(50), 0.01, 14.0
+NUMBER, BEADS, STRAIN, LIMIT = 16, deformable.PolygonModel(50), 0.01, 14.0
 TOLERANCES = (1e-1, 1e-2, 1e-3)
 DMAX = f"min_modify dmax {0.1 * BEADS.radius:g} norm max"
 OMEGA = (4.0 * (BEADS.kL + BEADS.kr)) ** 0.5
@@ -76,7 +76,7 @@ def measure(name: str, jammed: deformable.Packing, seed: int) -> dict[str, objec
     row: dict[str, object] = {"method": name, "seed": seed, "calls": [], "seconds": []}
     with (
         tempfile.TemporaryDirectory() as folder,
-        deformable.BeadReference(jammed, BEADS) as rings,
+        deformable.PolygonSimulation(jammed, BEADS) as rings,
     ):
         log = Path(folder, "log")
         rings.lmp.command(f'log "{log}"')
@@ -124,7 +124,7 @@ def main() -> None:
     result = {
         "command": "python benchmarks/bead_minimizers.py",
         "number": NUMBER,
-        "beads": BEADS.number,
+        "beads": BEADS.vertices,
         "strain": STRAIN,
         "tolerances": TOLERANCES,
         "limit_seconds": LIMIT,

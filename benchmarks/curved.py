@@ -3,7 +3,7 @@
     python benchmarks/tilted.py [--out benchmarks/results/tilted.json] [--parts accuracy,...]
 
 `accuracy`: bidisperse packings of 16 compressed to 5 % beyond jamming, with the laws `balanced` and
-`tilted` and as smooth rings of N_v = 160, each relaxed on its own. `mixtures`: the same to 3 % with
+`tilted` and as smooth polygons of N_v = 160, each relaxed on its own. `mixtures`: to 3 % with
 small particles of kA = 1, kP = 2 among large ones of kA = 10, kP = 40, N_v = 80. `told` is the part
 of the energy by which a law estimates its own to be too large. `steps`, `relaxations`: processor
 time with tilted contacts over that with balanced ones, of a time step at constant energy and of
@@ -24,7 +24,7 @@ from typing import Any
 import deformable
 import numpy as np
 from deformable.common.versions import machine
-from deformable.model.beads import Beads
+from deformable.model.polygons import PolygonModel
 from deformable.studies.accuracy.compressions import law_path, smooth_rows
 from motion import energy_error, step
 
@@ -43,11 +43,13 @@ def accuracy() -> list[dict[str, Any]]:
 
 def mixtures() -> list[dict[str, Any]]:
     kA, kP, count = (1.0, 10.0), (2.0, 40.0), 80
-    number = Beads(number=count, radius=SKIN, smooth=True).polygons(np.array([0.5, 0.7])).number
+    number = (
+        PolygonModel(vertices=count, radius=SKIN, smooth=True).polygons(np.array([0.5, 0.7])).number
+    )
     springs = [stiffness * n for stiffness, n in zip(kP, number.tolist(), strict=True)]
-    beads = Beads(count, SKIN, springs, kA, kr=10.0 * max(kA), smooth=True)
+    model = PolygonModel(count, SKIN, springs, kA, kr=10.0 * max(kA), smooth=True)
     return [
-        row for seed in SEEDS for row in own(smooth_rows(16, seed, count, 0.03, 6, beads=beads))
+        row for seed in SEEDS for row in own(smooth_rows(16, seed, count, 0.03, 6, model=model))
     ]
 
 

@@ -63,7 +63,7 @@ def cases(short: bool) -> Iterator[tuple[str, Callable[[], object]]]:
     }.items():
         yield f"compress, 64 particles, {name}", lambda law=law: strained(law, df.compress)
     yield "shear, 64 particles, balanced", lambda: strained(df.Ring(), df.shear)
-    yield "compress, 6 smooth rings", rings
+    yield "compress, 6 smooth polygons", rings
 
 
 def strained(law: df.Ring, protocol: Callable[..., Iterator[df.State]]) -> list[object]:
@@ -75,7 +75,9 @@ def strained(law: df.Ring, protocol: Callable[..., Iterator[df.State]]) -> list[
 
 def rings() -> list[object]:
     """The reference model."""
-    with df.BeadReference(df.jam(df.bidisperse(6)), df.Beads(number=30, smooth=True)) as sim:
+    with df.PolygonSimulation(
+        df.jam(df.bidisperse(6)), df.PolygonModel(vertices=30, smooth=True)
+    ) as sim:
         states = list(df.compress(sim, STRAIN, STEPS))
     return [[s.energy, s.stress, s.area_deficit, *s.outlines] for s in states]
 

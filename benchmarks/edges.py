@@ -1,4 +1,4 @@
-"""Cost of smooth rings (pair style deformable/edge) against rings of beads (harmonic/cut).
+"""Cost of smooth polygons (pair style deformable/edge) against rings of beads (harmonic/cut).
 
     python benchmarks/edges.py [--out benchmarks/results/edges.json]
 

@@ -24,7 +24,7 @@ def test_it_is_a_full_one():
 
 
 def test_each_law_is_right_in_its_regime():
-    irregular = {"polygon": "irregular", "beads": 188, "kL": 1e4}
+    irregular = {"polygon": "irregular", "n_v": 188, "kL": 1e4}
     for row in rows("single", walls="stick", **irregular):
         assert row["I_sector"] < 1e-4
         assert row["I_sector"] < row["I_ring_kP_inf"]
@@ -36,7 +36,7 @@ def test_each_law_is_right_in_its_regime():
 
 def test_the_ring_law_has_the_stiffness_of_the_springs():
     """Soft springs: the law of their stiffness is ten times nearer than those of kP = inf."""
-    for row in rows("single", beads=314, walls="stick", kL=1.0):
+    for row in rows("single", n_v=314, walls="stick", kL=1.0):
         assert row["I_ring"] < 0.1 * min(row["I_sector"], row["I_ring_kP_inf"])
 
 
@@ -64,19 +64,19 @@ def test_lists():
     assert {row["law"] for row in REPORT["smooth"]} == laws - {"disk"}
     assert {row["law"] for row in REPORT["packing"]} == laws
     assert {row["law"] for row in REPORT["stiffness_packing"]} == {*laws, "balanced, kP inf"}
-    assert {row["beads"] for row in REPORT["single"]} == {188, 314}
+    assert {row["n_v"] for row in REPORT["single"]} == {188, 314}
 
 
 def test_beads_tend_to_the_exact_area_deficit():
     for limit in REPORT["limit"]:
-        assert limit["rate_beads"] == pytest.approx(-2.0, abs=0.1)
+        assert limit["rate_n_v"] == pytest.approx(-2.0, abs=0.1)
         assert limit["rate_kP"] == pytest.approx(-1.0, abs=0.1)
 
 
 def test_speed_up():
     """A thousand times, with contacts on the radical axis, at N = 128 and 1 %."""
     (row,) = rows("packing", n=128, strain=0.01, law="radical, kP inf")
-    assert row["seconds_beads"] / row["seconds"] > 1000.0
+    assert row["seconds_polygons"] / row["seconds"] > 1000.0
 
 
 def test_balanced_is_right_along_compressions():
@@ -141,7 +141,7 @@ def test_rings_as_right_as_the_balanced_law_take_a_hundred_times_as_long():
     assert 0.003 < balanced["energy_error"] < 0.01
     as_good = [
         row
-        for kind in ("smooth", "rough")
+        for kind in ("smooth", "bead")
         for row in rows("pareto", method=kind)
         if row["energy_error"] <= balanced["energy_error"]
     ]
@@ -149,8 +149,8 @@ def test_rings_as_right_as_the_balanced_law_take_a_hundred_times_as_long():
     assert min(row["seconds"] for row in as_good) > 100.0 * balanced["seconds"]
 
 
-def test_smooth_rings_are_smooth():
-    """Rough rings catch, smooth ones do not; near jamming a packing may find another minimum."""
+def test_smooth_polygons_are_smooth():
+    """Bead polygons catch, smooth ones do not; near jamming a packing may find another minimum."""
     for row in rows("friction", smooth=False):
         assert row["friction"] > 0.2
     for row in rows("friction", smooth=True):

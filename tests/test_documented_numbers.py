@@ -62,7 +62,7 @@ def short_table():
     chosen.append(fastest_as_good(rows)["smooth"])
     cells = [
         [
-            label(row) + (" vertices" if row["rings"] else ""),
+            label(row) + (" vertices" if row["vertices"] else ""),
             part(row["energy_error"]) or "–",
             part(row["error"]),
             seconds(row["seconds"]),
@@ -96,7 +96,7 @@ def mixed(row):
 
 
 def compression_table():
-    """Energy of the law balanced over that of smooth rings of 160 vertices that have converged."""
+    """Energy of balanced over that of smooth polygons of 160 vertices that have converged."""
     own = [
         row
         for row in REPORT["smooth"]
@@ -151,11 +151,11 @@ def test_tables_are_those_of_the_report(page, table):
 
 
 def speed_up():
-    """The smooth rings that are as right as the law balanced, and how much longer they take."""
+    """The smooth polygons that are as right as the law balanced, and how much longer they take."""
     (balanced,) = (row for row in REPORT["pareto"] if row["method"] == "balanced")
-    rings = fastest_as_good(REPORT["pareto"])["smooth"]
-    longer = float(f"{rings['seconds'] / balanced['seconds']:.2g}")
-    return f"{rings['rings']} vertices and take {longer:.0f} times as long"
+    polygons = fastest_as_good(REPORT["pareto"])["smooth"]
+    longer = float(f"{polygons['seconds'] / balanced['seconds']:.2g}")
+    return f"{polygons['vertices']} vertices and take {longer:.0f} times as long"
 
 
 def uncertainty():

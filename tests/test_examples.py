@@ -83,7 +83,7 @@ def test_beads(tree):
 
 
 def test_polygons(tree):
-    """The area deficit is K a^2, reduced by the stretch of springs; smooth rings are not rough."""
+    """The area deficit is K a^2, less the stretch of springs; smooth polygons have no friction."""
     log = run(tree / "examples" / "polygons", "lmp", "-in", "in.polygons")
     ((found, _, exact),) = numbers(log, "area deficit")
     stretch = 0.785**2 / (1e4 / 96)

@@ -26,15 +26,15 @@ if TYPE_CHECKING:
     from .common.errors import UnjammedWarning as UnjammedWarning
     from .common.errors import UnsavedWarning as UnsavedWarning
     from .common.parallel import parallel_map as parallel_map
-    from .engine.bead_reference import BeadReference as BeadReference
     from .engine.disks import Disks as Disks
+    from .engine.polygon_simulation import PolygonSimulation as PolygonSimulation
     from .engine.simulation import Simulation as Simulation
-    from .model.beads import Beads as Beads
     from .model.laws import Ring as Ring
     from .model.laws import Sector as Sector
     from .model.packing import Packing as Packing
     from .model.packing import bidisperse as bidisperse
     from .model.packing import polydisperse as polydisperse
+    from .model.polygons import PolygonModel as PolygonModel
     from .model.walls import Circle as Circle
     from .model.walls import Disk as Disk
     from .model.walls import Plane as Plane
@@ -57,8 +57,8 @@ if TYPE_CHECKING:
     from .runs.recording import record as record
     from .runs.recording import shear_in as shear_in
     from .runs.run import Run as Run
-    from .state.bead_state import BeadState as BeadState
     from .state.disk_state import DiskState as DiskState
+    from .state.polygon_state import PolygonState as PolygonState
     from .state.secondary import resolve_secondary as resolve_secondary
     from .state.state import State as State
     from .studies.comparison import Comparison as Comparison
@@ -70,9 +70,9 @@ if TYPE_CHECKING:
     potentials: Path
 
 _HOMES = {
-    "BeadReference": "engine.bead_reference",
-    "BeadState": "state.bead_state",
-    "Beads": "model.beads",
+    "PolygonSimulation": "engine.polygon_simulation",
+    "PolygonState": "state.polygon_state",
+    "PolygonModel": "model.polygons",
     "BeyondModelWarning": "common.errors",
     "Circle": "model.walls",
     "Comparison": "studies.comparison",

@@ -196,7 +196,7 @@ class SoftDisks:
     ) -> None: ...
     def __call__(self, x: _Vector, scale: float) -> tuple[float, float, _Vector]: ...
 
-class SmoothRings:
+class SmoothPolygonEnergy:
     @property
     def energy(self) -> float: ...
     @property
@@ -214,7 +214,7 @@ class SmoothRings:
     def touches(self) -> tuple[NDArray[np.int32], _Vector]: ...
     def hessian(self) -> tuple[NDArray[np.int32], NDArray[np.int32], _Vector]: ...
 
-def smooth_rings(
+def smooth_polygons(
     vertices: ArrayLike,
     number: ArrayLike,
     box: ArrayLike,
@@ -224,7 +224,7 @@ def smooth_rings(
     area: ArrayLike,
     kr: float,
     c: float,
-) -> SmoothRings: ...
+) -> SmoothPolygonEnergy: ...
 
 class EnergyBlocks:
     @property

@@ -16,7 +16,7 @@ NB_MODULE(core, m)
   deformable::bind_rules(m);
   deformable::bind_obstacles(m);
   deformable::bind_edge_contacts(m);
-  deformable::bind_smooth_rings(m);
+  deformable::bind_smooth_polygons(m);
   deformable::bind_batches(m);
   deformable::bind_disk_pairs(m);
   deformable::bind_arithmetic(m);

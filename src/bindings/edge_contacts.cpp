@@ -42,7 +42,7 @@ void deformable::bind_edge_contacts(nb::module_ &m)
                               to_numpy<Matrix>(&stiffness.value[0][0], {6, 6}));
       },
       "vertex"_a, "begin"_a, "end"_a, "kr"_a, "c"_a,
-      R"(Energy phi(dist(vertex, edge)) - phi(|vertex - begin|) of a vertex and an edge of another ring.
+      R"(Energy phi(dist(vertex, edge)) - phi(|vertex - begin|) of a vertex and an edge of another polygon.
 
 phi(d) = kr/2 (c - d)^2 for d < c, else 0; the edge goes from begin to end. Returns the energy, the forces on
 vertex, begin and end (3 x 2), and the second derivatives by their coordinates in that order (6 x 6).)");

@@ -1,6 +1,6 @@
-// Contacts of smooth rings: the vertices of a ring against the edges of another.
+// Contacts of smooth polygons: the vertices of a polygon against the edges of another.
 //
-// Sum over vertices a of a ring and edges k of another ring, k from vertex v_k to its successor:
+// Sum over vertices a of a polygon and edges k of another polygon, k from vertex v_k to its successor:
 //
 //   U = sum [ phi(dist(a, edge k)) - phi(|a - v_k|) ],   phi(d) = kr/2 (c - d)^2 for d < c, else 0
 //

@@ -1,4 +1,4 @@
-// Vertices near edges of other rings, in a periodic box: a cell list.
+// Vertices near edges of other polygons, in a periodic box: a cell list.
 
 #ifndef DEFORMABLE_EDGE_NEIGHBORS_H
 #define DEFORMABLE_EDGE_NEIGHBORS_H
@@ -33,30 +33,30 @@ struct Box {
   double height() const { return ly; }
 };
 
-// Closed rings of vertices, each ring unwrapped.
-struct RingVertices {
+// Closed polygons of vertices, each polygon unwrapped.
+struct PolygonVertices {
   Box box;
-  std::vector<double> x;                  // 2 a vertex
-  std::vector<int> first;                 // the vertices of ring m are first[m] to first[m + 1] - 1
-  std::vector<int> ring, next, before;    // of each vertex
+  std::vector<double> x;     // 2 a vertex
+  std::vector<int> first;    // the vertices of polygon m are first[m] to first[m + 1] - 1
+  std::vector<int> polygon, next, before;    // of each vertex
 
-  RingVertices(const Box &box, std::vector<double> x, std::vector<int> first)
+  PolygonVertices(const Box &box, std::vector<double> x, std::vector<int> first)
       : box(box),
         x(std::move(x)),
         first(std::move(first))
   {
-    const int rings = static_cast<int>(this->first.size()) - 1;
-    for (int m = 0; m < rings; ++m) {
+    const int polygons = static_cast<int>(this->first.size()) - 1;
+    for (int m = 0; m < polygons; ++m) {
       const int begin = this->first[m], end = this->first[m + 1];
       for (int k = begin; k < end; ++k) {
-        ring.push_back(m);
+        polygon.push_back(m);
         next.push_back(k + 1 < end ? k + 1 : begin);
         before.push_back(k > begin ? k - 1 : end - 1);
       }
     }
   }
 
-  int size() const { return static_cast<int>(ring.size()); }
+  int size() const { return static_cast<int>(polygon.size()); }
 
   double longest_edge() const
   {
@@ -68,11 +68,11 @@ struct RingVertices {
   }
 };
 
-// Calls visit(a, k, dx, dy) for each vertex a and each edge from k to its successor, of another ring, with
+// Calls visit(a, k, dx, dy) for each vertex a and each edge from k to its successor, of another polygon, with
 // k within this distance of a; (dx, dy) goes from k to the nearest image of a. The distance must be below
 // half of the box' width and height.
 template <class Visit>
-void for_each_near_edge(const RingVertices &v, double distance, Visit &&visit)
+void for_each_near_edge(const PolygonVertices &v, double distance, Visit &&visit)
 {
   const int columns = std::max(1, static_cast<int>(v.box.width() / distance));
   const int rows = std::max(1, static_cast<int>(v.box.height() / distance));
@@ -98,7 +98,7 @@ void for_each_near_edge(const RingVertices &v, double distance, Visit &&visit)
         const int cell = wrapped(row[a] + j, rows) * columns + wrapped(column[a] + i, columns);
         for (int n = start[cell]; n < start[cell + 1]; ++n) {
           const int k = sorted[n];
-          if (v.ring[a] == v.ring[k]) continue;
+          if (v.polygon[a] == v.polygon[k]) continue;
           double dx = v.x[2 * a] - v.x[2 * k], dy = v.x[2 * a + 1] - v.x[2 * k + 1];
           v.box.to_nearest(dx, dy);
           if (dx * dx + dy * dy < distance * distance) visit(a, k, dx, dy);

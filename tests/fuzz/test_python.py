@@ -37,7 +37,10 @@ BUILDERS = {
         {"kA": 1.0, "reach": 0.3, "kP": 1.0, "skin": 0.1, "contact": "radical"},
     ),
     "Sector": (deformable.Sector, {"kA": 1.0, "kP": float("inf")}),
-    "Beads": (deformable.Beads, {"number": 50, "radius": 0.05, "kL": 1.0, "kA": 1.0, "kr": 1.0}),
+    "PolygonModel": (
+        deformable.PolygonModel,
+        {"vertices": 50, "radius": 0.05, "kL": 1.0, "kA": 1.0, "kr": 1.0},
+    ),
     "Walls": (deformable.Walls, {"angle": [0.0, 2.0, 4.0], "height": [1.0, 1.0, 1.0]}),
     "Packing": (
         deformable.Packing,
@@ -82,7 +85,7 @@ FEW = [60, pytest.param(4000, marks=pytest.mark.slow)]
 def test_builders(name, examples):
     build, right = BUILDERS[name]
     some = st.dictionaries(st.sampled_from(list(right)), ANYTHING, min_size=1, max_size=2).filter(
-        lambda wrong: not is_large(wrong.get("number"))
+        lambda wrong: not is_large(wrong.get("number", wrong.get("vertices")))
     )
 
     @settings(max_examples=examples, deadline=None)

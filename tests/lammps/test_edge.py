@@ -1,9 +1,9 @@
-"""Contacts of vertices with edges in LAMMPS: energy, forces, virial, images, kinds of rings."""
+"""Contacts of vertices with edges in LAMMPS: energy, forces, virial, images, kinds of polygons."""
 
 import numpy as np
 import pytest
-from rings import lattice
-from smooth_rings import (
+from polygons import lattice
+from smooth_polygons import (
     AREAS,
     BOX,
     CONTACTS,
@@ -20,7 +20,7 @@ from smooth_rings import (
     expected_of_two,
     of_contacts,
     packing,
-    two_rings,
+    two_polygons,
 )
 
 tilts = pytest.mark.parametrize("tilt", [0.0, TILT], ids=["orthogonal", "tilted"])
@@ -36,18 +36,18 @@ ROUNDING, FAR_ROUNDING = (4 * max(DATA["kL"]) * ulp for ulp in (ULP, FAR_ULP))
 @states
 def test_packing(state):
     """Energies by term, forces and stress of smooth_packing.json."""
-    rings, expected = packing(state, commands=EXCLUDE + AREAS + PAIR), STATES[state]
-    energy = rings.energy()
+    polygons, expected = packing(state, commands=EXCLUDE + AREAS + PAIR), STATES[state]
+    energy = polygons.energy()
     assert energy == pytest.approx(expected["energy"], rel=1e-9)
-    assert of_contacts(rings) == pytest.approx(expected["energy_contacts"], rel=1e-9)
-    area = sum(rings.lmp.extract_fix(f"area{kind}", 0, 0) for kind in (1, 2))
+    assert of_contacts(polygons) == pytest.approx(expected["energy_contacts"], rel=1e-9)
+    area = sum(polygons.lmp.extract_fix(f"area{kind}", 0, 0) for kind in (1, 2))
     assert area == pytest.approx(expected["energy_area"], rel=1e-9)
-    springs = energy - area - of_contacts(rings)
+    springs = energy - area - of_contacts(polygons)
     assert springs == pytest.approx(expected["energy_springs"], rel=1e-9)
     force = np.vstack(expected["forces"])
-    assert np.abs(rings.force - force).max() <= 1e-8 * np.abs(force).max() + ROUNDING
+    assert np.abs(polygons.force - force).max() <= 1e-8 * np.abs(force).max() + ROUNDING
     stress = np.array(expected["stress"])[[0, 1, 0], [0, 1, 1]] * np.prod(DATA["box"])
-    for virial in rings.virial():
+    for virial in polygons.virial():
         np.testing.assert_allclose(virial, stress, atol=1e-9 * np.abs(stress).max())
 
 
@@ -71,14 +71,14 @@ def test_the_same_packing_in_a_tilted_box():
     np.testing.assert_allclose(tilted.force, reference.force, atol=1e-12 * scale)
 
 
-def test_contacts_with_the_own_ring_are_none():
+def test_contacts_with_the_own_polygon_are_none():
     """Whether they are in the neighbor list or not; special bonds remove only such pairs."""
     reference = packing("rough")
     energy = reference.energy()
     for commands in "", "special_bonds lj/coul 1 1 1\n", EXCLUDE + "special_bonds lj 0 0.5 1\n":
-        rings = packing("rough", commands=commands + AREAS)
-        assert rings.energy() == pytest.approx(energy, rel=1e-14)
-        np.testing.assert_allclose(rings.force, reference.force, atol=1e-12)
+        polygons = packing("rough", commands=commands + AREAS)
+        assert polygons.energy() == pytest.approx(energy, rel=1e-14)
+        np.testing.assert_allclose(polygons.force, reference.force, atol=1e-12)
 
 
 def test_other_parameters_for_each_pair_of_types():
@@ -87,36 +87,36 @@ def test_other_parameters_for_each_pair_of_types():
     pair = CONTACTS.splitlines()[0] + "\n"
     for i, j in (0, 0), (0, 1), (1, 1):
         pair += f"pair_coeff {i + 1} {j + 1} {kr[i][j]} {c[i][j]}\n"
-    rings = packing("rough", pair=pair, commands=EXCLUDE + PAIR)
-    rings.energy()
+    polygons = packing("rough", pair=pair, commands=EXCLUDE + PAIR)
+    polygons.energy()
     kind = DATA["species"]
     expected = expected_energy(
         outlines,
         lattice(DATA["box"]),
         lambda m, n: (kr[kind[m]][kind[n]], c[kind[m]][kind[n]]),
     )
-    assert of_contacts(rings) == pytest.approx(expected, rel=1e-12)
+    assert of_contacts(polygons) == pytest.approx(expected, rel=1e-12)
     # no contacts between the types, and stiffer ones in a later run
-    rings.run("pair_coeff 1 2 0 0.06\npair_coeff 1 1 30 0.05")
-    rings.energy()
+    polygons.run("pair_coeff 1 2 0 0.06\npair_coeff 1 1 30 0.05")
+    polygons.energy()
     kr = [[30.0, 0.0], [0.0, 7.0]]
     expected = expected_energy(
         outlines,
         lattice(DATA["box"]),
         lambda m, n: (kr[kind[m]][kind[n]], c[kind[m]][kind[n]]),
     )
-    assert of_contacts(rings) == pytest.approx(expected, rel=1e-12)
+    assert of_contacts(polygons) == pytest.approx(expected, rel=1e-12)
 
 
-# ---- two rings ----
+# ---- two polygons ----
 
 
 @tilts
-def test_energy_of_two_rings(tilt):
-    """Either sense of the rings, which differ by the vertex that each edge subtracts."""
+def test_energy_of_two_polygons(tilt):
+    """Either sense of the polygons, which differ by the vertex that each edge subtracts."""
     for outlines in (FIRST, SECOND), (FIRST[::-1], SECOND), (FIRST, SECOND[::-1]):
-        rings = two_rings(outlines, tilt=tilt)
-        energy = rings.energy()
+        polygons = two_polygons(outlines, tilt=tilt)
+        energy = polygons.energy()
         assert energy == pytest.approx(expected_of_two(outlines, tilt), rel=1e-13)
         assert energy > 1e-3
 
@@ -128,13 +128,13 @@ def test_forces_are_the_gradient(tilt):
     What is left is h^4/20 of fifth derivatives, kr/d^3 times 100, and the rounding of 30 energies
     of 0.02; second derivatives jump by 2 kr where a contact opens within the step.
     """
-    rings = two_rings(tilt=tilt)
-    rings.energy()
-    force, x, step = rings.force, rings.x, 1e-5
+    polygons = two_polygons(tilt=tilt)
+    polygons.energy()
+    force, x, step = polygons.force, polygons.x, 1e-5
     error = 1e4 * step**4 + 30 * 1e-18 / step + 6 * step
 
     def slope(moved):
-        return (rings.energy(x + moved) - rings.energy(x - moved)) / (2 * step)
+        return (polygons.energy(x + moved) - polygons.energy(x - moved)) / (2 * step)
 
     assert (np.abs(force).max(1) > 0).sum() >= 5
     for i, k in np.ndindex(x.shape):
@@ -151,15 +151,15 @@ def test_virial_is_the_strain_derivative(tilt, fdotr):
     step = 1e-6
 
     def strained(xx, yy, xy):
-        rings = two_rings(tilt=tilt)
-        rings.run(
+        polygons = two_polygons(tilt=tilt)
+        polygons.run(
             f"change_box all triclinic x scale {1 + xx} y scale {1 + yy} "
             f"xy final {(1 + xx) * tilt + xy * BOX[1]} remap"
         )
-        return rings.energy()
+        return polygons.energy()
 
     modify = "" if fdotr == "yes" else "pair_modify nofdotr\n"
-    virial, of_vertices = two_rings(tilt=tilt, commands=modify).virial()
+    virial, of_vertices = two_polygons(tilt=tilt, commands=modify).virial()
     # h^2/6 of third derivatives, kr R^3/d, and energies of 0.02 from coordinates that are rounded
     error = 10 * step**2 + 100 * ULP * 0.02 / step
     for component, strain in enumerate(step * np.eye(3)):
@@ -171,44 +171,44 @@ def test_virial_is_the_strain_derivative(tilt, fdotr):
 
 def test_energies_of_vertices():
     """Their sum is the energy, and only vertices at contacts have one."""
-    rings = two_rings(commands="compute each all pe/atom pair\n")
-    rings.run(
+    polygons = two_polygons(commands="compute each all pe/atom pair\n")
+    polygons.run(
         "thermo_style custom step pe\nthermo_modify norm no\ndump d all custom 1 /dev/null c_each"
     )
-    energy = rings.energy()
-    each = rings.gather("c_each", 1, 1)[:, 0]
+    energy = polygons.energy()
+    each = polygons.gather("c_each", 1, 1)[:, 0]
     assert each.sum() == pytest.approx(energy, rel=1e-14)
     assert (each == 0).any()
 
 
 def test_no_net_force_and_no_torque():
-    rings = two_rings()
-    rings.energy()
-    force, x = rings.force, rings.x - rings.x.mean(0)
+    polygons = two_polygons()
+    polygons.energy()
+    force, x = polygons.force, polygons.x - polygons.x.mean(0)
     scale = len(force) * np.abs(force).max() * ULP
     assert np.abs(force.sum(0)).max() <= scale
     assert abs(np.sum(x[:, 0] * force[:, 1] - x[:, 1] * force[:, 0])) <= 4 * scale
 
 
-def test_a_ring_within_a_ring():
+def test_a_polygon_within_a_ring():
     """Edges push to either side: a nucleus in a cell."""
     cell, nucleus = SECOND - SECOND.mean(0), FIRST - FIRST.mean(0) + (0.24, 0.05)
-    rings = two_rings((cell, nucleus))
-    assert rings.energy() == pytest.approx(expected_of_two((cell, nucleus)), rel=1e-13)
-    force = rings.force[len(cell) :].sum(0)
+    polygons = two_polygons((cell, nucleus))
+    assert polygons.energy() == pytest.approx(expected_of_two((cell, nucleus)), rel=1e-13)
+    force = polygons.force[len(cell) :].sum(0)
     assert force[0] < -1e-2
 
 
 def slid(outlines, pair, distances):
-    """Forces on the second ring, moved along x by each of the distances."""
-    rings = two_rings(outlines, pair=pair, commands=EXCLUDE)
-    rings.energy()
-    x, first, found = rings.x, len(outlines[0]), []
+    """Forces on the second polygon, moved along x by each of the distances."""
+    polygons = two_polygons(outlines, pair=pair, commands=EXCLUDE)
+    polygons.energy()
+    x, first, found = polygons.x, len(outlines[0]), []
     for distance in distances:
         moved = x.copy()
         moved[first:, 0] += distance
-        rings.energy(moved)
-        found.append(rings.force[first:].sum(0))
+        polygons.energy(moved)
+        found.append(polygons.force[first:].sum(0))
     return np.array(found)
 
 

@@ -5,8 +5,8 @@ After each command the energy is that of a sum over all vertices and edges at th
 
 import numpy as np
 import pytest
-from rings import lattice
-from smooth_rings import AREAS, DATA, EXCLUDE, KR, PAIR, C, expected_energy, of_contacts, packing
+from polygons import lattice
+from smooth_polygons import AREAS, DATA, EXCLUDE, KR, PAIR, C, expected_energy, of_contacts, packing
 
 MOVE = "fix move all nve\n"
 DISPLACE = "displace_atoms all random 0.001 0.001 0 7"
@@ -46,26 +46,28 @@ COMMANDS = {
 def test_works_with(command):
     # a tilt by a whole box length has the same images, and flips at once
     tilt = DATA["box"][0] if "deform 1 xy" in command else 0.0
-    rings = packing("relaxed", tilt=tilt, commands=EXCLUDE + AREAS + PAIR + SCENE)
-    rings.energy()
-    before, start = of_contacts(rings), rings.outlines
-    rings.run(command + "\nrun 100")
-    rings.energy()
+    polygons = packing("relaxed", tilt=tilt, commands=EXCLUDE + AREAS + PAIR + SCENE)
+    polygons.energy()
+    before, start = of_contacts(polygons), polygons.outlines
+    polygons.run(command + "\nrun 100")
+    polygons.energy()
     if tilt:
-        assert abs(rings.lmp.get_thermo("xy")) < 0.51 * tilt
-    cell = lattice([rings.lmp.get_thermo(key) for key in ("lx", "ly")], rings.lmp.get_thermo("xy"))
-    expected = expected_energy(rings.outlines, cell, lambda *_: (KR, C))
-    assert of_contacts(rings) == pytest.approx(expected, rel=1e-9)
+        assert abs(polygons.lmp.get_thermo("xy")) < 0.51 * tilt
+    cell = lattice(
+        [polygons.lmp.get_thermo(key) for key in ("lx", "ly")], polygons.lmp.get_thermo("xy")
+    )
+    expected = expected_energy(polygons.outlines, cell, lambda *_: (KR, C))
+    assert of_contacts(polygons) == pytest.approx(expected, rel=1e-9)
     # something has happened
     assert abs(expected / before - 1) > 1e-6
-    assert np.abs(np.vstack(rings.outlines) - np.vstack(start)).max() > 1e-6
+    assert np.abs(np.vstack(polygons.outlines) - np.vstack(start)).max() > 1e-6
 
 
 def test_replicate():
-    rings = packing("kicked", commands=EXCLUDE)
-    energy = rings.energy()
-    rings.run("replicate 2 3 1 bbox")
-    assert rings.energy() == pytest.approx(6 * energy, rel=1e-12)
+    polygons = packing("kicked", commands=EXCLUDE)
+    energy = polygons.energy()
+    polygons.run("replicate 2 3 1 bbox")
+    assert polygons.energy() == pytest.approx(6 * energy, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -85,6 +87,6 @@ def test_replicate():
     ],
 )
 def test_refused(command, message):
-    rings = packing("relaxed", commands=EXCLUDE)
+    polygons = packing("relaxed", commands=EXCLUDE)
     with pytest.raises(Exception, match=f"(?i)ERROR.*({message})"):
-        rings.run(command + "\nrun 0")
+        polygons.run(command + "\nrun 0")

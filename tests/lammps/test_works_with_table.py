@@ -1,6 +1,6 @@
 """The tables of docs/works_with.md have a row for each command that is tested, and no other.
 
-The last section, of smooth rings, is tested in test_edge_works_with.py.
+The last section, of smooth polygons, is tested in test_edge_works_with.py.
 """
 
 import re
@@ -46,7 +46,7 @@ OTHERS = {
 
 def test_rows():
     """Each command once."""
-    text = PAGE.read_text().split("## With smooth rings")[0]
+    text = PAGE.read_text().split("## With smooth polygons")[0]
     rows = [line.split(" | ")[0] for line in text.splitlines() if line[:2] == "| "]
     cells = [re.sub("[|`*]", "", cell).strip() for cell in rows]
     listed = [name for cell in cells if cell != "command" for name in cell.split(", ")]

@@ -12,7 +12,7 @@ def shapes(state: deformable.State) -> list[core.Shape]:
     """What the kernel makes of each particle."""
     return [
         core.ring(radius, seen["angle"], seen["indentation"])
-        for radius, seen in zip(state.packing.radius, state.particle_contacts, strict=True)
+        for radius, seen in zip(state.packing.radius, state.contact_tables, strict=True)
     ]
 
 

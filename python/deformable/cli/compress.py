@@ -23,7 +23,7 @@ from ..protocols.jamming import jam
 from ..runs.recording import compress_in, protocol_of
 from ..runs.run import Run
 from ..state.state import State
-from .options import Overwrite, Resume, Tolerance, is_given, law_option
+from .options import Overwrite, Resume, Tolerance, choice_option, is_given
 from .output import draw, print_states
 from .settings import PROTOCOL, Settings, check_same, check_together
 
@@ -58,7 +58,7 @@ def compress_command(
     seed: Annotated[int, typer.Option(help="Seed of the random start.")] = 1,
     law: Annotated[
         str,
-        law_option(
+        choice_option(
             LAWS,
             "Contact law. Contacts slip with contact lines where the forces of both sides are "
             "equal (balanced), on arcs that balance torques and pressures too (curved), or on "

@@ -28,7 +28,7 @@ from ..studies.ensemble.packings import (
     with_tension,
 )
 from ..studies.ensemble.tables import SCALING, key, read_table, write_summary, write_tables
-from .options import law_option
+from .options import choice_option
 
 # Values of phi - phi_J at which a packing is measured, each half of the next one.
 _POINTS = 7
@@ -44,7 +44,7 @@ def jam_command(
     seeds: Annotated[int, typer.Option(help="Packings of each size: seeds 1, 2, ...")] = 10,
     law: Annotated[
         str,
-        law_option(
+        choice_option(
             ("disk", *LAWS), "Contact law: soft disks (disk), or as in `deformable compress`."
         ),
     ] = "disk",

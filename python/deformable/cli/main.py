@@ -19,16 +19,17 @@ from ..common.progress import print_once
 from ..common.versions import mpi_of_lammps, mpi_of_python, versions
 from ..engine.lammps import silent_lammps
 from ..engine.relaxation import TOLERANCE
-from ..model.beads import Beads
+from ..model.polygons import PolygonModel
 from ..plugin import directory, potentials
 from ..runs.run import Run
 from .compress import compress_command
 from .jam import jam_command
-from .options import Command, one_rank_prints, refuse_ranks
+from .options import Command, Group, choice_option, one_rank_prints, refuse_ranks
 from .plot import plot_command
 from .shear import shear_command
 
 app = typer.Typer(
+    cls=Group,
     help="Two-dimensional deformable particles in LAMMPS.",
     no_args_is_help=True,
     add_completion=False,
@@ -96,43 +97,44 @@ def main() -> None:
 @app.command(cls=Command)
 def compare(
     number: Annotated[int, typer.Option(help="Number of particles.")] = 16,
-    beads: Annotated[int, typer.Option(help="Number of beads on a small polygon.")] = 80,
+    vertices: Annotated[int, typer.Option(help="Number of vertices of a small polygon.")] = 80,
     strain: Annotated[float, typer.Option(help="Linear strain from jamming, in one step.")] = 0.01,
     seed: Annotated[int, typer.Option(help="Seed of the random start.")] = 1,
-    smooth: Annotated[
-        bool,
-        typer.Option(
-            "--smooth/--rough", help="Polygons with smooth edges, or of beads that interlock."
+    polygons: Annotated[
+        str,
+        choice_option(
+            ("smooth", "bead"), "Vertices slide along edges (smooth), or beads interlock (bead)."
         ),
-    ] = True,
+    ] = "smooth",
 ) -> None:
     """Compare the contact laws with a compressed packing of deformable polygons.
 
-    At the centers of the polygons, I is the mean distance of the laws' outlines from the beads over
-    the radius, S_rms the error of the area deficits, and energy/polygons the ratio of energies. The
-    own energy is that of the law relaxed alone, over the polygons'. Seconds are for the same strain
-    step from the same start. The sector law treats a particle with one contact as a soft disk, so
-    its energy can be far off.
+    At the centers of the polygons, I is the mean distance of the laws' outlines from the vertices
+    over the radius, S_rms the error of the area deficits, energy/polygons the ratio of energies.
+    The own energy is that of the law relaxed alone, over the polygons'. Seconds are for the same
+    strain step from the same start. The sector law treats a particle with one contact as a soft
+    disk, so its energy can be far off.
     """
     refuse_ranks("compare times one core")
     from ..studies.packings.rows import packing_rows
 
     if not 0.0 < strain < 1.0:
         raise ParameterError(f"strain must lie between 0 and 1, not {strain}")
-    kind = "smooth" if smooth else "bead"
     print_once(
-        f"{number} {kind} polygons, {beads} beads on a small one, {100 * strain:g} % strain from "
-        "jamming"
+        f"{number} {polygons} polygons, {vertices} vertices on a small one, "
+        f"{100 * strain:g} % strain from jamming"
     )
-    rows, _ = packing_rows(number, seed, strain, Beads(number=beads, smooth=smooth))
+    rows, _ = packing_rows(
+        number, seed, strain, PolygonModel(vertices=vertices, smooth=polygons == "smooth")
+    )
     width = max(len(row["law"]) for row in rows)
     print_once(
         f"{'law':{width}} {'I':>9} {'S_rms':>9} {'energy/polygons':>15} {'own energy':>10} "
         f"{'seconds':>9} {'speed-up':>9}"
     )
-    seconds_beads = rows[0]["seconds_beads"]
+    seconds_polygons = rows[0]["seconds_polygons"]
     print_once(
-        f"{'polygons':{width}} {'-':>9} {'-':>9} {1:15d} {1:10d} {seconds_beads:9.3g} {1:9d}"
+        f"{'polygons':{width}} {'-':>9} {'-':>9} {1:15d} {1:10d} {seconds_polygons:9.3g} {1:9d}"
     )
     for row in rows:
         error = "-" if row["S_rms"] is None else f"{row['S_rms']:.2g}"
@@ -141,15 +143,15 @@ def compare(
             for key in ("energy_ratio", "own_energy_ratio")
         )
         stalled = row["residual"] is not None and row["residual"] > TOLERANCE
-        speed_up = f"{seconds_beads / row['seconds']:9.0f}"
+        speed_up = f"{seconds_polygons / row['seconds']:9.0f}"
         print_once(
             f"{row['law']:{width}} {row['I']:9.2e} {error:>9} {ratio:>15} {own:>10} "
             f"{row['seconds']:9.2g} " + ("did not converge" if stalled else speed_up)
         )
-    if smooth:
+    if polygons == "smooth":
         print_once(
             "polygons have an error of their own, which falls with the square of the number of "
-            f"beads: --beads {2 * beads} tells more of balanced and curved contacts"
+            f"vertices: --vertices {2 * vertices} tells more of balanced and curved contacts"
         )
     elif not any(row["energy_ratio"] for row in rows):
         print_once(

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import os
+import shlex
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from itertools import islice
 from typing import Annotated, Any
 
 import typer
 from mpi4py import MPI
-from typer.core import TyperCommand, TyperOption
+from typer.core import TyperCommand, TyperGroup, TyperOption
 
 from ..common.errors import ParameterError
 from ..runs.recording import LARGEST_TOLERANCE
@@ -36,35 +37,45 @@ Overwrite = Annotated[
 ]
 
 
-def law_option(names: Iterable[str], help: str) -> Any:
-    """The option --law: one of the names."""
+def choice_option(names: Iterable[str], help: str) -> Any:
+    """An option whose value is one of these names."""
     names = tuple(names)
 
-    def law(name: str) -> str:
+    def choose(name: str) -> str:
         if name not in names:
             raise typer.BadParameter(f"'{name}' is none of {', '.join(names)}")
         return name
 
-    return typer.Option(parser=law, metavar="|".join(names), help=help)
+    return typer.Option(parser=choose, metavar="|".join(names), help=help)
 
 
 class Command(TyperCommand):
-    """A command whose options do not take the name of another option for their value."""
+    """A command whose errors are one line that names the option and its value.
+
+    Its options do not take the name of another option for their value.
+    """
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Check the words of the command line, then read them."""
-        values = {
+        counts = {
             name: option.nargs
             for option in self.get_params(ctx)
             if isinstance(option, TyperOption) and not option.is_flag
             for name in option.opts
         }
+        given: dict[str, list[str]] = {}  # values by option; those of no option by ""
         words = iter(args)
         for word in words:
-            for value in islice(words, values.get(word, 0)):
+            name, sign, value = word.partition("=")
+            if name not in counts:
+                given.setdefault("", []).extend([] if word.startswith("-") else [word])
+                continue
+            given[name] = [value] if sign else list(islice(words, counts[name]))
+            for value in given[name]:
                 if value.startswith("--"):
-                    raise ParameterError(_needs(word, values[word], value))
-        return super().parse_args(ctx, args)
+                    raise ParameterError(_needs(name, counts[name], value))
+        with _one_line(given):
+            return super().parse_args(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command. Its warnings and errors may be those of one rank: all may print."""
@@ -72,6 +83,31 @@ class Command(TyperCommand):
             return super().invoke(ctx)
         with redirect_stdout(sys.__stdout__), redirect_stderr(sys.__stderr__):
             return super().invoke(ctx)
+
+
+class Group(TyperGroup):
+    """Commands; the error of an unknown name is one line."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Find the command of this name."""
+        with _one_line({}):
+            return super().resolve_command(ctx, args)
+
+
+@contextmanager
+def _one_line(given: Mapping[str, list[str]]) -> Iterator[None]:
+    """Raise errors of typer as ours, with the values that were given to the option."""
+    try:
+        yield
+    except Exception as error:
+        if not hasattr(error, "format_message"):
+            raise
+        message = error.format_message()
+        if isinstance(error, typer.BadParameter) and error.param and error.message:
+            names = error.param.opts
+            values = next((given[name] for name in (*names, "") if name in given), [])
+            message = f"{shlex.join([names[0], *values])}: {error.message}"
+        raise ParameterError(message) from None
 
 
 @contextmanager

@@ -18,7 +18,7 @@ class StalledWarning(UserWarning):
 
 
 class UnjammedWarning(UserWarning):
-    """A rigid packing rearranged under compression into a loose one, without contact forces."""
+    """A packing is loose: it rearranged and lost its contact forces, or it has been expanded."""
 
 
 class BeyondModelWarning(UserWarning):

@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Files that are written whole or not at all, and errors that name the file."""
 
 from __future__ import annotations
 
@@ -41,3 +41,14 @@ def writing(path: str | Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise FileError(f"'{path}' cannot be written: {error.strerror or error}") from None
+
+
+@contextmanager
+def reading(name: str | Path) -> Iterator[None]:
+    """Let errors of a damaged file, or of a part of it, name what cannot be read."""
+    try:
+        yield
+    except (ValueError, TypeError, LookupError) as error:
+        reason = f"it lacks {error}" if isinstance(error, KeyError) else str(error)
+        reason = reason.split(";")[0]  # what follows is advice on NumPy
+        raise FileError(f"{name} cannot be read: {reason}") from None

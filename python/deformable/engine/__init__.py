@@ -1,1 +1,1 @@
-"""LAMMPS as the engine: deformable particles, soft disks, rings of beads."""
+"""LAMMPS as the engine: deformable particles, soft disks, polygons."""

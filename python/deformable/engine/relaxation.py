@@ -141,14 +141,14 @@ def polygon_forces(
     box: NDArray[np.float64],
     kL: NDArray[np.float64],
 ) -> Forces:
-    """Forces in rings of beads; their scale is the force on a bead in a contact.
+    """Forces in polygons; their scale is the force on a bead in a contact.
 
-    It is the mean of p L0 over the rings, with p = kA max(A0 - A, 0).
+    It is the mean of p L0 over the polygons, with p = kA max(A0 - A, 0).
 
     Args:
         largest: force on a bead [energy/length].
-        pressure: kA (A0 - A) of each ring, shape (N,) [energy/length^2].
-        spacing: L0 of each ring, shape (N,) [length].
+        pressure: kA (A0 - A) of each polygon, shape (N,) [energy/length^2].
+        spacing: L0 of each polygon, shape (N,) [length].
         box: lattice vectors as rows, shape (2, 2) [length].
         kL: stiffnesses of springs [energy/length^2].
     """

@@ -3,7 +3,7 @@
 The energy has flat directions, because polygons turn almost freely in each other, and its second
 derivatives jump where vertices get into touch. FIRE creeps there; damped steps of Newton's method
 do not. Soft contacts let polygons find their places before hard ones decide: without them packings
-stay caught, at up to twice the energy (benchmarks/ring_minimizers.py).
+stay caught, at up to twice the energy (benchmarks/smooth_minimizers.py).
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from .. import core
 from ..common.factored import factored
-from ..model.beads import Beads, Polygons
 from ..model.lattice import cartesian, fractional
+from ..model.polygons import PolygonModel, Polygons
 from .relaxation import polygon_forces
 
 Array = NDArray[np.float64]
@@ -54,7 +54,7 @@ class SmoothPolygons:
         box: lattice vectors as rows, shape (2, 2) [length].
     """
 
-    beads: Beads
+    model: PolygonModel
     polygons: Polygons
     species: NDArray[np.int64]
     box: Array
@@ -64,7 +64,7 @@ class SmoothPolygons:
         """Vertices of each polygon, shape (N,)."""
         return self.polygons.number[self.species]
 
-    def energy(self, vertices: Array, softness: float = 1.0) -> core.SmoothRings:
+    def energy(self, vertices: Array, softness: float = 1.0) -> core.SmoothPolygonEnergy:
         """Energy and derivatives, with contacts of the stiffness kr times a factor.
 
         Args:
@@ -72,7 +72,7 @@ class SmoothPolygons:
             softness: the factor.
         """
         polygons, kind = self.polygons, self.species
-        return core.smooth_rings(
+        return core.smooth_polygons(
             vertices,
             self.number,
             self.box,
@@ -80,11 +80,11 @@ class SmoothPolygons:
             polygons.spacing[kind],
             polygons.kA[kind],
             polygons.area[kind],
-            softness * self.beads.kr,
-            2.0 * self.beads.radius,
+            softness * self.model.kr,
+            2.0 * self.model.radius,
         )
 
-    def residual(self, at: core.SmoothRings) -> float:
+    def residual(self, at: core.SmoothPolygonEnergy) -> float:
         """Largest force on a vertex over that on a vertex in a contact."""
         largest = float(np.linalg.norm(at.gradient, axis=1).max())
         spacing = self.polygons.spacing[self.species]
@@ -111,8 +111,8 @@ def relax_smooth(
         return vertices
     # contacts so soft that vertices sink in by half of their range would let them pass
     spacing = polygons.polygons.spacing[polygons.species]
-    deepest = float(np.max(start.pressure * spacing)) / polygons.beads.kr
-    softest = deepest / polygons.beads.radius
+    deepest = float(np.max(start.pressure * spacing)) / polygons.model.kr
+    softest = deepest / polygons.model.radius
     for softness in _SOFT:
         if softness >= min(softest, 1.0):
             stop = tolerance if softness == 1.0 else _SOFT_TOLERANCE
@@ -152,7 +152,7 @@ def _minimize(
 ) -> Array:
     """Levenberg and Marquardt's damping of Newton's steps, with a line search along each."""
 
-    def energy(x: Array) -> core.SmoothRings:
+    def energy(x: Array) -> core.SmoothPolygonEnergy:
         return polygons.energy(x, softness)
 
     at, damping = energy(vertices), _DAMPING
@@ -163,7 +163,7 @@ def _minimize(
             break
         step, damping = _step(polygons, at, damping)
         longest = float(np.linalg.norm(step, axis=1).max())
-        step *= min(1.0, _LARGEST_STEP * 2.0 * polygons.beads.radius / longest)
+        step *= min(1.0, _LARGEST_STEP * 2.0 * polygons.model.radius / longest)
         part, there = _line_search(energy, vertices, at, step)
         if there is None:
             damping *= 10.0
@@ -176,7 +176,9 @@ def _minimize(
     return vertices
 
 
-def _step(polygons: SmoothPolygons, at: core.SmoothRings, damping: float) -> tuple[Array, float]:
+def _step(
+    polygons: SmoothPolygons, at: core.SmoothPolygonEnergy, damping: float
+) -> tuple[Array, float]:
     """A step downhill, (H + damping) s = -g, and the damping that it needed.
 
     H = H' + sum kA grad(A) grad(A)^T has dense blocks. With the pressures t of the areas as
@@ -206,15 +208,18 @@ def _step(polygons: SmoothPolygons, at: core.SmoothRings, damping: float) -> tup
 
 
 def _line_search(
-    energy: Callable[[Array], core.SmoothRings], x: Array, at: core.SmoothRings, step: Array
-) -> tuple[float, core.SmoothRings | None]:
+    energy: Callable[[Array], core.SmoothPolygonEnergy],
+    x: Array,
+    at: core.SmoothPolygonEnergy,
+    step: Array,
+) -> tuple[float, core.SmoothPolygonEnergy | None]:
     """The part of a step that lowers the energy and halves its slope, and the energy there.
 
     Evaluations are cheap against the factors of a step. Returns None if no part was found.
     """
     start, slope = at.energy, core.dot(at.gradient, step)
     low, high, low_slope, part = 0.0, 1.0, slope, 1.0
-    lowest: tuple[float, core.SmoothRings | None] = (0.0, None)
+    lowest: tuple[float, core.SmoothPolygonEnergy | None] = (0.0, None)
     for _ in range(_TRIALS):
         there = energy(x + part * step)
         here = core.dot(there.gradient, step)

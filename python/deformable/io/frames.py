@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import FileError
-from ..common.files import write_whole, writing
+from ..common.files import reading, write_whole, writing
 from ..model.packing import Packing
 from ..model.room import closed
 from .run_folder import DATA, SERIES, SETUPS, TRAJECTORY
@@ -27,10 +27,26 @@ def frames_in(folder: Path) -> int:
         counted = re.search(r", (\d+) frames$", title)
         if counted:
             return int(counted[1])
+    return len(series_in(folder))
+
+
+def series_in(folder: Path) -> list[dict[str, str]]:
+    """The rows of the series in a folder; none without a series."""
     if not (folder / SERIES).exists():
-        return 0
+        return []
     with (folder / SERIES).open(newline="") as file:
-        return sum(1 for _ in csv.DictReader(file))
+        return list(csv.DictReader(file))
+
+
+def recorded(folder: Path, name: str) -> Path:
+    """The file of this name of a recorded run.
+
+    Raises:
+        FileError: there is none.
+    """
+    if not (folder / name).exists():
+        raise FileError(f"no recorded run in '{folder}': {folder / name} is missing")
+    return folder / name
 
 
 def check_frames(folder: Path) -> None:
@@ -38,25 +54,17 @@ def check_frames(folder: Path) -> None:
     count = frames_in(folder)
     for path, numbers in (
         (folder / TRAJECTORY, _frames_of_trajectory(folder / TRAJECTORY)),
-        (folder / SERIES, _frames_of_series(folder / SERIES)),
+        (folder / SERIES, (row.get("frame") for row in series_in(folder))),
     ):
         for n in range(count):
-            if next(numbers, None) != n:
+            if next(numbers, None) != str(n):
                 raise FileError(
                     f"{path} lacks frame {n} of {count} recorded frames: restore the file, or name "
                     "another folder"
                 )
 
 
-def _frames_of_series(path: Path) -> Iterator[int]:
-    """Frame numbers of the rows; -1 for a row without one."""
-    if path.exists():
-        with path.open(newline="") as file:
-            for row in csv.DictReader(file):
-                yield int(row["frame"]) if str(row.get("frame")).isdigit() else -1
-
-
-def _frames_of_trajectory(path: Path) -> Iterator[int]:
+def _frames_of_trajectory(path: Path) -> Iterator[str]:
     """Frame numbers, up to the first incomplete frame."""
     if not path.exists():
         return
@@ -68,15 +76,12 @@ def _frames_of_trajectory(path: Path) -> Iterator[int]:
             rows = [file.readline() for _ in range(int(head[3]))]
             if not all(row.endswith("\n") for row in rows):
                 return
-            yield int(head[1])
+            yield head[1]
 
 
 def clock_of(folder: Path) -> list[tuple[float, float | None]]:
     """Time and shear strain of each frame in the series; None without shear."""
-    if not (folder / SERIES).exists():
-        return []
-    with (folder / SERIES).open(newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = series_in(folder)
     given = [(row.get("time") or 0.0, row.get("strain") or None) for row in rows]
     return [(float(time), None if strain is None else float(strain)) for time, strain in given]
 
@@ -133,11 +138,9 @@ def setups_in(folder: Path) -> list[dict[str, Any]]:
     """
     path = folder / SETUPS
     lines = path.read_text().split("\n")[:-1] if path.exists() else []
-    try:
+    with reading(path):
         setups = [dict(json.loads(line)) for line in lines]
         return [setup | {"frame": int(setup["frame"])} for setup in setups]
-    except (ValueError, TypeError, LookupError) as error:
-        raise FileError(f"{path} cannot be read: {error}") from None
 
 
 def texts_of(folder: Path) -> list[str]:
@@ -146,10 +149,7 @@ def texts_of(folder: Path) -> list[str]:
     Raises:
         FileError: there is no trajectory.
     """
-    path = folder / TRAJECTORY
-    if not path.exists():
-        raise FileError(f"no recorded run in '{folder}': {path} is missing")
-    return path.read_text().split("ITEM: TIMESTEP\n")[1:]
+    return recorded(folder, TRAJECTORY).read_text().split("ITEM: TIMESTEP\n")[1:]
 
 
 def append_frame(

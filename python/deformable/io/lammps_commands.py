@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.beads import Beads
 from ..model.laws import Law, Ring
 from ..model.packing import Packing
+from ..model.polygons import PolygonModel
 from ..model.room import closed
 from ..model.walls import Polygon, Wall, Walls
 
@@ -38,7 +38,7 @@ min_modify dmax {dmax!r} norm max tmax {tmax!r}
 # Longest edge of smooth polygons over the one at rest.
 _LONGEST_EDGE = 2.0
 
-_ROUGH = """
+_BEAD = """
 pair_style harmonic/cut
 pair_coeff * * {half!r} {range!r}
 compute pairs all property/local patom1 patom2
@@ -142,29 +142,29 @@ def minimizer_commands(skin: float, dmax: float, tmax: float = 10.0) -> str:
     return _MINIMIZER.format(skin=skin, dmax=dmax, tmax=tmax)
 
 
-def polygon_contact_commands(beads: Beads, spacing: float) -> str:
+def polygon_contact_commands(model: PolygonModel, spacing: float) -> str:
     """Commands for the contacts of polygons, smooth or of beads.
 
     Args:
-        beads: settings of the polygons.
+        model: settings of the polygons.
         spacing: longest edge of a polygon at rest [length].
     """
-    style = _SMOOTH if beads.smooth else _ROUGH
+    style = _SMOOTH if model.smooth else _BEAD
     return style.format(
         longest=_LONGEST_EDGE * spacing,
-        kr=beads.kr,
-        half=0.5 * beads.kr,  # the energy of LAMMPS' style has no factor 1/2
-        range=2.0 * beads.radius,
+        kr=model.kr,
+        half=0.5 * model.kr,  # the energy of LAMMPS' style has no factor 1/2
+        range=2.0 * model.radius,
     )
 
 
-def polygon_wall_commands(beads: Beads, stick: bool) -> str:
+def polygon_wall_commands(model: PolygonModel, stick: bool) -> str:
     """Commands for walls with the stiffness of beads, at a distance of p from their centers.
 
     The energy of LAMMPS' harmonic wall has no factor 1/2; it ignores the second number, sigma.
     """
-    slip = f"wall/region walls harmonic {0.5 * beads.kr!r} 1.0 {beads.radius!r}"
-    style = f"deformable/stick walls {beads.kr!r} radius {beads.radius!r}" if stick else slip
+    slip = f"wall/region walls harmonic {0.5 * model.kr!r} 1.0 {model.radius!r}"
+    style = f"deformable/stick walls {model.kr!r} radius {model.radius!r}" if stick else slip
     return f"fix walls all {style}\nfix_modify walls energy yes"
 
 

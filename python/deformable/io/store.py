@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..common.errors import FileError
-from ..common.files import make_folder, write_whole
+from ..common.files import make_folder, reading, write_whole
 from ..common.versions import versions
 from ..model.laws import LAWS, Law
 from ..model.packing import Packing
@@ -95,11 +95,8 @@ def summary_in(folder: Path) -> dict[str, Any]:
     Raises:
         FileError: the file is missing or damaged.
     """
-    path = folder / SUMMARY
-    try:
-        return dict(json.loads(_text(path, folder)))
-    except (ValueError, TypeError) as error:
-        raise FileError(f"{path} cannot be read: {error}") from None
+    with reading(folder / SUMMARY):
+        return dict(json.loads(_text(folder / SUMMARY, folder)))
 
 
 def _text(path: Path, folder: Path) -> str:
@@ -139,16 +136,12 @@ def read(folder: Path) -> tuple[Packing, Law]:
     Raises:
         FileError: a file is missing or damaged, or the folder holds other results.
     """
-    summary, path = summary_in(refuse(folder, but="compression")), folder / SUMMARY
-    try:
+    summary = summary_in(refuse(folder, but="compression"))
+    with reading(folder / SUMMARY):
         law, radii, walls = read_setup(summary)
-        path = folder / DATA
-        packing = packing_in(_text(path, folder), radii)
+    with reading(folder / DATA):
+        packing = packing_in(_text(folder / DATA, folder), radii)
         return (replace(packing, walls=walls) if walls else packing), law
-    except KeyError as error:
-        raise FileError(f"{path} cannot be read: it lacks {error}") from None
-    except (ValueError, TypeError) as error:
-        raise FileError(f"{path} cannot be read: {error}") from None
 
 
 def read_motion(folder: Path, number: int) -> Motion:
@@ -157,8 +150,5 @@ def read_motion(folder: Path, number: int) -> Motion:
     Raises:
         FileError: the file is missing or damaged.
     """
-    path = folder / DATA
-    try:
-        return motion_in(_text(path, folder), number)
-    except ValueError as error:
-        raise FileError(f"{path} cannot be read: {error}") from None
+    with reading(folder / DATA):
+        return motion_in(_text(folder / DATA, folder), number)

@@ -1,1 +1,1 @@
-"""Settings of simulations: packings, contact laws, walls, rings of beads, time steps."""
+"""Settings of simulations: packings, contact laws, walls, polygons, time steps."""

@@ -286,7 +286,7 @@ def _scaled(point: Point, x: float, y: float) -> Point:
 
 @dataclass(frozen=True, eq=False)
 class Walls:
-    """A convex polygon around the origin, for `BeadReference` and `squeeze`.
+    """A convex polygon around the origin, for `PolygonSimulation` and `squeeze`.
 
     `planes` are the same sides for a `Packing`.
 

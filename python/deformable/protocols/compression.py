@@ -2,28 +2,32 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import ParameterError
+from ..common.errors import ParameterError, UnjammedWarning
 from ..common.progress import progress
+from ..common.ranks import world
 from ..common.steps import Steps
 from ..common.validate import count, expect, finite
-from ..engine.bead_reference import BeadReference
 from ..engine.disks import Disks
+from ..engine.polygon_simulation import PolygonSimulation
 from ..engine.simulation import Simulation
 
 
 class Snapshot(Protocol):
-    """A state whose numbers a progress bar can show."""
+    """A state whose numbers are shown, and that may have come apart."""
 
     @property
     def phi(self) -> float: ...
     @property
     def pressure(self) -> float: ...
+    @property
+    def coordination(self) -> float: ...
 
 
 S = TypeVar("S", bound=Snapshot)
@@ -31,7 +35,7 @@ S_co = TypeVar("S_co", bound=Snapshot, covariant=True)
 
 
 class Compressible(Protocol[S_co]):
-    """A simulation in a periodic box: `Simulation`, `Disks` or `BeadReference`."""
+    """A simulation in a periodic box: `Simulation`, `Disks` or `PolygonSimulation`."""
 
     @property
     def box(self) -> NDArray[np.float64]: ...
@@ -48,7 +52,7 @@ def compress(
     with the box.
 
     Args:
-        sim: a `Simulation`, `Disks` or a `BeadReference`; it ends in the last state.
+        sim: a `Simulation`, `Disks` or a `PolygonSimulation`; it ends in the last state.
         strain: total linear strain, not 0, below 1; negative expands.
         steps: number of steps.
         tolerance: of each relaxation; by default that of `sim.relax`.
@@ -58,8 +62,11 @@ def compress(
 
     Raises:
         ParameterError: a value is out of range.
+
+    Warns:
+        UnjammedWarning: an expansion has taken the packing apart; once, after the first such step.
     """
-    expect("sim", sim, Simulation, Disks, BeadReference)
+    expect("sim", sim, Simulation, Disks, PolygonSimulation)
     check_strain_and_steps(strain, steps)
     return Steps("compress", remaining_steps(sim, sim.box, strain, int(steps), 0, tolerance))
 
@@ -82,10 +89,20 @@ def remaining_steps(
     tolerance: float | None,
 ) -> Iterator[S]:
     """The remaining steps of a compression that started at this box, after the steps done."""
+    apart = strain > 0.0  # then `relax` warns if a packing becomes loose
     with progress("compressing", unit="step", total=steps, initial=done) as bar:
         for n in range(done + 1, steps + 1):
             sim.deform(box * (1.0 - strain * n / steps))
             state = sim.relax() if tolerance is None else sim.relax(tolerance)
             bar.set_postfix(phi=f"{state.phi:.4f}", pressure=f"{state.pressure:.3g}")
             bar.update()
+            if not (apart or state.coordination):
+                apart = True
+                if world().rank == 0:
+                    warnings.warn(
+                        f"the packing has come apart at step {n}, phi = {state.phi:.5f}: from here "
+                        "on no contacts hold it, and its numbers are those of loose particles",
+                        UnjammedWarning,
+                        stacklevel=3,
+                    )
             yield state

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from ..model.beads import Beads
-from ..studies.accuracy.compressions import smooth_beads
+from ..model.polygons import PolygonModel
+from ..studies.accuracy.compressions import standard_polygons
 
 
 @dataclass(frozen=True)
@@ -17,10 +17,10 @@ class Plan:
     ablation: dict[str, Any]
     pareto: list[tuple[Any, ...]]
     smooth: list[tuple[int, int, int] | tuple[int, int, int, float, int]]
-    friction: list[tuple[Beads]]
-    hysteresis: list[tuple[int, int, Beads, float, int]]
-    crystal: list[tuple[Beads, float]]
-    large: tuple[int, int, float, Beads]
+    friction: list[tuple[PolygonModel]]
+    hysteresis: list[tuple[int, int, PolygonModel, float, int]]
+    crystal: list[tuple[PolygonModel, float]]
+    large: tuple[int, int, float, PolygonModel]
     mixtures: list[tuple[Any, ...]]
     shapes: dict[str, Any]
     stiffness: dict[str, Any]
@@ -48,10 +48,12 @@ FULL = Plan(
         *((16, seed, count) for count in (80, 160) for seed in _RIGID),
         *((16, seed, 320, 0.005, 1) for seed in _RIGID),
     ],
-    friction=[(smooth_beads(n, smooth=kind),) for kind in (True, False) for n in (40, 80, 160)],
-    hysteresis=[(16, 1, smooth_beads(80, smooth=kind), 0.03, 6) for kind in (True, False)],
-    crystal=[(smooth_beads(n), a) for a in (0.01, 0.03) for n in (40, 80, 160)],
-    large=(128, 1, 0.01, Beads()),
+    friction=[
+        (standard_polygons(n, smooth=kind),) for kind in (True, False) for n in (40, 80, 160)
+    ],
+    hysteresis=[(16, 1, standard_polygons(80, smooth=kind), 0.03, 6) for kind in (True, False)],
+    crystal=[(standard_polygons(n), a) for a in (0.01, 0.03) for n in (40, 80, 160)],
+    large=(128, 1, 0.01, PolygonModel()),
     mixtures=[(16, seed, 0.02, 76, kA, kP) for kA, kP in _MIXTURES for seed in _RIGID[:2]],
     shapes={},
     stiffness={},
@@ -63,10 +65,10 @@ QUICK = Plan(
     ablation={"repeats": 3},
     pareto=[(8, 1, 76, 0.02, 2, (38, 57), (38,))],
     smooth=[(8, 1, 57, 0.03, 3)],
-    friction=[(smooth_beads(40, smooth=kind),) for kind in (True, False)],
-    hysteresis=[(8, 1, smooth_beads(40, smooth=kind), 0.02, 2) for kind in (True, False)],
-    crystal=[(smooth_beads(n), 0.03) for n in (40, 80)],
-    large=(48, 1, 0.01, Beads()),
+    friction=[(standard_polygons(40, smooth=kind),) for kind in (True, False)],
+    hysteresis=[(8, 1, standard_polygons(40, smooth=kind), 0.02, 2) for kind in (True, False)],
+    crystal=[(standard_polygons(n), 0.03) for n in (40, 80)],
+    large=(48, 1, 0.01, PolygonModel()),
     mixtures=[(8, 1, 0.02, 57, kA, kP) for kA, kP in _MIXTURES],
     shapes={"indentations": (0.01, 0.02, 0.03), "number": 94},
     stiffness={"indentations": (0.01, 0.02, 0.03), "number": 94, "kL": (1.0, 1e2, 1e4)},

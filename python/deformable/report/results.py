@@ -105,9 +105,9 @@ def _limit_row(limit: paper.Limit) -> dict[str, Any]:
     return {
         "sides": limit.sides,
         "a_over_R": limit.indentation,
-        "beads": limit.numbers.tolist(),
-        "error_beads": limit.number_error.tolist(),
-        "rate_beads": limit.number_rate,
+        "n_v": limit.numbers.tolist(),
+        "error_n_v": limit.number_error.tolist(),
+        "rate_n_v": limit.number_rate,
         "kP": limit.stiffness.tolist(),
         "error_kP": limit.stiffness_error.tolist(),
         "rate_kP": limit.stiffness_rate,

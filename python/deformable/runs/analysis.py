@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import csv
 import warnings
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..common.errors import FileError, ParameterError
 from ..common.files import write_whole
 from ..common.optional import optional
 from ..common.validate import expect
-from ..io.frames import check_frames, frames_in
+from ..io.frames import check_frames, clock_of, frames_in, recorded, series_in
 from ..io.outlines import collection
 from ..io.run_folder import SERIES, TRAJECTORY
 from ..io.store import read
@@ -33,9 +31,9 @@ def universe(folder: Path) -> Universe:
 
     packing, _ = read(folder)
     check_frames(folder)
-    if not (folder / TRAJECTORY).exists():
-        raise FileError(f"no recorded run in '{folder}': {folder / TRAJECTORY} is missing")
-    times, counts = _times_and_counts(folder / SERIES)
+    trajectory = recorded(folder, TRAJECTORY)
+    times = [time for time, _ in clock_of(folder)]
+    counts = [int(row.get("particles") or 0) for row in series_in(folder)]
     if len(set(counts)) > 1:
         raise FileError(
             f"the run in '{folder}' has {min(counts)} to {max(counts)} particles, but those of a "
@@ -45,10 +43,10 @@ def universe(folder: Path) -> Universe:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # masses are 1: that is no guess
         found = MDAnalysis.Universe(
-            str(folder / TRAJECTORY),
+            str(trajectory),
             format=PlaneReader,
             topology_format="LAMMPSDUMP",
-            additional_columns=_columns(folder / TRAJECTORY),
+            additional_columns=_columns(trajectory),
             dt=step,
             time_offset=start,
             frames=frames_in(folder),
@@ -64,30 +62,18 @@ def _columns(trajectory: Path) -> list[str]:
     return head.split()[7:]
 
 
-def _times_and_counts(path: Path) -> tuple[NDArray[np.float64], list[int]]:
-    """Times and numbers of particles in a series, one of each for a frame."""
-    with path.open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    return np.array([float(row.get("time") or 0.0) for row in rows]), [
-        int(row.get("particles") or 0) for row in rows
-    ]
-
-
-def _clock(times: NDArray[np.float64]) -> tuple[float, float]:
+def _clock(times: list[float]) -> tuple[float, float]:
     """Time of the first frame, and from one to the next: the frames' numbers if that varies."""
     steps = np.diff(times)
     if len(steps) and steps[0] > 0.0 and np.allclose(steps, steps[0], rtol=1e-6):
-        return float(times[0]), float(np.mean(steps))
+        return times[0], float(np.mean(steps))
     return 0.0, 1.0
 
 
 def series(folder: Path) -> Any:
     """The series of a recorded run as a DataFrame of pandas, see `Run.series`."""
     pandas = optional("pandas", "pandas")
-    path = folder / SERIES
-    if not path.exists():
-        raise FileError(f"no recorded run in '{folder}': {path} is missing")
-    return pandas.read_csv(path, index_col="frame")
+    return pandas.read_csv(recorded(folder, SERIES), index_col="frame")
 
 
 def export(states: Iterable[State], path: str | Path) -> None:

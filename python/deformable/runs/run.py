@@ -24,6 +24,7 @@ import numpy as np
 from mpi4py import MPI
 
 from ..common.errors import FileError
+from ..common.files import reading
 from ..common.progress import progress
 from ..common.steps import Steps
 from ..common.validate import expect
@@ -113,19 +114,13 @@ class Run:
         clock = frames.clock_of(self.folder)
         with progress("replaying", unit="state", total=len(numbers)) as bar:
             for number in numbers:
-                try:
+                with reading(f"frame {number} of {self.folder / frames.TRAJECTORY}"):
                     law, radii, walls = read_setup(frames.setup_of(setups, number))
                     if number >= len(texts):
                         raise LookupError("it is missing")
                     packing, velocities = frames.read_frame(texts[number], radii)
                     packing = replace(packing, walls=walls)
                     time, strain = clock[number] if number < len(clock) else (0.0, None)
-                except (ValueError, TypeError, LookupError) as error:
-                    reason = str(error).split(";")[0]  # what follows is advice on NumPy
-                    raise FileError(
-                        f"frame {number} of {self.folder / frames.TRAJECTORY} cannot be read: "
-                        f"{reason}"
-                    ) from None
                 with Simulation(packing, law) as sim:
                     yield replace(sim.state(), velocities=velocities, time=time, strain=strain)
                 bar.update()

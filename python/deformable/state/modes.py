@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.optional import optional
-from ..common.validate import count, positive, shown, whole
+from ..common.validate import count, shown, whole
 from ..model.packing import Packing
 from ..model.room import closed
 from .contact_table import COLUMNS
@@ -115,13 +115,12 @@ class Modes:
         density, edges = np.histogram(found, count("bins", bins), density=True)
         return 0.5 * (edges[1:] + edges[:-1]), density
 
-    def plot(self, index: int = 0, ax: Axes | None = None, arrow: float = _ARROW) -> Axes:
+    def plot(self, index: int = 0, ax: Axes | None = None) -> Axes:
         """Draw a mode as arrows over the outlines; returns the axes.
 
         Args:
             index: of the mode.
             ax: axes to draw into; a new figure if not given.
-            arrow: length of the longest arrow, in mean radii.
 
         Raises:
             ParameterError: there is no such mode, or no vectors.
@@ -131,7 +130,7 @@ class Modes:
         if not -len(self) <= number < len(self):
             raise ParameterError(f"there are {len(self)} modes: index must not be {number}")
         vector = self._vectors[number]
-        length = positive("arrow", arrow) * float(self.packing.radius.mean())
+        length = _ARROW * float(self.packing.radius.mean())
         optional("matplotlib", "plot")
         from ..state import plot
 

@@ -87,7 +87,7 @@ def resolve_secondary(state: State, iterations: int = 3) -> SecondaryOutlines:
         raise ParameterError(f"iterations must not be negative, not {iterations}")
     radius = state.packing.radius
     contacts = [
-        np.column_stack([rows["angle"], rows["indentation"]]) for rows in state.particle_contacts
+        np.column_stack([rows["angle"], rows["indentation"]]) for rows in state.contact_tables
     ]
     arcs = [core.sector_arcs(r, *pressed.T) for r, pressed in zip(radius, contacts, strict=True)]
     outlines = list(state.outlines)

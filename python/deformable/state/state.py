@@ -182,13 +182,13 @@ class State(ContactNetwork, RingResponse, Exports):
                 self.packing.species,
                 self.packing.radius,
                 inset,
-                self.particle_contacts,
+                self.contact_tables,
                 strict=True,
             )
         ]
 
     @cached_property
-    def particle_contacts(self) -> list[ContactTable]:
+    def contact_tables(self) -> list[ContactTable]:
         """The rows of `contact_table` of each particle."""
         first = np.searchsorted(self.contact_table["i"], np.arange(1, len(self.packing)))
         return np.split(self.contact_table, first)
@@ -236,7 +236,7 @@ class State(ContactNetwork, RingResponse, Exports):
         return plot.draw(
             self.packing,
             self.outlines,
-            self.particle_contacts,
+            self.contact_tables,
             values,
             color_by,
             f"$\\phi$ = {self.phi:.4f},  $p$ = {self.pressure:.3g}" if title is None else title,

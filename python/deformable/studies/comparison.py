@@ -14,7 +14,7 @@ from ..common.validate import expect
 from ..core import norm
 from ..engine.simulation import Simulation
 from ..model.laws import Law
-from ..state.bead_state import BeadState
+from ..state.polygon_state import PolygonState
 from ..state.state import State
 from .shape_error import shape_error
 
@@ -27,31 +27,31 @@ class Comparison:
     """A contact law against bead polygons with the same centers.
 
     Attributes:
-        beads: the bead polygons.
+        reference: the polygons.
         state: the law's particles, with the effective radii of the polygons; not relaxed.
         shape_error: I of each particle, see `shape_error`, shape (N,).
     """
 
-    beads: BeadState
+    reference: PolygonState
     state: State
     shape_error: NDArray[np.float64]
 
     @property
     def area_deficit_error(self) -> float:
-        """Root mean square of S - S_beads over that of S_beads; inf if all S_beads are zero."""
-        exact = self.beads.area_deficit
+        """Root mean square of S - S_exact over that of S_exact; inf if all S_exact are zero."""
+        exact = self.reference.area_deficit
         wrong = self.state.area_deficit - exact
         return _over(norm(wrong), norm(exact))
 
     @property
     def energy_ratio(self) -> float:
-        """Energy of the law over that of the beads; inf if that is zero."""
-        return _over(self.state.energy, self.beads.energy)
+        """Energy of the law over that of the polygons; inf if that is zero."""
+        return _over(self.state.energy, self.reference.energy)
 
     @property
     def pressure_ratio(self) -> float:
-        """Pressure of the law over that of the beads; inf if that is zero."""
-        return _over(self.state.pressure, self.beads.pressure)
+        """Pressure of the law over that of the polygons; inf if that is zero."""
+        return _over(self.state.pressure, self.reference.pressure)
 
 
 def _over(ours: float, exact: float) -> float:
@@ -59,7 +59,7 @@ def _over(ours: float, exact: float) -> float:
     return ours / exact if exact else math.inf
 
 
-def predict(beads: BeadState, law: Law, comm: MPI.Comm | None = None) -> State:
+def predict(reference: PolygonState, law: Law, comm: MPI.Comm | None = None) -> State:
     """The state of a contact law for particles at the centers of bead polygons, not relaxed.
 
     Their radii are the effective ones of the polygons, `Polygons.effective_radius`.
@@ -68,37 +68,37 @@ def predict(beads: BeadState, law: Law, comm: MPI.Comm | None = None) -> State:
         ParameterError: an argument is of another kind.
         LammpsError: see `Simulation.relax`.
     """
-    expect("beads", beads, BeadState)
-    packing = replace(beads.packing, radii=beads.polygons.effective_radius)
+    expect("reference", reference, PolygonState)
+    packing = replace(reference.packing, radii=reference.polygons.effective_radius)
     with Simulation(packing, law, comm) as sim:
         return sim.state()
 
 
-def compare(beads: BeadState, law: Law, comm: MPI.Comm | None = None) -> Comparison:
+def compare(reference: PolygonState, law: Law, comm: MPI.Comm | None = None) -> Comparison:
     """Compare a contact law with bead polygons at the same centers."""
-    state = predict(beads, law, comm)
-    return Comparison(beads, state, shape_errors(beads, state))
+    state = predict(reference, law, comm)
+    return Comparison(reference, state, shape_errors(reference, state))
 
 
-def polygon_outlines(beads: BeadState, state: State) -> list[NDArray[np.float64]]:
+def polygon_outlines(reference: PolygonState, state: State) -> list[NDArray[np.float64]]:
     """Lines of bead centers in a law, about each particle's own center, arrays (m, 2) [length]."""
-    polygons = beads.polygons.radius[beads.packing.species]
+    polygons = reference.polygons.radius[reference.packing.species]
     return state.parallels(state.packing.radius - polygons, _POINTS)
 
 
-def shape_errors(beads: BeadState, state: State) -> NDArray[np.float64]:
+def shape_errors(reference: PolygonState, state: State) -> NDArray[np.float64]:
     """I of each particle, shape (N,): the outlines of a state against the beads.
 
     Raises:
         ParameterError: an outline folds: the particle is beyond the model.
     """
-    errors = np.zeros(len(beads.packing))
+    errors = np.zeros(len(reference.packing))
     for n, (polygon, center, outline, radius) in enumerate(
         zip(
-            beads.outlines,
-            beads.packing.positions,
-            polygon_outlines(beads, state),
-            beads.packing.radius,
+            reference.outlines,
+            reference.packing.positions,
+            polygon_outlines(reference, state),
+            reference.packing.radius,
             strict=True,
         )
     ):

@@ -1,6 +1,6 @@
 """One color, marker and line for each contact law in all figures, in the order of the legends.
 
-`BEADS` is the style of bead polygons, `SMOOTH` that of smooth ones.
+`BEAD` is the style of bead polygons, `SMOOTH` that of smooth ones.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class Style:
 
 
 # Colors that differ for color-blind readers and in gray.
-BEADS = Style("#c22026", "o", "-")
+BEAD = Style("#c22026", "o", "-")
 SMOOTH = Style("#6a3d9a", "v", "-")
 STYLES = {
     "disk": Style("0.55", "o", (0, (1, 3))),
@@ -35,8 +35,8 @@ STYLES["ring, kP inf"] = STYLES["radical, kP inf"]
 STYLES["ring"] = STYLES["radical"]
 
 # Polygons by kind.
-POLYGONS = {"smooth": SMOOTH, "rough": BEADS}
-POLYGON_NAMES = {"smooth": "smooth polygons", "rough": "bead polygons"}
+POLYGONS = {"smooth": SMOOTH, "bead": BEAD}
+POLYGON_NAMES = {"smooth": "smooth polygons", "bead": "bead polygons"}
 
 
 def legend_below(figure: Any, ax: Any) -> None:

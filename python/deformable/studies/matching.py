@@ -9,32 +9,34 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.beads import Beads, Polygons
 from ..model.lattice import cartesian, fractional
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing
-from ..state.bead_state import BeadState
+from ..model.polygons import PolygonModel, Polygons
 from ..state.contact_network import without_rattlers
+from ..state.polygon_state import PolygonState
 from ..state.state import State
 
 # A packing with less than this part of the beads' pressure has lost its rigidity.
 _UNJAMMED = 1e-6
 
 
-def matching_laws(beads: Beads, polygons: Polygons, rigid: Sequence[bool] = ()) -> dict[str, Law]:
-    """The contact laws for polygons of such beads, by name.
+def matching_laws(
+    model: PolygonModel, polygons: Polygons, rigid: Sequence[bool] = ()
+) -> dict[str, Law]:
+    """The contact laws for such polygons, by name.
 
     `radical`, `balanced` and `curved` have the polygons' own stiffness kP = kL/N_v, and their beads
     as a rigid skin. `radical, kP inf` conserves perimeters, as the paper does. `sector`, which has
     a single kA, is left out if the kA of the species differ.
 
     Args:
-        beads: of the polygons.
+        model: of the polygons.
         polygons: the undeformed ones.
         rigid: species whose polygons stand for inextensible ones. If there are any,
             `balanced, kP inf` has kP = inf for them.
     """
-    kA, kP, skin = beads.kA, polygons.kP.tolist(), polygons.skin.tolist()
+    kA, kP, skin = model.kA, polygons.kP.tolist(), polygons.skin.tolist()
     found: dict[str, Law] = {}
     if len(set(polygons.kA)) == 1:
         found["sector"] = Sector(polygons.kA[0])
@@ -50,15 +52,15 @@ def matching_laws(beads: Beads, polygons: Polygons, rigid: Sequence[bool] = ()) 
     return found
 
 
-def matching(packing: Packing, beads: Beads) -> Packing:
+def matching(packing: Packing, model: PolygonModel) -> Packing:
     """The packing with other radii, such that the polygons have its own radii as effective ones."""
     radii = packing.radii
     for _ in range(10):  # the roughness hardly depends on the radius: each step gains two digits
-        radii = radii + packing.radii - beads.polygons(radii).effective_radius
+        radii = radii + packing.radii - model.polygons(radii).effective_radius
     return replace(packing, radii=radii)
 
 
-def is_unjammed(own: State | BeadState, exact: BeadState) -> bool:
+def is_unjammed(own: State | PolygonState, exact: PolygonState) -> bool:
     """Whether a packing has lost its rigidity: it has less than 1e-6 of the polygons' pressure."""
     return own.pressure <= _UNJAMMED * exact.pressure
 
@@ -68,7 +70,7 @@ def finite_ratio(ratio: float) -> float | None:
     return ratio if math.isfinite(ratio) else None
 
 
-def centers_rms(exact: BeadState, own: State | BeadState) -> float | None:
+def centers_rms(exact: PolygonState, own: State | PolygonState) -> float | None:
     """Root mean square distance of the centers over the mean radius; None if one is unjammed.
 
     Particles that are rattlers in one of the two do not count. A common drift is subtracted.
@@ -78,7 +80,7 @@ def centers_rms(exact: BeadState, own: State | BeadState) -> float | None:
     return _rms(exact.packing, own.packing, _held(exact) & _held(own))
 
 
-def _held(state: State | BeadState) -> NDArray[np.bool_]:
+def _held(state: State | PolygonState) -> NDArray[np.bool_]:
     """Particles that are no rattlers."""
     if isinstance(state, State):
         return ~state.rattlers

@@ -12,39 +12,40 @@ using namespace LAMMPS_NS;
 namespace {
 
 /* ----------------------------------------------------------------------
-   Partners along a ring have no contacts. Others come from bonds between
-   rings. The factors are those in a call: pair_style hybrid may set its own.
+   Partners along a polygon have no contacts. Others come from bonds between
+   polygons. The factors are those in a call: pair_style hybrid may set its own.
 ------------------------------------------------------------------------- */
 
-void check_special_bonds(LAMMPS *lmp, const RingEdges &edges, const std::string &style)
+void check_special_bonds(LAMMPS *lmp, const PolygonEdges &edges, const std::string &style)
 {
   const Atom *atom = lmp->atom;
   const double *factors = lmp->force->special_lj;
   if (atom->molecular != Atom::MOLECULAR) return;
   for (int i = 0; i < atom->nlocal; ++i) {
-    const int ring = edges[i].ring;
-    if (ring < 0) continue;
+    const int polygon = edges[i].polygon;
+    if (polygon < 0) continue;
     for (int k = 1, n = 0; k <= 3; ++k)    // 1-2, 1-3 and 1-4 partners
       for (; n < atom->nspecial[i][k - 1]; ++n) {
         if (factors[k] == 1.0) continue;
         const tagint partner = atom->special[i][n];
-        const int other = edges.ring_of(partner, ring);
-        if (other >= 0 && other != ring)
-          lmp->error->one(FLERR,
-                          "{}: special_bonds gives atoms {} and {} of rings {} and {} the factor "
-                          "{:.6g}, but contacts are not scaled: use 'special_bonds lj/coul 1 1 1'",
-                          style, atom->tag[i], partner, edges.molecule(ring), edges.molecule(other),
-                          factors[k]);
+        const int other = edges.polygon_of(partner, polygon);
+        if (other >= 0 && other != polygon)
+          lmp->error->one(
+              FLERR,
+              "{}: special_bonds gives atoms {} and {} of polygons {} and {} the factor "
+              "{:.6g}, but contacts are not scaled: use 'special_bonds lj/coul 1 1 1'",
+              style, atom->tag[i], partner, edges.molecule(polygon), edges.molecule(other),
+              factors[k]);
       }
   }
 }
 
 /* ----------------------------------------------------------------------
-   Contacts of whole rings may be excluded. Without a part of its edges the
-   energy of a ring would jump.
+   Contacts of whole polygons may be excluded. Without a part of its edges the
+   energy of a polygon would jump.
 ------------------------------------------------------------------------- */
 
-void check_groups(LAMMPS *lmp, const RingEdges &edges, const std::string &style)
+void check_groups(LAMMPS *lmp, const PolygonEdges &edges, const std::string &style)
 {
   const Atom *atom = lmp->atom;
   const Neighbor *neighbor = lmp->neighbor;
@@ -61,9 +62,9 @@ void check_groups(LAMMPS *lmp, const RingEdges &edges, const std::string &style)
     int which = 0;
     while (!(split & group->bitmask[which])) ++which;
     lmp->error->one(FLERR,
-                    "{}: group {} of neigh_modify has a part of ring {} only, not both atoms {} "
-                    "and {}: put rings into groups as a whole",
-                    style, group->names[which], edges.molecule(edge.ring), atom->tag[i],
+                    "{}: group {} of neigh_modify has a part of polygon {} only, not both atoms {} "
+                    "and {}: put polygons into groups as a whole",
+                    style, group->names[which], edges.molecule(edge.polygon), atom->tag[i],
                     atom->tag[edge.next]);
   }
 }
@@ -72,7 +73,7 @@ void check_groups(LAMMPS *lmp, const RingEdges &edges, const std::string &style)
 
 /* ---------------------------------------------------------------------- */
 
-void LAMMPS_NS::check_removed_contacts(LAMMPS *lmp, const RingEdges &edges,
+void LAMMPS_NS::check_removed_contacts(LAMMPS *lmp, const PolygonEdges &edges,
                                        const std::string &style)
 {
   check_special_bonds(lmp, edges, style);

@@ -67,7 +67,7 @@ bool edges_cross(const Vector &p, const Vector &a, const Vector &b)
    of larger cutoffs.
 ------------------------------------------------------------------------- */
 
-void LAMMPS_NS::list_edge_contacts(LAMMPS *lmp, const NeighList &list, const RingEdges &edges,
+void LAMMPS_NS::list_edge_contacts(LAMMPS *lmp, const NeighList &list, const PolygonEdges &edges,
                                    const double *const *c, double longest, const std::string &style,
                                    std::vector<VertexAndEdge> &found)
 {
@@ -79,29 +79,30 @@ void LAMMPS_NS::list_edge_contacts(LAMMPS *lmp, const NeighList &list, const Rin
   found.clear();
   for (int ii = 0; ii < list.inum; ++ii) {
     const int i = list.ilist[ii];
-    if (edges[i].ring < 0)
-      lmp->error->one(FLERR, "{}: atom {} is in no ring that was there when the run began", style,
-                      tag[i]);
+    if (edges[i].polygon < 0)
+      lmp->error->one(FLERR, "{}: atom {} is in no polygon that was there when the run began",
+                      style, tag[i]);
     const Vector ei = difference(x[edges[i].next], x[i]);
     for (int jj = 0; jj < list.numneigh[i]; ++jj) {
       const int j = list.firstneigh[i][jj] & NEIGHMASK;
-      if (edges[j].ring == edges[i].ring) continue;
+      if (edges[j].polygon == edges[i].polygon) continue;
       const double range = c[type[i]][type[j]], cutoff = range + longest + skin;
       const Vector p = difference(x[i], x[j]);
       if (dot(p, p) >= cutoff * cutoff) continue;
       if (edges[j].next < 0)
         lmp->error->one(FLERR,
-                        "{}: the atom that follows atom {} in its ring is not found beside it: "
+                        "{}: the atom that follows atom {} in its polygon is not found beside it: "
                         "lost, or farther away than l, the longest edge allowed, {:.6g}",
                         style, tag[j], longest);
       const Vector ej = difference(x[edges[j].next], x[j]);
       if (edges_cross(p, ei, ej))
-        lmp->error->one(FLERR,
-                        "{}: rings {} and {} have crossed: the edge from atom {} to atom {} and "
-                        "that from atom {} to atom {}. Start from rings that do not overlap, and "
-                        "take smaller steps (timestep, min_modify dmax), or a larger c or kr",
-                        style, edges.molecule(edges[i].ring), edges.molecule(edges[j].ring), tag[i],
-                        tag[edges[i].next], tag[j], tag[edges[j].next]);
+        lmp->error->one(
+            FLERR,
+            "{}: polygons {} and {} have crossed: the edge from atom {} to atom {} and "
+            "that from atom {} to atom {}. Start from polygons that do not overlap, and "
+            "take smaller steps (timestep, min_modify dmax), or a larger c or kr",
+            style, edges.molecule(edges[i].polygon), edges.molecule(edges[j].polygon), tag[i],
+            tag[edges[i].next], tag[j], tag[edges[j].next]);
       const int types = atom->ntypes + 1;
       if (may_touch(p, ej, range, skin))
         found.push_back({i, j, edges[j].next, type[i] * types + type[j]});

@@ -56,24 +56,25 @@ FixDeformablePolygon::FixDeformablePolygon(LAMMPS *lmp, int narg, char **arg) : 
   virial_global_flag = virial_peratom_flag = thermo_virial = 1;
   restart_global = 1;
 
-  rings = find_rings();
-  size_array_rows = static_cast<int>(rings.size());
-  for (Ring &ring : rings) {
+  polygons = find_polygons();
+  size_array_rows = static_cast<int>(polygons.size());
+  for (Polygon &polygon : polygons) {
     // above the rounding of coordinates, and below the area of any outline
-    if (!(std::fabs(ring.area) > 1e-12 * ring.perimeter * ring.perimeter))
-      error->all(FLERR, "Fix {} deformable/polygon: the beads of ring {} enclose no area", id,
-                 ring.molecule);
-    ring.rest_area = given_rest_area > 0.0 ? std::copysign(given_rest_area, ring.area) : ring.area;
+    if (!(std::fabs(polygon.area) > 1e-12 * polygon.perimeter * polygon.perimeter))
+      error->all(FLERR, "Fix {} deformable/polygon: the beads of polygon {} enclose no area", id,
+                 polygon.molecule);
+    polygon.rest_area =
+        given_rest_area > 0.0 ? std::copysign(given_rest_area, polygon.area) : polygon.area;
   }
 }
 
-std::vector<FixDeformablePolygon::Ring> FixDeformablePolygon::find_rings()
+std::vector<FixDeformablePolygon::Polygon> FixDeformablePolygon::find_polygons()
 {
-  std::vector<Ring> found;
+  std::vector<Polygon> found;
   const BeadSelection members = {fmt::format("Fix {} deformable/polygon", id),
                                  "the group of the fix",
                                  [this](int i) { return (atom->mask[i] & groupbit) != 0; }};
-  for (const BeadRing &ring : find_bead_rings(lmp, members)) found.push_back({ring});
+  for (const BeadPolygon &polygon : find_bead_polygons(lmp, members)) found.push_back({polygon});
   if (found.empty()) error->all(FLERR, "Fix {} deformable/polygon: its group has no atoms", id);
   perimeters_known = true;
   return found;
@@ -97,23 +98,24 @@ void FixDeformablePolygon::init()
 }
 
 /* ----------------------------------------------------------------------
-   Commands between runs may move beads and change the box. Rings and their
+   Commands between runs may move beads and change the box. Polygons and their
    rest areas remain those of the definition.
 ------------------------------------------------------------------------- */
 
 void FixDeformablePolygon::setup(int vflag)
 {
-  std::vector<Ring> found = find_rings();
-  const auto same = [](const Ring &a, const Ring &b) {
+  std::vector<Polygon> found = find_polygons();
+  const auto same = [](const Polygon &a, const Polygon &b) {
     return a.molecule == b.molecule && a.first == b.first && a.beads == b.beads;
   };
-  if (!std::equal(rings.begin(), rings.end(), found.begin(), found.end(), same))
-    error->all(FLERR,
-               "Fix {} deformable/polygon: its group no longer has the {} rings of its definition; "
-               "define it again",
-               id, rings.size());
-  for (std::size_t m = 0; m < rings.size(); ++m) found[m].rest_area = rings[m].rest_area;
-  rings = std::move(found);
+  if (!std::equal(polygons.begin(), polygons.end(), found.begin(), found.end(), same))
+    error->all(
+        FLERR,
+        "Fix {} deformable/polygon: its group no longer has the {} polygons of its definition; "
+        "define it again",
+        id, polygons.size());
+  for (std::size_t m = 0; m < polygons.size(); ++m) found[m].rest_area = polygons[m].rest_area;
+  polygons = std::move(found);
   links_of_build = -1;
   post_force(vflag);
 }
@@ -128,15 +130,15 @@ void FixDeformablePolygon::min_setup(int vflag)
 void FixDeformablePolygon::link_beads()
 {
   links.clear();
-  for (Ring &ring : rings) {
-    const tagint last = ring.first + ring.beads - 1;
-    for (tagint tag = ring.first; tag <= last; ++tag) {
+  for (Polygon &polygon : polygons) {
+    const tagint last = polygon.first + polygon.beads - 1;
+    for (tagint tag = polygon.first; tag <= last; ++tag) {
       const int i = atom->map(tag);
       if (i >= 0 && i < atom->nlocal)
-        links.push_back({i, neighbor_of(i, ring, tag == ring.first ? last : tag - 1),
-                         neighbor_of(i, ring, tag == last ? ring.first : tag + 1)});
+        links.push_back({i, neighbor_of(i, polygon, tag == polygon.first ? last : tag - 1),
+                         neighbor_of(i, polygon, tag == last ? polygon.first : tag + 1)});
     }
-    ring.links_end = links.size();
+    polygon.links_end = links.size();
   }
   links_of_build = neighbor->ncalls;
 }
@@ -146,27 +148,28 @@ void FixDeformablePolygon::link_beads()
    small, LAMMPS may have another image only.
 ------------------------------------------------------------------------- */
 
-int FixDeformablePolygon::neighbor_of(int i, const Ring &ring, tagint tag) const
+int FixDeformablePolygon::neighbor_of(int i, const Polygon &polygon, tagint tag) const
 {
   const int j = domain->closest_image(i, atom->map(tag));
   const double *const *const x = atom->x;
   if (j < 0 || !is_nearest_image(domain, x[j][0] - x[i][0], x[j][1] - x[i][1]))
-    error->one(FLERR,
-               "Fix {} deformable/polygon: atom {} of ring {} is not found beside atom {}: lost, "
-               "or beyond the ghost cutoff (see comm_modify cutoff)",
-               id, tag, ring.molecule, atom->tag[i]);
+    error->one(
+        FLERR,
+        "Fix {} deformable/polygon: atom {} of polygon {} is not found beside atom {}: lost, "
+        "or beyond the ghost cutoff (see comm_modify cutoff)",
+        id, tag, polygon.molecule, atom->tag[i]);
   return j;
 }
 
 /* ---------------------------------------------------------------------- */
 
-void FixDeformablePolygon::from_center(const Ring &ring, int i, double &x, double &y) const
+void FixDeformablePolygon::from_center(const Polygon &polygon, int i, double &x, double &y) const
 {
   const imageint image = atom->image[i];
-  const int across = boxes_between(ring.image_x, image_x(image));
-  const int up = boxes_between(ring.image_y, image_y(image));
-  x = atom->x[i][0] - ring.x + across * domain->xprd;
-  y = atom->x[i][1] - ring.y + up * domain->yprd;
+  const int across = boxes_between(polygon.image_x, image_x(image));
+  const int up = boxes_between(polygon.image_y, image_y(image));
+  x = atom->x[i][0] - polygon.x + across * domain->xprd;
+  y = atom->x[i][1] - polygon.y + up * domain->yprd;
   if (domain->triclinic) x += up * domain->xy;
 }
 
@@ -179,12 +182,12 @@ void FixDeformablePolygon::measure_areas()
   const double *const *const x = atom->x;
   sums.clear();
   auto link = links.begin();
-  for (const Ring &ring : rings) {
+  for (const Polygon &polygon : polygons) {
     double area = 0.0, sum_x = 0.0, sum_y = 0.0;
-    for (const auto end = links.begin() + ring.links_end; link != end; ++link) {
+    for (const auto end = links.begin() + polygon.links_end; link != end; ++link) {
       const double *here = x[link->bead], *next = x[link->next];
       double px, py;
-      from_center(ring, link->bead, px, py);
+      from_center(polygon, link->bead, px, py);
       area += 0.5 * (px * (next[1] - here[1]) - py * (next[0] - here[0]));
       sum_x += px;
       sum_y += py;
@@ -195,10 +198,10 @@ void FixDeformablePolygon::measure_areas()
     MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM,
                   world);
   const double *sum = sums.data();
-  for (Ring &ring : rings) {
-    ring.area = *sum++;
-    ring.x += *sum++ / ring.beads;
-    ring.y += *sum++ / ring.beads;
+  for (Polygon &polygon : polygons) {
+    polygon.area = *sum++;
+    polygon.x += *sum++ / polygon.beads;
+    polygon.y += *sum++ / polygon.beads;
   }
   perimeters_known = false;
 }
@@ -208,9 +211,9 @@ void FixDeformablePolygon::measure_perimeters()
   const double *const *const x = atom->x;
   sums.clear();
   auto link = links.begin();
-  for (const Ring &ring : rings) {
+  for (const Polygon &polygon : polygons) {
     double perimeter = 0.0;
-    for (const auto end = links.begin() + ring.links_end; link != end; ++link) {
+    for (const auto end = links.begin() + polygon.links_end; link != end; ++link) {
       const double *here = x[link->bead], *next = x[link->next];
       perimeter += std::hypot(next[0] - here[0], next[1] - here[1]);
     }
@@ -218,7 +221,7 @@ void FixDeformablePolygon::measure_perimeters()
   }
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM,
                 world);
-  for (std::size_t m = 0; m < rings.size(); ++m) rings[m].perimeter = sums[m];
+  for (std::size_t m = 0; m < polygons.size(); ++m) polygons[m].perimeter = sums[m];
   perimeters_known = true;
 }
 
@@ -235,16 +238,16 @@ void FixDeformablePolygon::post_force(int vflag)
   const double *const *const x = atom->x;
   double *const *const f = atom->f;
   auto link = links.begin();
-  for (const Ring &ring : rings) {
-    const double half = 0.5 * kA * (ring.rest_area - ring.area);
-    for (const auto end = links.begin() + ring.links_end; link != end; ++link) {
+  for (const Polygon &polygon : polygons) {
+    const double half = 0.5 * kA * (polygon.rest_area - polygon.area);
+    for (const auto end = links.begin() + polygon.links_end; link != end; ++link) {
       const double *previous = x[link->previous], *next = x[link->next];
       const double fx = half * (next[1] - previous[1]), fy = half * (previous[0] - next[0]);
       f[link->bead][0] += fx;
       f[link->bead][1] += fy;
       if (evflag) {
         double px, py;
-        from_center(ring, link->bead, px, py);
+        from_center(polygon, link->bead, px, py);
         double v[6] = {px * fx, py * fy, 0.0, px * fy, 0.0, 0.0};
         v_tally(link->bead, v);
       }
@@ -271,43 +274,43 @@ void FixDeformablePolygon::post_run()
 double FixDeformablePolygon::compute_scalar()
 {
   double energy = 0.0;
-  for (const Ring &ring : rings) {
-    const double excess = ring.area - ring.rest_area;
+  for (const Polygon &polygon : polygons) {
+    const double excess = polygon.area - polygon.rest_area;
     energy += 0.5 * kA * excess * excess;
   }
   return energy;
 }
 
 /* ----------------------------------------------------------------------
-   A row for each ring: area, perimeter, rest area, center (mean of the beads).
+   A row for each polygon: area, perimeter, rest area, center (mean of the beads).
 ------------------------------------------------------------------------- */
 
 double FixDeformablePolygon::compute_array(int m, int column)
 {
   if (column == 1 && !perimeters_known) measure_perimeters();
-  const Ring &ring = rings[m];
-  const int across = ring.image_x - IMGMAX, up = ring.image_y - IMGMAX;
+  const Polygon &polygon = polygons[m];
+  const int across = polygon.image_x - IMGMAX, up = polygon.image_y - IMGMAX;
   switch (column) {
-    case 0: return std::copysign(1.0, ring.rest_area) * ring.area;
-    case 1: return ring.perimeter;
-    case 2: return std::fabs(ring.rest_area);
-    case 3: return ring.x + across * domain->xprd + (domain->triclinic ? up * domain->xy : 0.0);
-    default: return ring.y + up * domain->yprd;
+    case 0: return std::copysign(1.0, polygon.rest_area) * polygon.area;
+    case 1: return polygon.perimeter;
+    case 2: return std::fabs(polygon.rest_area);
+    case 3: return polygon.x + across * domain->xprd + (domain->triclinic ? up * domain->xy : 0.0);
+    default: return polygon.y + up * domain->yprd;
   }
 }
 
 /* ----------------------------------------------------------------------
-   Molecule ID and rest area of every ring.
+   Molecule ID and rest area of every polygon.
 ------------------------------------------------------------------------- */
 
 void FixDeformablePolygon::write_restart(FILE *fp)
 {
   if (comm->me != 0) return;
   std::vector<double> kept;
-  kept.push_back(static_cast<double>(rings.size()));
-  for (const Ring &ring : rings) {
-    kept.push_back(static_cast<double>(ring.molecule));
-    kept.push_back(ring.rest_area);
+  kept.push_back(static_cast<double>(polygons.size()));
+  for (const Polygon &polygon : polygons) {
+    kept.push_back(static_cast<double>(polygon.molecule));
+    kept.push_back(polygon.rest_area);
   }
   const int bytes = static_cast<int>(kept.size() * sizeof(double));
   std::fwrite(&bytes, sizeof(int), 1, fp);
@@ -318,24 +321,26 @@ void FixDeformablePolygon::restart(char *buffer)
 {
   const auto *kept = reinterpret_cast<const double *>(buffer);
   const auto count = static_cast<std::size_t>(*kept++);
-  bool same = count == rings.size();
+  bool same = count == polygons.size();
   for (std::size_t m = 0; same && m < count; ++m) {
-    same = static_cast<tagint>(*kept++) == rings[m].molecule;
+    same = static_cast<tagint>(*kept++) == polygons[m].molecule;
     const double rest_area = *kept++;
-    rings[m].rest_area =
+    polygons[m].rest_area =
         given_rest_area > 0.0 ? std::copysign(given_rest_area, rest_area) : rest_area;
   }
   if (!same)
-    error->all(FLERR,
-               "Fix {} deformable/polygon: the restart file has the rest areas of {} other rings "
-               "under this ID; use another fix ID",
-               id, count);
+    error->all(
+        FLERR,
+        "Fix {} deformable/polygon: the restart file has the rest areas of {} other polygons "
+        "under this ID; use another fix ID",
+        id, count);
 }
 
 /* ---------------------------------------------------------------------- */
 
 double FixDeformablePolygon::memory_usage()
 {
-  return static_cast<double>(links.capacity() * sizeof(Link) + rings.capacity() * sizeof(Ring) +
+  return static_cast<double>(links.capacity() * sizeof(Link) +
+                             polygons.capacity() * sizeof(Polygon) +
                              sums.capacity() * sizeof(double));
 }

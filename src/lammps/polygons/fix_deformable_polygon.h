@@ -1,7 +1,7 @@
-// The area term of bead rings: fix ID group deformable/polygon kA [rest initial|AREA]
+// The area term of bead polygons: fix ID group deformable/polygon kA [rest initial|AREA]
 //
-// A ring is a molecule whose beads have consecutive atom IDs along the ring. With bond_style harmonic along the ring
-// and pair_style harmonic/cut between rings this is the deformable-polygon model, the reference for the deformable
+// A polygon is a molecule whose beads have consecutive atom IDs along it. With bond_style harmonic along the polygon
+// and pair_style harmonic/cut between polygons this is the deformable-polygon model, the reference for the deformable
 // pair styles.
 
 #ifdef FIX_CLASS
@@ -15,7 +15,7 @@ FixStyle(deformable/polygon,FixDeformablePolygon);
 
 #include "fix.h"
 
-#include "bead_rings.h"
+#include "bead_polygons.h"
 
 #include <vector>
 
@@ -41,30 +41,30 @@ class FixDeformablePolygon : public Fix {
   double memory_usage() override;
 
  private:
-  // Areas are signed, so that the energy stays smooth if a ring turns inside out. The center is the mean of the
+  // Areas are signed, so that the energy stays smooth if a polygon turns inside out. The center is the mean of the
   // beads at the previous call; areas are computed relative to it.
-  struct Ring : BeadRing {
+  struct Polygon : BeadPolygon {
     double rest_area = 0.0;
     std::size_t links_end = 0;
   };
-  std::vector<Ring> rings;    // by rising molecule ID, the same on every rank
+  std::vector<Polygon> polygons;    // by rising molecule ID, the same on every rank
   std::vector<double> sums;
   bool perimeters_known = true;    // computed on request only
 
   double kA;
-  double given_rest_area = 0.0;    // 0: the initial area of each ring
+  double given_rest_area = 0.0;    // 0: the initial area of each polygon
 
-  // A bead of this rank and its neighbors along the ring, by local index: ring by ring, in order.
+  // A bead of this rank and its neighbors along the polygon, by local index: polygon by polygon, in order.
   struct Link {
     int bead, previous, next;
   };
   std::vector<Link> links;
   bigint links_of_build = -1;    // they change with the neighbor list
 
-  std::vector<Ring> find_rings();
+  std::vector<Polygon> find_polygons();
   void link_beads();
-  int neighbor_of(int i, const Ring &ring, tagint tag) const;
-  void from_center(const Ring &ring, int i, double &x, double &y) const;
+  int neighbor_of(int i, const Polygon &polygon, tagint tag) const;
+  void from_center(const Polygon &polygon, int i, double &x, double &y) const;
   void measure_areas();
   void measure_perimeters();
 };

@@ -123,14 +123,14 @@ void PairDeformableEdge::init_style()
 {
   if (domain->dimension != 2) error->all(FLERR, "{} is two-dimensional: use 'dimension 2'", STYLE);
   if (!atom->molecule_flag)
-    error->all(FLERR, "{} needs molecule IDs, one for each ring: use atom_style bond", STYLE);
+    error->all(FLERR, "{} needs molecule IDs, one for each polygon: use atom_style bond", STYLE);
   if (!atom->tag_enable || atom->map_style == Atom::MAP_NONE)
     error->all(FLERR, "{} needs an atom map: use atom_modify map yes", STYLE);
   if (force->newton_pair == 0)
     error->all(FLERR, "{} needs 'newton on': its forces act on ghost atoms", STYLE);
   neighbor->add_request(this);
   set_ghost_cutoff();
-  rings_unknown = true;
+  polygons_unknown = true;
 }
 
 /* ----------------------------------------------------------------------
@@ -167,14 +167,14 @@ double PairDeformableEdge::init_one(int i, int j)
 }
 
 /* ----------------------------------------------------------------------
-   The atoms of rings are those of the types that have coefficients: all of
+   The atoms of polygons are those of the types that have coefficients: all of
    them, but with pair_style hybrid.
 ------------------------------------------------------------------------- */
 
 void PairDeformableEdge::take_list()
 {
-  const bool new_rings = rings_unknown || atom->natoms != atoms_known;
-  if (new_rings) {
+  const bool new_polygons = polygons_unknown || atom->natoms != atoms_known;
+  if (new_polygons) {
     check_ghosts(lmp, *list);
     const auto has = [this](int i) {
       const int type = atom->type[i];
@@ -185,9 +185,9 @@ void PairDeformableEdge::take_list()
     edges.find({STYLE, "the atom types of this style", has});
   }
   edges.link(longest, greatest_c + neighbor->skin);
-  if (new_rings) check_removed_contacts(lmp, edges, STYLE);
+  if (new_polygons) check_removed_contacts(lmp, edges, STYLE);
   list_edge_contacts(lmp, *list, edges, c, longest, STYLE, contacts);
-  rings_unknown = false;
+  polygons_unknown = false;
   atoms_known = atom->natoms;
   builds_known = neighbor->ncalls;
   build_step = neighbor->lastcall;
@@ -199,7 +199,7 @@ void PairDeformableEdge::take_list()
 void PairDeformableEdge::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
-  if (rings_unknown || neighbor->ncalls != builds_known || neighbor->lastcall != build_step)
+  if (polygons_unknown || neighbor->ncalls != builds_known || neighbor->lastcall != build_step)
     take_list();
 
   const int n = atom->ntypes + 1;

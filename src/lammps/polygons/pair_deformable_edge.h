@@ -1,4 +1,4 @@
-// Smooth and frictionless deformable polygons: vertices of rings against the edges of other rings.
+// Smooth and frictionless deformable polygons: vertices of polygons against the edges of other polygons.
 //   pair_style deformable/edge l
 //   pair_coeff I J kr c
 
@@ -42,12 +42,12 @@ class PairDeformableEdge : public Pair {
   double longest;       // l
   double **kr, **c;     // of each pair of types
   double greatest_c;    // of all of them
-  RingEdges edges;
+  PolygonEdges edges;
 
   std::vector<VertexAndEdge> contacts;             // that may act before the next neighbor list
   std::vector<deformable::Repulsion> repulsion;    // by VertexAndEdge::types
 
-  bool rings_unknown = true;
+  bool polygons_unknown = true;
   bigint atoms_known = -1;
   // which neighbor list the contacts are from; `rerun` counts the builds anew for each snapshot
   bigint builds_known = -1, build_step = -1;

@@ -64,7 +64,7 @@ def sim(jammed: deformable.Packing) -> Iterator[deformable.Simulation]:
 
 
 def tell(
-    sim: deformable.Simulation | deformable.Disks | deformable.BeadReference, commands: str
+    sim: deformable.Simulation | deformable.Disks | deformable.PolygonSimulation, commands: str
 ) -> None:
     for command in commands.splitlines():
         sim.lmp.command(command)
@@ -163,7 +163,7 @@ def test_disks_and_beads_refuse_the_rest(commands: str, named: str) -> None:
     start = deformable.Packing([[1, 1], [2.2, 1]], [0, 1], [0.5, 0.6], [[5.0, 0.0], [0.0, 5.0]])
     for sim in (
         deformable.Disks(start),
-        deformable.BeadReference(start, deformable.Beads(number=20)),
+        deformable.PolygonSimulation(start, deformable.PolygonModel(vertices=20)),
     ):
         with sim:
             tell(sim, commands)
@@ -175,7 +175,7 @@ def test_disks_and_beads_refuse_the_rest(commands: str, named: str) -> None:
 @pytest.mark.parametrize("commands", ["set atom 1 type 2", "replicate 2 1 1", "unfix area0"])
 def test_beads_stay(commands: str) -> None:
     start = deformable.Packing([[1, 1], [2.2, 1]], [0, 1], [0.5, 0.6], [[5.0, 0.0], [0.0, 5.0]])
-    with deformable.BeadReference(start, deformable.Beads(number=20)) as sim:
+    with deformable.PolygonSimulation(start, deformable.PolygonModel(vertices=20)) as sim:
         tell(sim, commands)
         with pytest.raises(deformable.LammpsError, match=r"beads|area0"):
             sim.state()

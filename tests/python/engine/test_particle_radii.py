@@ -194,13 +194,13 @@ def test_picture(state: deformable.State) -> None:
 
 def test_rings_of_beads_refuse_particle_radii(jammed: deformable.Packing) -> None:
     with pytest.raises(deformable.ParameterError, match="particle_radii"):
-        deformable.BeadReference(jammed)
+        deformable.PolygonSimulation(jammed)
 
 
 def test_outline_is_of_the_radius_of_its_own(state: deformable.State) -> None:
     """Not of that of its species."""
     n = int(state.packing.radius.argmin())
-    seen = state.particle_contacts[n]
+    seen = state.contact_tables[n]
     expected = core.outline(
         "ring", state.packing.radius[n], seen["angle"], seen["indentation"], same_area=True
     )

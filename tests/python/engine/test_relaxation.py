@@ -10,7 +10,7 @@ from deformable.engine.relaxation import Forces, largest_force_told
 SIMULATIONS = [
     lambda packing: deformable.Simulation(packing, deformable.Ring()),
     deformable.Disks,
-    lambda packing: deformable.BeadReference(packing, deformable.Beads(number=20)),
+    lambda packing: deformable.PolygonSimulation(packing, deformable.PolygonModel(vertices=20)),
 ]
 
 

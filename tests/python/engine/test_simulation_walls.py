@@ -219,8 +219,8 @@ def test_errors_name_the_wall(packing) -> None:
     close = deformable.Simulation(two, Ring(), walls=[Disk((4, 8), 0.2), Disk((6, 5), 0.98)])
     with close as sim, pytest.raises(LammpsError, match="disk 2"):
         sim.state()
-    with pytest.raises(ParameterError, match="bead polygons have no walls"):
-        deformable.BeadReference(packing)
+    with pytest.raises(ParameterError, match="polygons have no walls"):
+        deformable.PolygonSimulation(packing)
 
 
 RANKS = """

@@ -1,4 +1,4 @@
-"""Newton's method for smooth rings where the Hessian is singular."""
+"""Newton's method for smooth polygons where the Hessian is singular."""
 
 import deformable
 import numpy as np
@@ -9,10 +9,10 @@ from deformable.engine.smooth_polygons import SmoothPolygons, relax_smooth
 
 @pytest.mark.parametrize("failures", [1, 10**9])
 def test_a_singular_hessian(failures: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """More damping helps; if it never does, the rings stay about where they are."""
-    beads = deformable.Beads(number=20, smooth=True)
+    """More damping helps; if it never does, the polygons stay about where they are."""
+    model = deformable.PolygonModel(vertices=20, smooth=True)
     packing = deformable.Packing([[0, 0], [0.9, 0]], [0, 0], [0.5], 4.0 * np.eye(2))
-    rings = SmoothPolygons(beads, beads.polygons(packing.radii), packing.species, packing.box)
+    polygons = SmoothPolygons(model, model.polygons(packing.radii), packing.species, packing.box)
     angle = 2.0 * np.pi * np.arange(20) / 20
     circle = 0.48 * np.column_stack([np.cos(angle), np.sin(angle)])
     start = np.concatenate([center + circle for center in packing.positions])
@@ -25,7 +25,7 @@ def test_a_singular_hessian(failures: int, monkeypatch: pytest.MonkeyPatch) -> N
         return exact(*arguments, **options)
 
     monkeypatch.setattr(scipy.sparse.linalg, "splu", sometimes)
-    relaxed = relax_smooth(rings, start, 1e-6)
-    residual = rings.residual(rings.energy(relaxed))
-    assert residual <= (1e-6 if failures == 1 else rings.residual(rings.energy(start)))
+    relaxed = relax_smooth(polygons, start, 1e-6)
+    residual = polygons.residual(polygons.energy(relaxed))
+    assert residual <= (1e-6 if failures == 1 else polygons.residual(polygons.energy(start)))
     assert np.isfinite(relaxed).all()

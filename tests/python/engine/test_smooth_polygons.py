@@ -1,4 +1,4 @@
-"""Smooth rings against an independent code, and Newton's method on them."""
+"""Smooth polygons against an independent code, and Newton's method on them."""
 
 import json
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ from deformable import core
 from deformable.engine import smooth_polygons
 from deformable.engine.lammps import gather
 from deformable.engine.smooth_polygons import SmoothPolygons, have_crossed, relax_smooth
-from naive_rings import pair
+from naive_polygons import pair
 from ranks import python
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -23,10 +23,10 @@ pytestmark = pytest.mark.filterwarnings("error")
 STORED = Path(__file__).parents[2] / "data"
 DATA = json.loads((STORED / "smooth_packing.json").read_text())
 STATES = {state["state"]: state for state in DATA["states"]}
-EXACT = deformable.Beads(
-    number=DATA["N_v"], radius=0.5 * DATA["c"], kL=DATA["kL"], kA=1.0, kr=DATA["kr"], smooth=True
+EXACT = deformable.PolygonModel(
+    vertices=DATA["N_v"], radius=0.5 * DATA["c"], kL=DATA["kL"], kA=1.0, kr=DATA["kr"], smooth=True
 )
-FINE = deformable.Beads(number=80, radius=0.025, kL=480.0, kr=10.0, smooth=True)
+FINE = deformable.PolygonModel(vertices=80, radius=0.025, kL=480.0, kr=10.0, smooth=True)
 
 
 def vertices(state: dict[str, Any]) -> np.ndarray:
@@ -39,43 +39,43 @@ def expected(request: pytest.FixtureRequest) -> dict[str, Any]:
 
 
 @pytest.fixture
-def in_lammps(expected: dict[str, Any]) -> Iterator[deformable.BeadReference]:
-    """The rings of the independent code in LAMMPS."""
+def in_lammps(expected: dict[str, Any]) -> Iterator[deformable.PolygonSimulation]:
+    """The polygons of the independent code in LAMMPS."""
     packing = deformable.Packing(
         expected["centres_mean"], DATA["species"], DATA["radii_law"], np.diag(DATA["box"])
     )
-    loose = packing.at(0.6)  # rings must not overlap at the start
-    with deformable.BeadReference(loose, EXACT) as rings:
-        rings.deform(packing.box)
-        place(rings, vertices(expected))
-        yield rings
+    loose = packing.at(0.6)  # polygons must not overlap at the start
+    with deformable.PolygonSimulation(loose, EXACT) as sim:
+        sim.deform(packing.box)
+        place(sim, vertices(expected))
+        yield sim
 
 
-def place(rings: deformable.BeadReference, x: np.ndarray) -> None:
+def place(sim: deformable.PolygonSimulation, x: np.ndarray) -> None:
     placed = np.zeros((len(x), 3))
-    image = np.array(rings.lmp.gather("image", 0, 3)).reshape(-1, 3)
-    placed[:, :2] = x - image[:, :2] @ rings.box
-    rings.lmp.scatter("x", 1, 3, np.ctypeslib.as_ctypes(placed.ravel()))
+    image = np.array(sim.lmp.gather("image", 0, 3)).reshape(-1, 3)
+    placed[:, :2] = x - image[:, :2] @ sim.box
+    sim.lmp.scatter("x", 1, 3, np.ctypeslib.as_ctypes(placed.ravel()))
 
 
 def test_rest_values_are_those_of_the_independent_code() -> None:
-    rings = EXACT.polygons(np.array(DATA["radii_law"]))
-    assert rings.spacing == pytest.approx(DATA["l0"], rel=1e-14)
-    assert rings.radius == pytest.approx(DATA["circumradius"], rel=1e-14)
-    assert rings.area == pytest.approx(DATA["A0"], rel=1e-14)
-    assert rings.kP == pytest.approx(DATA["kP"], rel=1e-14)
-    assert rings.effective_radius.tolist() == DATA["radii_law"]
-    assert rings.skin == pytest.approx(0.5 * DATA["c"])
+    polygons = EXACT.polygons(np.array(DATA["radii_law"]))
+    assert polygons.spacing == pytest.approx(DATA["l0"], rel=1e-14)
+    assert polygons.radius == pytest.approx(DATA["circumradius"], rel=1e-14)
+    assert polygons.area == pytest.approx(DATA["A0"], rel=1e-14)
+    assert polygons.kP == pytest.approx(DATA["kP"], rel=1e-14)
+    assert polygons.effective_radius.tolist() == DATA["radii_law"]
+    assert polygons.skin == pytest.approx(0.5 * DATA["c"])
 
 
 def test_energies_and_forces_of_the_kernel(expected: dict[str, Any]) -> None:
-    rings = SmoothPolygons(
+    polygons = SmoothPolygons(
         EXACT,
         EXACT.polygons(np.array(DATA["radii_law"])),
         np.array(DATA["species"]),
         np.diag(DATA["box"]),
     )
-    at = rings.energy(vertices(expected))
+    at = polygons.energy(vertices(expected))
     assert at.springs == pytest.approx(expected["energy_springs"], rel=1e-9)
     assert at.areas == pytest.approx(expected["energy_area"], rel=1e-9)
     assert at.contacts == pytest.approx(expected["energy_contacts"], rel=1e-9)
@@ -84,7 +84,7 @@ def test_energies_and_forces_of_the_kernel(expected: dict[str, Any]) -> None:
     assert at.pressure == pytest.approx(np.array(expected["area_deficits"]), abs=1e-14)
 
 
-def test_state_in_lammps(expected: dict[str, Any], in_lammps: deformable.BeadReference) -> None:
+def test_state_in_lammps(expected: dict[str, Any], in_lammps: deformable.PolygonSimulation) -> None:
     state = in_lammps.state()
     force = gather(in_lammps.lmp, "f", 3)[:, :2]
     assert state.energy == pytest.approx(expected["energy"], rel=1e-9)
@@ -110,8 +110,8 @@ def test_the_balanced_law_at_the_centers() -> None:
     packing = deformable.Packing(
         state["centres_steiner"], DATA["species"], DATA["radii_law"], np.diag(DATA["box"])
     )
-    rings = EXACT.polygons(packing.radii)
-    law = deformable.Ring(rings.kA, kP=rings.kP, skin=rings.skin)
+    polygons = EXACT.polygons(packing.radii)
+    law = deformable.Ring(polygons.kA, kP=polygons.kP, skin=polygons.skin)
     given = DATA["law"]["at_steiner_points"]
     with deformable.Simulation(packing, law) as particles:
         found = particles.state()
@@ -124,44 +124,44 @@ def test_the_balanced_law_at_the_centers() -> None:
 def test_second_derivatives(name: str) -> None:
     """Along random directions; where a vertex gets into touch, they jump."""
     state = STATES[name]
-    rings = SmoothPolygons(
+    polygons = SmoothPolygons(
         EXACT,
         EXACT.polygons(np.array(DATA["radii_law"])),
         np.array(DATA["species"]),
         np.diag(DATA["box"]),
     )
     x = vertices(state)
-    at = rings.energy(x)
+    at = polygons.energy(x)
     row, column, value = at.hessian()
     rng, step = np.random.default_rng(5), 1e-7
     for _ in range(3):
         move = rng.normal(size=x.shape)
-        ahead, behind = (rings.energy(x + sign * step * move).gradient for sign in (1.0, -1.0))
+        ahead, behind = (polygons.energy(x + sign * step * move).gradient for sign in (1.0, -1.0))
         product = np.zeros(x.size)
         np.add.at(product, row, value * move.ravel()[column])
         product = product.reshape(-1, 2)
-        first = np.cumsum(rings.number) - rings.number
+        first = np.cumsum(polygons.number) - polygons.number
         along = np.add.reduceat(np.sum(at.area_gradient * move, axis=1), first)
-        product += at.area_gradient * np.repeat(along, rings.number)[:, None]  # kA = 1
+        product += at.area_gradient * np.repeat(along, polygons.number)[:, None]  # kA = 1
         # rounding of forces up to 400 over the step, and third derivatives times its square
         assert (ahead - behind) / (2.0 * step) == pytest.approx(product, abs=2e-5)
 
 
 @pytest.fixture(scope="module")
-def relaxed() -> deformable.BeadState:
+def relaxed() -> deformable.PolygonState:
     """Six particles, compressed by 2 %."""
     jammed = deformable.jam(deformable.bidisperse(6, seed=1, tilt=0.3))
-    beads = deformable.Beads(number=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
-    with deformable.BeadReference(jammed, beads) as rings:
-        rings.deform(0.98 * rings.box)
-        state = rings.relax()
-        again = rings.relax()  # it is at rest, and stays there
-        assert gather(rings.lmp, "f", 3)[:, :2] == pytest.approx(0.0, abs=1e-9)
+    model = deformable.PolygonModel(vertices=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
+    with deformable.PolygonSimulation(jammed, model) as sim:
+        sim.deform(0.98 * sim.box)
+        state = sim.relax()
+        again = sim.relax()  # it is at rest, and stays there
+        assert gather(sim.lmp, "f", 3)[:, :2] == pytest.approx(0.0, abs=1e-9)
     assert again.energy == pytest.approx(state.energy, rel=1e-10)  # roundings of coordinates
     return state
 
 
-def test_newton_relaxes_to_rounding(relaxed: deformable.BeadState) -> None:
+def test_newton_relaxes_to_rounding(relaxed: deformable.PolygonState) -> None:
     assert relaxed.residual <= 1e-6
     assert not relaxed.stalled
     total = np.zeros((6, 2))
@@ -172,21 +172,21 @@ def test_newton_relaxes_to_rounding(relaxed: deformable.BeadState) -> None:
     assert np.abs(total).max() <= 57 * 1e-6 * scale
 
 
-def test_energy_is_stationary_and_least(relaxed: deformable.BeadState) -> None:
-    rings = SmoothPolygons(
-        relaxed.beads, relaxed.polygons, relaxed.packing.species, relaxed.packing.box
+def test_energy_is_stationary_and_least(relaxed: deformable.PolygonState) -> None:
+    polygons = SmoothPolygons(
+        relaxed.model, relaxed.polygons, relaxed.packing.species, relaxed.packing.box
     )
     x = np.vstack(relaxed.outlines)
     rng = np.random.default_rng(0)
     for size in (1e-3, 1e-4):
         for _ in range(3):
-            assert rings.energy(x + size * rng.normal(size=x.shape)).energy > relaxed.energy
+            assert polygons.energy(x + size * rng.normal(size=x.shape)).energy > relaxed.energy
 
 
-def test_rings_that_meet_through_several_images() -> None:
-    beads = deformable.Beads(number=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
-    with deformable.BeadReference(pair(1.41), beads) as rings:
-        state = rings.relax()
+def test_polygons_that_meet_through_several_images() -> None:
+    model = deformable.PolygonModel(vertices=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
+    with deformable.PolygonSimulation(pair(1.41), model) as sim:
+        state = sim.relax()
     assert state.residual <= 1e-6
     assert (state.contact_table.i.tolist(), state.contact_table.j.tolist()) == ([0] * 4, [1] * 4)
     images = {tuple(image) for image in state.contact_table.image.tolist()}
@@ -203,62 +203,62 @@ def test_rings_that_meet_through_several_images() -> None:
 )
 def test_crystal_against_the_exact_polygon(indentation: float, number: int, ratio: float) -> None:
     """With more vertices the energy comes to that of a hexagon; ratios of another code."""
-    beads = deformable.Beads(number=number, radius=0.025, kL=6.0 * number, kr=10.0, smooth=True)
-    with deformable.BeadReference(crystal(0.0, 2, 2), beads) as rings:
+    model = deformable.PolygonModel(number, 0.025, kL=6.0 * number, kr=10.0, smooth=True)
+    with deformable.PolygonSimulation(crystal(0.0, 2, 2), model) as sim:
         for part in (0.5, 1.0):
-            rings.deform(crystal(part * indentation, 2, 2).box)
-            state = rings.relax()
+            sim.deform(crystal(part * indentation, 2, 2).box)
+            state = sim.relax()
     turn = np.arange(6) * np.pi / 3.0
     exact = core.soft_ring(0.5, turn, np.full(6, 0.5 * indentation), 1.0, 6.0, 0.025)
-    # their last digit; rings turned by half a spacing differ by less
+    # their last digit; polygons turned by half a spacing differ by less
     assert state.energy / (4.0 * exact.energy) == pytest.approx(ratio, abs=4e-4)
 
 
 def test_a_stalled_relaxation_warns(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(smooth_polygons, "_STEPS", 2)
     jammed = deformable.jam(deformable.bidisperse(6, seed=1))
-    with deformable.BeadReference(jammed, FINE) as rings:
-        rings.deform(0.98 * rings.box)
+    with deformable.PolygonSimulation(jammed, FINE) as sim:
+        sim.deform(0.98 * sim.box)
         with pytest.warns(deformable.StalledWarning, match=r"stalled: the largest force is"):
-            state = rings.relax()
+            state = sim.relax()
     assert state.stalled
     assert state.residual > 1e-6
 
 
 @pytest.mark.parametrize("change", [0.0, -0.002, 0.02])
-def test_loose_rings_stay_where_they_are(change: float) -> None:
+def test_loose_polygons_stay_where_they_are(change: float) -> None:
     jammed = deformable.jam(deformable.bidisperse(6, seed=1))
-    with deformable.BeadReference(jammed.at(jammed.phi - 0.03), FINE) as rings:
-        rings.deform((1.0 + change) * rings.box)
-        state = rings.relax()
+    with deformable.PolygonSimulation(jammed.at(jammed.phi - 0.03), FINE) as sim:
+        sim.deform((1.0 + change) * sim.box)
+        state = sim.relax()
     assert (state.residual, state.stalled) == (0.0, False)
     assert len(state.contact_table.i) == 0
 
 
-def test_soft_contacts_that_let_rings_cross_are_given_up() -> None:
-    """In one step contacts of 0.02 kr would let rings of this packing pass each other."""
+def test_soft_contacts_that_let_polygons_cross_are_given_up() -> None:
+    """In one step contacts of 0.02 kr would let polygons of this packing pass each other."""
     stored = json.loads((STORED / "crossing_disks.json").read_text())
     stored.pop("about")
     jammed = deformable.Packing(**stored)
-    beads = deformable.Beads(57, 0.025, kL=6.0 * 57, kr=10.0, smooth=True)
+    model = deformable.PolygonModel(57, 0.025, kL=6.0 * 57, kr=10.0, smooth=True)
     energies = []
     for steps in (1, 3):
-        with deformable.BeadReference(jammed, beads) as rings:
-            *_, state = deformable.compress(rings, 0.03, steps)
+        with deformable.PolygonSimulation(jammed, model) as sim:
+            *_, state = deformable.compress(sim, 0.03, steps)
         assert state.residual <= 1e-6
-        settings = SmoothPolygons(beads, state.polygons, state.packing.species, state.packing.box)
+        settings = SmoothPolygons(model, state.polygons, state.packing.species, state.packing.box)
         assert not have_crossed(settings, np.vstack(state.outlines))
         energies.append(state.energy)
-    # rings that are turned by parts of an edge differ by less
+    # polygons that are turned by parts of an edge differ by less
     assert energies[0] == pytest.approx(energies[1], rel=1e-3)
 
 
 @pytest.mark.parametrize("shift", [(0.0, 0.0), (1.0, 0.0), (0.0, -1.0), (-2.0, 1.0)])
 @pytest.mark.parametrize(("distance", "crossed"), [(0.97, True), (1.03, False)])
-def test_rings_that_have_crossed(
+def test_polygons_that_have_crossed(
     shift: tuple[float, float], distance: float, crossed: bool
 ) -> None:
-    """Through the sides of a tilted box too, wherever the rings are unwrapped."""
+    """Through the sides of a tilted box too, wherever the polygons are unwrapped."""
     turn = 2.0 * np.pi * np.arange(80) / 80
     circle = 0.5 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
     box = np.array([[3.0, 0.0], [0.7, 3.0]])
@@ -267,25 +267,25 @@ def test_rings_that_have_crossed(
     assert have_crossed(settings, x) == crossed
 
 
-def test_soft_contacts_do_not_let_rings_pass() -> None:
-    """Areas so stiff that rings would cross if contacts began at 0.002 kr."""
+def test_soft_contacts_do_not_let_polygons_pass() -> None:
+    """Areas so stiff that polygons would cross if contacts began at 0.002 kr."""
     jammed = deformable.jam(deformable.bidisperse(6, seed=1))
-    beads = deformable.Beads(40, 0.025, kL=2400.0, kA=1000.0, kr=100.0, smooth=True)
-    with deformable.BeadReference(jammed, beads) as rings:
-        rings.deform(0.96 * rings.box)
-        state = rings.relax()
+    model = deformable.PolygonModel(40, 0.025, kL=2400.0, kA=1000.0, kr=100.0, smooth=True)
+    with deformable.PolygonSimulation(jammed, model) as sim:
+        sim.deform(0.96 * sim.box)
+        state = sim.relax()
     assert state.residual <= 1e-6
     assert state.energy > 0.0
 
 
 def test_edges_that_meet_their_images_are_refused() -> None:
     packing = pair(1.42)
-    beads = deformable.Beads(number=5, radius=0.1, smooth=True)  # edges of 0.5 at rest
+    model = deformable.PolygonModel(vertices=5, radius=0.1, smooth=True)  # edges of 0.5 at rest
     with (
-        deformable.BeadReference(packing, beads) as rings,
+        deformable.PolygonSimulation(packing, model) as sim,
         pytest.raises(deformable.LammpsError, match="more than half of the box"),
     ):
-        rings.state()
+        sim.state()
 
 
 RANKS = """
@@ -294,10 +294,10 @@ from mpi4py import MPI
 import deformable
 
 jammed = deformable.jam(deformable.bidisperse(6, seed=3, tilt=0.2))
-beads = deformable.Beads(number=30, radius=0.025, kL=180.0, kr=10.0, smooth=True)
-with deformable.BeadReference(jammed, beads) as rings:
-    rings.deform(0.98 * rings.box)
-    state = rings.relax()
+model = deformable.PolygonModel(vertices=30, radius=0.025, kL=180.0, kr=10.0, smooth=True)
+with deformable.PolygonSimulation(jammed, model) as sim:
+    sim.deform(0.98 * sim.box)
+    state = sim.relax()
 seen = [state.energy, *state.stress.ravel(), *state.area, *state.packing.positions.ravel()]
 assert MPI.COMM_WORLD.allgather(seen) == [seen] * MPI.COMM_WORLD.size
 if MPI.COMM_WORLD.rank == 0:
@@ -315,9 +315,9 @@ def test_two_ranks_give_the_serial_answer(tmp_path: Path) -> None:
     [
         ({"kr": 0.0}, "kr is 0"),
         ({"c": np.nan}, "c is nan"),
-        ({"number": [4, 3]}, "vertices has 8 rows, but the rings have 7"),
+        ({"number": [4, 3]}, "vertices has 8 rows, but the polygons have 7"),
         ({"number": [6, 2]}, "number of vertices is 2"),
-        ({"kL": [1.0]}, "one value for each of 2 rings"),
+        ({"kL": [1.0]}, "one value for each of 2 polygons"),
         ({"box": [[-4.0, 0.0], [0.0, 4.0]]}, "positive lx and ly"),
         ({"c": 1.5}, "below half of the box"),
         ({"vertices": np.full((8, 2), np.nan)}, "vertices"),
@@ -333,17 +333,17 @@ def test_kernel_refuses(change: dict[str, Any], message: str) -> None:
         "kr": 1.0,
         "c": 0.1,
     }
-    assert core.smooth_rings(**good, **of_two).energy == 0.0
+    assert core.smooth_polygons(**good, **of_two).energy == 0.0
     with pytest.raises(ValueError, match=message):
-        core.smooth_rings(**(good | of_two | change))
+        core.smooth_polygons(**(good | of_two | change))
 
 
 def test_relax_smooth_reports_each_step() -> None:
     packing = pair(1.41)
-    beads = deformable.Beads(number=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
-    rings = SmoothPolygons(beads, beads.polygons(packing.radii), packing.species, packing.box)
+    model = deformable.PolygonModel(vertices=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
+    polygons = SmoothPolygons(model, model.polygons(packing.radii), packing.species, packing.box)
     seen: list[float] = []
-    with deformable.BeadReference(packing, beads) as start:
+    with deformable.PolygonSimulation(packing, model) as start:
         x = np.vstack(start.state().outlines)
-    relax_smooth(rings, x, 1e-6, seen.append)
+    relax_smooth(polygons, x, 1e-6, seen.append)
     assert seen[-1] <= 1e-6 < seen[0]

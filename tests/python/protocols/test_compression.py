@@ -1,6 +1,7 @@
 """Quasistatic compression."""
 
 import sys
+from typing import Any
 
 import deformable
 import numpy as np
@@ -42,3 +43,21 @@ def test_no_progress_bar_off_a_terminal(
     with deformable.Simulation(jammed, deformable.Ring()) as sim:
         list(deformable.compress(sim, strain=0.001, steps=1))
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("kind", ["law", "disks", "polygons"])
+def test_a_packing_that_comes_apart_says_so_once(jammed: deformable.Packing, kind: str) -> None:
+    """Compressed by 1 %, then expanded by 1 % a step: the first step leaves 1e-4."""
+    sim: Any = {
+        "law": lambda: deformable.Simulation(jammed, deformable.Ring()),
+        "disks": lambda: deformable.Disks(jammed),
+        "polygons": lambda: deformable.PolygonSimulation(
+            jammed, deformable.PolygonModel(40, 0.025, kL=240.0, kr=10.0, smooth=True)
+        ),
+    }[kind]()
+    with sim:
+        (pressed,) = deformable.compress(sim, 0.01, 1)
+        with pytest.warns(deformable.UnjammedWarning, match="apart at step 2, phi = 0.") as told:
+            states = [pressed, *deformable.compress(sim, -0.04, 4)]
+    assert len(told) == 1
+    assert [state.coordination > 0.0 for state in states] == [True, True, False, False, False]

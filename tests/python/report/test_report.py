@@ -6,24 +6,24 @@ import re
 from html.parser import HTMLParser
 
 import pytest
-from deformable import Beads, FileError, ParameterError
+from deformable import FileError, ParameterError, PolygonModel
 from deformable.report import results, writing
 from deformable.report.page import page
 from deformable.report.plan import Plan
 from deformable.report.writing import write_report
 from deformable.studies import section as numbers
-from deformable.studies.accuracy.compressions import smooth_beads
+from deformable.studies.accuracy.compressions import standard_polygons
 from deformable.studies.section import Column, Picture, Section, Table
 
-RINGS = [smooth_beads(40, smooth=kind) for kind in (True, False)]
+MODELS = [standard_polygons(40, smooth=kind) for kind in (True, False)]
 SMALLEST = Plan(
     ablation={"number": 64, "steps": 2, "repeats": 1},
     pareto=[(8, 1, 57, 0.015, 1, (38,), (38,))],
     smooth=[(8, 1, 38, 0.015, 1)],
-    friction=[(RINGS[0], 0.04, 2), (RINGS[1], 0.04, 2, 1e-2)],
-    hysteresis=[(6, 1, rings, 0.015, 2) for rings in RINGS],
-    crystal=[(RINGS[0], 0.03)],
-    large=(8, 3, 0.03, Beads(number=16)),
+    friction=[(MODELS[0], 0.04, 2), (MODELS[1], 0.04, 2, 1e-2)],
+    hysteresis=[(6, 1, model, 0.015, 2) for model in MODELS],
+    crystal=[(MODELS[0], 0.03)],
+    large=(8, 3, 0.03, PolygonModel(vertices=16)),
     mixtures=[(8, 1, 0.03, 38, (1.0, 10.0), (0.1, math.inf))],
     shapes={"indentations": (0.02,), "number": 24, "kL": 100.0},
     stiffness={"indentations": (0.01, 0.02), "number": 24, "kL": (1.0, 100.0)},
@@ -32,13 +32,13 @@ SMALLEST = Plan(
 )
 
 KEYS = {
-    "single": "sides walls beads kL a_over_R I_sector I_ring_kP_inf I_ring S_dp S_sector "
+    "single": "sides walls n_v kL a_over_R I_sector I_ring_kP_inf I_ring S_dp S_sector "
     "S_ring_kP_inf S_ring seconds_dp seconds_law",
-    "packing": "n strain beads seed law I S_rms energy_ratio pressure_ratio seconds",
+    "packing": "n strain n_v seed law I S_rms energy_ratio pressure_ratio seconds",
     "smooth": "n seed strain n_v law own energy_ratio pressure_ratio S_rms I distance residual",
-    "stiffness_packing": "n strain beads kA kP seed law kP_law I S_rms energy_ratio "
+    "stiffness_packing": "n strain n_v kA kP seed law kP_law I S_rms energy_ratio "
     "pressure_ratio own_energy_ratio own_pressure_ratio seconds",
-    "pareto": "method rings energy_error error seconds",
+    "pareto": "method vertices energy_error error seconds",
     "friction": "n_v smooth friction residual",
     "hysteresis": "n_v smooth strain ratio",
     "crystal": "n_v indentation energy_ratio residual",
@@ -68,7 +68,7 @@ def test_json(folder):
             assert set(keys.split()) <= set(row)
     assert {row["law"] for row in rows["packing"]} == {"disk", *LAWS}
     methods = [row["method"] for row in rows["pareto"]]
-    assert methods == ["disk", *LAWS, "smooth", "rough", "reference"]
+    assert methods == ["disk", *LAWS, "smooth", "bead", "reference"]
     assert {row["law"] for row in rows["ablation"]} == {"disk", *LAWS} - {"tilted"}
     assert {row["law"] for row in rows["smooth"]} == {*LAWS}
     assert {row["law"] for row in rows["smooth"] if row["own"]} == {*LAWS} - {"sector"}
@@ -222,7 +222,7 @@ def test_an_interrupted_report_goes_on(tmp_path, monkeypatch):
         assert measured == []
         assert {path: path.read_bytes() for path in tmp_path.rglob("*.pkl")} == before != {}
 
-    calls = len(rows) + 2 + 3 + 1  # friction and hysteresis of both kinds of rings
+    calls = len(rows) + 2 + 3 + 1  # friction and hysteresis of both kinds of polygons
     assert len(interrupted(quick=True)) == calls
     for quick in (True, False):
         refused(FileError, str(tmp_path), "--resume", "--overwrite", quick=quick)

@@ -44,5 +44,5 @@ def test_other_states(jammed: deformable.Packing) -> None:
     with deformable.Disks(jammed) as disks:
         assert repr(disks.state()).startswith("<DiskState: 32 particles, soft disks, phi = 0.8")
     few = deformable.jam(deformable.bidisperse(8, seed=1))
-    with deformable.BeadReference(few, deformable.Beads(number=20)) as rings:
-        assert repr(rings.state()).startswith("<BeadState: 8 polygons, phi = 0.")
+    with deformable.PolygonSimulation(few, deformable.PolygonModel(vertices=20)) as sim:
+        assert repr(sim.state()).startswith("<PolygonState: 8 polygons, phi = 0.")

@@ -1,4 +1,4 @@
-"""Contact laws against bead rings: a packing from an independent code, and small ones of ours."""
+"""Contact laws against bead polygons: a packing of an independent code, and small ones."""
 
 import json
 import math
@@ -21,40 +21,40 @@ ROUNDING = 5e-10
 
 
 @pytest.fixture(scope="module")
-def independent() -> deformable.BeadState:
-    """The rings of the independent code in ours, not moved."""
-    outlines = [np.array(ring) for ring in REFERENCE["beads"]]
+def independent() -> deformable.PolygonState:
+    """The polygons of the independent code in ours, not moved."""
+    outlines = [np.array(outline) for outline in REFERENCE["beads"]]
     radii = np.unique(REFERENCE["radius"])
     packing = deformable.Packing(
-        [ring.mean(axis=0) for ring in outlines],
+        [outline.mean(axis=0) for outline in outlines],
         np.searchsorted(radii, REFERENCE["radius"]),
         radii,
         REFERENCE["box"] * np.eye(2),
     )
-    beads = deformable.Beads(
-        number=[len(outlines[REFERENCE["radius"].index(radius)]) for radius in radii],
+    model = deformable.PolygonModel(
+        vertices=[len(outlines[REFERENCE["radius"].index(radius)]) for radius in radii],
         radius=REFERENCE["bead_radius"],
         **{name: REFERENCE[name] for name in ("kL", "kA", "kr")},
     )
-    with deformable.BeadReference(packing, beads) as rings:
-        place(rings, outlines)
-        state = rings.state()
-        force = np.linalg.norm(gather(rings.lmp, "f", 3), axis=1)
+    with deformable.PolygonSimulation(packing, model) as sim:
+        place(sim, outlines)
+        state = sim.state()
+        force = np.linalg.norm(gather(sim.lmp, "f", 3), axis=1)
     # stiffness of a bead against its two springs and the beads that it touches
-    assert force.max() < 3e-8 + 4.0 * (beads.kL + beads.kr) * ROUNDING
+    assert force.max() < 3e-8 + 4.0 * (model.kL + model.kr) * ROUNDING
     return state
 
 
-def place(rings: deformable.BeadReference, outlines: list[np.ndarray]) -> None:
-    """Put beads at given positions, in whole rings."""
-    x = gather(rings.lmp, "x", 3)
-    image = np.array(rings.lmp.gather("image", 0, 3)).reshape(-1, 3)
-    x[:, :2] = np.vstack(outlines) - image[:, :2] @ rings.box
+def place(sim: deformable.PolygonSimulation, outlines: list[np.ndarray]) -> None:
+    """Put beads at given positions, in whole polygons."""
+    x = gather(sim.lmp, "x", 3)
+    image = np.array(sim.lmp.gather("image", 0, 3)).reshape(-1, 3)
+    x[:, :2] = np.vstack(outlines) - image[:, :2] @ sim.box
     values = np.ctypeslib.as_ctypes(x.ravel())
-    rings.lmp.scatter("x", 1, 3, values)
+    sim.lmp.scatter("x", 1, 3, values)
 
 
-def test_the_independent_packing_is_at_rest_here(independent: deformable.BeadState) -> None:
+def test_the_independent_packing_is_at_rest_here(independent: deformable.PolygonState) -> None:
     area, perimeter = np.array(REFERENCE["area"]), independent.perimeter
     assert np.abs(independent.area - area).max() < ROUNDING * perimeter.max()
     rest = independent.polygons.area[independent.packing.species]
@@ -70,7 +70,7 @@ def test_the_independent_packing_is_at_rest_here(independent: deformable.BeadSta
     ],
 )
 def test_laws_on_the_independent_packing(
-    independent: deformable.BeadState,
+    independent: deformable.PolygonState,
     law: deformable.Ring | deformable.Sector,
     shape: float,
     deficit: float | None,
@@ -84,10 +84,10 @@ def test_laws_on_the_independent_packing(
         assert both[0, 1] == pytest.approx(correlation, abs=1e-3)
 
 
-def test_balanced_law_on_the_independent_packing(independent: deformable.BeadState) -> None:
-    """With the rings' own stiffness and skin: areas to 1 %, energy to 1 %, outlines to 2e-4."""
-    rings = independent.polygons
-    kP, skin = 300.0 / rings.number, rings.effective_radius - rings.radius
+def test_balanced_law_on_the_independent_packing(independent: deformable.PolygonState) -> None:
+    """With the polygons' own stiffness and skin: areas to 1 %, energy to 1 %, outlines to 2e-4."""
+    sim = independent.polygons
+    kP, skin = 300.0 / sim.number, sim.effective_radius - sim.radius
     found = deformable.compare(independent, deformable.Ring(kP=kP, skin=skin, contact="balanced"))
     assert found.shape_error.mean() < 2e-4
     assert found.area_deficit_error < 0.01
@@ -99,26 +99,28 @@ def test_balanced_law_on_the_independent_packing(independent: deformable.BeadSta
     assert max(off) < 1e-8 * table["force"].max()
 
 
-def test_circles_on_the_independent_packing(independent: deformable.BeadState) -> None:
+def test_circles_on_the_independent_packing(independent: deformable.PolygonState) -> None:
     packing = independent.packing
     errors = []
-    for ring, center, kind in zip(
+    for outline, center, kind in zip(
         independent.outlines, packing.positions, packing.species, strict=True
     ):
         circle = core.outline("ring", independent.polygons.radius[kind], [], [], 1440)
-        errors.append(shape_error(ring - center, circle, packing.radii[kind]))
+        errors.append(shape_error(outline - center, circle, packing.radii[kind]))
     assert np.mean(errors) == pytest.approx(7.690e-3, abs=1e-6)
 
 
 @pytest.fixture(scope="module")
-def small() -> deformable.BeadState:
+def small() -> deformable.PolygonState:
     jammed = deformable.jam(deformable.bidisperse(6, seed=3))
-    with deformable.BeadReference(jammed, deformable.Beads(number=40)) as rings:
-        (state,) = deformable.compress(rings, strain=0.02, steps=1, tolerance=0.02)
+    with deformable.PolygonSimulation(jammed, deformable.PolygonModel(vertices=40)) as sim:
+        (state,) = deformable.compress(sim, strain=0.02, steps=1, tolerance=0.02)
     return state
 
 
-def test_predictions_are_for_the_centers_and_effective_radii(small: deformable.BeadState) -> None:
+def test_predictions_are_for_the_centers_and_effective_radii(
+    small: deformable.PolygonState,
+) -> None:
     state = deformable.predict(small, deformable.Ring(kA=2.0))
     apart = (state.packing.positions - small.packing.positions) @ np.linalg.inv(small.packing.box)
     assert apart - np.rint(apart) == pytest.approx(0.0, abs=1e-12)
@@ -127,7 +129,7 @@ def test_predictions_are_for_the_centers_and_effective_radii(small: deformable.B
     assert state.law == deformable.Ring(kA=2.0)
 
 
-def test_measures_of_a_comparison(small: deformable.BeadState) -> None:
+def test_measures_of_a_comparison(small: deformable.PolygonState) -> None:
     found = deformable.compare(small, deformable.Ring())
     ours, exact = found.state.area_deficit, small.polygons.area[small.packing.species] - small.area
     assert found.area_deficit_error == pytest.approx(
@@ -143,7 +145,7 @@ def test_measures_of_a_comparison(small: deformable.BeadState) -> None:
 
 @pytest.mark.parametrize("law", [deformable.Ring, deformable.Sector])
 def test_beads_on_the_outlines_have_no_error(
-    small: deformable.BeadState, law: Callable[[], deformable.Ring | deformable.Sector]
+    small: deformable.PolygonState, law: Callable[[], deformable.Ring | deformable.Sector]
 ) -> None:
     state = deformable.predict(small, law())
     outlines = polygon_outlines(small, state)
@@ -162,7 +164,7 @@ def test_beads_on_the_outlines_have_no_error(
     )
 
 
-def test_a_folded_outline_is_named(small: deformable.BeadState) -> None:
+def test_a_folded_outline_is_named(small: deformable.PolygonState) -> None:
     packing = small.packing
     pressed = replace(small, packing=packing.at(packing.phi / 0.9**2))
     for law in (deformable.Ring(), deformable.Sector()):
@@ -179,13 +181,13 @@ def turns_back(outline: np.ndarray) -> bool:
     return bool((x * np.roll(y, -1) - np.roll(x, -1) * y < -1e-12).any())
 
 
-def test_no_load_no_ratio(small: deformable.BeadState) -> None:
+def test_no_load_no_ratio(small: deformable.PolygonState) -> None:
     idle = replace(small, energy=0.0, stress=np.zeros((2, 2)))
     found = deformable.compare(idle, deformable.Ring())
     assert (found.energy_ratio, found.pressure_ratio) == (math.inf, math.inf)
 
 
-def test_outlines_have_the_areas_of_the_law(small: deformable.BeadState) -> None:
+def test_outlines_have_the_areas_of_the_law(small: deformable.PolygonState) -> None:
     """Parallel to the particle's outline: the same area deficit, and the radius of the beads."""
     state = deformable.predict(small, deformable.Ring())
     radius = small.polygons.radius[small.packing.species]

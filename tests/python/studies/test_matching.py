@@ -4,18 +4,27 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from deformable import BeadReference, Beads, BeadState, Ring, Simulation, State, bidisperse, jam
-from deformable.studies.accuracy.compressions import smooth_beads
+from deformable import (
+    PolygonModel,
+    PolygonSimulation,
+    PolygonState,
+    Ring,
+    Simulation,
+    State,
+    bidisperse,
+    jam,
+)
+from deformable.studies.accuracy.compressions import standard_polygons
 from deformable.studies.matching import centers_rms, matching
 from deformable.studies.roughness.crystal import crystal_row
 
 
 @pytest.fixture(scope="module")
-def pair() -> tuple[BeadState, State]:
+def pair() -> tuple[PolygonState, State]:
     """Rings, and particles of the ring law, both strained by 6 %."""
     start = jam(bidisperse(8, seed=1))
     states = []
-    for packing in (BeadReference(start, Beads(number=25)), Simulation(start, Ring())):
+    for packing in (PolygonSimulation(start, PolygonModel(vertices=25)), Simulation(start, Ring())):
         with packing as sim:
             sim.deform(0.94 * start.box)
             states.append(sim.relax())
@@ -23,7 +32,7 @@ def pair() -> tuple[BeadState, State]:
     return exact, own
 
 
-def moved(exact: BeadState, step: np.ndarray) -> BeadState:
+def moved(exact: PolygonState, step: np.ndarray) -> PolygonState:
     return replace(exact, packing=replace(exact.packing, positions=exact.packing.positions + step))
 
 
@@ -68,15 +77,15 @@ def test_rattlers_do_not_count(pair):
 def test_matching_rings_have_the_same_effective_radii(smooth):
     packing = bidisperse(4, seed=1)
     for number in (40, 100):
-        beads = smooth_beads(number, smooth=smooth)
-        rings = beads.polygons(matching(packing, beads).radii)
+        model = standard_polygons(number, smooth=smooth)
+        polygons = model.polygons(matching(packing, model).radii)
         # ten steps leave the rounding of sums of a few terms
-        np.testing.assert_allclose(rings.effective_radius, packing.radii, rtol=1e-14)
+        np.testing.assert_allclose(polygons.effective_radius, packing.radii, rtol=1e-14)
 
 
 @pytest.mark.parametrize("indentation", [0.01, 0.03])
-def test_a_crystal_of_smooth_rings_tends_to_the_exact_energy(indentation):
-    rows = [crystal_row(smooth_beads(count), indentation) for count in (80, 160)]
+def test_a_crystal_of_smooth_polygons_tends_to_the_exact_energy(indentation):
+    rows = [crystal_row(standard_polygons(count), indentation) for count in (80, 160)]
     errors = [abs(row["energy_ratio"] - 1.0) for row in rows]
     assert errors[0] < 0.0035
     assert errors[1] < 0.5 * errors[0]

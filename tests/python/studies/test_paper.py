@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from deformable import Beads, Comparison, ParameterError, core, squeeze
+from deformable import Comparison, ParameterError, PolygonModel, core, squeeze
 from deformable.studies.packings import figure as packing_figure
 from deformable.studies.paper import figures as paper_figures
 from deformable.studies.paper import results as paper
@@ -53,24 +53,24 @@ def test_error_falls_with_stiffness_and_grows_with_indentation(sweep: list[Squee
 def chord(result: Squeezed) -> float:
     """Beads of distance L0 draw an arc of radius q to within L0^2/8q."""
     arc = 1.0 - paper.polygon_stiffness(len(result.walls.angle)) * result.indentation / np.pi
-    return float(result.beads.polygons.spacing[0]) ** 2 / (8.0 * arc)
+    return float(result.reference.polygons.spacing[0]) ** 2 / (8.0 * arc)
 
 
 @pytest.mark.parametrize("kL", [1.0, 1e3])
 def test_the_ring_law_has_the_stiffness_of_the_springs(kL: float) -> None:
     # walls as stiff as kr = 1e3, or soft springs would press into them
-    beads = replace(paper.ring_in_walls(192, kL), kr=1e3)
-    [result] = squeeze(regular(6), [0.02], beads, stick=False)
+    model = replace(paper.ring_in_walls(192, kL), kr=1e3)
+    [result] = squeeze(regular(6), [0.02], model, stick=False)
     # the law with conserved perimeter is off by the stretch of the springs
     assert result.shape_error("ring") < chord(result) < result.shape_error("ring, kP inf")
-    off = result.area_deficit["ring"] - float(result.beads.area_deficit[0])
+    off = result.area_deficit["ring"] - float(result.reference.area_deficit[0])
     # the spacing, which matters less where springs stretch; and the residual
     exact = paper.polygon_stiffness(6) * 0.02**2
     assert abs(off) / exact < np.pi**2 / (3.0 * 192**2 * 0.02) + 1e-3
 
 
 def test_sweep_keeps_the_order_of_its_arguments(sweep: list[Squeezed]) -> None:
-    assert [r.beads.beads.kL for r in sweep[::3]] == [1.0, 1e2, 1e4]
+    assert [r.reference.model.kL for r in sweep[::3]] == [1.0, 1e2, 1e4]
     assert [r.indentation for r in sweep[:3]] == [0.01, 0.02, 0.03]
 
 
@@ -97,17 +97,17 @@ def packed() -> dict[str, Comparison]:
 
 
 def test_packing_is_nearer_to_the_laws_than_to_circles(packed: dict[str, Comparison]) -> None:
-    beads = packed["radical"].beads
-    assert beads.polygons.number.tolist() == [50, 72]
-    assert not beads.stalled
+    reference = packed["radical"].reference
+    assert reference.polygons.number.tolist() == [50, 72]
+    assert not reference.stalled
     circle = np.mean(
         [
-            shape_error(ring - center, core.outline("ring", radius, [], []), outer)
-            for ring, center, radius, outer in zip(
-                beads.outlines,
-                beads.packing.positions,
-                beads.polygons.radius[beads.packing.species],
-                beads.packing.radius,
+            shape_error(outline - center, core.outline("ring", radius, [], []), outer)
+            for outline, center, radius, outer in zip(
+                reference.outlines,
+                reference.packing.positions,
+                reference.polygons.radius[reference.packing.species],
+                reference.packing.radius,
                 strict=True,
             )
         ]
@@ -119,16 +119,16 @@ def test_packing_is_nearer_to_the_laws_than_to_circles(packed: dict[str, Compari
 
 
 def test_row_of_a_table() -> None:
-    beads = Beads(24, 0.1, kL=2400.0)
-    row = paper.single_row(squeeze(IRREGULAR[3], [0.02], beads, stick=True)[0])
+    model = PolygonModel(24, 0.1, kL=2400.0)
+    row = paper.single_row(squeeze(IRREGULAR[3], [0.02], model, stick=True)[0])
     assert json.loads(json.dumps(row)) == row
-    given = {"polygon": "irregular", "sides": 3, "walls": "stick", "beads": 24, "kL": 2400.0}
+    given = {"polygon": "irregular", "sides": 3, "walls": "stick", "n_v": 24, "kL": 2400.0}
     assert row.items() >= {**given, "a_over_R": 0.02}.items()
     assert set(row) - set(given) == {
         *("a_over_R", "I_sector", "I_ring_kP_inf", "I_ring"),
         *("S_dp", "S_sector", "S_ring_kP_inf", "S_ring", "seconds_dp", "seconds_law"),
     }
-    row = paper.single_row(squeeze(regular(3), [0.02], beads, stick=False)[0])
+    row = paper.single_row(squeeze(regular(3), [0.02], model, stick=False)[0])
     assert (row["polygon"], row["walls"]) == ("regular", "slip")
     assert row["S_sector"] == pytest.approx(paper.polygon_stiffness(3) * 0.02**2, rel=1e-12)
     assert row["S_ring_kP_inf"] == pytest.approx(paper.polygon_stiffness(3) * 0.02**2, rel=1e-10)
@@ -137,24 +137,24 @@ def test_row_of_a_table() -> None:
 @pytest.mark.parametrize("stick", [True, False])
 def test_results_do_not_depend_on_their_number(stick: bool) -> None:
     # walls that stick make the same steps; where they slip there is one state, to the tolerance
-    beads = Beads(24, 0.1, kL=2400.0)
-    *_, many = squeeze(regular(4), [0.005, 0.01, 0.015, 0.02], beads, stick)
-    [one] = squeeze(regular(4), [0.02], beads, stick)
+    model = PolygonModel(24, 0.1, kL=2400.0)
+    *_, many = squeeze(regular(4), [0.005, 0.01, 0.015, 0.02], model, stick)
+    [one] = squeeze(regular(4), [0.02], model, stick)
     exact = 2e-12 if stick else 1e-3
-    assert one.beads.area_deficit == pytest.approx(many.beads.area_deficit, rel=exact)
+    assert one.reference.area_deficit == pytest.approx(many.reference.area_deficit, rel=exact)
 
 
 def test_steps_of_walls_that_stick_matter() -> None:
-    beads = Beads(96, 0.1, kL=960.0)
+    model = PolygonModel(96, 0.1, kL=960.0)
     for stick, same in ((True, False), (False, True)):
-        [fine] = squeeze(regular(6), [0.02], beads, stick)
-        [coarse] = squeeze(regular(6), [0.02], beads, stick, step=0.01)
+        [fine] = squeeze(regular(6), [0.02], model, stick)
+        [coarse] = squeeze(regular(6), [0.02], model, stick, step=0.01)
         assert (fine.shape_error("sector") == coarse.shape_error("sector")) is same
 
 
 def test_seconds_are_those_of_a_processor() -> None:
     began = time.process_time()
-    first, second = squeeze(regular(4), [0.01, 0.02], Beads(24, 0.1, kL=2400.0), stick=True)
+    first, second = squeeze(regular(4), [0.01, 0.02], PolygonModel(24, 0.1, kL=2400.0), stick=True)
     spent = time.process_time() - began
     assert 0.0 < first.seconds + second.seconds < spent
     assert set(first.law_seconds) == {"sector", "ring, kP inf", "ring"}
@@ -167,13 +167,13 @@ def test_seconds_are_those_of_a_processor() -> None:
 )
 def test_indentations_that_do_not_rise_are_refused(indentations: list[float]) -> None:
     with pytest.raises(ParameterError, match=f"to {indentations[-1]:g}: indentations"):
-        squeeze(regular(4), indentations, Beads(radius=0.1), stick=False)
+        squeeze(regular(4), indentations, PolygonModel(radius=0.1), stick=False)
 
 
 @pytest.mark.parametrize("step", [0.0, -1.0, float("nan")])
 def test_steps_that_lead_nowhere_are_refused(step: float) -> None:
     with pytest.raises(ParameterError, match=rf"^step .* {step}$"):
-        squeeze(regular(4), [0.01], Beads(radius=0.1), stick=True, step=step)
+        squeeze(regular(4), [0.01], PolygonModel(radius=0.1), stick=True, step=step)
 
 
 def test_figures_are_1200_pixels_wide(
@@ -206,10 +206,10 @@ def test_no_deviation_is_not_magnified() -> None:
     assert paper_figures.magnification(0.0) == 1.0
 
 
-def test_smooth_rings_have_the_area_of_the_ring_law_between_walls() -> None:
+def test_smooth_polygons_have_the_area_of_the_ring_law_between_walls() -> None:
     """Beads on the circle itself have a shorter perimeter, and 94 of them 4 % less area deficit."""
-    beads = replace(paper.ring_in_walls(94, 1e3), smooth=True)
-    (found,) = squeeze(regular(4), [0.02], beads, stick=False)
-    exact = found.beads.area_deficit[0]
+    model = replace(paper.ring_in_walls(94, 1e3), smooth=True)
+    (found,) = squeeze(regular(4), [0.02], model, stick=False)
+    exact = found.reference.area_deficit[0]
     assert found.area_deficit["ring"] == pytest.approx(exact, rel=3e-3)  # (pi/94)^2 is 1.1e-3
     assert found.shape_error("ring") < 2e-4

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from deformable import Beads, Ring, Sector, Simulation, bidisperse, compare, jam
+from deformable import PolygonModel, Ring, Sector, Simulation, bidisperse, compare, jam
 from deformable.studies.accuracy import errors, pareto
 from deformable.studies.packings import rows as packings
 from deformable.studies.stability import rows as stability
@@ -15,53 +15,59 @@ LAWS = ["sector", "radical, kP inf", "radical", "balanced", "tilted"]
 
 def test_rows_of_a_packing():
     """Rows agree with the comparison, the relaxation and the definitions."""
-    beads, strain = Beads(number=20), 0.03
-    rows, comparisons = packings.packing_rows(8, 1, strain, beads)
+    model, strain = PolygonModel(vertices=20), 0.03
+    rows, comparisons = packings.packing_rows(8, 1, strain, model)
     by_law = {row["law"]: row for row in rows}
     assert list(comparisons) == LAWS
-    rings = comparisons["radical, kP inf"].beads
-    exact = rings.area_deficit
-    again = compare(rings, Ring(beads.kA, contact="radical"))
+    reference = comparisons["radical, kP inf"].reference
+    exact = reference.area_deficit
+    again = compare(reference, Ring(model.kA, contact="radical"))
     row = by_law["radical, kP inf"]
     assert row["I"] == pytest.approx(again.shape_error.mean(), rel=1e-12)
     assert row["S_rms"] == pytest.approx(
         np.sqrt(np.mean((again.state.area_deficit - exact) ** 2) / np.mean(exact**2)), rel=1e-12
     )
-    assert row["energy_ratio"] == pytest.approx(again.state.energy / rings.energy, rel=1e-12)
+    assert row["energy_ratio"] == pytest.approx(again.state.energy / reference.energy, rel=1e-12)
     start = jam(bidisperse(8, seed=1))
-    start = type(start)(start.positions, start.species, rings.polygons.effective_radius, start.box)
-    with Simulation(start, Ring(beads.kA, contact="radical")) as sim:
+    start = type(start)(
+        start.positions, start.species, reference.polygons.effective_radius, start.box
+    )
+    with Simulation(start, Ring(model.kA, contact="radical")) as sim:
         sim.deform(sim.box * (1 - strain))
         own = sim.relax()
     # relaxed twice to a residual of 1e-6
-    assert row["own_energy_ratio"] == pytest.approx(own.energy / rings.energy, rel=1e-5)
+    assert row["own_energy_ratio"] == pytest.approx(own.energy / reference.energy, rel=1e-5)
     assert not row["unjammed"]
     kP, skin = (
-        beads.kL / rings.polygons.number,
-        rings.polygons.effective_radius - rings.polygons.radius,
+        model.kL / reference.polygons.number,
+        reference.polygons.effective_radius - reference.polygons.radius,
     )
-    assert comparisons["radical"].state.law == Ring(beads.kA, kP=kP, skin=skin, contact="radical")
-    balanced = Ring(beads.kA, kP=kP, skin=skin, contact="balanced")
+    assert comparisons["radical"].state.law == Ring(model.kA, kP=kP, skin=skin, contact="radical")
+    balanced = Ring(model.kA, kP=kP, skin=skin, contact="balanced")
     assert comparisons["balanced"].state.law == balanced
     # a circle of the radius at rest
-    inner = rings.polygons.radius[rings.packing.species]
+    inner = reference.polygons.radius[reference.packing.species]
     off = [
-        np.mean(np.abs(np.hypot(*(ring - center).T) - r)) / radius
-        for ring, center, r, radius in zip(
-            rings.outlines, rings.packing.positions, inner, rings.packing.radius, strict=True
+        np.mean(np.abs(np.hypot(*(outline - center).T) - r)) / radius
+        for outline, center, r, radius in zip(
+            reference.outlines,
+            reference.packing.positions,
+            inner,
+            reference.packing.radius,
+            strict=True,
         )
     ]
     # the circle is a polygon of 1440 corners, within R (2 pi/1440)^2/8 = 2e-6 R
     assert by_law["disk"]["I"] == pytest.approx(np.mean(off), abs=3e-6)
 
 
-MIXED = Beads(number=[20, 30], kL=[4.0, 1500.0], kA=[1.0, 10.0])
+MIXED = PolygonModel(vertices=[20, 30], kL=[4.0, 1500.0], kA=[1.0, 10.0])
 
 
 def test_laws_have_the_stiffness_of_each_species():
-    rings = MIXED.polygons(np.array([0.5, 0.7]))
-    matching_laws = packings.matching_laws(MIXED, rings, rigid=[False, True])
-    kA, skin = (1.0, 10.0), (rings.effective_radius - rings.radius).tolist()
+    reference = MIXED.polygons(np.array([0.5, 0.7]))
+    matching_laws = packings.matching_laws(MIXED, reference, rigid=[False, True])
+    kA, skin = (1.0, 10.0), (reference.effective_radius - reference.radius).tolist()
     # the sector law has one kA
     assert list(matching_laws) == [*LAWS[1:], "balanced, kP inf"]
     assert matching_laws["radical, kP inf"] == Ring(kA, contact="radical")
@@ -71,7 +77,7 @@ def test_laws_have_the_stiffness_of_each_species():
     assert matching_laws["balanced, kP inf"] == Ring(
         kA, kP=[0.2, math.inf], skin=skin, contact="balanced"
     )
-    equal = Beads(number=[20, 30], kL=[4.0, 1500.0], kA=[2.0, 2.0])
+    equal = PolygonModel(vertices=[20, 30], kL=[4.0, 1500.0], kA=[2.0, 2.0])
     assert packings.matching_laws(equal, polygons=equal.polygons(np.array([0.5, 0.7])))[
         "sector"
     ] == Sector(2.0)
@@ -88,7 +94,7 @@ def test_rows_of_a_mixture(kA, kP):
         for beads, wanted, stiffness, radius in zip(row["kP"], kP, kA, (0.5, 0.7), strict=True):
             stands = 10.0 * stiffness * radius**2 if math.isinf(wanted) else wanted
             assert beads == pytest.approx(stands, rel=1e-12)
-        assert row["residual_beads"] <= 1e-6
+        assert row["residual_polygons"] <= 1e-6
     assert rows["disk"]["kP_law"] is None
     assert rows["radical, kP inf"]["kP_law"] == ["inf", "inf"]
     of_beads = rows["balanced"]["kP"]
@@ -97,7 +103,7 @@ def test_rows_of_a_mixture(kA, kP):
         "inf" if math.isinf(wanted) else beads for wanted, beads in zip(kP, of_beads, strict=True)
     ]
     assert rows["balanced"]["S_rms"] < 0.1 * rows["radical, kP inf"]["S_rms"]
-    # smooth rings take the way of the law: its own energy is that at their centers
+    # smooth polygons take the way of the law: its own energy is that at their centers
     assert rows["balanced"]["own_energy_ratio"] == pytest.approx(
         rows["balanced"]["energy_ratio"], abs=0.01
     )
@@ -174,7 +180,7 @@ def test_only_the_balanced_law_alone_has_bars():
 
 def test_means_over_packings():
     def packing(seed, energy, law_residual):
-        row = {"method": "balanced", "rings": None, "n": 8, "strain": 0.02, "n_v": 57}
+        row = {"method": "balanced", "vertices": None, "n": 8, "strain": 0.02, "n_v": 57}
         row |= {"seed": seed, "energy_ratio": energy, "pressure_ratio": None, "S_rms": 0.1 * seed}
         return [row | {"I": 0.0, "seconds": float(seed), "law_residual": law_residual}]
 
@@ -191,20 +197,20 @@ def test_means_over_packings():
 def test_soft_and_stiff_rings_come_to_rest():
     """The stiff ones need hundreds of steps to regain their size."""
     rows = packings.mixed_rows(16, 3, 0.02, 95, (1.0, 10.0), (0.1, math.inf))
-    assert rows[0]["residual_beads"] <= 1e-6
+    assert rows[0]["residual_polygons"] <= 1e-6
 
 
 def test_the_error_of_the_reference_follows_from_two_numbers_of_vertices():
-    """Polygons whose energy is 1 - 5/N_v^2, and rough ones that do not count."""
+    """Polygons whose energy is 1 - 5/N_v^2, and bead polygons that do not count."""
     energy = {count: 1.0 - 5.0 / count**2 for count in (30, 60, 90)}
     rows = [
         {
             "method": "smooth",
-            "rings": count,
+            "vertices": count,
             "reference": 90,
             "energy_error": abs(energy[count] - energy[90]),
         }
         for count in (30, 60)
     ]
-    rows.append({"method": "rough", "rings": 80, "reference": 90, "energy_error": 1.0})
+    rows.append({"method": "bead", "vertices": 80, "reference": 90, "energy_error": 1.0})
     assert errors.reference_error(rows) == pytest.approx(5.0 / 90**2, rel=1e-9)

@@ -1,6 +1,6 @@
 """Whole compressions: each contact law, and other polygons, against smooth polygons.
 
-Smooth polygons (docs/theory.md, "Smooth rings") come to rest where smooth particles do. Bead
+Smooth polygons (docs/theory.md, "Smooth polygons") come to rest where smooth particles do. Bead
 polygons have friction: they interlock, and their energy depends on the way.
 """
 
@@ -17,19 +17,19 @@ from numpy.typing import NDArray
 
 from ...common.errors import ParameterError
 from ...core import angles, norm
-from ...engine.bead_reference import BeadReference
+from ...engine.polygon_simulation import PolygonSimulation
 from ...engine.simulation import Simulation
-from ...model.beads import Beads
 from ...model.laws import Law
 from ...model.packing import Packing, bidisperse
+from ...model.polygons import PolygonModel
 from ...protocols.compression import compress
 from ...protocols.jamming import jam
-from ...state.bead_state import BeadState
+from ...state.polygon_state import PolygonState
 from ...state.state import State
 from ..comparison import predict, shape_errors
 from ..matching import centers_rms, finite_ratio, is_unjammed, matching, matching_laws
 
-S = TypeVar("S", State, BeadState)
+S = TypeVar("S", State, PolygonState)
 Path = list[tuple[S, float]]
 
 # Laws without a continuous energy do not come to rest.
@@ -39,7 +39,7 @@ _RESTLESS = {"sector"}
 _DIRECTIONS = 2.0 * np.pi * np.arange(720) / 720
 
 
-def smooth_beads(count: int, kP: float = 6.0, smooth: bool = True) -> Beads:
+def standard_polygons(count: int, kP: float = 6.0, smooth: bool = True) -> PolygonModel:
     """Polygons for the measurements, of kA = 1 and contacts of range c = 0.05 and stiffness 10.
 
     With radii of 0.5 and 0.7 contacts give way by less than 1 % of the indentation.
@@ -47,9 +47,9 @@ def smooth_beads(count: int, kP: float = 6.0, smooth: bool = True) -> Beads:
     Args:
         count: N_v, of the smallest polygons.
         kP: stiffness of their perimeter [energy/length^2].
-        smooth: whether they are smooth, else rough.
+        smooth: whether they are smooth, else bead polygons.
     """
-    return Beads(number=count, radius=0.025, kL=kP * count, kr=10.0, smooth=smooth)
+    return PolygonModel(vertices=count, radius=0.025, kL=kP * count, kr=10.0, smooth=smooth)
 
 
 def smooth_rows(
@@ -58,8 +58,8 @@ def smooth_rows(
     count: int,
     strain: float = 0.05,
     steps: int = 10,
-    rivals: Sequence[Beads] = (),
-    beads: Beads | None = None,
+    rivals: Sequence[PolygonModel] = (),
+    model: PolygonModel | None = None,
 ) -> list[dict[str, Any]]:
     """A bidisperse packing compressed from jamming: every law against smooth polygons.
 
@@ -69,19 +69,19 @@ def smooth_rows(
     Args:
         number: of particles.
         seed: of the random start.
-        count: N_v of the reference, vertices of a small polygon, see `smooth_beads`.
+        count: N_v of the reference, vertices of a small polygon, see `standard_polygons`.
         strain: total linear strain.
         steps: number of steps.
-        rivals: other polygons to compare with the reference, smooth or rough. All stand for the
-            same particles: rough ones have the laws' radii as effective ones, see `matching`.
-        beads: of the reference, with `count` vertices; `smooth_beads` if not given.
+        rivals: other smooth or bead polygons to compare with the reference. All stand for the same
+            particles: bead polygons have the laws' radii as effective ones, see `matching`.
+        model: of the reference, with `count` vertices; `standard_polygons` if not given.
 
     Returns:
         Rows for each step, in the order of the steps. Their keys:
 
         n, seed, strain, n_v: of the reference.
-        law: name of a law, see `matching_laws`, or `smooth` or `rough` for rivals.
-        rings: N_v of a rival, else None.
+        law: name of a law, see `matching_laws`, or `smooth` or `bead` for rivals.
+        vertices: N_v of a rival, else None.
         own: true if the law relaxed on its own, false if its particles have the centers of the
             reference. Rivals, and no row of the sector law, are on their own.
         energy_ratio, pressure_ratio: over those of the reference; None where one is unjammed.
@@ -90,16 +90,16 @@ def smooth_rows(
             outline of a law folds.
         distance: root mean square distance of the centers over the mean radius, see `centers_rms`;
             0 at given centers.
-        residual: of the reference, see `BeadState.residual`. Above 1e-6 the reference has not
+        residual: of the reference, see `PolygonState.residual`. Above 1e-6 the reference has not
             converged: it is loose, or nearly so, and the row says nothing about the law.
         law_residual: of the law or rival; None at given centers.
         seconds: processor time of the law's or rival's relaxation; None at given centers.
-        seconds_smooth: that of the reference's relaxation.
+        seconds_polygons: that of the reference's relaxation.
     """
     start = jam(bidisperse(number, seed=seed))
-    beads = beads or smooth_beads(count)
-    laws = matching_laws(beads, beads.polygons(start.radii))
-    reference = polygon_path(start, beads, strain, steps)
+    model = model or standard_polygons(count)
+    laws = matching_laws(model, model.polygons(start.radii))
+    reference = polygon_path(start, model, strain, steps)
     own: dict[str, Path[State]] = {
         name: law_path(start, law, strain, steps)
         for name, law in laws.items()
@@ -116,28 +116,30 @@ def smooth_rows(
             "strain": strain * (n + 1) / steps,
             "n_v": count,
             "residual": exact.residual,
-            "seconds_smooth": seconds,
+            "seconds_polygons": seconds,
         }
         for name, law in laws.items():
             there = predict(exact, law, MPI.COMM_SELF)
-            none = {"law": name, "rings": None}
+            none = {"law": name, "vertices": None}
             if name in own:
                 state, spent = own[name][n]
                 rows.append(common | none | {"own": True} | _against(exact, state, spent))
             rows.append(common | none | {"own": False} | _against(exact, there, None))
         for rival, path in others:
-            name = "smooth" if rival.smooth else "rough"
+            name = "smooth" if rival.smooth else "bead"
             rows.append(
                 common
-                | {"law": name, "rings": int(path[n][0].polygons.number.min()), "own": True}
+                | {"law": name, "vertices": int(path[n][0].polygons.number.min()), "own": True}
                 | _against(exact, *path[n])
             )
     return rows
 
 
-def polygon_path(start: Packing, beads: Beads, strain: float, steps: int) -> Path[BeadState]:
+def polygon_path(
+    start: Packing, model: PolygonModel, strain: float, steps: int
+) -> Path[PolygonState]:
     """Polygons compressed from jamming: states, and seconds of processor time, of the steps."""
-    with BeadReference(start, beads, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
+    with PolygonSimulation(start, model, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
         return list(timed(compress(polygons, strain, steps)))
 
@@ -160,7 +162,9 @@ def timed(results: Iterable[T]) -> Iterator[tuple[T, float]]:
         began = time.process_time()
 
 
-def _against(exact: BeadState, other: State | BeadState, seconds: float | None) -> dict[str, Any]:
+def _against(
+    exact: PolygonState, other: State | PolygonState, seconds: float | None
+) -> dict[str, Any]:
     """The errors of a law, or of other polygons, see `smooth_rows`."""
     loose = is_unjammed(other, exact)
     wrong = norm(other.area_deficit - exact.area_deficit)
@@ -179,7 +183,7 @@ def _over(value: float, exact: float) -> float | None:
     return finite_ratio(value / exact) if exact else None
 
 
-def _shape_error(exact: BeadState, other: State | BeadState) -> float | None:
+def _shape_error(exact: PolygonState, other: State | PolygonState) -> float | None:
     if isinstance(other, State):
         try:
             return float(shape_errors(exact, other).mean())
@@ -189,7 +193,7 @@ def _shape_error(exact: BeadState, other: State | BeadState) -> float | None:
     return float(np.mean(np.abs(_dents(exact) - _dents(other)) / radius[:, None]))
 
 
-def _dents(state: BeadState) -> NDArray[np.float64]:
+def _dents(state: PolygonState) -> NDArray[np.float64]:
     """Distance of each polygon inward from its circle at rest, shape (N, directions) [length]."""
     found = []
     for polygon, center, kind in zip(

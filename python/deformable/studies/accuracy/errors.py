@@ -91,9 +91,9 @@ def _meets(row: Row) -> bool:
 def label(row: Row) -> str:
     """Name of a method of `pareto_means` in words."""
     if row["method"] == "reference":
-        return f"smooth polygons, {row['rings']}"
-    if row["rings"]:
-        return f"{POLYGON_NAMES[row['method']]}, {row['rings']}"
+        return f"smooth polygons, {row['vertices']}"
+    if row["vertices"]:
+        return f"{POLYGON_NAMES[row['method']]}, {row['vertices']}"
     return str(row["method"])
 
 
@@ -157,8 +157,8 @@ def reference_error(pareto: Sequence[Row]) -> float:
     Args:
         pareto: of `pareto_means`.
     """
-    fine = max((r for r in pareto if r["method"] == "smooth"), key=lambda row: row["rings"])
-    return fine["energy_error"] / ((fine["reference"] / fine["rings"]) ** 2 - 1.0)
+    fine = max((r for r in pareto if r["method"] == "smooth"), key=lambda row: row["vertices"])
+    return fine["energy_error"] / ((fine["reference"] / fine["vertices"]) ** 2 - 1.0)
 
 
 def fastest_as_good(pareto: Sequence[Row]) -> dict[str, Row]:
@@ -167,7 +167,7 @@ def fastest_as_good(pareto: Sequence[Row]) -> dict[str, Row]:
     found: dict[str, Row] = {}
     for row in sorted(pareto, key=lambda row: row["seconds"] or 0.0):
         error = row["energy_error"]
-        known = error is not None and row["method"] in ("smooth", "rough")
+        known = error is not None and row["method"] in ("smooth", "bead")
         if known and error <= balanced["energy_error"]:
             found.setdefault(row["method"], row)
     return found

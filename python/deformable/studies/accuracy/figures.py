@@ -79,7 +79,7 @@ def pareto(rows: Sequence[Row]) -> Figure:
             )
             for row in line:
                 ax.annotate(
-                    f"{row['rings']}",
+                    f"{row['vertices']}",
                     (row["seconds"], row[key]),
                     textcoords="offset points",
                     xytext=(-5, -4) if kind == "smooth" else (5, 3),

@@ -11,7 +11,7 @@ from ...engine.disks import Disks
 from ...model.packing import Packing, bidisperse
 from ...protocols.compression import compress
 from ...protocols.jamming import jam
-from .compressions import smooth_beads, smooth_rows, timed
+from .compressions import smooth_rows, standard_polygons, timed
 
 Row = dict[str, Any]
 
@@ -23,7 +23,7 @@ def pareto_rows(
     strain: float,
     steps: int,
     smooth: Sequence[int],
-    rough: Sequence[int],
+    bead: Sequence[int],
 ) -> list[Row]:
     """One packing compressed from jamming by every method, each relaxed on its own, on one core.
 
@@ -34,19 +34,19 @@ def pareto_rows(
         strain: total linear strain.
         steps: number of steps.
         smooth: N_v of other smooth polygons, which take part like a law.
-        rough: N_v of bead polygons.
+        bead: N_v of bead polygons.
 
     Returns:
-        A row for each method at the last strain: `method`, `rings` (N_v, or None), `seconds` of
+        A row for each method at the last strain: `method`, `vertices` (N_v, or None), `seconds` of
         processor time of all steps, and the values of `smooth_rows`. The sector law does not come
         to rest and is taken at the centers of the reference, without a time.
     """
-    rivals = [smooth_beads(count) for count in smooth]
-    rivals += [smooth_beads(count, smooth=False) for count in rough]
+    rivals = [standard_polygons(count) for count in smooth]
+    rivals += [standard_polygons(count, smooth=False) for count in bead]
     paths: dict[tuple[str, int | None], list[Row]] = {}
     for row in smooth_rows(number, seed, reference, strain, steps, rivals):
         if row["own"] or row["law"] == "sector":
-            paths.setdefault((row["law"], row["rings"]), []).append(row)
+            paths.setdefault((row["law"], row["vertices"]), []).append(row)
     found = []
     for (method, _), path in paths.items():
         times = [row["seconds"] for row in path]
@@ -56,8 +56,8 @@ def pareto_rows(
     # a disk keeps its area, S = 0; its stiffness is free, so that its energy says nothing
     disk = dict.fromkeys(last) | {key: last[key] for key in ("n", "seed", "strain", "n_v")}
     spent = _seconds_of_disks(jam(bidisperse(number, seed=seed)), strain, steps)
-    of_reference = math.fsum(row["seconds_smooth"] for row in path)
-    exact = {"method": "reference", "rings": reference, "seconds": of_reference}
+    of_reference = math.fsum(row["seconds_polygons"] for row in path)
+    exact = {"method": "reference", "vertices": reference, "seconds": of_reference}
     return [
         disk | {"method": "disk", "S_rms": 1.0, "seconds": spent},
         *found,
@@ -72,7 +72,7 @@ def _seconds_of_disks(start: Packing, strain: float, steps: int) -> float:
 def pareto_means(packings: Iterable[Sequence[Row]]) -> list[Row]:
     """A row for each method of `pareto_rows`, with means over the packings.
 
-    Keys: `method`; `rings`, N_v or None; `reference`, N_v; `n`, `strain`, `seeds`;
+    Keys: `method`; `vertices`, N_v or None; `reference`, N_v; `n`, `strain`, `seeds`;
     `energy_error` and `pressure_error`, means of |ratio - 1|; `error`, of `S_rms`; `shape_error`,
     of I; `seconds`; and the largest `residual` of the method.
     """
@@ -80,7 +80,7 @@ def pareto_means(packings: Iterable[Sequence[Row]]) -> list[Row]:
     for same in zip(*packings, strict=True):
         first = same[0]
         rows.append(
-            {key: first[key] for key in ("method", "rings", "n", "strain")}
+            {key: first[key] for key in ("method", "vertices", "n", "strain")}
             | {
                 "reference": first["n_v"],
                 "seeds": [row["seed"] for row in same],

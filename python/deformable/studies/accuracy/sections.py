@@ -77,12 +77,12 @@ def _as_good(pareto: Sequence[Row]) -> str:
         f"{show(balanced['energy_error'])} and its area deficits by {show(balanced['error'])}; "
         f"the compression takes {show(balanced['seconds'])} s. "
     )
-    for kind in ("smooth", "rough"):
+    for kind in ("smooth", "bead"):
         if kind in polygons:
             row = polygons[kind]
             text += (
                 f"The fastest {POLYGON_NAMES[kind]} with an energy that is as right have "
-                f"{row['rings']} vertices and take {show(row['seconds'])} s, "
+                f"{row['vertices']} vertices and take {show(row['seconds'])} s, "
                 f"{row['seconds'] / balanced['seconds']:.0f} times as long. "
             )
         else:

@@ -12,7 +12,7 @@ from matplotlib.patches import Polygon, Rectangle
 from numpy.typing import NDArray
 
 from ..comparison import Comparison, polygon_outlines
-from ..law_styles import BEADS, STYLES
+from ..law_styles import BEAD, STYLES
 from ..paper.figures import magnification, short
 from ..shape_error import deviation
 
@@ -32,14 +32,14 @@ def packing(comparisons: Mapping[str, Comparison]) -> Figure:
     Args:
         comparisons: of one packing with laws, by name.
     """
-    beads = next(iter(comparisons.values())).beads
-    box, radii = beads.packing.box, beads.packing.radii
+    reference = next(iter(comparisons.values())).reference
+    box, radii = reference.packing.box, reference.packing.radii
     figure = Figure(figsize=(8.0, 4.8), dpi=150, layout="constrained")
     whole, zoom = figure.subplots(1, 2)
 
-    polygons = _images(beads.outlines, box)
+    polygons = _images(reference.outlines, box)
     whole.add_collection(
-        PolyCollection(polygons, facecolor="0.92", edgecolor=BEADS.color, linewidth=0.5)
+        PolyCollection(polygons, facecolor="0.92", edgecolor=BEAD.color, linewidth=0.5)
     )
     frame = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) @ box
     whole.add_patch(Polygon(frame, fill=False, edgecolor="0.5", linewidth=0.8))
@@ -51,7 +51,7 @@ def packing(comparisons: Mapping[str, Comparison]) -> Figure:
     margin = 1.05 * float(radii.max())
     low, high = frame.min(axis=0) - margin, frame.max(axis=0) + margin
     whole.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-    whole.set_title(f"{len(beads.packing)} bead polygons", fontsize=10)
+    whole.set_title(f"{len(reference.packing)} bead polygons", fontsize=10)
     whole.set_axis_off()
 
     factor = _deviations(zoom, comparisons)
@@ -73,20 +73,20 @@ def packing(comparisons: Mapping[str, Comparison]) -> Figure:
 
 def _deviations(ax: Axes, comparisons: Mapping[str, Comparison]) -> float:
     """Draw beads, and the laws at magnified distances from them; returns the factor."""
-    beads = next(iter(comparisons.values())).beads
-    centers, box = beads.packing.positions, beads.packing.box
-    about = [polygon - center for polygon, center in zip(beads.outlines, centers, strict=True)]
+    reference = next(iter(comparisons.values())).reference
+    centers, box = reference.packing.positions, reference.packing.box
+    about = [polygon - center for polygon, center in zip(reference.outlines, centers, strict=True)]
     found = {
         name: [
             deviation(polygon, line)
-            for polygon, line in zip(about, polygon_outlines(beads, each.state), strict=True)
+            for polygon, line in zip(about, polygon_outlines(reference, each.state), strict=True)
         ]
         for name, each in comparisons.items()
     }
     large = max(np.quantile(np.abs(np.concatenate(each)), _MOST) for each in found.values())
-    factor = magnification(float(large), float(beads.packing.radii.min()))
-    dots = np.vstack(_images(beads.outlines, box))
-    ax.plot(*dots.T, color=BEADS.color, linestyle="none", marker=".", markersize=4.0, label="beads")
+    factor = magnification(float(large), float(reference.packing.radii.min()))
+    dots = np.vstack(_images(reference.outlines, box))
+    ax.plot(*dots.T, color=BEAD.color, linestyle="none", marker=".", markersize=4.0, label="beads")
     for name, each in found.items():
         magnified = [
             center + polygon * (1.0 - factor * off / np.hypot(*polygon.T))[:, None]

@@ -14,16 +14,16 @@ import numpy as np
 from mpi4py import MPI
 
 from ... import core
-from ...engine.bead_reference import BeadReference
 from ...engine.disks import open_disks
 from ...engine.lammps import run
+from ...engine.polygon_simulation import PolygonSimulation
 from ...engine.relaxation import TOLERANCE, minimize_command
 from ...engine.simulation import Simulation
-from ...model.beads import Beads
 from ...model.laws import Law, per_species
 from ...model.packing import Packing, bidisperse
+from ...model.polygons import PolygonModel
 from ...protocols.jamming import jam
-from ...state.bead_state import BeadState
+from ...state.polygon_state import PolygonState
 from ...state.state import State
 from ..comparison import Comparison, compare
 from ..matching import finite_ratio, is_unjammed, matching_laws
@@ -37,13 +37,15 @@ _REPEATS = 5
 _STIFF = 10.0
 
 # Radius of the beads of mixtures, and the stiffness of contacts over the largest kA, as for
-# `studies.accuracy.compressions.smooth_beads`.
+# `studies.accuracy.compressions.standard_polygons`.
 _SKIN, _CONTACT = 0.025, 10.0
 
 
-def strain_beads(start: Packing, beads: Beads, strain: float) -> tuple[BeadState, float]:
+def strain_polygons(
+    start: Packing, model: PolygonModel, strain: float
+) -> tuple[PolygonState, float]:
     """Polygons after one strain step from jamming, and the seconds of processor time."""
-    with BeadReference(start, beads, comm=MPI.COMM_SELF) as polygons:
+    with PolygonSimulation(start, model, comm=MPI.COMM_SELF) as polygons:
         polygons.deform(polygons.box * (1.0 - strain))
         began = time.process_time()
         state = polygons.relax()
@@ -92,11 +94,11 @@ def mixed_rows(
             infinite value.
     """
     radii = bidisperse(number).radii
-    polygons = Beads(number=count, radius=_SKIN, smooth=True).polygons(radii)
+    polygons = PolygonModel(vertices=count, radius=_SKIN, smooth=True).polygons(radii)
     rigid = np.isinf(kP)
     springs = polygons.number * np.where(rigid, _STIFF * np.array(kA) * radii**2, kP)
-    beads = Beads(count, _SKIN, springs.tolist(), kA, kr=_CONTACT * max(kA), smooth=True)
-    rows, _ = packing_rows(number, seed, strain, beads, rigid.tolist())
+    model = PolygonModel(count, _SKIN, springs.tolist(), kA, kr=_CONTACT * max(kA), smooth=True)
+    rows, _ = packing_rows(number, seed, strain, model, rigid.tolist())
     return rows
 
 
@@ -104,7 +106,7 @@ def packing_rows(
     number: int,
     seed: int,
     strain: float,
-    beads: Beads,
+    model: PolygonModel,
     rigid: Sequence[bool] = (),
 ) -> tuple[list[dict[str, Any]], dict[str, Comparison]]:
     """One bidisperse packing of polygons, strained from jamming in one step, against every law.
@@ -113,7 +115,7 @@ def packing_rows(
         number: of particles.
         seed: of the random start.
         strain: linear strain.
-        beads: of the polygons.
+        model: of the polygons.
         rigid: as for `matching_laws`.
 
     Returns:
@@ -123,16 +125,16 @@ def packing_rows(
         relaxes to from the same start, None if that is `unjammed`.
     """
     start = jam(bidisperse(number, seed=seed))
-    polygons, seconds_beads = strain_beads(start, beads, strain)
+    polygons, seconds_polygons = strain_polygons(start, model, strain)
     common: dict[str, Any] = {
         "n": number,
         "strain": strain,
-        "beads": int(polygons.polygons.number.min()),
+        "n_v": int(polygons.polygons.number.min()),
         "kA": polygons.polygons.kA.tolist(),
         "kP": polygons.polygons.kP.tolist(),
         "seed": seed,
-        "seconds_beads": seconds_beads,
-        "residual_beads": polygons.residual,
+        "seconds_polygons": seconds_polygons,
+        "residual_polygons": polygons.residual,
     }
     disk: dict[str, Any] = {
         "law": "disk",
@@ -150,7 +152,7 @@ def packing_rows(
     rows: list[dict[str, Any]] = [common | disk]
     smooth = replace(start, radii=polygons.polygons.effective_radius)
     comparisons = {}
-    for name, law in matching_laws(beads, polygons.polygons, rigid).items():
+    for name, law in matching_laws(model, polygons.polygons, rigid).items():
         comparison = comparisons[name] = compare(polygons, law, MPI.COMM_SELF)
         own, seconds = strain_law(smooth, law, strain)
         unjammed = is_unjammed(own, polygons)
@@ -175,12 +177,12 @@ def packing_rows(
     return rows, comparisons
 
 
-def _error_of_disks(beads: BeadState) -> float:
+def _error_of_disks(reference: PolygonState) -> float:
     """Mean shape error of the circles through the beads at rest."""
     errors = []
     for polygon, center, kind in zip(
-        beads.outlines, beads.packing.positions, beads.packing.species, strict=True
+        reference.outlines, reference.packing.positions, reference.packing.species, strict=True
     ):
-        circle = core.outline("ring", beads.polygons.radius[kind], [], [], 1440)
-        errors.append(shape_error(polygon - center, circle, beads.packing.radii[kind]))
+        circle = core.outline("ring", reference.polygons.radius[kind], [], [], 1440)
+        errors.append(shape_error(polygon - center, circle, reference.packing.radii[kind]))
     return float(np.mean(errors))

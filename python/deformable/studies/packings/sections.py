@@ -18,18 +18,18 @@ def large(rows: Sequence[Row]) -> Section:
     first = rows[0]
     laws = [row for row in rows if row["law"] != "disk" and _converged(row)]
     faster = listed(
-        f"`{row['law']}` {first['seconds_beads'] / row['seconds']:.0f} times faster "
+        f"`{row['law']}` {first['seconds_polygons'] / row['seconds']:.0f} times faster "
         f"({show(row['seconds'])} s)"
         for row in laws
     )
     return Section(
         "The packing of the paper",
         (
-            f"{first['n']} bead polygons, {first['beads']} beads on the small ones, are strained "
+            f"{first['n']} bead polygons, {first['n_v']} beads on the small ones, are strained "
             f"by {percent(first['strain'])} in one step from jamming. The laws are compared at "
             "their centers. Few beads are rough, which limits the comparison. The polygons relax "
-            f"in {show(first['seconds_beads'], 3)} s, until no force on a bead exceeds 10⁻³ of the "
-            "force on a bead in a contact. The laws relax until no force exceeds "
+            f"in {show(first['seconds_polygons'], 3)} s, until no force on a bead exceeds 10⁻³ of "
+            "the force on a bead in a contact. The laws relax until no force exceeds "
             f"{show(TOLERANCE, 1)} of the mean contact force: {faster}." + _stalled(rows),
         ),
         pictures=[

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
-from ..law_styles import BEADS, STYLES
+from ..law_styles import BEAD, STYLES
 from . import results as paper
 from .single import Squeezed
 
@@ -67,7 +67,7 @@ def shapes(results: Sequence[Squeezed], stick: bool) -> Figure:
         _shape(ax, result)
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=5)
     figure.suptitle(
-        f"{chosen[0].beads.polygons.number[0]} beads, "
+        f"{chosen[0].reference.polygons.number[0]} beads, "
         rf"$k_L = {_decade(chosen[0].kL)}$, $a/R_0 = {largest:g}$, "
         f"walls {'stick' if stick else 'slip'}"
     )
@@ -77,8 +77,8 @@ def shapes(results: Sequence[Squeezed], stick: bool) -> Figure:
 def _shape(ax: Axes, result: Squeezed) -> None:
     corners = _corners(result.walls.angle, 1.0 - result.indentation)
     ax.plot(*_closed(corners), color="0.7", linewidth=1.0, label="walls")
-    beads = result.beads.outlines[0]
-    ax.plot(*beads.T, ".", color=BEADS.color, markersize=2.5, label="beads")
+    beads = result.reference.outlines[0]
+    ax.plot(*beads.T, ".", color=BEAD.color, markersize=2.5, label="beads")
     order = np.argsort(result.angle)
     out = np.column_stack([np.cos(result.angle), np.sin(result.angle)])
     factor = magnification(max(np.abs(result.deviation[law]).max() for law in _DRAWN))
@@ -152,7 +152,7 @@ def deviation(results: Sequence[Squeezed], indentation: float = 0.02) -> Figure:
         )
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside right center", fontsize=8)
     figure.suptitle(
-        rf"hexagon, $a/R_0 = {indentation:g}$, {chosen[0].beads.polygons.number[0]} beads, "
+        rf"hexagon, $a/R_0 = {indentation:g}$, {chosen[0].reference.polygons.number[0]} beads, "
         "walls stick"
     )
     return figure
@@ -182,13 +182,13 @@ def error_by_indentation(results: Sequence[Squeezed]) -> Figure:
             _errors(right, stiffness, line, "ring", label=label + ", ring", **dashed)
     right.set(xlabel=r"stiffness of the springs $k_L/k_A R_0^2$", ylabel=_I)
     right.set(xscale="log", yscale="log")
-    spacing = float(results[0].beads.polygons.spacing[0])
+    spacing = float(results[0].reference.polygons.spacing[0])
     for ax in (left, right):
         ax.axhline(spacing**2 / 24.0, color="0.6", linestyle=":", linewidth=1.0)
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=8, ncols=3)
         ax.grid(alpha=0.3)
     right.text(1.0, spacing**2 / 22.0, "$L_0^2/24R_0$: spacing of the beads", fontsize=7.5)
-    figure.suptitle(f"hexagon, {results[0].beads.polygons.number[0]} beads, walls stick")
+    figure.suptitle(f"hexagon, {results[0].reference.polygons.number[0]} beads, walls stick")
     return figure
 
 

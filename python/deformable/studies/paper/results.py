@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from ... import core
 from ...common.fits import power_law
 from ...common.parallel import parallel_map
-from ...engine.bead_reference import BeadReference
-from ...model.beads import Beads
+from ...engine.polygon_simulation import PolygonSimulation
 from ...model.laws import Ring, Sector
 from ...model.packing import bidisperse
+from ...model.polygons import PolygonModel
 from ...protocols.compression import compress
 from ...protocols.jamming import jam
-from ...state.bead_state import steiner_point
+from ...state.polygon_state import steiner_point
 from ..comparison import Comparison, compare
 from ..shape_error import shape_error
 from .single import IRREGULAR, STEP, Squeezed, regular, squeeze
@@ -36,7 +36,7 @@ POLYGONS = (*map(regular, (3, 4, 5, 6)), *IRREGULAR.values())
 _STIFF = (200.0, 400.0)
 
 
-def ring_in_walls(number: int, kL: float) -> Beads:
+def ring_in_walls(number: int, kL: float) -> PolygonModel:
     """The ring of beads for walls: R0 = kA = 1.
 
     Walls are smooth, so that the radius of the beads does not matter; it bounds the steps of walls
@@ -44,7 +44,7 @@ def ring_in_walls(number: int, kL: float) -> Beads:
     a hexagon at a/R0 = 0.05, and for soft springs far below p q/(2 pi kP), by which the ring
     expands. Stiffer walls would only cost time steps.
     """
-    return Beads(number=number, radius=0.1, kL=kL, kA=1.0, kr=min(kL, 1e3))
+    return PolygonModel(vertices=number, radius=0.1, kL=kL, kA=1.0, kr=min(kL, 1e3))
 
 
 def shapes(
@@ -54,8 +54,8 @@ def shapes(
     workers: int | None = None,
 ) -> list[Squeezed]:
     """Rings in regular and asymmetric polygons: walls that stick, then walls that slip."""
-    beads = ring_in_walls(number, kL)
-    runs = [(angle, indentations, beads, stick) for stick in (True, False) for angle in POLYGONS]
+    model = ring_in_walls(number, kL)
+    runs = [(angle, indentations, model, stick) for stick in (True, False) for angle in POLYGONS]
     return _steps(runs, workers, "shapes")
 
 
@@ -95,11 +95,11 @@ def single_row(result: Squeezed) -> dict[str, str | int | float]:
         "polygon": "regular" if np.ptp(turns) < 1e-9 else "irregular",
         "sides": len(angle),
         "walls": "stick" if result.walls.stick else "slip",
-        "beads": int(result.beads.polygons.number[0]),
+        "n_v": int(result.reference.polygons.number[0]),
         "kL": result.kL,
         "a_over_R": float(result.indentation),
         **{f"I_{_key(law)}": result.shape_error(law) for law in result.area_deficit},
-        "S_dp": float(result.beads.area_deficit[0]),
+        "S_dp": float(result.reference.area_deficit[0]),
         **{f"S_{_key(law)}": float(S) for law, S in result.area_deficit.items()},
         "seconds_dp": float(result.seconds),
         "seconds_law": float(result.law_seconds["ring, kP inf"]),
@@ -115,12 +115,12 @@ def steiner_error(result: Squeezed) -> float:
 
     It differs from the mean of the beads, the center of `Squeezed`, to second order in a.
     """
-    beads = result.beads.outlines[0]
+    beads = result.reference.outlines[0]
     point = steiner_point(beads)
-    pressed = 1.0 + result.beads.beads.radius - result.walls.distances_from(point)
+    pressed = 1.0 + result.reference.model.radius - result.walls.distances_from(point)
     points = len(result.outlines["ring, kP inf"])
     outline = core.outline("ring", 1.0, result.walls.angle, pressed, points)
-    return shape_error(beads - point, outline, float(result.beads.polygons.radius[0]))
+    return shape_error(beads - point, outline, float(result.reference.polygons.radius[0]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,7 +204,7 @@ def limit(
     results = [steps[0] for steps in parallel_map(squeeze, runs, workers, "limit")]
     exact = polygon_stiffness(sides) * indentation**2
     error = {
-        case: float(result.beads.area_deficit[0]) / exact - 1.0
+        case: float(result.reference.area_deficit[0]) / exact - 1.0
         for case, result in zip(grid, results, strict=True)
     }
     soft, stiff = _STIFF
@@ -226,7 +226,7 @@ def packing(
     number: int = 128,
     strain: float = 0.01,
     steps: int = 1,
-    beads: Beads | None = None,
+    model: PolygonModel | None = None,
     seed: int = 1,
 ) -> dict[str, Comparison]:
     """A bidisperse packing of rings of beads beyond jamming, against `sector` and `radical`.
@@ -235,10 +235,10 @@ def packing(
         number: of particles, N.
         strain: linear, from the onset of jamming.
         steps: number of strain steps.
-        beads: of the rings; by default the paper's, 50 and 72 beads of radius 0.05.
+        model: of the polygons; by default the paper's, 50 and 72 beads of radius 0.05.
         seed: of the positions at the start.
     """
     jammed = jam(bidisperse(number, seed=seed))
-    with BeadReference(jammed, beads) as rings:
-        *_, state = compress(rings, strain, steps)
+    with PolygonSimulation(jammed, model) as polygons:
+        *_, state = compress(polygons, strain, steps)
     return {"sector": compare(state, Sector()), "radical": compare(state, Ring(contact="radical"))}

@@ -23,7 +23,7 @@ def polygons(rows: Sequence[Row]) -> Section:
     return Section(
         "One particle in a polygon",
         (
-            f"A ring of {rows[0]['beads']} beads is squeezed between the walls of a polygon, as in "
+            f"A ring of {rows[0]['n_v']} beads is squeezed between the walls of a polygon, as in "
             "the paper. Beads stick to the walls, or slip along them. The sector law describes "
             "contacts that stick, the ring law contacts that slip. Both keep the perimeter here "
             "(kP inf).",
@@ -93,7 +93,7 @@ def stiffness(rows: Sequence[Row]) -> Section:
     return Section(
         "Stiffness of the perimeter",
         (
-            f"A ring of {rows[0]['beads']} beads in a hexagon whose walls stick, with springs from "
+            f"A ring of {rows[0]['n_v']} beads in a hexagon whose walls stick, with springs from "
             "soft to stiff. The sector law keeps its perimeter; real rings stretch, so that their "
             "beads lie outside its outline.",
             f"At a/R₀ = {a:g} the shape error of the sector law falls from "
@@ -129,7 +129,7 @@ def _at(rows: Sequence[Row], kL: float, a: float) -> Row:
 
 def limits(rows: Sequence[Row]) -> Section:
     powers = listed(
-        f"{show(row['rate_beads'], 3)} and {show(row['rate_kP'])} for {row['sides']} sides"
+        f"{show(row['rate_n_v'], 3)} and {show(row['rate_kP'])} for {row['sides']} sides"
         for row in rows
     )
     return Section(

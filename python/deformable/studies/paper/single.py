@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from ... import core
 from ...common.errors import ParameterError
 from ...common.validate import expect, numbers, positive
-from ...engine.bead_reference import BeadReference
-from ...model.beads import Beads
+from ...engine.polygon_simulation import PolygonSimulation
 from ...model.laws import Ring
 from ...model.packing import Packing
+from ...model.polygons import PolygonModel
 from ...model.walls import Walls
-from ...state.bead_state import BeadState
+from ...state.polygon_state import PolygonState
 from ..shape_error import deviation
 
 # Steps of walls that stick, in R0. A step brings beads to the wall beyond the end of the relaxed
@@ -56,12 +56,12 @@ class Squeezed:
     `ring, kP inf` keep the perimeter.
 
     The center that the laws get depends on the walls: the origin, where the particle began, if
-    walls stick, and the center of the beads if they slip, see `BeadState.packing`.
+    walls stick, and the center of the beads if they slip, see `PolygonState.packing`.
 
     Attributes:
         walls: around the particle.
         indentation: a, of a particle that stays at the origin [length].
-        beads: the relaxed ring.
+        reference: the relaxed polygon.
         seconds: processor time of all relaxations since the result before.
         center: of the particle for the laws, shape (2,) [length].
         outlines: line of bead centers in each law, about the center, by name, arrays (m, 2)
@@ -74,7 +74,7 @@ class Squeezed:
 
     walls: Walls
     indentation: float
-    beads: BeadState
+    reference: PolygonState
     seconds: float
     center: NDArray[np.float64]
     outlines: dict[str, NDArray[np.float64]]
@@ -85,34 +85,34 @@ class Squeezed:
     @property
     def angle(self) -> NDArray[np.float64]:
         """Direction of each bead from the center, shape (N_v,) [rad]."""
-        return core.angles(self.beads.outlines[0] - self.center)
+        return core.angles(self.reference.outlines[0] - self.center)
 
     @property
     def kL(self) -> float:
         """Stiffness of the springs [energy/length^2]."""
-        return float(self.beads.polygons.kL[0])
+        return float(self.reference.polygons.kL[0])
 
     def shape_error(self, law: str) -> float:
         """I = 1/(R N_v) sum | |v| - g(theta) | of a law, by its name."""
-        return float(np.mean(np.abs(self.deviation[law])) / self.beads.polygons.radius[0])
+        return float(np.mean(np.abs(self.deviation[law])) / self.reference.polygons.radius[0])
 
 
 def squeeze(
     angle: NDArray[np.float64],
     indentations: Iterable[float],
-    beads: Beads,
+    model: PolygonModel,
     stick: bool,
     tolerance: float = 1e-3,
     step: float = STEP,
 ) -> list[Squeezed]:
-    """Squeeze a ring of beads, rough or smooth, whose circle has the radius R0 = 1, as the paper.
+    """Squeeze a polygon whose circle has the radius R0 = 1, as the paper.
 
     Args:
         angle: directions of the walls, shape (n,) [rad].
         indentations: a/R0 of the results, in rising order.
-        beads: the ring, N_v its number of beads.
+        model: of the polygon, N_v its number of beads.
         stick: walls that beads stick to, else walls along which they slip.
-        tolerance: of each relaxation, see `BeadReference.relax`.
+        tolerance: of each relaxation, see `PolygonSimulation.relax`.
         step: largest step of walls that stick between two relaxations, in R0. Results of walls
             that slip do not depend on the way; they move by up to half the radius of a bead.
 
@@ -123,10 +123,10 @@ def squeeze(
         ParameterError: indentations do not rise, or the walls would reach the center; a step or a
             tolerance is not positive; an argument is of another kind.
     """
-    expect("beads", beads, Beads)
+    expect("model", model, PolygonModel)
     angle = numbers("angle", angle)
     positive("step", step)
-    largest = 0.5 * beads.radius  # so that walls do not pass beads
+    largest = 0.5 * model.radius  # so that walls do not pass beads
     step = min(step, largest) if stick else largest
     indentations = list(indentations)
     for before, a in pairwise([0.0, *indentations]):
@@ -135,13 +135,13 @@ def squeeze(
                 f"walls cannot go from a/R0 = {before:g} to {a:g}: indentations must rise, and "
                 "stay below 1"
             )
-    outer = 1.0 + beads.radius  # walls stop the beads' rims, and R0 is where their centers are
+    outer = 1.0 + model.radius  # walls stop the beads' rims, and R0 is where their centers are
     packing = Packing(
         np.zeros((1, 2)), np.zeros(1, int), np.array([outer]), 4.0 * outer * np.eye(2)
     )
     results: list[Squeezed] = []
     walls = Walls(angle, np.full(len(angle), outer), stick)
-    with BeadReference(packing, beads, walls, MPI.COMM_SELF) as ring:
+    with PolygonSimulation(packing, model, walls, MPI.COMM_SELF) as ring:
         for before, a in pairwise([0.0, *indentations]):
             began = time.process_time()
             count = max(math.ceil((a - before) / step - 1e-9), 1)  # often an integer up to rounding
@@ -153,16 +153,14 @@ def squeeze(
     return results
 
 
-def _measure(walls: Walls, a: float, beads: BeadState, seconds: float) -> Squeezed:
-    center = np.zeros(2) if walls.stick else beads.packing.positions[0]
-    pressed = 1.0 + beads.beads.radius - walls.distances_from(center)
+def _measure(walls: Walls, a: float, reference: PolygonState, seconds: float) -> Squeezed:
+    center = np.zeros(2) if walls.stick else reference.packing.positions[0]
+    pressed = 1.0 + reference.model.radius - walls.distances_from(center)
     touching = pressed >= 0.0  # contacts of the sector law; the ring law finds its own
     stuck, slipping = (walls.angle[touching], pressed[touching]), (walls.angle, pressed)
-    rings, skin = beads.polygons, beads.beads.radius
-    beyond = (
-        rings.radius[0] - 1.0
-    )  # corners of a smooth ring at rest, which has the circle's length
-    kA, kP, outer = float(rings.kA[0]), float(rings.kP[0]), 1.0 + skin
+    rest, skin = reference.polygons, reference.model.radius
+    beyond = rest.radius[0] - 1.0  # corners of a smooth polygon, which has the circle's length
+    kA, kP, outer = float(rest.kA[0]), float(rest.kP[0]), 1.0 + skin
     ring = Ring(kA, kP=kP, skin=skin)
     calls: dict[str, Callable[[], core.Shape | core.SoftShape]] = {
         "sector": partial(core.sector, 1.0, *stuck),
@@ -177,13 +175,13 @@ def _measure(walls: Walls, a: float, beads: BeadState, seconds: float) -> Squeez
     return Squeezed(
         walls=walls,
         indentation=a,
-        beads=beads,
+        reference=reference,
         seconds=seconds,
         center=center,
         outlines=outlines,
         area_deficit={law: call().area_deficit for law, call in calls.items()},
         deviation={
-            law: deviation(beads.outlines[0] - center, outline) - beyond
+            law: deviation(reference.outlines[0] - center, outline) - beyond
             for law, outline in outlines.items()
         },
         law_seconds={law: _call_seconds(call) for law, call in calls.items()},

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from ...model.beads import Beads
 from ...model.packing import Packing
+from ...model.polygons import PolygonModel
 from ..accuracy.compressions import polygon_path
 from ..comparison import predict
 from ..matching import matching_laws
@@ -16,21 +16,21 @@ from ..matching import matching_laws
 _RADIUS, _SIDE = 0.5, 4
 
 
-def crystal_row(beads: Beads, indentation: float) -> dict[str, Any]:
+def crystal_row(model: PolygonModel, indentation: float) -> dict[str, Any]:
     """Equal polygons pressed into hexagons, against the exact shape.
 
     Each polygon is a regular hexagon with round corners, for which the ring laws are exact (docs/
     theory.md, "Regular polygons").
 
     Args:
-        beads: of the polygons.
+        model: of the polygons.
         indentation: a/R.
 
     Returns:
         `n_v`, `indentation`; `energy_ratio`, of the polygons over the exact one; `residual`.
     """
-    ((state, _),) = polygon_path(_touching(), beads, indentation, 1)
-    law = matching_laws(beads, state.polygons)["balanced"]
+    ((state, _),) = polygon_path(_touching(), model, indentation, 1)
+    law = matching_laws(model, state.polygons)["balanced"]
     return {
         "n_v": int(state.polygons.number[0]),
         "indentation": indentation,

@@ -9,14 +9,14 @@ import numpy as np
 from mpi4py import MPI
 
 from ...common.errors import ParameterError
-from ...engine.bead_reference import BeadReference
 from ...engine.lammps import run
+from ...engine.polygon_simulation import PolygonSimulation
 from ...engine.relaxation import minimize_command
-from ...model.beads import Beads
 from ...model.packing import Packing, bidisperse
+from ...model.polygons import PolygonModel
 from ...protocols.compression import compress
 from ...protocols.jamming import jam
-from ...state.bead_state import BeadState
+from ...state.polygon_state import PolygonState
 
 # Two equal polygons side by side in a row, which meet at both of their sides.
 _RADIUS = 0.5
@@ -29,7 +29,7 @@ _ITERATIONS, _CALLS = 20_000, 50
 
 
 def sliding(
-    beads: Beads, indentation: float = 0.04, turns: int = 12, tolerance: float = 1e-4
+    model: PolygonModel, indentation: float = 0.04, turns: int = 12, tolerance: float = 1e-4
 ) -> dict[str, Any]:
     """The forces between two polygons that are pressed together, while one of them turns.
 
@@ -38,10 +38,10 @@ def sliding(
     spacing, in steps, and all others come to rest. The contacts then slide by one spacing.
 
     Args:
-        beads: the polygons, N_v a multiple of 4; its radii are 0.5.
+        model: of the polygons, N_v a multiple of 4; its radii are 0.5.
         indentation: a/R of the effective radius R.
         turns: number of steps.
-        tolerance: of each relaxation, see `BeadState.residual`.
+        tolerance: of each relaxation, see `PolygonState.residual`.
 
     Returns:
         `n_v` and `smooth`; `slide`, in spacings; `normal` and `tangential`, the forces of a contact
@@ -54,7 +54,7 @@ def sliding(
     """
     if not 0.0 < indentation < 0.2:
         raise ParameterError(f"indentation must lie between 0 and 0.2, not {indentation}")
-    polygons = beads.polygons(np.array([_RADIUS]))
+    polygons = model.polygons(np.array([_RADIUS]))
     (count,), (touch,) = polygons.number, polygons.effective_radius
     if count % 4:
         raise ParameterError(f"the number of vertices must be a multiple of 4, not {count}")
@@ -62,7 +62,7 @@ def sliding(
     centers = np.array([[0.0, 2.0], [2.0 * touch, 2.0]])
     box = np.diag([4.0 * touch, 4.0])
     packing = Packing(centers, np.zeros(2, np.int64), np.array([_RADIUS]), box)
-    with BeadReference(packing, beads, comm=MPI.COMM_SELF) as pair:
+    with PolygonSimulation(packing, model, comm=MPI.COMM_SELF) as pair:
         lmp = pair.lmp
         top, bottom = 1 + count // 4, 1 + 3 * count // 4  # of the first polygon, by atom ID
         for n in range(1, _STEPS + 1):
@@ -81,7 +81,7 @@ def sliding(
     normal, tangential = forces.T
     return {
         "n_v": int(count),
-        "smooth": beads.smooth,
+        "smooth": model.smooth,
         "slide": [(n + 1) / turns for n in range(turns)],
         "normal": normal.tolist(),
         "tangential": tangential.tolist(),
@@ -90,7 +90,7 @@ def sliding(
     }
 
 
-def _rest(pair: BeadReference, tolerance: float) -> BeadState:
+def _rest(pair: PolygonSimulation, tolerance: float) -> PolygonState:
     """Let vertices that are not held come to rest by FIRE."""
     state = pair.state()
     for _ in range(_CALLS):
@@ -103,7 +103,7 @@ def _rest(pair: BeadReference, tolerance: float) -> BeadState:
     return state
 
 
-def _forces(state: BeadState) -> tuple[float, float]:
+def _forces(state: PolygonState) -> tuple[float, float]:
     """Mean normal and tangential forces of both contacts on the first polygon.
 
     The second one turns counterclockwise: its left side goes down and its right side up.
@@ -116,14 +116,14 @@ def _forces(state: BeadState) -> tuple[float, float]:
 
 
 def hysteresis(
-    number: int, seed: int, beads: Beads, strain: float = 0.03, steps: int = 6
+    number: int, seed: int, model: PolygonModel, strain: float = 0.03, steps: int = 6
 ) -> list[dict[str, Any]]:
     """A packing of polygons compressed from jamming, and expanded again.
 
     Args:
         number: of particles.
         seed: of the random start.
-        beads: the polygons.
+        model: of the polygons.
         strain: largest linear strain.
         steps: number of steps on each way.
 
@@ -133,7 +133,7 @@ def hysteresis(
         `residual_back`.
     """
     start = jam(bidisperse(number, seed=seed))
-    with BeadReference(start, beads, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
+    with PolygonSimulation(start, model, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
         forth = list(compress(polygons, strain, steps))
         back = []
@@ -144,7 +144,7 @@ def hysteresis(
         {
             "seed": seed,
             "n_v": int(polygons.polygons.number.min()),
-            "smooth": beads.smooth,
+            "smooth": model.smooth,
             "strain": strain * (n + 1) / steps,
             "energy_forth": there.energy,
             "energy_back": again.energy,

@@ -12,7 +12,7 @@ def roughness(
     friction: Sequence[Row], hysteresis: Sequence[Row], crystal: Sequence[Row]
 ) -> Section:
     """How smooth the polygons are, and how exact."""
-    smooth, rough = ([r for r in hysteresis if r["smooth"] == kind] for kind in (True, False))
+    smooth, bead = ([r for r in hysteresis if r["smooth"] == kind] for kind in (True, False))
     best = max(crystal, key=lambda row: (row["n_v"], row["indentation"]))
     return Section(
         "Friction, hysteresis and a crystal",
@@ -27,7 +27,7 @@ def roughness(
             + ".",
             "A packing is compressed step by step and expanded again. Its energy on the way back "
             f"over that on the way forth is {_ratios(smooth)} for smooth polygons, and "
-            f"{_ratios(rough)} for bead polygons. Where contacts are shorter than the spacing of "
+            f"{_ratios(bead)} for bead polygons. Where contacts are shorter than the spacing of "
             "the vertices, smooth polygons rest in several ways, too.",
             "In a triangular lattice of equal polygons the exact energy of smooth particles is "
             f"known. Smooth polygons of {best['n_v']} vertices have "

@@ -1,9 +1,9 @@
-"""Starts that rings of beads refuse."""
+"""Starts that polygons of beads refuse."""
 
 import deformable
 import numpy as np
 import pytest
-from naive_rings import ALONE, LONE_BEADS, pair, square
+from naive_polygons import ALONE, LONE_BEADS, pair, square
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -21,15 +21,15 @@ def test_walls_are_around_one_particle(
     packing: deformable.Packing, height: float, message: str
 ) -> None:
     with pytest.raises(deformable.ParameterError, match=message):
-        deformable.BeadReference(packing, LONE_BEADS, square(height))
+        deformable.PolygonSimulation(packing, LONE_BEADS, square(height))
 
 
-def test_rings_do_not_start_in_each_other() -> None:
-    deformable.BeadReference(pair(1.4), deformable.Beads(20)).close()  # by 0.01
+def test_polygons_do_not_start_in_each_other() -> None:
+    deformable.PolygonSimulation(pair(1.4), deformable.PolygonModel(20)).close()  # by 0.01
     with pytest.raises(
         deformable.ParameterError, match=r"particles 0 and 1 overlap by 0\.0808.*at jamming"
     ):
-        deformable.BeadReference(pair(1.3), deformable.Beads(20))
+        deformable.PolygonSimulation(pair(1.3), deformable.PolygonModel(20))
 
 
 def test_overlaps_are_found_in_any_cell_of_the_lattice() -> None:
@@ -38,15 +38,15 @@ def test_overlaps_are_found_in_any_cell_of_the_lattice() -> None:
             [[0.0, 0.0], [0.0, 0.65]], [0, 0], [0.5], [[4.0, 0.0], [shear, 1.2]]
         )
         with pytest.raises(deformable.ParameterError, match=r"0 and 1 overlap by 0\.35"):
-            deformable.BeadReference(packing, deformable.Beads(20))
+            deformable.PolygonSimulation(packing, deformable.PolygonModel(20))
 
 
 def test_a_ring_does_not_meet_itself() -> None:
     message = r"particle 0 reaches its own image, 0\.98 away.*repeat the packing"
     lone = deformable.Packing([[0.0, 0.0]], [0], [0.5], [[0.98, 0.0], [0.0, 2.0]])
     with pytest.raises(deformable.ParameterError, match=message):
-        deformable.BeadReference(lone, deformable.Beads(20))
-    with deformable.BeadReference(pair(1.5), deformable.Beads(20)) as rings:
-        rings.deform(np.diag([0.9, 2.5]))
+        deformable.PolygonSimulation(lone, deformable.PolygonModel(20))
+    with deformable.PolygonSimulation(pair(1.5), deformable.PolygonModel(20)) as sim:
+        sim.deform(np.diag([0.9, 2.5]))
         with pytest.raises(deformable.ParameterError, match=r"reaches its own image, 0\.9 away"):
-            rings.relax(0.01)
+            sim.relax(0.01)

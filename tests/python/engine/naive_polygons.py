@@ -1,4 +1,4 @@
-"""Rings of beads written down in numpy, and particles that both tests of rings use."""
+"""Bead polygons written down in numpy, and particles that both tests of polygons use."""
 
 import itertools
 from dataclasses import dataclass
@@ -7,8 +7,8 @@ import deformable
 import numpy as np
 
 
-def area(ring: np.ndarray) -> float:
-    x, y = ring.T
+def area(outline: np.ndarray) -> float:
+    x, y = outline.T
     return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
@@ -21,35 +21,35 @@ class Naive:
     contacts: dict[tuple[int, int, int, int], np.ndarray]
 
 
-def naive(state: deformable.BeadState, rings: list[np.ndarray], box: np.ndarray) -> Naive:
+def naive(state: deformable.PolygonState, outlines: list[np.ndarray], box: np.ndarray) -> Naive:
     """Energy, forces on beads and forces of ring j's image on ring i, for these beads."""
-    beads, rest, kinds = state.beads, state.polygons, state.packing.species
-    energy, force, contacts = 0.0, [np.zeros_like(ring) for ring in rings], {}
-    for ring, f, kind in zip(rings, force, kinds, strict=True):
-        count = len(ring)
-        radius = state.packing.radii[kind] - beads.radius
+    model, rest, kinds = state.model, state.polygons, state.packing.species
+    energy, force, contacts = 0.0, [np.zeros_like(outline) for outline in outlines], {}
+    for outline, f, kind in zip(outlines, force, kinds, strict=True):
+        count = len(outline)
+        radius = state.packing.radii[kind] - model.radius
         rest_length = 2.0 * radius * np.sin(np.pi / count)
         rest_area = 0.5 * count * radius**2 * np.sin(2.0 * np.pi / count)
         kA, kL = rest.kA[kind], rest.kL[kind]
-        pressure = kA * (rest_area - area(ring))
-        energy += 0.5 * kA * (rest_area - area(ring)) ** 2
+        pressure = kA * (rest_area - area(outline))
+        energy += 0.5 * kA * (rest_area - area(outline)) ** 2
         for n in range(count):
-            before, after = ring[n - 1], ring[(n + 1) % count]
-            bond = after - ring[n]
+            before, after = outline[n - 1], outline[(n + 1) % count]
+            bond = after - outline[n]
             length = np.hypot(*bond)
             energy += 0.5 * kL * (length - rest_length) ** 2
             tension = kL * (length - rest_length) * bond / length
             f[n] += tension
             f[(n + 1) % count] -= tension
             f[n] += 0.5 * pressure * np.array([after[1] - before[1], before[0] - after[0]])
-    for i, j in itertools.combinations(range(len(rings)), 2):
+    for i, j in itertools.combinations(range(len(outlines)), 2):
         for a, b in itertools.product(range(-3, 4), repeat=2):
-            apart = rings[i][:, None] - rings[j] - np.array([a, b]) @ box
+            apart = outlines[i][:, None] - outlines[j] - np.array([a, b]) @ box
             distance = np.hypot(apart[..., 0], apart[..., 1])
-            overlap = np.maximum(2.0 * beads.radius - distance, 0.0)
-            push = (beads.kr * overlap / distance)[..., None] * apart
+            overlap = np.maximum(2.0 * model.radius - distance, 0.0)
+            push = (model.kr * overlap / distance)[..., None] * apart
             if overlap.any():
-                energy += 0.5 * beads.kr * float(np.sum(overlap**2))
+                energy += 0.5 * model.kr * float(np.sum(overlap**2))
                 force[i] += push.sum(axis=1)
                 force[j] -= push.sum(axis=0)
                 contacts[i, j, a, b] = push.sum(axis=(0, 1))
@@ -70,4 +70,4 @@ def square(height: float, stick: bool = False) -> deformable.Walls:
 ALONE = deformable.Packing(np.zeros((1, 2)), [0], [0.5], 3.0 * np.eye(2))
 
 
-LONE_BEADS = deformable.Beads(number=40, radius=0.03)
+LONE_BEADS = deformable.PolygonModel(vertices=40, radius=0.03)

@@ -19,14 +19,14 @@ from ..io.lammps_commands import (
     region_within,
     without_region,
 )
-from ..model.beads import Beads
 from ..model.lattice import cartesian
 from ..model.packing import Packing
+from ..model.polygons import PolygonModel
 from ..model.walls import Walls
-from ..state.bead_state import BeadState, PolygonContacts, steiner_point, sum_contacts
-from .bead_start import polygon_file, refuse_outside, refuse_overlap, refuse_own_image, undeformed
+from ..state.polygon_state import PolygonContacts, PolygonState, steiner_point, sum_contacts
 from .followed import refuse_other, refuse_other_types, setup
 from .lammps import Engine, communicator, gather, local_array, run, shared_file, silent_lammps
+from .polygon_start import polygon_file, refuse_own_image, refuse_start, undeformed
 from .relaxation import (
     Forces,
     largest_force,
@@ -58,25 +58,24 @@ _LARGEST_STEP, _STRETCH = 1.35, 2.0
 # which a relaxation counts as stalled: bead polygons go through many small rearrangements.
 _ITERATIONS, _PATIENCE = 20_000, 2_000_000
 
-
 # Residuals at which relaxations end by default: by FIRE, and by Newton's method.
 _FIRE_TOLERANCE, _NEWTON_TOLERANCE = 1e-3, 1e-6
 
 
-class BeadReference(Engine):
+class PolygonSimulation(Engine):
     """Polygons in LAMMPS, smooth or of beads, with the calls of `Simulation`.
 
     Every rank of an MPI run must make the same calls, and gets the same values.
 
     Args:
         packing: where the particles start; each becomes an undeformed polygon around its center.
-        beads: settings of the polygons.
+        model: settings of the polygons.
         walls: around a single particle at the origin, instead of neighbors.
         comm: as for `Simulation`.
 
     Attributes:
         lmp: the LAMMPS instance, for commands that leave beads, springs and pair style as they are.
-        beads: settings of the polygons.
+        model: settings of the polygons.
         polygons: the undeformed polygons of each species.
         walls: the present walls, or None.
         comm: the communicator.
@@ -91,36 +90,32 @@ class BeadReference(Engine):
     def __init__(
         self,
         packing: Packing,
-        beads: Beads | None = None,
+        model: PolygonModel | None = None,
         walls: Walls | None = None,
         comm: MPI.Comm | None = None,
     ) -> None:
-        self.beads = beads = Beads() if beads is None else beads
+        self.model = model = PolygonModel() if model is None else model
         expect("packing", packing, Packing)
-        expect("beads", beads, Beads)
+        expect("model", model, PolygonModel)
         expect("walls", walls, Walls, type(None))
         self.comm = communicator(comm)
         packing = self.comm.bcast(packing)
         if packing.walls:
             raise ParameterError(
-                "bead polygons have no walls but `Walls` around a single one: replace the packing "
+                "polygons have no walls but `Walls` around a single one: replace the packing "
                 "by one without walls"
             )
         if packing.particle_radii is not None:
             raise ParameterError(
-                "bead polygons have the radii of their species: give each size a species of its "
+                "polygons have the radii of their species: give each size a species of its "
                 "own, not particle_radii"
             )
-        self.polygons = polygons = beads.polygons(packing.radii)
+        self.polygons = polygons = model.polygons(packing.radii)
         self._species, self._radii = packing.species, packing.radii
         self._first = np.concatenate([[0], np.cumsum(polygons.number[packing.species])])
         positions = undeformed(packing, polygons)
         self.walls = walls
-        if walls is None:
-            refuse_overlap(packing, beads)
-            refuse_own_image(positions, packing.box, beads.radius)
-        else:
-            refuse_outside(packing, beads, walls)
+        refuse_start(packing, positions, model, walls)
         self.lmp = silent_lammps(self.comm)
         if walls is not None:
             run(self.lmp, "boundary f f p")
@@ -128,12 +123,12 @@ class BeadReference(Engine):
             run(self.lmp, f'atom_style bond\nread_data "{file}"')
         self._define_energy()
         if walls is not None:
-            run(self.lmp, f"{region_within(walls)}\n{polygon_wall_commands(beads, walls.stick)}")
+            run(self.lmp, f"{region_within(walls)}\n{polygon_wall_commands(model, walls.stick)}")
         self._setup = setup(self.lmp)
 
     def _define_energy(self) -> None:
         """Define springs, areas and contacts, their results, and the minimizer."""
-        beads, polygons, species = self.beads, self.polygons, self._species
+        model, polygons, species = self.model, self.polygons, self._species
         longest = float(polygons.spacing.max())
         bonds = "\n".join(
             f"bond_coeff {n} {float(0.5 * kL)!r} {float(spacing)!r}"  # LAMMPS has no 1/2
@@ -150,20 +145,20 @@ class BeadReference(Engine):
             areas += f"group members{n} type {types}\n"
             areas += f"fix area{n} members{n} deformable/polygon {kA!r}\n"
             self._areas.append((f"area{n}", members))
-        skin = 0.5 * beads.radius
+        skin = 0.5 * model.radius
         run(
             self.lmp,
             _SETUP.format(
-                contacts=polygon_contact_commands(beads, longest),
+                contacts=polygon_contact_commands(model, longest),
                 bonds=bonds,
                 # a spring connects to a far image of a bead if the near one is no ghost
-                ghosts=max(2.0 * beads.radius + skin, 2.0 * longest),
+                ghosts=max(2.0 * model.radius + skin, 2.0 * longest),
                 areas=areas,
-                timestep=_LARGEST_STEP / _STRETCH / polygons.fastest_frequency(beads.kr),
+                timestep=_LARGEST_STEP / _STRETCH / polygons.fastest_frequency(model.kr),
             ),
         )
         run(self.lmp, virial_command() + thermo_commands("pe"))
-        run(self.lmp, minimizer_commands(skin, dmax=0.1 * beads.radius, tmax=_STRETCH))
+        run(self.lmp, minimizer_commands(skin, dmax=0.1 * model.radius, tmax=_STRETCH))
 
     def deform(self, box: NDArray[np.float64]) -> None:
         """Give the box other lattice vectors; the beads follow affinely.
@@ -202,20 +197,20 @@ class BeadReference(Engine):
             raise ParameterError(
                 f"a step of {before.height[side] - walls.height[side]:.3g} puts beads "
                 f"{-gap[side]:.3g} beyond wall {side}: relax, and take steps below the radius of "
-                f"a bead, {self.beads.radius:g}"
+                f"a bead, {self.model.radius:g}"
             )
         run(self.lmp, without_region(before))
         run(self.lmp, region_within(walls))
         self.walls = walls
 
-    def relax(self, tolerance: float | None = None) -> BeadState:
+    def relax(self, tolerance: float | None = None) -> PolygonState:
         """Minimize the energy until forces are small against those on beads in contact.
 
         Smooth polygons without walls take steps of Newton's method, see `relax_smooth`; others
         FIRE.
 
         Args:
-            tolerance: largest residual, see `BeadState.residual`; by default 1e-3 with FIRE, and
+            tolerance: largest residual, see `PolygonState.residual`; by default 1e-3 with FIRE, and
                 1e-6 with Newton's method.
 
         Returns:
@@ -228,7 +223,7 @@ class BeadReference(Engine):
         Warns:
             StalledWarning: the forces stopped falling.
         """
-        newton = self.beads.smooth and self.walls is None
+        newton = self.model.smooth and self.walls is None
         if tolerance is None:
             tolerance = _NEWTON_TOLERANCE if newton else _FIRE_TOLERANCE
         positive("tolerance", tolerance)
@@ -236,7 +231,7 @@ class BeadReference(Engine):
         stalled = forces.residual > tolerance
         if stalled and self.comm.rank == 0:
             warnings.warn(
-                "relaxation of bead polygons stalled: "
+                "relaxation of polygons stalled: "
                 + largest_force_told(forces.residual, "that on a bead in a contact", tolerance),
                 StalledWarning,
                 stacklevel=2,
@@ -287,14 +282,14 @@ class BeadReference(Engine):
         return self._evaluate()
 
     def _smooth(self) -> SmoothPolygons:
-        return SmoothPolygons(self.beads, self.polygons, self._species, self.box)
+        return SmoothPolygons(self.model, self.polygons, self._species, self.box)
 
     def _positions(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Places of the beads in the box, and the shifts that unwrap polygons, shape (V, 2)."""
         image = np.array(self.lmp.gather("image", 0, 3)).reshape(-1, 3)[:, :2]
         return gather(self.lmp, "x", 3)[:, :2], cartesian(image, self.box)
 
-    def state(self) -> BeadState:
+    def state(self) -> PolygonState:
         """The present state, not relaxed."""
         return self._snapshot(self._evaluate(), stalled=False)
 
@@ -315,18 +310,18 @@ class BeadReference(Engine):
         largest = largest_force(self.lmp)
         return polygon_forces(largest, pressure, polygons.spacing[kind], self.box, polygons.kL)
 
-    def _snapshot(self, forces: Forces, stalled: bool) -> BeadState:
+    def _snapshot(self, forces: Forces, stalled: bool) -> PolygonState:
         """The state at the last evaluation."""
         box = self.box
         vertices = np.sum(self._positions(), axis=0)
         outlines = np.split(vertices, self._first[1:-1])
         if self.walls is None:
-            refuse_own_image(outlines, box, self.beads.radius)
-        center = steiner_point if self.beads.smooth else partial(np.mean, axis=0)
+            refuse_own_image(outlines, box, self.model.radius)
+        center = steiner_point if self.model.smooth else partial(np.mean, axis=0)
         centers = np.array([center(outline) for outline in outlines])
-        return BeadState(
+        return PolygonState(
             packing=Packing(centers, self._species, self._radii, box),
-            beads=self.beads,
+            model=self.model,
             polygons=self.polygons,
             outlines=outlines,
             area=self._area,
@@ -340,7 +335,7 @@ class BeadReference(Engine):
 
     def _contacts(self, vertices: NDArray[np.float64]) -> PolygonContacts:
         """The contacts of polygons at the last evaluation, which was at these vertices."""
-        if self.beads.smooth:
+        if self.model.smooth:
             pairs, overlaps = self._smooth().energy(vertices).touches()
         else:
             parts = self.comm.allgather(

@@ -1,4 +1,4 @@
-#include "bead_rings.h"
+#include "bead_polygons.h"
 
 #include "lammps_release.h"
 
@@ -71,7 +71,7 @@ bool LAMMPS_NS::is_nearest_image(const Domain *domain, double dx, double dy)
 
 /* ---------------------------------------------------------------------- */
 
-std::vector<BeadRing> LAMMPS_NS::find_bead_rings(LAMMPS *lmp, const BeadSelection &selection)
+std::vector<BeadPolygon> LAMMPS_NS::find_bead_polygons(LAMMPS *lmp, const BeadSelection &selection)
 {
   const Atom *atom = lmp->atom;
   const Domain *domain = lmp->domain;
@@ -79,7 +79,7 @@ std::vector<BeadRing> LAMMPS_NS::find_bead_rings(LAMMPS *lmp, const BeadSelectio
   const std::vector<Bead> beads = gather_beads(lmp, selection);
   const std::string &style = selection.style;
 
-  std::vector<BeadRing> found;
+  std::vector<BeadPolygon> found;
   for (std::size_t begin = 0, end; begin < beads.size(); begin = end) {
     const Bead &first = beads[begin];
     if (first.molecule <= 0.0)
@@ -87,12 +87,12 @@ std::vector<BeadRing> LAMMPS_NS::find_bead_rings(LAMMPS *lmp, const BeadSelectio
     for (end = begin; end < beads.size() && beads[end].molecule == first.molecule; ++end)
       if (beads[end].tag != first.tag + static_cast<double>(end - begin))
         error->all(FLERR,
-                   "{}: the beads of ring {:.0f} are not consecutive, atom "
-                   "{:.0f} follows {:.0f}; number them around the ring",
+                   "{}: the beads of polygon {:.0f} are not consecutive, atom "
+                   "{:.0f} follows {:.0f}; number them around the polygon",
                    style, first.molecule, beads[end].tag, beads[end - 1].tag);
     const int count = static_cast<int>(end - begin);
     if (count < 3)
-      error->all(FLERR, "{}: ring {:.0f} has {} beads, at least 3 are needed", style,
+      error->all(FLERR, "{}: polygon {:.0f} has {} beads, at least 3 are needed", style,
                  first.molecule, count);
     double area = 0.0, perimeter = 0.0, sum_x = 0.0, sum_y = 0.0;
     for (std::size_t k = begin; k < end; ++k) {
@@ -101,11 +101,12 @@ std::vector<BeadRing> LAMMPS_NS::find_bead_rings(LAMMPS *lmp, const BeadSelectio
       from_to(domain, first, bead, x, y);
       from_to(domain, bead, next, dx, dy);
       if (!is_nearest_image(domain, dx, dy))
-        error->all(FLERR,
-                   "{}: by their image flags atoms {:.0f} and {:.0f} of "
-                   "ring {:.0f} are {:.6g} apart, more than half the box; set flags that make the "
-                   "ring whole (set image, or read_data)",
-                   style, bead.tag, next.tag, first.molecule, std::hypot(dx, dy));
+        error->all(
+            FLERR,
+            "{}: by their image flags atoms {:.0f} and {:.0f} of "
+            "polygon {:.0f} are {:.6g} apart, more than half the box; set flags that make the "
+            "polygon whole (set image, or read_data)",
+            style, bead.tag, next.tag, first.molecule, std::hypot(dx, dy));
       area += 0.5 * (x * dy - y * dx);
       perimeter += std::hypot(dx, dy);
       sum_x += x;
@@ -120,11 +121,11 @@ std::vector<BeadRing> LAMMPS_NS::find_bead_rings(LAMMPS *lmp, const BeadSelectio
   for (int i = 0; i < atom->nlocal; ++i) {
     if (selection.has(i)) continue;
     const tagint molecule = atom->molecule[i];
-    const auto ring =
+    const auto polygon =
         std::lower_bound(found.begin(), found.end(), molecule,
-                         [](const BeadRing &a, tagint sought) { return a.molecule < sought; });
-    if (ring != found.end() && ring->molecule == molecule)
-      error->one(FLERR, "{}: atom {} belongs to ring {} but not to {}", style, atom->tag[i],
+                         [](const BeadPolygon &a, tagint sought) { return a.molecule < sought; });
+    if (polygon != found.end() && polygon->molecule == molecule)
+      error->one(FLERR, "{}: atom {} belongs to polygon {} but not to {}", style, atom->tag[i],
                  molecule, selection.name);
   }
   return found;

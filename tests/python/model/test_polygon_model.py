@@ -1,4 +1,4 @@
-"""Numbers of beads, rest values and effective radii of rings, and the settings they refuse."""
+"""Numbers of beads, rest values and effective radii of polygons, and the settings they refuse."""
 
 from typing import Any
 
@@ -10,34 +10,42 @@ RADII = np.array([0.5, 0.7])
 
 
 def test_numbers_of_the_paper() -> None:
-    rings = deformable.Beads(number=50, radius=0.05).polygons(RADII)
-    assert rings.number.tolist() == [50, 72]
-    assert rings.radius == pytest.approx([0.45, 0.65])
-    assert rings.effective_radius == pytest.approx(RADII - 0.00205, abs=2e-5)
+    polygons = deformable.PolygonModel(vertices=50, radius=0.05).polygons(RADII)
+    assert polygons.number.tolist() == [50, 72]
+    assert polygons.radius == pytest.approx([0.45, 0.65])
+    assert polygons.effective_radius == pytest.approx(RADII - 0.00205, abs=2e-5)
 
 
-def test_smooth_rings_have_the_perimeter_of_the_law() -> None:
-    rings = deformable.Beads(number=80, radius=0.025, kL=480.0, smooth=True).polygons(RADII)
-    assert rings.number.tolist() == [80, 114]
-    assert rings.number * rings.spacing == pytest.approx(2.0 * np.pi * (RADII - 0.025), rel=1e-14)
-    assert rings.spacing == pytest.approx(2.0 * rings.radius * np.sin(np.pi / rings.number))
-    assert rings.effective_radius.tolist() == RADII.tolist()
-    assert rings.skin == pytest.approx([0.025, 0.025], rel=1e-13)
-    assert rings.kP.tolist() == [480.0 / 80, 480.0 / 114]
+def test_smooth_polygons_have_the_perimeter_of_the_law() -> None:
+    polygons = deformable.PolygonModel(vertices=80, radius=0.025, kL=480.0, smooth=True).polygons(
+        RADII
+    )
+    assert polygons.number.tolist() == [80, 114]
+    assert polygons.number * polygons.spacing == pytest.approx(
+        2.0 * np.pi * (RADII - 0.025), rel=1e-14
+    )
+    assert polygons.spacing == pytest.approx(
+        2.0 * polygons.radius * np.sin(np.pi / polygons.number)
+    )
+    assert polygons.effective_radius.tolist() == RADII.tolist()
+    assert polygons.skin == pytest.approx([0.025, 0.025], rel=1e-13)
+    assert polygons.kP.tolist() == [480.0 / 80, 480.0 / 114]
 
 
-def test_few_vertices_are_enough_for_smooth_rings() -> None:
-    assert deformable.Beads(number=8, radius=0.01, smooth=True).polygons(RADII).number[0] == 8
+def test_few_vertices_are_enough_for_smooth_polygons() -> None:
+    assert (
+        deformable.PolygonModel(vertices=8, radius=0.01, smooth=True).polygons(RADII).number[0] == 8
+    )
     with pytest.raises(deformable.ParameterError, match="too few"):
-        deformable.Beads(number=8, radius=0.01).polygons(RADII)
+        deformable.PolygonModel(vertices=8, radius=0.01).polygons(RADII)
     with pytest.raises(deformable.ParameterError, match="too many"):
-        deformable.Beads(number=9000, radius=0.01, smooth=True).polygons(RADII)
+        deformable.PolygonModel(vertices=9000, radius=0.01, smooth=True).polygons(RADII)
 
 
 def test_rest_values_are_those_of_a_regular_polygon() -> None:
-    rings = deformable.Beads(number=[5, 11], radius=0.1).polygons(np.array([0.4, 0.3]))
+    polygons = deformable.PolygonModel(vertices=[5, 11], radius=0.1).polygons(np.array([0.4, 0.3]))
     for n, radius, spacing, area in zip(
-        rings.number, (0.3, 0.2), rings.spacing, rings.area, strict=True
+        polygons.number, (0.3, 0.2), polygons.spacing, polygons.area, strict=True
     ):
         turn = 2.0 * np.pi * np.arange(n) / n
         x, y = radius * np.cos(turn), radius * np.sin(turn)
@@ -48,12 +56,12 @@ def test_rest_values_are_those_of_a_regular_polygon() -> None:
 
 @pytest.mark.parametrize("number", [[50, 80], (50, 80), np.array([50, 80]), np.array([50.0, 80.0])])
 def test_numbers_of_each_species(number: object) -> None:
-    assert deformable.Beads(number=number).polygons(RADII).number.tolist() == [50, 80]
+    assert deformable.PolygonModel(vertices=number).polygons(RADII).number.tolist() == [50, 80]
 
 
 @pytest.mark.parametrize("number", [50, np.int64(50), np.float64(50.0)])
 def test_one_number_is_of_the_smallest(number: int) -> None:
-    assert deformable.Beads(number).polygons(RADII[::-1]).number.tolist() == [72, 50]
+    assert deformable.PolygonModel(number).polygons(RADII[::-1]).number.tolist() == [72, 50]
 
 
 @pytest.mark.parametrize(
@@ -62,7 +70,7 @@ def test_one_number_is_of_the_smallest(number: int) -> None:
 )
 def test_numbers_of_beads_are_whole_and_three_or_more(number: object) -> None:
     with pytest.raises(deformable.ParameterError, match="whole number of beads, at least 3, not"):
-        deformable.Beads(number=number)  # type: ignore[arg-type]
+        deformable.PolygonModel(vertices=number)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("name", ["radius", "kr"])
@@ -71,7 +79,7 @@ def test_numbers_of_beads_are_whole_and_three_or_more(number: object) -> None:
 )
 def test_settings_are_positive(name: str, value: Any) -> None:
     with pytest.raises(deformable.ParameterError, match=f"{name} must be a positive number"):
-        deformable.Beads(**{name: value})
+        deformable.PolygonModel(**{name: value})
 
 
 @pytest.mark.parametrize("name", ["kL", "kA"])
@@ -92,18 +100,18 @@ def test_settings_are_positive(name: str, value: Any) -> None:
 )
 def test_stiffnesses_are_positive(name: str, value: Any, message: str) -> None:
     with pytest.raises(deformable.ParameterError, match=f"{name} must {message}"):
-        deformable.Beads(**{name: value})
+        deformable.PolygonModel(**{name: value})
 
 
 @pytest.mark.parametrize("kind", [list, tuple, np.array])
 def test_stiffnesses_of_each_species(kind: Any) -> None:
-    beads = deformable.Beads(number=[50, 80], kL=kind([1, 2]), kA=3)
-    assert beads == deformable.Beads(number=[50, 80], kL=(1.0, 2.0), kA=3.0)
-    rings = beads.polygons(RADII)
-    assert rings.kL.tolist() == [1.0, 2.0]
-    assert rings.kA.tolist() == [3.0, 3.0]
-    assert rings.kP.tolist() == [1.0 / 50, 2.0 / 80]
-    assert (rings.radius + rings.skin).tolist() == rings.effective_radius.tolist()
+    model = deformable.PolygonModel(vertices=[50, 80], kL=kind([1, 2]), kA=3)
+    assert model == deformable.PolygonModel(vertices=[50, 80], kL=(1.0, 2.0), kA=3.0)
+    polygons = model.polygons(RADII)
+    assert polygons.kL.tolist() == [1.0, 2.0]
+    assert polygons.kA.tolist() == [3.0, 3.0]
+    assert polygons.kP.tolist() == [1.0 / 50, 2.0 / 80]
+    assert (polygons.radius + polygons.skin).tolist() == polygons.effective_radius.tolist()
 
 
 @pytest.mark.parametrize("name", ["kL", "kA"])
@@ -111,33 +119,35 @@ def test_stiffnesses_of_each_species(kind: Any) -> None:
 def test_one_stiffness_a_species(name: str, values: Any) -> None:
     message = r"there are 2 species, so \[1\.0.*\] must have as many numbers"
     with pytest.raises(deformable.ParameterError, match=message):
-        deformable.Beads(**{name: values}).polygons(RADII)
+        deformable.PolygonModel(**{name: values}).polygons(RADII)
 
 
 def test_settings_may_be_numpy_numbers() -> None:
-    beads = deformable.Beads(number=np.int64(12), radius=np.float64(0.1), kL=np.float32(8), kA=2)
-    with deformable.BeadReference(deformable.bidisperse(2, phi=0.1), beads) as rings:
-        assert rings.state().residual == 0.0
+    model = deformable.PolygonModel(
+        vertices=np.int64(12), radius=np.float64(0.1), kL=np.float32(8), kA=2
+    )
+    with deformable.PolygonSimulation(deformable.bidisperse(2, phi=0.1), model) as polygons:
+        assert polygons.state().residual == 0.0
 
 
 @pytest.mark.parametrize("number", [[50], [50, 60, 70]])
 def test_one_number_a_species(number: list[int]) -> None:
     with pytest.raises(deformable.ParameterError, match=r"one for each of 2 species, not \["):
-        deformable.Beads(number=number).polygons(RADII)
+        deformable.PolygonModel(vertices=number).polygons(RADII)
 
 
 @pytest.mark.parametrize("radius", [0.25, 0.5, 3.0])
 def test_beads_are_smaller_than_the_ring(radius: float) -> None:
     with pytest.raises(deformable.ParameterError, match=r"too large for a particle of radius 0\.5"):
-        deformable.Beads(radius=radius).polygons(RADII)
+        deformable.PolygonModel(radius=radius).polygons(RADII)
 
 
 def test_no_bead_slips_through_between_others() -> None:
     with pytest.raises(
         deformable.ParameterError, match=r"20 beads .* radius 0\.7, .* take 21 or more"
     ):
-        deformable.Beads(number=[40, 20], radius=0.05).polygons(RADII)
-    enough = deformable.Beads(number=[40, 21], radius=0.05).polygons(RADII)
+        deformable.PolygonModel(vertices=[40, 20], radius=0.05).polygons(RADII)
+    enough = deformable.PolygonModel(vertices=[40, 21], radius=0.05).polygons(RADII)
     assert enough.spacing[1] < 4.0 * 0.05 < 2.0 * 0.65 * np.sin(np.pi / 20)
     assert np.isfinite(enough.effective_radius).all()
 
@@ -148,23 +158,23 @@ def test_the_number_that_is_asked_for_suffices(
     radii: np.ndarray, number: float, way_out: str, step: int
 ) -> None:
     """One number is that of the smallest species, but a larger species may need more beads."""
-    message = rf"take number = \d+ or {way_out}$"
+    message = rf"take vertices = \d+ or {way_out}$"
     with pytest.raises(deformable.ParameterError, match=message) as error:
-        deformable.Beads(number).polygons(radii)
+        deformable.PolygonModel(number).polygons(radii)
     limit = int(str(error.value).split()[-3])
-    deformable.Beads(limit).polygons(radii)
+    deformable.PolygonModel(limit).polygons(radii)
     with pytest.raises(deformable.ParameterError, match=message):
-        deformable.Beads(limit + step).polygons(radii)
+        deformable.PolygonModel(limit + step).polygons(radii)
 
 
 def test_lammps_lists_the_neighbors_of_the_closest_beads() -> None:
     with pytest.raises(
         deformable.ParameterError, match=r"5000 .* radius 0\.7, .* take 1361 or fewer"
     ):
-        deformable.Beads(number=[50, 5000]).polygons(RADII)
+        deformable.PolygonModel(vertices=[50, 5000]).polygons(RADII)
     jammed = deformable.jam(deformable.bidisperse(8, seed=1))
-    beads = deformable.Beads(number=244, radius=0.15)
-    with deformable.BeadReference(jammed, beads) as rings:
-        assert rings.polygons.spacing == pytest.approx(0.06 * 0.15, rel=1e-2)
-        rings.deform(rings.box * 0.97)
-        assert rings.state().energy > 0.0
+    model = deformable.PolygonModel(vertices=244, radius=0.15)
+    with deformable.PolygonSimulation(jammed, model) as polygons:
+        assert polygons.polygons.spacing == pytest.approx(0.06 * 0.15, rel=1e-2)
+        polygons.deform(polygons.box * 0.97)
+        assert polygons.state().energy > 0.0

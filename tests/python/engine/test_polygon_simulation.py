@@ -1,4 +1,4 @@
-"""Rings of beads in LAMMPS against their energy written down in numpy."""
+"""Bead polygons in LAMMPS against their energy written down in numpy."""
 
 import json
 from collections.abc import Iterator
@@ -8,31 +8,31 @@ from typing import Any
 import deformable
 import numpy as np
 import pytest
-from deformable.engine import bead_reference
+from deformable.engine import polygon_simulation
 from deformable.engine.lammps import gather
-from naive_rings import area, naive, pair
+from naive_polygons import area, naive, pair
 from ranks import python
 
 pytestmark = pytest.mark.filterwarnings("error")
 
 
-SOFT = deformable.Beads(number=14, radius=0.08, kL=[7.0, 20.0], kA=[3.0, 0.5], kr=11.0)
+SOFT = deformable.PolygonModel(vertices=14, radius=0.08, kL=[7.0, 20.0], kA=[3.0, 0.5], kr=11.0)
 
 
 SCENES = [{"number": 5, "seed": 2}, {"number": 4, "seed": 1, "tilt": 0.6, "aspect": 0.7}]
 
 
 @pytest.fixture(params=SCENES, ids=["square", "tilted"])
-def crumpled(request: pytest.FixtureRequest) -> Iterator[deformable.BeadReference]:
-    """Compressed rings whose beads are displaced at random."""
+def crumpled(request: pytest.FixtureRequest) -> Iterator[deformable.PolygonSimulation]:
+    """Compressed polygons whose beads are displaced at random."""
     jammed = deformable.jam(deformable.bidisperse(**request.param))
-    with deformable.BeadReference(jammed, SOFT) as rings:
-        rings.deform(0.96 * rings.box)
-        rings.lmp.command("displace_atoms all random 0.01 0.01 0 5 units box")
-        yield rings
+    with deformable.PolygonSimulation(jammed, SOFT) as sim:
+        sim.deform(0.96 * sim.box)
+        sim.lmp.command("displace_atoms all random 0.01 0.01 0 5 units box")
+        yield sim
 
 
-def test_energy_and_forces_are_the_formula(crumpled: deformable.BeadReference) -> None:
+def test_energy_and_forces_are_the_formula(crumpled: deformable.PolygonSimulation) -> None:
     state = crumpled.state()
     exact = naive(state, state.outlines, state.packing.box)
     force = gather(crumpled.lmp, "f", 3)
@@ -41,7 +41,7 @@ def test_energy_and_forces_are_the_formula(crumpled: deformable.BeadReference) -
     assert not force[:, 2].any()
 
 
-def test_contacts_are_those_of_the_beads(crumpled: deformable.BeadReference) -> None:
+def test_contacts_are_those_of_the_beads(crumpled: deformable.PolygonSimulation) -> None:
     state = crumpled.state()
     contacts = state.contact_table
     exact = naive(state, state.outlines, state.packing.box).contacts
@@ -61,7 +61,7 @@ def test_contacts_are_those_of_the_beads(crumpled: deformable.BeadReference) -> 
     assert total == pytest.approx(np.array([f.sum(axis=0) for f in force]), abs=1e-12)
 
 
-def test_stress_is_the_derivative_of_the_energy(crumpled: deformable.BeadReference) -> None:
+def test_stress_is_the_derivative_of_the_energy(crumpled: deformable.PolygonSimulation) -> None:
     state = crumpled.state()
     volume = np.prod(state.packing.box.diagonal())
     step = 1e-6
@@ -70,7 +70,7 @@ def test_stress_is_the_derivative_of_the_energy(crumpled: deformable.BeadReferen
         for sign in (-1.0, 1.0):
             stretch = np.eye(2)
             stretch[a, b] += sign * step  # rows are positions: x' = x + sign step y for (1, 0)
-            moved = [ring @ stretch for ring in state.outlines]
+            moved = [outline @ stretch for outline in state.outlines]
             energy.append(naive(state, moved, state.packing.box @ stretch).energy)
         slope = (energy[1] - energy[0]) / (2.0 * step)
         # truncation by step^2 and rounding by eps/step leave 1e-8 of the largest term
@@ -78,23 +78,23 @@ def test_stress_is_the_derivative_of_the_energy(crumpled: deformable.BeadReferen
     assert state.pressure == pytest.approx(np.trace(state.stress) / 2.0)
 
 
-def test_areas_perimeters_and_centers(crumpled: deformable.BeadReference) -> None:
+def test_areas_perimeters_and_centers(crumpled: deformable.PolygonSimulation) -> None:
     state = crumpled.state()
-    assert state.area == pytest.approx([area(ring) for ring in state.outlines], rel=1e-12)
-    sides = [ring - np.roll(ring, 1, axis=0) for ring in state.outlines]
+    assert state.area == pytest.approx([area(outline) for outline in state.outlines], rel=1e-12)
+    sides = [outline - np.roll(outline, 1, axis=0) for outline in state.outlines]
     assert state.perimeter == pytest.approx([np.hypot(*side.T).sum() for side in sides], rel=1e-12)
-    assert max(np.hypot(*side.T).max() for side in sides) < 0.4  # rings are whole
-    centers = [ring.mean(axis=0) for ring in state.outlines]
+    assert max(np.hypot(*side.T).max() for side in sides) < 0.4  # polygons are whole
+    centers = [outline.mean(axis=0) for outline in state.outlines]
     assert state.packing.positions == pytest.approx(np.array(centers))
     assert state.phi == pytest.approx(state.area.sum() / np.prod(state.packing.box.diagonal()))
     rest = state.polygons.area[state.packing.species]
     assert state.area_deficit == pytest.approx(rest - state.area)
 
 
-def test_undeformed_rings_are_at_rest() -> None:
+def test_undeformed_polygons_are_at_rest() -> None:
     loose = deformable.bidisperse(2, phi=0.05, tilt=0.3)
-    with deformable.BeadReference(loose, SOFT) as rings:
-        state = rings.state()
+    with deformable.PolygonSimulation(loose, SOFT) as sim:
+        state = sim.state()
         # lengths are off by roundings of coordinates below 8: 14 and 23 springs, (8 eps)^2 each
         stiffness = state.polygons.number @ state.polygons.kL
         assert state.energy < 0.5 * stiffness * (8 * np.finfo(float).eps) ** 2
@@ -102,8 +102,8 @@ def test_undeformed_rings_are_at_rest() -> None:
         assert (state.residual, state.coordination) == (0.0, 0.0)
         assert state.packing.positions == pytest.approx(loose.positions, abs=1e-14)
         e = 0.01
-        rings.deform((1.0 + e) * rings.box)
-        stretched = rings.state()
+        sim.deform((1.0 + e) * sim.box)
+        stretched = sim.state()
     of_each, rest = loose.species, state.perimeter
     number = state.polygons.number[of_each]
     assert rest == pytest.approx(number * state.polygons.spacing[of_each], rel=1e-13)
@@ -115,9 +115,9 @@ def test_undeformed_rings_are_at_rest() -> None:
     )
 
 
-def test_rings_that_meet_through_several_images() -> None:
-    with deformable.BeadReference(pair(1.4), deformable.Beads(number=24)) as rings:
-        state = rings.relax(0.01)
+def test_polygons_that_meet_through_several_images() -> None:
+    with deformable.PolygonSimulation(pair(1.4), deformable.PolygonModel(vertices=24)) as sim:
+        state = sim.relax(0.01)
     assert state.residual <= 0.01
     assert state.contact_table.i.tolist() == [0] * 4
     assert state.contact_table.j.tolist() == [1] * 4
@@ -131,29 +131,29 @@ def test_rings_that_meet_through_several_images() -> None:
     )
 
 
-def test_rings_touch_at_the_effective_radius() -> None:
+def test_polygons_touch_at_the_effective_radius() -> None:
     """Flat contacts of nine beads a side: facing rows interlock."""
-    beads = deformable.Beads(number=152, radius=0.01, kr=1000.0)
+    model = deformable.PolygonModel(vertices=152, radius=0.01, kr=1000.0)
     width = 2.0**0.5
-    with deformable.BeadReference(pair(width), beads) as rings:
-        # the rings start bead on bead: turn one by 0.3 spacings, and relaxation does the rest
-        rings.lmp.command("group turned molecule 2")
+    with deformable.PolygonSimulation(pair(width), model) as sim:
+        # the polygons start bead on bead: turn one by 0.3 spacings, and relaxation does the rest
+        sim.lmp.command("group turned molecule 2")
         turn = f"{0.5 * width!r} {0.5 * width!r} 0 0 0 1 {0.3 * 360.0 / 152}"
-        rings.lmp.command(f"displace_atoms turned rotate {turn} units box")
+        sim.lmp.command(f"displace_atoms turned rotate {turn} units box")
         for strain in (0.02, 0.04):
-            rings.deform((1.0 - strain) * width * np.eye(2))
-            state = rings.relax(0.01)
+            sim.deform((1.0 - strain) * width * np.eye(2))
+            state = sim.relax(0.01)
     (radius,), (spacing,) = state.polygons.radius, state.polygons.spacing
     normal, tangent = np.array([1.0, 1.0]) / np.sqrt(2.0), np.array([-1.0, 1.0]) / np.sqrt(2.0)
     middle = state.packing.positions.mean(axis=0)
     rows = []
-    for side, ring in zip((-1.0, 1.0), state.outlines, strict=True):
-        t, n = (ring - middle) @ tangent, (ring - middle) @ normal
+    for side, outline in zip((-1.0, 1.0), state.outlines, strict=True):
+        t, n = (outline - middle) @ tangent, (outline - middle) @ normal
         rows.append(n[(np.abs(t) < 2.0 * spacing) & (side * n < 0.5 * radius)])
     gap = rows[1].mean() - rows[0].mean()
-    roughness = 2.0 * beads.radius - np.sqrt(4.0 * beads.radius**2 - 0.25 * spacing**2)
+    roughness = 2.0 * model.radius - np.sqrt(4.0 * model.radius**2 - 0.25 * spacing**2)
     predicted = 2.0 * (state.polygons.effective_radius[0] - radius)
-    assert predicted == pytest.approx(2.0 * beads.radius - roughness)
+    assert predicted == pytest.approx(2.0 * model.radius - roughness)
     # beads give way by kA S L0 / kr < 1e-4 of it, springs by less; 1 % is for the residual
     assert abs(gap - predicted) < 0.01 * roughness
 
@@ -161,10 +161,10 @@ def test_rings_touch_at_the_effective_radius() -> None:
 @pytest.mark.parametrize("kA", [1.0, (2.0, 20.0)])
 def test_relaxation_ends_at_the_tolerance(kA: Any) -> None:
     jammed = deformable.jam(deformable.bidisperse(6, seed=1))
-    with deformable.BeadReference(jammed, deformable.Beads(number=20, kA=kA)) as rings:
-        rings.deform(0.97 * rings.box)
-        state = rings.relax(0.02)
-        force = np.linalg.norm(gather(rings.lmp, "f", 3), axis=1).max()
+    with deformable.PolygonSimulation(jammed, deformable.PolygonModel(vertices=20, kA=kA)) as sim:
+        sim.deform(0.97 * sim.box)
+        state = sim.relax(0.02)
+        force = np.linalg.norm(gather(sim.lmp, "f", 3), axis=1).max()
         pressure = np.resize(kA, 2)[jammed.species] * np.maximum(state.area_deficit, 0.0)
         borne = np.mean(pressure * state.polygons.spacing[jammed.species])
         assert 0.0 < force <= 0.02 * borne
@@ -172,25 +172,27 @@ def test_relaxation_ends_at_the_tolerance(kA: Any) -> None:
         assert not state.stalled
 
 
-def test_stiff_areas_of_soft_rings_relax() -> None:
+def test_stiff_areas_of_soft_polygons_relax() -> None:
     """Then the whole ring oscillates faster than any spring, and the time step is shorter."""
-    beads = deformable.Beads(number=20, kL=1.0, kA=[1.0, 1e3], kr=1.0)
+    model = deformable.PolygonModel(vertices=20, kL=1.0, kA=[1.0, 1e3], kr=1.0)
     jammed = deformable.jam(deformable.bidisperse(6, seed=1))
-    with deformable.BeadReference(jammed, beads) as rings:
-        rings.deform(0.97 * rings.box)
-        state = rings.relax(0.05)
+    with deformable.PolygonSimulation(jammed, model) as sim:
+        sim.deform(0.97 * sim.box)
+        state = sim.relax(0.05)
     assert state.residual <= 0.05
     assert state.energy > 0.0
 
 
 @pytest.mark.parametrize("change", [0.0, -0.002, 0.02])
-def test_loose_rings_relax_at_once(change: float) -> None:
+def test_loose_polygons_relax_at_once(change: float) -> None:
     jammed = deformable.jam(deformable.bidisperse(6, seed=1))
-    with deformable.BeadReference(jammed.at(jammed.phi - 0.02), deformable.Beads(30)) as rings:
-        rings.deform((1.0 + change) * rings.box)
-        assert np.isfinite(rings.state().residual)
-        state = rings.relax()
-        assert rings.lmp.extract_global("ntimestep") < 5000
+    with deformable.PolygonSimulation(
+        jammed.at(jammed.phi - 0.02), deformable.PolygonModel(30)
+    ) as sim:
+        sim.deform((1.0 + change) * sim.box)
+        assert np.isfinite(sim.state().residual)
+        state = sim.relax()
+        assert sim.lmp.extract_global("ntimestep") < 5000
     assert (state.residual, state.stalled) == (0.0, False)
     assert state.energy < 1e-20
     assert len(state.contact_table.i) == 0
@@ -198,23 +200,23 @@ def test_loose_rings_relax_at_once(change: float) -> None:
 
 def test_compress_yields_states() -> None:
     jammed = deformable.jam(deformable.bidisperse(6, seed=1))
-    with deformable.BeadReference(jammed, deformable.Beads(number=20)) as rings:
-        states = list(deformable.compress(rings, strain=0.04, steps=2, tolerance=0.05))
-        assert rings.box == pytest.approx(0.96 * jammed.box)
-    assert [type(state) for state in states] == [deformable.BeadState] * 2
+    with deformable.PolygonSimulation(jammed, deformable.PolygonModel(vertices=20)) as sim:
+        states = list(deformable.compress(sim, strain=0.04, steps=2, tolerance=0.05))
+        assert sim.box == pytest.approx(0.96 * jammed.box)
+    assert [type(state) for state in states] == [deformable.PolygonState] * 2
     assert 0.0 < states[0].energy < states[1].energy
     assert 0.0 < states[0].pressure < states[1].pressure
     assert states[0].packing.box == pytest.approx(0.98 * jammed.box)
 
 
 def test_a_stalled_relaxation_warns(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(bead_reference, "_ITERATIONS", 10)
-    monkeypatch.setattr(bead_reference, "_PATIENCE", 20)
+    monkeypatch.setattr(polygon_simulation, "_ITERATIONS", 10)
+    monkeypatch.setattr(polygon_simulation, "_PATIENCE", 20)
     jammed = deformable.jam(deformable.bidisperse(6, seed=1))
-    with deformable.BeadReference(jammed, deformable.Beads(number=20)) as rings:
-        rings.deform(0.97 * rings.box)
+    with deformable.PolygonSimulation(jammed, deformable.PolygonModel(vertices=20)) as sim:
+        sim.deform(0.97 * sim.box)
         with pytest.warns(deformable.StalledWarning, match=r"stalled: the largest force is .* not"):
-            state = rings.relax(1e-9)
+            state = sim.relax(1e-9)
     assert state.stalled
     assert state.residual > 1e-9
 
@@ -225,10 +227,10 @@ from mpi4py import MPI
 import deformable
 
 jammed = deformable.jam(deformable.bidisperse(6, seed=3, tilt=0.2))
-with deformable.BeadReference(jammed, deformable.Beads(number=20)) as rings:
-    rings.deform(0.97 * rings.box)
-    rings.lmp.command("minimize 0 0 100 200")
-    state = rings.state()
+with deformable.PolygonSimulation(jammed, deformable.PolygonModel(vertices=20)) as polygons:
+    polygons.deform(0.97 * polygons.box)
+    polygons.lmp.command("minimize 0 0 100 200")
+    state = polygons.state()
 contacts = state.contact_table
 seen = [
     state.energy, state.residual, *state.stress.ravel(), *state.area, *state.perimeter,
@@ -250,25 +252,25 @@ def test_two_ranks_give_the_serial_answer(tmp_path: Path) -> None:
 
 
 def test_errors_of_lammps_come_as_one_line() -> None:
-    with deformable.BeadReference(pair(1.42), deformable.Beads(20)) as rings:
-        rings.lmp.command("displace_atoms all random 3 3 0 1 units box")
+    with deformable.PolygonSimulation(pair(1.42), deformable.PolygonModel(20)) as sim:
+        sim.lmp.command("displace_atoms all random 3 3 0 1 units box")
         with pytest.raises(deformable.LammpsError, match=r"atoms .* apart|[Bb]ond atoms") as caught:
-            rings.relax()
+            sim.relax()
     assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, float("nan")])
 def test_tolerances_are_positive(tolerance: float) -> None:
     with (
-        deformable.BeadReference(pair(1.42), deformable.Beads(20)) as rings,
+        deformable.PolygonSimulation(pair(1.42), deformable.PolygonModel(20)) as sim,
         pytest.raises(deformable.ParameterError, match="tolerance"),
     ):
-        rings.relax(tolerance)
+        sim.relax(tolerance)
 
 
 @pytest.mark.parametrize("box", [[[-5, 0], [0, 5]], [[5, 1], [0, 5]], [[5, 0], [np.nan, 5]]])
 def test_bad_boxes_change_nothing(box: list[list[float]]) -> None:
-    with deformable.BeadReference(pair(1.42), deformable.Beads(20)) as rings:
+    with deformable.PolygonSimulation(pair(1.42), deformable.PolygonModel(20)) as sim:
         with pytest.raises(deformable.ParameterError, match="box must be"):
-            rings.deform(np.array(box))
-        assert rings.box == pytest.approx(1.42 * np.eye(2))
+            sim.deform(np.array(box))
+        assert sim.box == pytest.approx(1.42 * np.eye(2))

@@ -1,10 +1,10 @@
-"""Smooth rings in LAMMPS: the packing of smooth_packing.json, and a scene of two rings."""
+"""Smooth polygons in LAMMPS: the packing of smooth_packing.json, and a scene of two polygons."""
 
 import json
 from pathlib import Path
 
 import numpy as np
-from rings import Rings, lattice, regular
+from polygons import Polygons, lattice, regular
 
 DATA = json.loads((Path(__file__).parents[1] / "data" / "smooth_packing.json").read_text())
 STATES = {state["state"].split(":")[0]: state for state in DATA["states"]}
@@ -41,7 +41,7 @@ def centered(state):
 
 def packing(state, shift=(0.0, 0.0), pair=CONTACTS, **options):
     options = {"header": HEADER, "commands": EXCLUDE + AREAS} | options
-    return Rings(
+    return Polygons(
         [outline + shift for outline in centered(state)],
         box=DATA["box"],
         types=[kind + 1 for kind in DATA["species"]],
@@ -50,15 +50,15 @@ def packing(state, shift=(0.0, 0.0), pair=CONTACTS, **options):
     )
 
 
-# Two rings in contact across a corner of a box of 4 x 4. The second one is clockwise.
+# Two polygons in contact across a corner of a box of 4 x 4. The second one is clockwise.
 BOX, TILT = (4.0, 4.0), 0.9
 FIRST = regular(11, 0.6, (1.7, 1.8))
 SECOND = regular(17, 0.9, (1.7 + 1.46, 1.8 + 0.47))[::-1]
 TWO = "pair_style deformable/edge 0.4\npair_coeff * * 3.0 0.15\n"
 
 
-def two_rings(outlines=(FIRST, SECOND), tilt=0.0, pair=TWO, commands="", **options):
-    return Rings(
+def two_polygons(outlines=(FIRST, SECOND), tilt=0.0, pair=TWO, commands="", **options):
+    return Polygons(
         outlines,
         box=BOX,
         tilt=tilt,
@@ -69,35 +69,35 @@ def two_rings(outlines=(FIRST, SECOND), tilt=0.0, pair=TWO, commands="", **optio
     )
 
 
-def of_contacts(rings):
+def of_contacts(polygons):
     """The energy of the contacts in the last call."""
-    return rings.lmp.extract_compute("contacts", 0, 0)
+    return polygons.lmp.extract_compute("contacts", 0, 0)
 
 
 def expected_energy(outlines, cell, parameters):
-    """Sum over vertices a and edges k of other rings of phi(dist(a, edge)) - phi(|a - v_k|).
+    """Sum over vertices a and edges k of other polygons of phi(dist(a, edge)) - phi(|a - v_k|).
 
-    Over all images within one box; parameters(m, n): kr and c of the rings m and n.
+    Over all images within one box; parameters(m, n): kr and c of the polygons m and n.
     """
 
     def phi(d, kr, c):
         return (kr / 2 * np.maximum(c - d, 0) ** 2).sum()
 
     energy = 0.0
-    for m, ring in enumerate(outlines):
+    for m, polygon in enumerate(outlines):
         for n, other in enumerate(outlines):
             if m == n:
                 continue
             kr, c = parameters(m, n)
-            apart = ring.mean(0) - other.mean(0)
+            apart = polygon.mean(0) - other.mean(0)
             nearest = np.round(apart @ np.linalg.inv(cell))
-            size = sum(np.hypot(*(v - v.mean(0)).T).max() for v in (ring, other))
+            size = sum(np.hypot(*(v - v.mean(0)).T).max() for v in (polygon, other))
             e = np.roll(other, -1, axis=0) - other
             for image in np.ndindex(3, 3):
                 shift = (np.array(image) - 1 - nearest) @ cell
                 if np.hypot(*(apart + shift)) > size + c:
                     continue
-                p = ring[:, None] + shift - other
+                p = polygon[:, None] + shift - other
                 t = np.clip((p * e).sum(2) / (e * e).sum(1), 0, 1)
                 foot = p - t[..., None] * e
                 energy += phi(np.hypot(*np.moveaxis(foot, 2, 0)), kr, c)

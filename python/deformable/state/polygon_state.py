@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core import angles
-from ..model.beads import Beads, Polygons
 from ..model.packing import Packing
+from ..model.polygons import PolygonModel, Polygons
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,13 +75,13 @@ def steiner_point(outline: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BeadState:
+class PolygonState:
     """A snapshot, the same on every rank. Polygons are numbered from 0.
 
     Attributes:
         packing: centers, species, radii and box. The center of a bead polygon is the mean of its
             beads; that of a smooth one its Steiner point, which is the center in the ring laws.
-        beads: the settings.
+        model: the settings.
         polygons: the undeformed polygons.
         outlines: beads of each polygon, unwrapped around its center, arrays (N_v, 2) [length].
         area: of the polygons, shape (N,) [length^2].
@@ -95,7 +95,7 @@ class BeadState:
     """
 
     packing: Packing
-    beads: Beads
+    model: PolygonModel
     polygons: Polygons
     outlines: list[NDArray[np.float64]]
     area: NDArray[np.float64]
@@ -108,7 +108,7 @@ class BeadState:
 
     def __repr__(self) -> str:
         return (
-            f"<BeadState: {len(self.packing)} polygons, phi = {self.phi:.4f}, "
+            f"<PolygonState: {len(self.packing)} polygons, phi = {self.phi:.4f}, "
             f"pressure = {self.pressure:.3g}, z = {self.coordination:.2f}>"
         )
 

@@ -1,4 +1,4 @@
-"""Rings of beads in LAMMPS, with springs along them, contacts between them, and the area term."""
+"""Bead polygons in LAMMPS, with springs along them, contacts between them, and the area term."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -10,7 +10,7 @@ from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
 KA, KL, KR = 2.0, 3.0, 5.0
 SPACING, DIAMETER = 0.8, 0.5  # rest length of the springs, range of the contacts
 AREA = f"fix area all deformable/polygon {KA}\n"
-REST = f"fix area all deformable/polygon {KA} rest 1.4\n"  # one ring is larger, one smaller
+REST = f"fix area all deformable/polygon {KA} rest 1.4\n"  # one polygon is larger, one smaller
 SPRINGS = f"""
 special_bonds lj 1 1 1
 neigh_modify exclude molecule/intra all
@@ -36,7 +36,7 @@ thermo_style custom step pe ke c_virial[1] c_virial[2] c_virial[4]
 thermo_modify norm no
 """
 
-# Two rings that touch, of seven beads counterclockwise and of five clockwise, in a box of 4 x 3.6
+# Two polygons that touch, of seven beads counterclockwise and five clockwise, in a box of 4 x 3.6
 # around the origin. The first one crosses the end of the box in x, the second one a corner.
 TURN = 0.1 + 2 * np.pi * np.arange(7) / 7
 SEVEN = np.column_stack([1.7 + 0.9 * np.cos(TURN), 0.7 * np.sin(TURN) + 0.1 * np.cos(3 * TURN)])
@@ -65,17 +65,17 @@ def regular(number, radius, center=(0, 0)):
 
 
 def data_file(outlines, box=BOX, tilt=0.0, molecules=None, others=(), types=None, other_type=1):
-    """Rings, then atoms that belong to no molecule. types: of the atoms and bonds of each ring."""
+    """Polygons, then atoms that belong to no molecule. types: of atoms and bonds of each."""
     types = types or [1] * len(outlines)
     kinds = max(*types, other_type)
     atoms, bonds, first = [], [], 1
-    for molecule, ring, kind in zip(molecules or range(1, 99), outlines, types, strict=False):
-        for k, (x, y) in enumerate(np.asarray(ring, float).tolist()):
+    for molecule, polygon, kind in zip(molecules or range(1, 99), outlines, types, strict=False):
+        for k, (x, y) in enumerate(np.asarray(polygon, float).tolist()):
             atoms.append(f"{first + k} {molecule} {kind} {x!r} {y!r} 0")
-            bonds.append(f"{first + k} {kind} {first + k} {first + (k + 1) % len(ring)}")
-        first += len(ring)
+            bonds.append(f"{first + k} {kind} {first + k} {first + (k + 1) % len(polygon)}")
+        first += len(polygon)
     atoms += [f"{first + k} 0 {other_type} {x} {y} 0" for k, (x, y) in enumerate(others)]
-    return f"""rings
+    return f"""polygons
 
 {len(atoms)} atoms
 {len(bonds)} bonds
@@ -102,8 +102,8 @@ Masses
     )
 
 
-class Rings:
-    """Rings of beads in a periodic box around the origin, from unwrapped places of the beads."""
+class Polygons:
+    """Polygons of beads in a periodic box around the origin, from unwrapped places of the beads."""
 
     def __init__(
         self,
@@ -135,7 +135,7 @@ class Rings:
 
     @property
     def shift(self):
-        """From the places of the beads in the box to those along their rings."""
+        """From the places of the beads in the box to those along their polygons."""
         box = [self.lmp.get_thermo(key) for key in ("lx", "ly")]
         return self.gather("image", 3, 0) @ lattice(box, self.lmp.get_thermo("xy"))
 

@@ -1,4 +1,4 @@
-#include "ring_edges.h"
+#include "polygon_edges.h"
 
 #include "atom.h"
 #include "domain.h"
@@ -12,45 +12,47 @@ using namespace LAMMPS_NS;
 
 /* ---------------------------------------------------------------------- */
 
-void RingEdges::find(const BeadSelection &selection)
+void PolygonEdges::find(const BeadSelection &selection)
 {
-  rings = find_bead_rings(lmp, selection);
-  std::sort(rings.begin(), rings.end(),
-            [](const BeadRing &a, const BeadRing &b) { return a.first < b.first; });
+  polygons = find_bead_polygons(lmp, selection);
+  std::sort(polygons.begin(), polygons.end(),
+            [](const BeadPolygon &a, const BeadPolygon &b) { return a.first < b.first; });
   most_vertices = 0;
-  for (const BeadRing &ring : rings) most_vertices = std::max(most_vertices, ring.beads);
+  for (const BeadPolygon &polygon : polygons)
+    most_vertices = std::max(most_vertices, polygon.beads);
 }
 
 /* ----------------------------------------------------------------------
-   Atoms that follow each other are often of one ring.
+   Atoms that follow each other are often of one polygon.
 ------------------------------------------------------------------------- */
 
-int RingEdges::ring_of(tagint tag, int guess) const
+int PolygonEdges::polygon_of(tagint tag, int guess) const
 {
-  const auto has = [this, tag](int ring) {
-    return tag >= rings[ring].first && tag < rings[ring].first + rings[ring].beads;
+  const auto has = [this, tag](int polygon) {
+    return tag >= polygons[polygon].first &&
+           tag < polygons[polygon].first + polygons[polygon].beads;
   };
   if (guess >= 0 && has(guess)) return guess;
-  const auto after =
-      std::upper_bound(rings.begin(), rings.end(), tag,
-                       [](tagint sought, const BeadRing &ring) { return sought < ring.first; });
-  const int ring = static_cast<int>(after - rings.begin()) - 1;
-  return ring >= 0 && has(ring) ? ring : -1;
+  const auto after = std::upper_bound(
+      polygons.begin(), polygons.end(), tag,
+      [](tagint sought, const BeadPolygon &polygon) { return sought < polygon.first; });
+  const int polygon = static_cast<int>(after - polygons.begin()) - 1;
+  return polygon >= 0 && has(polygon) ? polygon : -1;
 }
 
 /* ---------------------------------------------------------------------- */
 
-void RingEdges::link(double longest, double range)
+void PolygonEdges::link(double longest, double range)
 {
   edges.assign(atom->nlocal + atom->nghost, {-1, -1});
-  int ring = -1;
+  int polygon = -1;
   for (int i = 0; i < static_cast<int>(edges.size()); ++i) {
-    ring = ring_of(atom->tag[i], ring);
-    edges[i].ring = ring;
-    if (ring >= 0) link_successor(i, longest);
+    polygon = polygon_of(atom->tag[i], polygon);
+    edges[i].polygon = polygon;
+    if (polygon >= 0) link_successor(i, longest);
   }
   const double least = refuse_small_box(longest, range);
-  // no ring is wider than half its perimeter
+  // no polygon is wider than half its perimeter
   if (0.5 * most_vertices * longest + range > least) refuse_own_images(range);
 }
 
@@ -60,16 +62,16 @@ void RingEdges::link(double longest, double range)
    ghost may have none, if its successor is beyond the ghost cutoff.
 ------------------------------------------------------------------------- */
 
-void RingEdges::link_successor(int i, double longest)
+void PolygonEdges::link_successor(int i, double longest)
 {
   const double *const *x = atom->x;
   const auto square = [i, x](int j) {
     const double dx = x[j][0] - x[i][0], dy = x[j][1] - x[i][1];
     return dx * dx + dy * dy;
   };
-  const BeadRing &ring = rings[edges[i].ring];
-  const tagint last = ring.first + ring.beads - 1;
-  const tagint successor = atom->tag[i] == last ? ring.first : atom->tag[i] + 1;
+  const BeadPolygon &polygon = polygons[edges[i].polygon];
+  const tagint last = polygon.first + polygon.beads - 1;
+  const tagint successor = atom->tag[i] == last ? polygon.first : atom->tag[i] + 1;
   const bool local = i < atom->nlocal;
   int next = i + 1;
   if (next >= static_cast<int>(edges.size()) || atom->tag[next] != successor ||
@@ -80,31 +82,33 @@ void RingEdges::link_successor(int i, double longest)
   else if (!local)
     return;
   else if (next < 0)
-    error->one(FLERR,
-               "{}: atom {} of ring {} is not found beside atom {}: lost, or farther away than l, "
-               "the longest edge allowed, {:.6g}",
-               style, successor, ring.molecule, atom->tag[i], longest);
+    error->one(
+        FLERR,
+        "{}: atom {} of polygon {} is not found beside atom {}: lost, or farther away than l, "
+        "the longest edge allowed, {:.6g}",
+        style, successor, polygon.molecule, atom->tag[i], longest);
   else
-    error->one(FLERR,
-               "{}: the edge of ring {} from atom {} to atom {} is {:.6g} long, but l, the longest "
-               "edge allowed, is {:.6g}: use a larger l",
-               style, ring.molecule, atom->tag[i], successor, std::sqrt(square(next)), longest);
+    error->one(
+        FLERR,
+        "{}: the edge of polygon {} from atom {} to atom {} is {:.6g} long, but l, the longest "
+        "edge allowed, is {:.6g}: use a larger l",
+        style, polygon.molecule, atom->tag[i], successor, std::sqrt(square(next)), longest);
   if (local && atom->type[next] != atom->type[i])
-    error->one(FLERR, "{}: the atoms of ring {} are of types {} and {}, they must have one", style,
-               ring.molecule, atom->type[i], atom->type[next]);
+    error->one(FLERR, "{}: the atoms of polygon {} are of types {} and {}, they must have one",
+               style, polygon.molecule, atom->type[i], atom->type[next]);
 }
 
 /* ----------------------------------------------------------------------
    Distances between opposite faces of the box.
 ------------------------------------------------------------------------- */
 
-double RingEdges::across() const
+double PolygonEdges::across() const
 {
   const double up = domain->yprd;
   return domain->triclinic ? domain->xprd * up / std::hypot(up, domain->xy) : domain->xprd;
 }
 
-double RingEdges::refuse_small_box(double longest, double range) const
+double PolygonEdges::refuse_small_box(double longest, double range) const
 {
   double least = std::numeric_limits<double>::infinity();
   if (domain->xperiodic) least = across();
@@ -123,24 +127,24 @@ double RingEdges::refuse_small_box(double longest, double range) const
 }
 
 /* ----------------------------------------------------------------------
-   No ring meets an image of itself if it is narrower than the box, by the
+   No polygon meets an image of itself if it is narrower than the box, by the
    range of contacts, along the normals of all faces.
 ------------------------------------------------------------------------- */
 
-void RingEdges::refuse_own_images(double range)
+void PolygonEdges::refuse_own_images(double range)
 {
   const double across = this->across(), up = domain->yprd;
-  // largest and minus smallest projection of each ring on both normals
-  extents.assign(4 * rings.size(), -std::numeric_limits<double>::max());
+  // largest and minus smallest projection of each polygon on both normals
+  extents.assign(4 * polygons.size(), -std::numeric_limits<double>::max());
   for (int i = 0; i < atom->nlocal; ++i) {
-    if (edges[i].ring < 0) continue;
-    const BeadRing &ring = rings[edges[i].ring];
+    if (edges[i].polygon < 0) continue;
+    const BeadPolygon &polygon = polygons[edges[i].polygon];
     const imageint image = atom->image[i];
     double y = (atom->x[i][1] - domain->boxlo[1]) / domain->yprd;
     double x = atom->x[i][0] - domain->boxlo[0] - (domain->triclinic ? y * domain->xy : 0.0);
-    x = across * (x / domain->xprd + boxes_between(ring.image_x, image_x(image)));
-    y = up * (y + boxes_between(ring.image_y, image_y(image)));
-    double *of_ring = &extents[4 * edges[i].ring];
+    x = across * (x / domain->xprd + boxes_between(polygon.image_x, image_x(image)));
+    y = up * (y + boxes_between(polygon.image_y, image_y(image)));
+    double *of_ring = &extents[4 * edges[i].polygon];
     for (const double projection : {x, -x, y, -y}) {
       *of_ring = std::max(*of_ring, projection);
       ++of_ring;
@@ -148,24 +152,25 @@ void RingEdges::refuse_own_images(double range)
   }
   MPI_Allreduce(MPI_IN_PLACE, extents.data(), static_cast<int>(extents.size()), MPI_DOUBLE, MPI_MAX,
                 world);
-  for (std::size_t r = 0; r < rings.size(); ++r) {
+  for (std::size_t r = 0; r < polygons.size(); ++r) {
     const double *of_ring = &extents[4 * r];
     const double width = of_ring[0] + of_ring[1], height = of_ring[2] + of_ring[3];
     const bool wide = domain->xperiodic && !(width + range < across);
     const bool high = domain->yperiodic && !(height + range < up);
     if (wide || high)
-      error->all(FLERR,
-                 "{}: ring {} may meet its own image: it is {:.6g} wide, and the box {:.6g}: use a "
-                 "larger box (replicate)",
-                 style, rings[r].molecule, wide ? width : height, wide ? across : up);
+      error->all(
+          FLERR,
+          "{}: polygon {} may meet its own image: it is {:.6g} wide, and the box {:.6g}: use a "
+          "larger box (replicate)",
+          style, polygons[r].molecule, wide ? width : height, wide ? across : up);
   }
 }
 
 /* ---------------------------------------------------------------------- */
 
-double RingEdges::memory_usage() const
+double PolygonEdges::memory_usage() const
 {
-  return static_cast<double>(rings.capacity() * sizeof(BeadRing) +
+  return static_cast<double>(polygons.capacity() * sizeof(BeadPolygon) +
                              edges.capacity() * sizeof(RingEdge) +
                              extents.capacity() * sizeof(double));
 }

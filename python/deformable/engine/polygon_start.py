@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from ..common.errors import ParameterError
 from ..core import unit_vectors
 from ..io.data_file import data_file
-from ..model.beads import Beads, Polygons
 from ..model.lattice import cartesian, fractional
 from ..model.packing import Packing
+from ..model.polygons import PolygonModel, Polygons
 from ..model.walls import Walls
 
 
@@ -30,7 +30,21 @@ def _translations(box: NDArray[np.float64]) -> NDArray[np.float64]:
     return cartesian(np.array([(1, 0), (-1, 1), (0, 1), (1, 1)]), upright)
 
 
-def refuse_overlap(packing: Packing, beads: Beads) -> None:
+def refuse_start(
+    packing: Packing,
+    positions: list[NDArray[np.float64]],
+    model: PolygonModel,
+    walls: Walls | None,
+) -> None:
+    """Refuse polygons that cannot start where they are."""
+    if walls is None:
+        _refuse_overlap(packing, model)
+        refuse_own_image(positions, packing.box, model.radius)
+    else:
+        _refuse_outside(packing, model, walls)
+
+
+def _refuse_overlap(packing: Packing, model: PolygonModel) -> None:
     """Refuse polygons that overlap by more than a bead radius: they could stay entangled."""
     steps = _translations(packing.box)
     cell = steps[[0, 2]]
@@ -40,11 +54,11 @@ def refuse_overlap(packing: Packing, beads: Beads) -> None:
         apart -= cartesian(np.rint(fractional(apart, cell)), cell)
         distance = np.hypot(*np.moveaxis(apart[:, None] + steps, -1, 0)).min(axis=1)
         overlap = packing.radius[n + 1 :] + radius - distance
-        if overlap.max(initial=0.0) > beads.radius:
+        if overlap.max(initial=0.0) > model.radius:
             raise ParameterError(
                 f"particles {n} and {n + 1 + int(overlap.argmax())} overlap by "
                 f"{overlap.max():.3g}, but polygons may overlap by at most the bead radius "
-                f"{beads.radius:g} at the start: take a packing at jamming"
+                f"{model.radius:g} at the start: take a packing at jamming"
             )
 
 
@@ -62,7 +76,7 @@ def refuse_own_image(
                 )
 
 
-def refuse_outside(packing: Packing, beads: Beads, walls: Walls) -> None:
+def _refuse_outside(packing: Packing, model: PolygonModel, walls: Walls) -> None:
     """Refuse a polygon that starts beyond its walls, or beyond the box around them."""
     if len(packing) != 1 or packing.positions.any():
         raise ParameterError("walls must be around a single particle at the origin")
@@ -72,7 +86,7 @@ def refuse_outside(packing: Packing, beads: Beads, walls: Walls) -> None:
             f"walls need a rectangular box wider than the particle, {2.0 * radius:g}, not "
             f"{packing.box.tolist()}"
         )
-    if walls.height.min() <= radius - beads.radius:
+    if walls.height.min() <= radius - model.radius:
         raise ParameterError(
             f"a wall at {walls.height.min():g} cuts through the particle of radius {radius:g}: "
             "start with walls around it, and move them in with confine"

@@ -1,7 +1,7 @@
-// Smooth rings: springs around a soft area, with contacts between the vertices of a ring and the edges of others.
+// Smooth polygons: springs around a soft area, with contacts between the vertices of a polygon and the edges of others.
 
-#ifndef DEFORMABLE_SMOOTH_RINGS_H
-#define DEFORMABLE_SMOOTH_RINGS_H
+#ifndef DEFORMABLE_SMOOTH_POLYGONS_H
+#define DEFORMABLE_SMOOTH_POLYGONS_H
 
 #include "edge_contact.h"
 #include "edge_neighbors.h"
@@ -12,29 +12,29 @@
 
 namespace deformable {
 
-// Stiffnesses of a ring, and its values at rest.
-struct RingParameters {
+// Stiffnesses of a polygon, and its values at rest.
+struct PolygonParameters {
   double kL, length, kA, area;
 };
 
-struct SmoothRings {
-  RingVertices vertices;
-  std::vector<RingParameters> parameters;    // of each ring
+struct SmoothPolygons {
+  PolygonVertices vertices;
+  std::vector<PolygonParameters> parameters;    // of each polygon
   Repulsion repulsion;
 };
 
-// A vertex that touches the edge of another ring: the vector to it from the edge's first vertex, and the force on it.
+// A vertex that touches the edge of another polygon: the vector to it from the edge's first vertex, and the force on it.
 struct Touch {
   int vertex, edge;
   double dx, dy;
   EdgeContact contact;
 };
 
-struct RingEnergy {
+struct PolygonEnergy {
   double springs = 0.0, areas = 0.0, contacts = 0.0;
   std::vector<double> gradient;         // of the energy, 2 a vertex
-  std::vector<double> area_gradient;    // of the area of the vertex' own ring, 2 a vertex
-  std::vector<double> pressure;         // kA (A0 - A) of each ring
+  std::vector<double> area_gradient;    // of the area of the vertex' own polygon, 2 a vertex
+  std::vector<double> pressure;         // kA (A0 - A) of each polygon
   std::vector<Touch> touches;
 };
 
@@ -51,8 +51,9 @@ struct Triplets {
   }
 };
 
-// Springs of a ring, kL/2 sum (l - l0)^2.
-inline void add_springs(const RingVertices &v, int m, const RingParameters &p, RingEnergy &u)
+// Springs of a polygon, kL/2 sum (l - l0)^2.
+inline void add_springs(const PolygonVertices &v, int m, const PolygonParameters &p,
+                        PolygonEnergy &u)
 {
   for (int k = v.first[m]; k < v.first[m + 1]; ++k) {
     const int next = v.next[k];
@@ -67,9 +68,9 @@ inline void add_springs(const RingVertices &v, int m, const RingParameters &p, R
   }
 }
 
-// Area of a ring, kA/2 (A - A0)^2 with A = 1/2 sum (x_k y_k+1 - x_k+1 y_k), and
+// Area of a polygon, kA/2 (A - A0)^2 with A = 1/2 sum (x_k y_k+1 - x_k+1 y_k), and
 // dA/dx_k = (y_k+1 - y_k-1)/2, dA/dy_k = (x_k-1 - x_k+1)/2.
-inline void add_area(const RingVertices &v, int m, const RingParameters &p, RingEnergy &u)
+inline void add_area(const PolygonVertices &v, int m, const PolygonParameters &p, PolygonEnergy &u)
 {
   const double *x = v.x.data(),
                *origin = x + 2 * v.first[m];    // about it, far images lose no digits
@@ -89,22 +90,22 @@ inline void add_area(const RingVertices &v, int m, const RingParameters &p, Ring
 }
 
 // U = kL/2 sum (l - l0)^2 + kA/2 sum (A - A0)^2 + contacts, see edge_contact.h, and its gradient.
-inline RingEnergy ring_energy(const SmoothRings &rings)
+inline PolygonEnergy polygon_energy(const SmoothPolygons &polygons)
 {
-  const RingVertices &v = rings.vertices;
-  RingEnergy u;
+  const PolygonVertices &v = polygons.vertices;
+  PolygonEnergy u;
   u.gradient.assign(v.x.size(), 0.0);
   u.area_gradient.assign(v.x.size(), 0.0);
-  for (int m = 0; m < static_cast<int>(rings.parameters.size()); ++m) {
-    add_springs(v, m, rings.parameters[m], u);
-    add_area(v, m, rings.parameters[m], u);
+  for (int m = 0; m < static_cast<int>(polygons.parameters.size()); ++m) {
+    add_springs(v, m, polygons.parameters[m], u);
+    add_area(v, m, polygons.parameters[m], u);
   }
   for_each_near_edge(
-      v, rings.repulsion.c + v.longest_edge(), [&](int a, int k, double dx, double dy) {
+      v, polygons.repulsion.c + v.longest_edge(), [&](int a, int k, double dx, double dy) {
         const int next = v.next[k];
         EdgeContact contact;
         if (!edge_contact(dx, dy, v.x[2 * next] - v.x[2 * k], v.x[2 * next + 1] - v.x[2 * k + 1],
-                          rings.repulsion, contact))
+                          polygons.repulsion, contact))
           return;
         u.contacts += contact.energy;
         u.gradient[2 * a] -= contact.vertex_x;
@@ -118,13 +119,13 @@ inline RingEnergy ring_energy(const SmoothRings &rings)
   return u;
 }
 
-// Second derivatives of `ring_energy`, without the dense part kA grad(A) grad(A)^T of each ring.
-inline Triplets ring_hessian(const SmoothRings &rings, const RingEnergy &u)
+// Second derivatives of `polygon_energy`, without the dense part kA grad(A) grad(A)^T of each polygon.
+inline Triplets polygon_hessian(const SmoothPolygons &polygons, const PolygonEnergy &u)
 {
-  const RingVertices &v = rings.vertices;
+  const PolygonVertices &v = polygons.vertices;
   Triplets h;
   for (int k = 0; k < v.size(); ++k) {
-    const RingParameters &p = rings.parameters[v.ring[k]];
+    const PolygonParameters &p = polygons.parameters[v.polygon[k]];
     const int next = v.next[k];
     const double e[2] = {v.x[2 * next] - v.x[2 * k], v.x[2 * next + 1] - v.x[2 * k + 1]};
     const double length = std::hypot(e[0], e[1]), ratio = p.length / length;
@@ -137,7 +138,8 @@ inline Triplets ring_hessian(const SmoothRings &rings, const RingEnergy &u)
         h.add(2 * k + i, 2 * next + j, -s);
         h.add(2 * next + j, 2 * k + i, -s);
       }
-    const double half = -0.5 * u.pressure[v.ring[k]];    // d2A/dx_k dy_k+1 = 1/2 = -d2A/dy_k dx_k+1
+    const double half =
+        -0.5 * u.pressure[v.polygon[k]];    // d2A/dx_k dy_k+1 = 1/2 = -d2A/dy_k dx_k+1
     h.add(2 * k, 2 * next + 1, half);
     h.add(2 * next + 1, 2 * k, half);
     h.add(2 * k + 1, 2 * next, -half);
@@ -147,7 +149,7 @@ inline Triplets ring_hessian(const SmoothRings &rings, const RingEnergy &u)
     const int k = touch.edge, next = v.next[k], at[3] = {touch.vertex, k, next};
     EdgeStiffness s;
     edge_stiffness(touch.dx, touch.dy, v.x[2 * next] - v.x[2 * k],
-                   v.x[2 * next + 1] - v.x[2 * k + 1], rings.repulsion, s);
+                   v.x[2 * next + 1] - v.x[2 * k + 1], polygons.repulsion, s);
     for (int p = 0; p < 6; ++p)
       for (int q = 0; q < 6; ++q)
         h.add(2 * at[p / 2] + p % 2, 2 * at[q / 2] + q % 2, s.value[p][q]);

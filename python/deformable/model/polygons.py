@@ -21,7 +21,7 @@ _LEAST_SPACING = 0.06
 
 
 @dataclass(frozen=True)
-class Beads:
+class PolygonModel:
     """The deformable-polygon model: bead polygons, joined by springs around a soft area.
 
         U = kL/2 sum (L - L0)^2 + kA/2 sum (A - A0)^2 + contacts
@@ -39,23 +39,23 @@ class Beads:
     L0 = 2 pi (R - p), and R is the radius of the particle in the ring laws.
 
     Args:
-        number: beads on a polygon of the smallest species; larger ones get more, N_v ~ R - p. Or a
-            number for each species.
+        vertices: N_v, beads or vertices of a polygon of the smallest species; larger ones get more,
+            N_v ~ R - p. Or a number for each species.
         radius: p, of a bead [length]; contacts reach as far as 2p.
         kL: stiffness of a spring [energy/length^2]; the perimeter of a polygon has kP = kL/N_v.
         kA: stiffness of the area of a polygon [energy/length^4].
         kr: stiffness of the contact of two beads, or of a vertex and an edge [energy/length^2].
-        smooth: whether polygons are smooth, else rough.
+        smooth: smooth polygons, else bead polygons.
 
     Raises:
         ParameterError: a value is not positive and finite, or a polygon has fewer than 3 beads.
 
     Source: Boromand et al., Phys. Rev. Lett. 121, 248003 (2018); R. Maharana, "Efficient
     Simulation of Deformable Particles", whose rest area lacks a factor cos(pi/N_v).
-    docs/theory.md, "Smooth rings".
+    docs/theory.md, "Smooth polygons".
     """
 
-    number: int | Sequence[int] = 50
+    vertices: int | Sequence[int] = 50
     radius: float = 0.05
     kL: float | Sequence[float] = 300.0
     kA: float | Sequence[float] = 1.0
@@ -71,14 +71,14 @@ class Beads:
             if not ((values > 0.0) & np.isfinite(values)).all():
                 raise ParameterError(f"{name} must be positive and finite, not {shown(values)}")
         try:
-            counts = np.atleast_1d(np.asarray(self.number))
+            counts = np.atleast_1d(np.asarray(self.vertices))
         except ValueError:  # rows of unequal length
             counts = np.empty(0)
         whole = counts.ndim == 1 and counts.dtype.kind in "iuf" and np.isfinite(counts).all()
         whole = whole and counts.size > 0
         if not (whole and (counts == np.rint(counts)).all() and (counts >= 3).all()):
             raise ParameterError(
-                f"a polygon needs a whole number of beads, at least 3, not {self.number}"
+                f"a polygon needs a whole number of beads, at least 3, not {self.vertices}"
             )
 
     def polygons(self, radii: NDArray[np.float64]) -> Polygons:
@@ -95,26 +95,26 @@ class Beads:
                 f"beads of radius {self.radius:g} are too large for a particle of radius "
                 f"{radii.min():g}: take less than half of that"
             )
-        one = np.ndim(self.number) == 0
-        if not one and len(np.asarray(self.number)) != len(radii):
+        one = np.ndim(self.vertices) == 0
+        if not one and len(np.asarray(self.vertices)) != len(radii):
             raise ParameterError(
-                f"number must be one number, or one for each of {len(radii)} species, not "
-                f"{self.number}"
+                f"vertices must be one number, or one for each of {len(radii)} species, not "
+                f"{self.vertices}"
             )
         share = polygon / polygon.min() if one else np.ones_like(polygon)
-        number = np.rint(np.asarray(self.number, dtype=np.float64) * share)
+        number = np.rint(np.asarray(self.vertices, dtype=np.float64) * share)
         half = np.pi / number  # of the angle of an edge
         cosine, sine = unit_vectors(half).T
         spacing = 2.0 * polygon * (half if self.smooth else sine)
         widest, closest = int(spacing.argmax()), int(spacing.argmin())
         if spacing[widest] >= 4.0 * self.radius and not self.smooth:  # edges have no gaps
             enough = np.floor(_beads_at(4.0 * self.radius, polygon)) + 1.0
-            # `number` is that of the smallest species: number * share must round to enough
+            # `vertices` are those of the smallest species: number * share must round to enough
             least = (np.floor((enough - 0.5) / share) + 1.0).max() if one else enough[widest]
             raise ParameterError(
                 f"{number[widest]:g} beads of radius {self.radius:g} are too few for a particle of "
                 f"radius {radii[widest]:g}, others slip between them: take "
-                f"{'number = ' if one else ''}{least:g} or more"
+                f"{'vertices = ' if one else ''}{least:g} or more"
             )
         if spacing[closest] < _LEAST_SPACING * self.radius:
             room = np.floor(_beads_at(_LEAST_SPACING * self.radius, polygon))
@@ -122,10 +122,12 @@ class Beads:
             raise ParameterError(
                 f"{number[closest]:g} beads of radius {self.radius:g} are too many for a particle "
                 f"of radius {radii[closest]:g}, LAMMPS cannot list so many neighbors: take "
-                f"{'number = ' if one else ''}{most:g} or fewer"
+                f"{'vertices = ' if one else ''}{most:g} or fewer"
             )
-        rough = polygon + 0.5 * np.sqrt(np.maximum(4.0 * self.radius**2 - 0.25 * spacing**2, 0.0))
-        effective_radius = radii.astype(np.float64) if self.smooth else rough
+        of_beads = polygon + 0.5 * np.sqrt(
+            np.maximum(4.0 * self.radius**2 - 0.25 * spacing**2, 0.0)
+        )
+        effective_radius = radii.astype(np.float64) if self.smooth else of_beads
         return Polygons(
             number=number.astype(np.int64),
             radius=0.5 * spacing / sine,
@@ -154,7 +156,7 @@ class Polygons:
         spacing: rest length of the springs, L0 [length].
         area: rest area, A0 = N_v L0^2/4 cot(pi/N_v) [length^2].
         effective_radius: of the smooth particle that equals a polygon for other polygons [length].
-            It is R of a smooth polygon, and R - p + sqrt(4p^2 - L0^2/4)/2 of a rough one, because
+            It is R of a smooth polygon, and R - p + sqrt(4p^2 - L0^2/4)/2 of a bead polygon, as
             facing rows of beads interlock. For a smooth wall the radius is R.
         skin: thickness of the rigid shell around that particle's polygon, `effective_radius` minus
             R - p [length].

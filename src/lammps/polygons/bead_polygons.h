@@ -1,7 +1,7 @@
-// Rings of beads: molecules whose beads have consecutive atom IDs along the ring.
+// Bead polygons: molecules whose beads have consecutive atom IDs along the polygon.
 
-#ifndef LMP_BEAD_RINGS_H
-#define LMP_BEAD_RINGS_H
+#ifndef LMP_BEAD_POLYGONS_H
+#define LMP_BEAD_POLYGONS_H
 
 #include "lmptype.h"
 
@@ -11,7 +11,7 @@
 
 namespace LAMMPS_NS {
 
-struct BeadRing {
+struct BeadPolygon {
   tagint molecule, first;
   int beads;
   double area;    // negative if the beads run clockwise
@@ -26,8 +26,8 @@ struct BeadSelection {
   std::function<bool(int)> has;    // this atom of the rank
 };
 
-// The rings of the selected beads at present, by rising molecule ID; the same on every rank.
-std::vector<BeadRing> find_bead_rings(class LAMMPS *lmp, const BeadSelection &);
+// The polygons of the selected beads at present, by rising molecule ID; the same on every rank.
+std::vector<BeadPolygon> find_bead_polygons(class LAMMPS *lmp, const BeadSelection &);
 
 // Image flags as LAMMPS stores them, not negative.
 inline int image_x(imageint image)

@@ -1,8 +1,8 @@
-"""What brings smooth rings to rest: FIRE or Newton's method, with or without soft contacts first?
+"""What brings smooth polygons to rest: FIRE or Newton's method, soft contacts first or not?
 
-    python benchmarks/ring_minimizers.py [--out benchmarks/results/ring_minimizers.json]
+    python benchmarks/smooth_minimizers.py [--out benchmarks/results/smooth_minimizers.json]
 
-Packings of 16 smooth rings of 80 and 114 vertices are strained beyond jamming in one step and
+Packings of 16 smooth polygons of 80 and 114 vertices are strained beyond jamming in one step and
 relaxed to a residual of 1e-6. A trial of FIRE ends after 20 s, soft contacts after half of that.
 """
 
@@ -18,15 +18,15 @@ from pathlib import Path
 import deformable
 import numpy as np
 from deformable.engine import smooth_polygons
-from deformable.studies.accuracy.compressions import smooth_beads
+from deformable.studies.accuracy.compressions import standard_polygons
 
 HERE = Path(__file__).parent
-NUMBER, BEADS, LIMIT, TOLERANCE = 16, smooth_beads(80), 20.0, 1e-6
+NUMBER, BEADS, LIMIT, TOLERANCE = 16, standard_polygons(80), 20.0, 1e-6
 STRAINS = (0.01, 0.02)
 ANNEALED, AT_ONCE = (0.002, 0.02, 0.2, 1.0), (1.0,)
 
 
-def fire(rings: deformable.BeadReference, stages: Sequence[float]) -> deformable.BeadState:
+def fire(rings: deformable.PolygonSimulation, stages: Sequence[float]) -> deformable.PolygonState:
     """FIRE, with contacts of these stiffnesses over kr; soft ones end at a residual of 1e-3."""
     began = time.process_time()
     for part in stages:
@@ -42,8 +42,8 @@ def fire(rings: deformable.BeadReference, stages: Sequence[float]) -> deformable
     return state
 
 
-def newton(rings: deformable.BeadReference, stages: Sequence[float]) -> deformable.BeadState:
-    """Newton's method, as `BeadReference.relax` or without its soft contacts."""
+def newton(rings: deformable.PolygonSimulation, stages: Sequence[float]) -> deformable.PolygonState:
+    """Newton's method, as `PolygonSimulation.relax` or without its soft contacts."""
     before, smooth_polygons._SOFT = smooth_polygons._SOFT, tuple(stages)
     try:
         return rings.relax(TOLERANCE)
@@ -62,7 +62,7 @@ METHODS = {
 def measure(name: str, jammed: deformable.Packing, seed: int, strain: float) -> dict[str, object]:
     """Energy, residual and processor time of one relaxation."""
     method, stages = METHODS[name]
-    with deformable.BeadReference(jammed, BEADS) as rings:
+    with deformable.PolygonSimulation(jammed, BEADS) as rings:
         rings.deform((1.0 - strain) * rings.box)
         began = time.process_time()
         state = method(rings, stages)
@@ -79,7 +79,7 @@ def measure(name: str, jammed: deformable.Packing, seed: int, strain: float) -> 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=Path, default=HERE / "results" / "ring_minimizers.json")
+    parser.add_argument("--out", type=Path, default=HERE / "results" / "smooth_minimizers.json")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1])
     options = parser.parse_args()
     warnings.simplefilter("ignore")  # the rows have the residuals
@@ -95,7 +95,11 @@ def main() -> None:
                     f"{row['residual']:8.1e} {row['seconds']:6.1f} s",
                     flush=True,
                 )
-    result = {"command": "python benchmarks/ring_minimizers.py", "n": NUMBER, "rows": rows}
+    result = {
+        "command": "python benchmarks/smooth_minimizers.py",
+        "n": NUMBER,
+        "rows": rows,
+    }
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.write_text(json.dumps(result, indent=1) + "\n")
 

@@ -7,21 +7,21 @@ import numpy as np
 import pytest
 from deformable import core
 from deformable.engine.lammps import gather
-from naive_rings import ALONE, LONE_BEADS, naive, square
+from naive_polygons import ALONE, LONE_BEADS, naive, square
 
 pytestmark = pytest.mark.filterwarnings("error")
 
 
 def test_walls_press_like_beads() -> None:
-    with deformable.BeadReference(ALONE, LONE_BEADS, square(0.5)) as ring:
-        assert ring.state().residual == 0.0
-        ring.confine(square(0.49))
-        state = ring.relax(0.01)
-        force = gather(ring.lmp, "f", 3)[:, :2]
-    (beads,) = state.outlines
-    exact = naive(state, [beads], state.packing.box)
+    with deformable.PolygonSimulation(ALONE, LONE_BEADS, square(0.5)) as sim:
+        assert sim.state().residual == 0.0
+        sim.confine(square(0.49))
+        state = sim.relax(0.01)
+        force = gather(sim.lmp, "f", 3)[:, :2]
+    (model,) = state.outlines
+    exact = naive(state, [model], state.packing.box)
     walls = square(0.49)
-    overlap = np.maximum(LONE_BEADS.radius - (walls.height - beads @ walls.normal.T), 0.0)
+    overlap = np.maximum(LONE_BEADS.radius - (walls.height - model @ walls.normal.T), 0.0)
     assert overlap.any(axis=0).all()
     energy = exact.energy + 0.5 * LONE_BEADS.kr * np.sum(overlap**2)
     assert state.energy == pytest.approx(energy, rel=1e-10)
@@ -35,32 +35,32 @@ def test_beads_keep_their_place_on_walls_that_stick() -> None:
     slides = {}
     for stick in (True, False):
         angle = np.array([0.0, 1.8, 3.9])
-        with deformable.BeadReference(
+        with deformable.PolygonSimulation(
             ALONE, LONE_BEADS, deformable.Walls(angle, np.full(3, 0.5), stick)
-        ) as ring:
+        ) as sim:
             for height in (0.49, 0.48):
-                ring.confine(deformable.Walls(angle, np.full(3, height), stick))
-                before = ring.state().outlines[0]
-                state = ring.relax(0.01)
-                assert ring.walls is not None
-                assert ring.walls.height == pytest.approx(np.full(3, height))
+                sim.confine(deformable.Walls(angle, np.full(3, height), stick))
+                before = sim.state().outlines[0]
+                state = sim.relax(0.01)
+                assert sim.walls is not None
+                assert sim.walls.height == pytest.approx(np.full(3, height))
         after = state.outlines[0]
-        touching = before @ ring.walls.normal[0] > 0.48 - LONE_BEADS.radius
+        touching = before @ sim.walls.normal[0] > 0.48 - LONE_BEADS.radius
         assert touching.any()
         slides[stick] = np.abs(after - before)[touching, 1].max()
     assert slides[True] < 0.2 * slides[False]
 
 
 def test_walls_do_not_jump_over_beads() -> None:
-    with deformable.BeadReference(ALONE, LONE_BEADS, square(0.5)) as ring:
+    with deformable.PolygonSimulation(ALONE, LONE_BEADS, square(0.5)) as sim:
         with pytest.raises(
             deformable.ParameterError, match=r"a step of 0\.04 puts beads .* wall .* a bead, 0\.03"
         ):
-            ring.confine(square(0.46))
-        assert ring.walls is not None
-        assert ring.walls.height[0] == 0.5
-        ring.confine(square(0.48))
-        assert ring.state().energy > 0.0
+            sim.confine(square(0.46))
+        assert sim.walls is not None
+        assert sim.walls.height[0] == 0.5
+        sim.confine(square(0.48))
+        assert sim.state().energy > 0.0
 
 
 @pytest.mark.parametrize(
@@ -72,34 +72,34 @@ def test_walls_do_not_jump_over_beads() -> None:
 )
 def test_confine_moves_the_walls_that_are_there(walls: deformable.Walls) -> None:
     with (
-        deformable.BeadReference(ALONE, LONE_BEADS, square(0.5)) as ring,
+        deformable.PolygonSimulation(ALONE, LONE_BEADS, square(0.5)) as sim,
         pytest.raises(deformable.ParameterError, match=r"number.*stick"),
     ):
-        ring.confine(walls)
+        sim.confine(walls)
 
 
 def test_confine_needs_walls() -> None:
     with (
-        deformable.BeadReference(ALONE, LONE_BEADS) as ring,
+        deformable.PolygonSimulation(ALONE, LONE_BEADS) as sim,
         pytest.raises(deformable.ParameterError, match=r"number.*stick"),
     ):
-        ring.confine(square(0.5))
+        sim.confine(square(0.5))
 
 
 def test_walls_do_not_follow_the_box() -> None:
-    with deformable.BeadReference(ALONE, LONE_BEADS, square(0.5)) as ring:
+    with deformable.PolygonSimulation(ALONE, LONE_BEADS, square(0.5)) as sim:
         with pytest.raises(deformable.ParameterError, match="confine"):
-            ring.deform(2.0 * np.eye(2))
-        assert ring.box == pytest.approx(3.0 * np.eye(2))
+            sim.deform(2.0 * np.eye(2))
+        assert sim.box == pytest.approx(3.0 * np.eye(2))
 
 
-def test_walls_press_smooth_rings_at_their_skin() -> None:
+def test_walls_press_smooth_polygons_at_their_skin() -> None:
     """The ring law with the skin c/2 has the same area deficit: both touch R + c/2 outside."""
-    beads = replace(LONE_BEADS, number=160, kL=160.0, kr=300.0, smooth=True)
-    with deformable.BeadReference(ALONE, beads, square(0.5)) as ring:
+    model = replace(LONE_BEADS, vertices=160, kL=160.0, kr=300.0, smooth=True)
+    with deformable.PolygonSimulation(ALONE, model, square(0.5)) as sim:
         for height in (0.49, 0.48):
-            ring.confine(square(height))
-            state = ring.relax(1e-3)
+            sim.confine(square(height))
+            state = sim.relax(1e-3)
     (kP,), (skin,) = state.polygons.kP, state.polygons.skin
     walls = square(0.48)
     law = core.soft_ring(0.5, walls.angle, np.full(4, 0.02), 1.0, kP, skin)
