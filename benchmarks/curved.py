@@ -1,20 +1,23 @@
-"""How accurate tilted contacts are, what they say of their own error, and what they cost.
+"""How right curved contacts are, and what they cost.
 
-    python benchmarks/tilted.py [--out benchmarks/results/tilted.json] [--parts accuracy,...]
+    python benchmarks/curved.py [--out benchmarks/results/curved.json] [--parts accuracy,...]
 
-`accuracy`: bidisperse packings of 16 compressed to 5 % beyond jamming, with the laws `balanced` and
-`tilted` and as smooth polygons of N_v = 160, each relaxed on its own. `mixtures`: to 3 % with
-small particles of kA = 1, kP = 2 among large ones of kA = 10, kP = 40, N_v = 80. `told` is the part
-of the energy by which a law estimates its own to be too large. `steps`, `relaxations`: processor
-time with tilted contacts over that with balanced ones, of a time step at constant energy and of
-compressions from jamming to 5 %; the laws take turns in one process. `energy`: the standard
-deviation of the total energy of `tilted` in runs at constant energy, over the kinetic part, against
-the time step, and its growth in four times the time: a drift would grow fourfold.
+`accuracy`: bidisperse packings compressed to 5 % beyond jamming, with the laws `balanced` and
+`curved` and as smooth polygons of N_v vertices, each relaxed on its own: N = 16, seeds 1 to 3, and
+N = 64, seed 1, as they come. `mixtures`: the same to 3 % with small particles of kA = 1, kP = 2
+among large ones of kA = 10, kP = 40. Energies are over those of the polygons, extrapolated in
+1/N_v^2 from the two largest N_v; `uncertain` is what the extrapolation from the two smaller ones
+differs by. `steps`, `relaxations`: processor time with curved contacts over that with balanced
+ones, of a time step at constant energy and of compressions from jamming to 5 %; the laws take turns
+in one process. `energy`: the standard deviation of the total energy of `curved` in runs at constant
+energy, over the kinetic part, against the time step, and its growth in four times the time: a drift
+would grow fourfold.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import statistics
 import warnings
@@ -29,36 +32,68 @@ from deformable.studies.accuracy.compressions import law_path, smooth_rows
 from motion import energy_error, step
 
 HERE = Path(__file__).parent
-LAWS = ("balanced", "tilted")
-SEEDS = (1, 3, 4)  # seed 2 loses its rigidity on the way
-KEPT = ("law", "seed", "strain", "energy_ratio", "told", "pressure_ratio", "S_rms", "I", "residual")
+LAWS = ("balanced", "curved")
+PACKINGS = ((16, 1), (16, 2), (16, 3), (64, 1))
+VERTICES = {16: (80, 160, 320), 64: (40, 80, 160)}
 SKIN = 0.025
 TIMESTEPS = (0.2, 0.1, 0.05)
 MOTIONS = {"slow": (1e-8, 0.1), "fast": (1e-5, 0.1), "fast, long steps": (1e-5, 0.4)}
 
 
 def accuracy() -> list[dict[str, Any]]:
-    return [row for seed in SEEDS for row in own(smooth_rows(16, seed, 160))]
+    return [row for number, seed in PACKINGS for row in compared(number, seed, 0.05, 5)]
 
 
 def mixtures() -> list[dict[str, Any]]:
-    kA, kP, count = (1.0, 10.0), (2.0, 40.0), 80
-    number = (
-        PolygonModel(vertices=count, radius=SKIN, smooth=True).polygons(np.array([0.5, 0.7])).number
-    )
-    springs = [stiffness * n for stiffness, n in zip(kP, number.tolist(), strict=True)]
-    model = PolygonModel(count, SKIN, springs, kA, kr=10.0 * max(kA), smooth=True)
-    return [
-        row for seed in SEEDS for row in own(smooth_rows(16, seed, count, 0.03, 6, model=model))
-    ]
+    kA, kP = (1.0, 10.0), (2.0, 40.0)
+
+    def model(count: int) -> PolygonModel:
+        given = {"vertices": count, "radius": SKIN, "smooth": True}
+        number = PolygonModel(**given).polygons(np.array([0.5, 0.7])).number
+        springs = [stiffness * n for stiffness, n in zip(kP, number.tolist(), strict=True)]
+        return PolygonModel(count, SKIN, springs, kA, kr=10.0 * max(kA), smooth=True)
+
+    return [row for seed in (1, 2, 3) for row in compared(16, seed, 0.03, 3, model)]
 
 
-def own(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The laws that relaxed on their own."""
-    found = [{key: row[key] for key in KEPT} for row in rows if row["law"] in LAWS and row["own"]]
-    for row in found:
-        print("  ".join(f"{key} {show(value)}" for key, value in row.items()), flush=True)
-    return found
+def compared(
+    number: int, seed: int, strain: float, steps: int, model: Any = None
+) -> list[dict[str, Any]]:
+    """Energies of the laws that relaxed on their own over those of the extrapolated polygons."""
+    counts = VERTICES[number]
+    found = {
+        count: {
+            (row["law"], round(row["strain"], 6)): row
+            for row in smooth_rows(
+                number, seed, count, strain, steps, model=model(count) if model else None
+            )
+            if row["law"] in LAWS and row["own"]
+        }
+        for count in counts
+    }
+    rows = []
+    for key in found[counts[0]]:
+        each = [found[count][key] for count in counts]
+        row = {"N": number, "seed": seed, "law": key[0], "strain": key[1]}
+        row["residual"] = max(one["residual"] for one in each)
+        row["areas"], row["distance"] = each[-1]["S_rms"], each[-1]["distance"]
+        ratios = [one["energy_ratio"] for one in each]
+        if all(ratios):
+            inverse = 1.0 / np.array(ratios)
+            first, last = (
+                beyond(inverse[k : k + 2], counts[k : k + 2]) for k in (0, len(counts) - 2)
+            )
+            row["ratios"] = dict(zip(map(str, counts), ratios, strict=True))
+            row["error"], row["uncertain"] = 1.0 / last - 1.0, abs(first / last - 1.0)
+        rows.append(row)
+        print("  ".join(f"{name} {show(value)}" for name, value in row.items()), flush=True)
+    return rows
+
+
+def beyond(values: np.ndarray, counts: tuple[int, ...]) -> float:
+    """The limit of value + c/N_v^2."""
+    near, far = (float(n) ** 2 for n in counts)
+    return float((far * values[1] - near * values[0]) / (far - near))
 
 
 def show(value: object) -> str:
@@ -66,12 +101,14 @@ def show(value: object) -> str:
 
 
 def steps(repeats: int = 5) -> list[dict[str, Any]]:
-    packing = deformable.jam(deformable.bidisperse(1024, seed=1)).at(0.9)
+    """At N = 1024 and 9216, from the same packing."""
+    cell = deformable.jam(deformable.bidisperse(1024, seed=1)).at(0.9)
     rows = []
-    for motion, (temperature, dt) in MOTIONS.items():
+    for times, (motion, (temperature, dt)) in itertools.product((1, 3), MOTIONS.items()):
+        packing, count = repeated(cell, times), 300 if times == 1 else 60
         runs = [
             [
-                step(packing, deformable.Ring(contact=law), temperature, dt, 20.0, 300)
+                step(packing, deformable.Ring(contact=law), temperature, dt, 20.0, count)
                 for law in LAWS
             ]
             for _ in range(repeats)
@@ -80,7 +117,7 @@ def steps(repeats: int = 5) -> list[dict[str, Any]]:
             {
                 "motion": motion,
                 "N": len(packing),
-                "ratio": statistics.median(tilted[0] / balanced[0] for balanced, tilted in runs),
+                "ratio": statistics.median(curved[0] / balanced[0] for balanced, curved in runs),
                 "evaluations": [evaluations for _, evaluations in runs[0]],
             }
         )
@@ -88,11 +125,19 @@ def steps(repeats: int = 5) -> list[dict[str, Any]]:
     return rows
 
 
+def repeated(packing: deformable.Packing, times: int) -> deformable.Packing:
+    """The packing times x times side by side."""
+    shifts = np.array(list(itertools.product(range(times), repeat=2))) @ packing.box
+    positions = (packing.positions + shifts[:, None]).reshape(-1, 2)
+    species = np.tile(packing.species, len(shifts))
+    return deformable.Packing(positions, species, packing.radii, times * packing.box)
+
+
 def relaxations() -> list[dict[str, Any]]:
     rows = []
     for number in (64, 256):
         ratios = []
-        for seed in SEEDS:
+        for seed in (1, 2, 3):
             start = deformable.jam(deformable.bidisperse(number, seed=seed))
             seconds = [
                 sum(spent for _, spent in law_path(start, deformable.Ring(contact=law), 0.05, 10))
@@ -105,7 +150,7 @@ def relaxations() -> list[dict[str, Any]]:
 
 
 def energy() -> list[dict[str, Any]]:
-    rows, law = [], deformable.Ring(contact="tilted")
+    rows, law = [], deformable.Ring(contact="curved")
     for phi in (0.80, 0.88, 0.92):
         packing = deformable.jam(deformable.bidisperse(64, seed=1)).at(phi)
         errors = [energy_error(packing, law, dt, 400.0, 100) for dt in TIMESTEPS]
@@ -133,7 +178,7 @@ PARTS = {
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=Path, default=HERE / "results" / "tilted.json")
+    parser.add_argument("--out", type=Path, default=HERE / "results" / "curved.json")
     parser.add_argument("--parts", default=",".join(PARTS), help="only these; others stay")
     options = parser.parse_args()
     warnings.simplefilter("ignore", UserWarning)  # the rows have what they report
@@ -141,7 +186,7 @@ def main() -> None:
     options.out.parent.mkdir(parents=True, exist_ok=True)
     for part in options.parts.split(","):
         result[part] = PARTS[part]()
-        result |= {"command": "python benchmarks/tilted.py", "machine": machine()}
+        result |= {"command": "python benchmarks/curved.py", "machine": machine()}
         options.out.write_text(json.dumps(result, indent=1) + "\n")
 
 

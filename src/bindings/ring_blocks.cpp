@@ -48,30 +48,30 @@ template <class Ring> void for_rings(const Table &particles, const Table &sides,
 
 RingBlocks ring_blocks(const std::string &law, nb::handle given_particles, nb::handle given_sides)
 {
-  if (law != "radical" && law != "balanced")
-    refuse("law must be radical or balanced, not " + law);
+  if (law != "radical" && law != "balanced") refuse("law must be radical or balanced, not " + law);
   const bool radical = law == "radical";
   const Table particles = table_of("particles", given_particles, PARTICLE_COLUMNS),
               sides = table_of("sides", given_sides, SIDE_COLUMNS);
   RingBlocks result;
   std::vector<Line> lines;
-  for_rings(particles, sides, [&](const double *of, const Stiffness &k, std::size_t n, std::size_t end) {
-    const double radius = of[RADIUS];
-    lines.clear();
-    for (; n < end; ++n) {
-      const double *const side = sides.data() + SIDE_COLUMNS * n;
-      const double partner = side[PARTNER];
-      const SideVector v = {side[X], side[Y], side[TURN]};
-      lines.push_back(partner == 0.0 ? wall_line(v, radius)
-                      : radical      ? radical_line(v, radius, partner)
-                                     : shifted_line(v, radius, partner, side[PLACE]));
-      const double a = lines.back().indentation.value;
-      if (!(a < radius) || !std::isfinite(lines.back().angle.value))
-        refuse("side " + std::to_string(n) + " has the indentation " + std::to_string(a) +
-               ": its line must lie before the center of its particle");
-    }
-    return add_ring(lines, radical ? 2 : 3, radius - of[SKIN], k, result);
-  });
+  for_rings(particles, sides,
+            [&](const double *of, const Stiffness &k, std::size_t n, std::size_t end) {
+              const double radius = of[RADIUS];
+              lines.clear();
+              for (; n < end; ++n) {
+                const double *const side = sides.data() + SIDE_COLUMNS * n;
+                const double partner = side[PARTNER];
+                const SideVector v = {side[X], side[Y], side[TURN]};
+                lines.push_back(partner == 0.0 ? wall_line(v, radius)
+                                : radical      ? radical_line(v, radius, partner)
+                                               : shifted_line(v, radius, partner, side[PLACE]));
+                const double a = lines.back().indentation.value;
+                if (!(a < radius) || !std::isfinite(lines.back().angle.value))
+                  refuse("side " + std::to_string(n) + " has the indentation " + std::to_string(a) +
+                         ": its line must lie before the center of its particle");
+              }
+              return add_ring(lines, radical ? 2 : 3, radius - of[SKIN], k, result);
+            });
   return result;
 }
 
@@ -82,23 +82,25 @@ RingBlocks curved_blocks(nb::handle given_particles, nb::handle given_sides)
   RingBlocks result;
   std::vector<Line> lines;
   std::vector<BentContact> contacts;
-  for_rings(particles, sides, [&](const double *of, const Stiffness &k, std::size_t n, std::size_t end) {
-    lines.clear();
-    contacts.clear();
-    for (; n < end; ++n) {
-      const double *const side = sides.data() + CURVED_COLUMNS * n;
-      const double partner = side[PARTNER];
-      for (int column = 0; column < CURVED_COLUMNS; ++column)
-        if (!std::isfinite(side[column])) refuse("side " + std::to_string(n) + " is not finite");
-      const SideVector v = {side[X], side[Y], side[TURN]};
-      lines.push_back(partner == 0.0
-                          ? wall_line(v, of[RADIUS])
-                          : turned_line(v, of[RADIUS], partner, 0.0, side[DIRECTED]));
-      contacts.push_back(
-          {side[FORCE], lines.back().angle.value, std::tan(0.5 * side[HALF_ANGLE])});
-    }
-    return add_curved_ring(lines, contacts, of[RADIUS] - of[SKIN], k, result);
-  });
+  for_rings(particles, sides,
+            [&](const double *of, const Stiffness &k, std::size_t n, std::size_t end) {
+              lines.clear();
+              contacts.clear();
+              for (; n < end; ++n) {
+                const double *const side = sides.data() + CURVED_COLUMNS * n;
+                const double partner = side[PARTNER];
+                for (int column = 0; column < CURVED_COLUMNS; ++column)
+                  if (!std::isfinite(side[column]))
+                    refuse("side " + std::to_string(n) + " is not finite");
+                const SideVector v = {side[X], side[Y], side[TURN]};
+                lines.push_back(partner == 0.0
+                                    ? wall_line(v, of[RADIUS])
+                                    : turned_line(v, of[RADIUS], partner, 0.0, side[DIRECTED]));
+                contacts.push_back(
+                    {side[FORCE], lines.back().angle.value, std::tan(0.5 * side[HALF_ANGLE])});
+              }
+              return add_curved_ring(lines, contacts, of[RADIUS] - of[SKIN], k, result);
+            });
   return result;
 }
 

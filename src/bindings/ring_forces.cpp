@@ -117,7 +117,8 @@ void deformable::bind_ring_forces(nb::module_ &m)
           "delta", [](const ForcedRing &r) { return r.ring.expansion; },
           "radial expansion of the ring, (P - P0)/2 pi [length]")
       .def_prop_ro(
-          "support_radius", [](const ForcedRing &r) { return r.radius + r.ring.expansion - r.bend; },
+          "support_radius",
+          [](const ForcedRing &r) { return r.radius + r.ring.expansion - r.bend; },
           "E of the support function H = E - sum L G between contacts, without the skin [length]")
       .def_prop_ro("indentation", vector(&ForcedRing::indentation), nb::rv_policy::move,
                    "a = dW/df of each contact [length], (z,)")

@@ -19,9 +19,10 @@ struct BentContact {
 
 struct CurvedHessian {
   double energy = 0.0;
-  std::vector<double> indentation;                             // a
+  std::vector<double> indentation;                               // a
   std::vector<double> by_indentation, by_angle, by_curvature;    // of U
-  std::vector<double> block;    // of U by a of the n contacts, then theta, then curvature: (3n)^2 entries
+  std::vector<double>
+      block;    // of U by a of the n contacts, then theta, then curvature: (3n)^2 entries
 };
 
 // X of A X = B by elimination with pivots, rows of both one after the other; X replaces B. False: A is singular.
@@ -54,8 +55,8 @@ inline bool solve_by_elimination(std::vector<double> a, std::vector<double> &b, 
 // the equations, and then W''. With W_ff = A, W_fy = B, W_yy = C for y = (theta, kappa):
 //   U_aa = A^-1,   U_ay = -A^-1 B,   U_yy = B^T A^-1 B - C.
 // False: the ring bears nothing, or is not stable.
-inline bool curved_hessian(double radius, const Stiffness &k, const std::vector<BentContact> &contacts,
-                           CurvedHessian &h)
+inline bool curved_hessian(double radius, const Stiffness &k,
+                           const std::vector<BentContact> &contacts, CurvedHessian &h)
 {
   const int n = static_cast<int>(contacts.size()), inner = n + 2, outer = 3 * n;
   const std::size_t all = outer + inner;
@@ -124,9 +125,7 @@ inline bool curved_hessian(double radius, const Stiffness &k, const std::vector<
     value[n + c] = force[c] * turning[c] / p;
     value[2 * n + c] = -force[c] * sweep[c] * half_chord * half_chord;
   }
-  const auto derivative = [](const Dual &x, int index) {
-    return x.by.empty() ? 0.0 : x.by[index];
-  };
+  const auto derivative = [](const Dual &x, int index) { return x.by.empty() ? 0.0 : x.by[index]; };
   std::vector<double> of_inner(inner * inner), response(inner * outer);
   for (int r = 0; r < inner; ++r) {
     for (int c = 0; c < inner; ++c) of_inner[r * inner + c] = derivative(zero[r], outer + c);
@@ -159,8 +158,7 @@ inline bool curved_hessian(double radius, const Stiffness &k, const std::vector<
         entry = -inverse[c * (n + others) + r];
       else {
         entry = -W[r * outer + c];
-        for (int m = 0; m < n; ++m)
-          entry += W[m * outer + r] * inverse[m * (n + others) + c];
+        for (int m = 0; m < n; ++m) entry += W[m * outer + r] * inverse[m * (n + others) + c];
       }
       h.block[r * outer + c] += 0.5 * entry;
       h.block[c * outer + r] += 0.5 * entry;

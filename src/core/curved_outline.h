@@ -54,8 +54,8 @@ inline void curved_outline(double radius, std::vector<CurvedContact> contacts, i
     const Chords chords = chords_of(std::max(to - from, 0.0), points, outline.same_area);
     for (int m = 0; m <= chords.count; ++m) {
       const bool is_end = m == 0 || m == chords.count;
-      const Point p = free_point(gap, from + (to - from) * m / chords.count,
-                                 is_end ? 1.0 : chords.stretch);
+      const Point p =
+          free_point(gap, from + (to - from) * m / chords.count, is_end ? 1.0 : chords.stretch);
       outline.add(p.x, p.y);
     }
     // from the end of this gap to the begin of the next one
@@ -67,7 +67,8 @@ inline void curved_outline(double radius, std::vector<CurvedContact> contacts, i
     const double stretch = outline.same_area && parts > 1 ? 1.0 + 1.0 / (parts * parts - 1.0) : 1.0;
     const Point one = free_point(gap, to, 1.0), other = free_point(next, begin_of(next), 1.0);
     const double per_sine =
-        parts > 1 ? 0.5 * std::hypot(other.x - one.x, other.y - one.y) / std::sin(std::fabs(b)) : 0.0;
+        parts > 1 ? 0.5 * std::hypot(other.x - one.x, other.y - one.y) / std::sin(std::fabs(b))
+                  : 0.0;
     for (int m = 1; m < parts; ++m) {
       const double psi = b * (2.0 * m / parts - 1.0), sagitta = std::cos(psi) - std::cos(b);
       const double out = stretch * std::copysign(per_sine, b) * sagitta;

@@ -35,7 +35,10 @@ struct Dual {
   Dual &operator+=(const Dual &y) { return *this = *this + y; }
   Dual &operator-=(const Dual &y) { return *this = *this - y; }
   Dual operator-() const { return chained(-value, -1.0); }
-  friend Dual operator+(const Dual &x, const Dual &y) { return sum(x.value + y.value, x, 1.0, y, 1.0); }
+  friend Dual operator+(const Dual &x, const Dual &y)
+  {
+    return sum(x.value + y.value, x, 1.0, y, 1.0);
+  }
   friend Dual operator-(const Dual &x, const Dual &y)
   {
     return sum(x.value - y.value, x, 1.0, y, -1.0);

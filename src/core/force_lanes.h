@@ -104,8 +104,8 @@ DEFORMABLE_LANE_FUNCTION void bend_contacts(int n, const double *bend, const int
   for (int m = 0; m < n; ++m) {
     const int *const seat = seats + m * LANES;
     const Lanes beta = of_pairs(bend, seat);
-    const Lanes u = each_lane(
-        [&](int w) DEFORMABLE_LANE_LAMBDA { return seat[w] & 1 ? -beta[w] : beta[w]; });
+    const Lanes u =
+        each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return seat[w] & 1 ? -beta[w] : beta[w]; });
     const ArcTerms<Lanes> arc = arc_terms(u);
     excess += force[m] * arc.excess;
     cap += force[m] * force[m] * arc.cap;
@@ -301,15 +301,14 @@ static bool adapt_rings(RingBatches b, const double *forces, const float *change
 
 static void slopes_of_rings(RingBatches b, PairDirections pairs, OutlineArrays outline)
 {
-  for_all(b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
-                 DEFORMABLE_LANE_LAMBDA {
-                   OutlineArrays of_batch = outline;
-                   if (outline.slope_rate)
-                     for (double **p : {&of_batch.slope_rate, &of_batch.per_pressure,
-                                        &of_batch.free_radius})
-                       *p += c.seat - b.contacts.seat;
-                   slope_lanes<decltype(size)::value>(pairs, n, c, r, of_batch);
-                 });
+  for_all(
+      b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
+        OutlineArrays of_batch = outline;
+        if (outline.slope_rate)
+          for (double **p : {&of_batch.slope_rate, &of_batch.per_pressure, &of_batch.free_radius})
+            *p += c.seat - b.contacts.seat;
+        slope_lanes<decltype(size)::value>(pairs, n, c, r, of_batch);
+      });
 }
 
 }    // namespace deformable::DEFORMABLE_LEVEL

@@ -238,7 +238,8 @@ static double find_lines(LineArrays p, int begin, int end)
     store(p.next_bend + k, bend + p.part * change);
     const T part = wider / larger(width, zero + NOTHING);
     const T of_tilt = magnitude(select(next == sine, zero, off));
-    worst = larger(worst, force * larger(of_tilt, magnitude(part * change) * (0.5 / GREEN_AT_ZERO)));
+    worst =
+        larger(worst, force * larger(of_tilt, magnitude(part * change) * (0.5 / GREEN_AT_ZERO)));
   };
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     if constexpr (sizeof(kind) == sizeof(Lanes))

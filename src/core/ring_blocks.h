@@ -102,8 +102,9 @@ inline bool add_ring(const std::vector<Line> &lines, int variables, double radiu
 }
 
 // The same for curved lines that are at rest under these forces.
-inline bool add_curved_ring(const std::vector<Line> &lines, const std::vector<BentContact> &contacts,
-                            double radius, const Stiffness &k, RingBlocks &b)
+inline bool add_curved_ring(const std::vector<Line> &lines,
+                            const std::vector<BentContact> &contacts, double radius,
+                            const Stiffness &k, RingBlocks &b)
 {
   b.active.clear();
   b.bent.clear();

@@ -190,9 +190,7 @@ def test_errors_of_blocks(row, value, message):
     particles = np.array([[5.0, 1.0, 1.0, 1.0, 0.0, 0.0]])
     particles[0, row] = value
     angle = np.arange(5) * 2 * np.pi / 5
-    sides = np.column_stack(
-        [1.9 * np.cos(angle), 1.9 * np.sin(angle), np.full(5, 1 / 1.9), np.ones(5)]
-        + [np.full(5, 1e-3), angle, np.zeros(5)]
-    )
+    columns = 1.9 * np.cos(angle), 1.9 * np.sin(angle), 1 / 1.9, 1.0, 1e-3, angle, 0.0
+    sides = np.column_stack([np.broadcast_to(column, 5) for column in columns])
     with pytest.raises(ValueError, match=message):
         core.curved_blocks(particles, sides)

@@ -20,7 +20,7 @@ from .sides import Sides, bearing, between, by_centers, by_strains, joined, with
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-# Local variables of a side: the vector, then the shift, the direction and the curvature of its line.
+# Local variables of a side: the vector, then shift, direction and curvature of its line.
 _VARIABLES = {"radical": 2, "balanced": 3, "curved": 5}
 
 # How those of the other side of a contact change.

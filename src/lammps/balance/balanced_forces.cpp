@@ -237,10 +237,10 @@ void BalancedForces::warn_limited()
   if (any == 0) return;
   warned_limited = true;
   if (comm->me == 0)
-    error->warning(FLERR,
-                   "Contact lines would tilt by more than 0.3 rad or bend by more than 30 degrees, as "
-                   "between particles beyond the model: they are held there. 'compute ID all pair' "
-                   "counts them");
+    error->warning(
+        FLERR, "Contact lines would tilt by more than 0.3 rad or bend by more than 30 degrees, as "
+               "between particles beyond the model: they are held there. 'compute ID all pair' "
+               "counts them");
 }
 
 /* ---------------------------------------------------------------------- */

@@ -22,8 +22,8 @@ namespace LAMMPS_NS {
 struct Evaluation {
   double imbalance = 0.0, force = 0.0;    // the largest ones of a pair
   double norm2 = 0.0, weights = 0.0;      // see deformable::Residuals
-  double slope = 0.0;      // of the dual energy along the last step, where that began
-  bool exists = false;     // every ring has a shape
+  double slope = 0.0;        // of the dual energy along the last step, where that began
+  bool exists = false;       // every ring has a shape
   double of_lines = -1.0;    // the largest imbalance of a line, CurvedLines; negative: not known
   double worst() const { return std::max(imbalance, of_lines); }
 };

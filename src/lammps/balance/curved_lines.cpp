@@ -44,7 +44,8 @@ void CurvedLines::begin()
     v->resize(batches->indentation.size());
   for (int k = 0; k < p.size; ++k) {
     const bool is_known = p.past_tilt[0][k] != UNKNOWN_FORCE;
-    const double sine = is_known ? p.past_tilt[0][k] : 0.0, bend = is_known ? p.past_bend[0][k] : 0.0;
+    const double sine = is_known ? p.past_tilt[0][k] : 0.0,
+                 bend = is_known ? p.past_bend[0][k] : 0.0;
     next_sine[k] = std::clamp(sine, -LARGEST_SINE, LARGEST_SINE);
     next_bend[k] = std::clamp(bend, -LARGEST_BEND, LARGEST_BEND);
   }
@@ -120,8 +121,8 @@ void CurvedLines::remember()
   const auto count = [&p](int begin, int end) {
     int found = 0;
     for (int k = begin; k < end; ++k)
-      found += p.force[k] > 0.0 && (std::fabs(p.tilt[k]) >= LARGEST_SINE ||
-                                    std::fabs(p.bend[k]) >= LARGEST_BEND);
+      found += p.force[k] > 0.0 &&
+               (std::fabs(p.tilt[k]) >= LARGEST_SINE || std::fabs(p.bend[k]) >= LARGEST_BEND);
     return found;
   };
   limited = count(0, p.remote) + 0.5 * count(p.remote, p.wall);

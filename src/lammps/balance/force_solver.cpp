@@ -206,8 +206,8 @@ Evaluation ForceSolver::correct(const Evaluation &from)
 double ForceSolver::accuracy(const Evaluation &from) const
 {
   constexpr double COARSE = 0.1, MARGIN = 0.1, SQUARE = 10.0, OF_LINES = 0.03;
-  const double most = std::max(SQUARE * pipeline.imbalance_per_pair(from) / from.force,
-                               lines ? OF_LINES : 0.0);
+  const double most =
+      std::max(SQUARE * pipeline.imbalance_per_pair(from) / from.force, lines ? OF_LINES : 0.0);
   return std::min(COARSE, std::max(MARGIN * limit(from) / from.imbalance, most));
 }
 

@@ -79,7 +79,8 @@ class ForceSolver : protected Pointers {
   const int max_evaluations;    // of a call
   BlockPipeline pipeline;
   ForcePredictor predictor;
-  std::unique_ptr<CurvedLines> lines;    // null: they are straight, perpendicular to lines of centers
+  std::unique_ptr<CurvedLines>
+      lines;    // null: they are straight, perpendicular to lines of centers
   NearPairs *pairs = nullptr;
 
   bool is_first = true;    // solution of this call

@@ -33,12 +33,12 @@ struct RecordedContact {
   int atom;
   tagint partner;    // 0: a wall
   double indentation, length, force;
-  double x, y;        // point of the line that is nearest to the center
-  double angle;       // of the direction to the line
-  double distance;    // of the partner's center, or of the wall
-  double tilt;        // of the line: its normal turns by this from the line of centers
-  double half_angle;  // of the line, an arc: positive where it is convex
-  Push push;          // force on the particle from its own energy; from a wall all of it
+  double x, y;          // point of the line that is nearest to the center
+  double angle;         // of the direction to the line
+  double distance;      // of the partner's center, or of the wall
+  double tilt;          // of the line: its normal turns by this from the line of centers
+  double half_angle;    // of the line, an arc: positive where it is convex
+  Push push;            // force on the particle from its own energy; from a wall all of it
 };
 
 class PairDeformable : public Pair {
