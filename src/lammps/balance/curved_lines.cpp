@@ -92,8 +92,8 @@ double CurvedLines::imbalance()
 // so strong that full steps oscillate.
 void CurvedLines::adapt(double imbalance)
 {
-  constexpr double NOT_LESS = 0.9, LEAST = 0.05;
-  const bool falls = last_imbalance == 0.0 || imbalance < NOT_LESS * last_imbalance;
+  constexpr double FALL = 0.1, LEAST = 0.05;    // by this part of the step, at least
+  const bool falls = last_imbalance == 0.0 || imbalance < (1.0 - FALL * part) * last_imbalance;
   part = falls ? std::min(1.0, 1.5 * part) : std::max(LEAST, 0.5 * part);
   last_imbalance = imbalance;
 }
