@@ -46,6 +46,7 @@ FULL = Plan(
     pareto=[(16, seed, 171, 0.02, 2, (38, 57, 76, 114), (38, 57, 76)) for seed in _RIGID],
     smooth=[
         *((16, seed, count) for count in (80, 160) for seed in _RIGID),
+        *((16, seed, 320, 0.05, 5) for seed in _RIGID),
         *((16, seed, 320, 0.005, 1) for seed in _RIGID),
     ],
     friction=[

@@ -54,7 +54,7 @@ def exceptions(rows: Sequence[Row]) -> list[Row]:
             if (other["seed"], other["strain"]) == (row["seed"], row["strain"])
             and other["residual"] <= CONVERGED
         ]
-        limit = _of_many_vertices(same)
+        limit = _limit(same)
         reasons = {
             "the reference has not converged": row["residual"] > CONVERGED,
             "the law has not converged": row["law_residual"] > TOLERANCE,
@@ -71,16 +71,26 @@ def exceptions(rows: Sequence[Row]) -> list[Row]:
     return found
 
 
-def _of_many_vertices(same: Sequence[Row]) -> list[Row]:
-    """A row of polygons of very many vertices, from those of two numbers; none if there is one."""
+def of_many_vertices(coarse: float, fine: float, times: float) -> float:
+    """The limit of an energy of polygons, which differs from it by a part of 1/N_v^2.
+
+    Args:
+        coarse: energy of polygons of N_v vertices.
+        fine: that of `times` as many.
+        times: above 1.
+    """
+    return fine + (fine - coarse) / (times**2 - 1.0)
+
+
+def _limit(same: Sequence[Row]) -> list[Row]:
+    """A row of polygons of very many vertices, from the two finest; none if there is one."""
     by_number = {row["n_v"]: row for row in same}
     if len(by_number) < 2:
         return []
     coarse, fine = (by_number[count] for count in sorted(by_number)[-2:])
-    step = (fine["energy_ratio"] - coarse["energy_ratio"]) / (
-        (fine["n_v"] / coarse["n_v"]) ** 2 - 1
-    )
-    return [fine | {"n_v": math.inf, "energy_ratio": fine["energy_ratio"] + step}]
+    energies = (1.0 / row["energy_ratio"] for row in (coarse, fine))
+    energy = of_many_vertices(*energies, fine["n_v"] / coarse["n_v"])
+    return [fine | {"n_v": math.inf, "energy_ratio": 1.0 / energy}]
 
 
 def _meets(row: Row) -> bool:
@@ -104,23 +114,27 @@ def whole_percents(rows: Sequence[Row]) -> list[float]:
 
 
 def energy_errors(rows: Sequence[Row], law: str) -> dict[float, list[float]]:
-    """|E/E(polygons) - 1| of a law at each strain, of all packings, against the finest polygons.
+    """|E/E(polygons) - 1| of a law at each strain, of all packings.
 
-    The sector law does not converge, and is evaluated at the polygons' centers. Rows whose
-    reference has not converged are left out.
+    The energy of the polygons is extrapolated from the two finest that have converged, where there
+    are two. The sector law does not converge, and is evaluated at the polygons' centers.
 
     Args:
         rows: of `smooth_rows`.
         law: its name.
     """
     rows = whole(rows)
-    finest = max(row["n_v"] for row in rows)
-    found: dict[float, list[float]] = {}
+    finest = {row["strain"] for row in rows if row["n_v"] == max(row["n_v"] for row in rows)}
+    by_state: dict[tuple[float, int], list[Row]] = {}
     for row in rows:
-        chosen = (row["law"], row["n_v"]) == (law, finest) and (row["own"] or law == "sector")
+        chosen = row["law"] == law and (row["own"] or law == "sector") and row["strain"] in finest
         if chosen and row["residual"] <= CONVERGED and row["energy_ratio"] is not None:
-            found.setdefault(row["strain"], []).append(abs(row["energy_ratio"] - 1.0))
-    return dict(sorted(found.items()))
+            by_state.setdefault((row["strain"], row["seed"]), []).append(row)
+    found: dict[float, list[float]] = {}
+    for (strain, _), same in sorted(by_state.items()):
+        (best,) = _limit(same) or same
+        found.setdefault(strain, []).append(abs(best["energy_ratio"] - 1.0))
+    return found
 
 
 def summary(rows: Sequence[Row], pareto: Sequence[Row]) -> list[Row]:
@@ -146,19 +160,6 @@ def summary(rows: Sequence[Row], pareto: Sequence[Row]) -> list[Row]:
             {"name": label(row), "error": row["error"], "seconds": row["seconds"]} | energy
         )
     return sorted(found, key=lambda row: row["seconds"] or 0.0)
-
-
-def reference_error(pareto: Sequence[Row]) -> float:
-    """Relative error of the energy of the reference polygons themselves.
-
-    The energy of polygons of N_v vertices is off by a part c/N_v^2, and the next finest polygons
-    differ from the reference by e. So the reference is off by e/((N_ref/N_v)^2 - 1).
-
-    Args:
-        pareto: of `pareto_means`.
-    """
-    fine = max((r for r in pareto if r["method"] == "smooth"), key=lambda row: row["vertices"])
-    return fine["energy_error"] / ((fine["reference"] / fine["vertices"]) ** 2 - 1.0)
 
 
 def fastest_as_good(pareto: Sequence[Row]) -> dict[str, Row]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from statistics import mean
 from typing import Any
 
@@ -12,6 +13,7 @@ from ...model.packing import Packing, bidisperse
 from ...protocols.compression import compress
 from ...protocols.jamming import jam
 from .compressions import smooth_rows, standard_polygons, timed
+from .errors import of_many_vertices
 
 Row = dict[str, Any]
 
@@ -38,8 +40,11 @@ def pareto_rows(
 
     Returns:
         A row for each method at the last strain: `method`, `vertices` (N_v, or None), `seconds` of
-        processor time of all steps, and the values of `smooth_rows`. The sector law does not come
-        to rest and is taken at the centers of the reference, without a time.
+        processor time of all steps, and the values of `smooth_rows`. Energies are over those of
+        polygons of very many vertices, extrapolated from the finest smooth ones and the reference;
+        `limit_error` of the reference is the change of that limit from the next coarser ones. The
+        sector law does not come to rest and is taken at the centers of the reference, without a
+        time.
     """
     rivals = [standard_polygons(count) for count in smooth]
     rivals += [standard_polygons(count, smooth=False) for count in bead]
@@ -58,11 +63,22 @@ def pareto_rows(
     spent = _seconds_of_disks(jam(bidisperse(number, seed=seed)), strain, steps)
     of_reference = math.fsum(row["seconds_polygons"] for row in path)
     exact = {"method": "reference", "vertices": reference, "seconds": of_reference}
-    return [
+    rows = [
         disk | {"method": "disk", "S_rms": 1.0, "seconds": spent},
         *found,
         disk | exact | {"S_rms": 0.0, "energy_ratio": 1.0, "pressure_ratio": 1.0},
     ]
+    smooth_ones = [row for row in rows if row["method"] in ("smooth", "reference")]
+    finest = sorted(smooth_ones, key=lambda row: int(row["vertices"]))[-3:]
+    limits = [
+        of_many_vertices(a["energy_ratio"], b["energy_ratio"], b["vertices"] / a["vertices"])
+        for a, b in pairwise(finest)
+    ]
+    for row in rows:
+        if row["energy_ratio"] is not None:
+            row["energy_ratio"] /= limits[-1]
+    rows[-1]["limit_error"] = abs(limits[0] / limits[-1] - 1.0)
+    return rows
 
 
 def _seconds_of_disks(start: Packing, strain: float, steps: int) -> float:
@@ -74,7 +90,7 @@ def pareto_means(packings: Iterable[Sequence[Row]]) -> list[Row]:
 
     Keys: `method`; `vertices`, N_v or None; `reference`, N_v; `n`, `strain`, `seeds`;
     `energy_error` and `pressure_error`, means of |ratio - 1|; `error`, of `S_rms`; `shape_error`,
-    of I; `seconds`; and the largest `residual` of the method.
+    of I; `seconds`; the largest `residual` of the method; and `limit_error` of the reference.
     """
     rows = []
     for same in zip(*packings, strict=True):
@@ -92,6 +108,8 @@ def pareto_means(packings: Iterable[Sequence[Row]]) -> list[Row]:
                 "residual": _most([row["law_residual"] for row in same]),
             }
         )
+        if first["method"] == "reference":
+            rows[-1]["limit_error"] = _mean(same, "limit_error")
     return rows
 
 

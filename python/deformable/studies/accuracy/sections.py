@@ -32,8 +32,9 @@ def in_short(rows: Sequence[Row], pareto: Sequence[Row]) -> Section:
         (
             f"Laws and smooth polygons compress the same packings of {rows[0]['n']} particles from "
             "jamming, and each relaxes on its own. The table has the error of the energy: of the "
-            f"laws against polygons of {finest} vertices, the median over the packings. The sector "
-            "law does not converge; it is evaluated at the polygons' centers.",
+            f"laws against polygons of up to {finest} vertices, extrapolated to very many, the "
+            "median over the packings. The sector law does not converge; it is evaluated at the "
+            "polygons' centers.",
             _as_good(pareto),
         ),
         pictures=[
@@ -98,9 +99,10 @@ def pareto(rows: Sequence[Row]) -> Section:
             f"Every method compresses the same packings of {first['n']} particles (seeds "
             f"{show(first['seeds'])}) from jamming to {percent(first['strain'])} strain, and "
             "relaxes on its own. "
-            f"Errors are against smooth polygons of {first['reference']} vertices; errors and "
-            "times are means. Polygons of different numbers of vertices stand for the same "
-            "particles: radii and kP agree.",
+            f"Errors are against smooth polygons of {first['reference']} vertices, energies "
+            "extrapolated from there to very many; errors and times are means. That limit changes "
+            f"by {show(rows[-1]['limit_error'])} if it is taken from coarser polygons. Polygons of "
+            "different numbers of vertices stand for the same particles: radii and kP agree.",
             "Bead polygons catch on each other: more vertices do not make them as right as smooth "
             "polygons. With few vertices both are wrong: a contact then has hardly more than one.",
         ),
