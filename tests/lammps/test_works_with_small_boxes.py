@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from combinations import STYLES
+from laws import EXACT, laws
+from parallel import finished
 from scene import SPECIES, Scene
-from test_parallel import lmp
 from test_refusals import refuses
 
-laws = pytest.mark.parametrize("law", STYLES)
 CELLS = {
     "square": (1, (0.0, 0.0)),
     "tilted": (1, (0.3, 0.0)),
@@ -26,7 +25,7 @@ def cells(law, length, shape="square", copies=1, species="small"):
     ]
     box = (0, copies * width, 0, copies * height)
     # outlines whose lines tilt bulge further in cells far beyond confluence
-    style = f"{STYLES[law]} reach 0.5" if (law, length) == ("tilted", 0.72) else STYLES[law]
+    style = f"{EXACT[law]} reach 0.5" if (law, length) == ("tilted", 0.72) else EXACT[law]
     return Scene(x, [species] * len(x), box, style, tilt=copies * tilt * width)
 
 
@@ -78,8 +77,8 @@ def test_ranks(law, tmp_path):
     """The images of a particle belong to its own rank or to the other one."""
     energies = [
         float(
-            lmp(ranks, SCRIPT.format(style=STYLES[law]), tmp_path)
-            .stdout.split("energy ")[1]
+            finished(ranks, SCRIPT.format(style=EXACT[law]), tmp_path)
+            .split("energy ")[1]
             .split()[0]
         )
         for ranks in (1, 2)
