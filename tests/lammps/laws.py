@@ -4,16 +4,17 @@ import pytest
 
 BALANCES = {
     "balanced": "deformable/ring contact balanced",
-    "tilted": "deformable/ring contact tilted",
+    "curved": "deformable/ring contact curved",
 }
 RING_LAWS = {"radical": "deformable/ring contact radical"} | BALANCES
 LAWS = {"sector": "deformable/sector"} | RING_LAWS
 DIRECT = tuple(law for law in LAWS if law not in BALANCES)  # their contacts need no solver
 # forces are balanced as far as rounding lets them
 EXACT = {law: style + " balance 1e-12 100" * (law in BALANCES) for law, style in LAWS.items()}
-RADICAL, BALANCED, TILTED = RING_LAWS.values()
+RADICAL, BALANCED, CURVED = RING_LAWS.values()
 
 laws = pytest.mark.parametrize("law", LAWS)
 ring_laws = pytest.mark.parametrize("law", RING_LAWS)
 direct_laws = pytest.mark.parametrize("law", DIRECT)
+straight_laws = pytest.mark.parametrize("law", [law for law in LAWS if law != "curved"])
 balanced_laws = pytest.mark.parametrize("law", BALANCES)

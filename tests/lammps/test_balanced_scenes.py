@@ -21,7 +21,7 @@ def squeezed(species, places, top, style):
     return Scene(x, species, BOX, style, boundary="p f p", commands=walls)
 
 
-@balanced_laws
+@pytest.mark.parametrize("law", ["balanced"])
 def test_stiff_on_soft(law):
     """kA a^3 is the same on both sides: S = pi a^2 between parallel lines, L = pi a."""
     stiff, soft, overlap = 1.0, 0.3, 0.03
@@ -53,7 +53,7 @@ def test_equal_particles(law):
     np.testing.assert_allclose(state.force, radical.force, rtol=0, atol=1e-12 * largest)
 
 
-@balanced_laws
+@pytest.mark.parametrize("law", ["balanced"])
 def test_one_contact(law):
     """A pair alone: L = a/G(0), S = a^2/2G(0), so kA a^3 is the same on both sides."""
     x = np.array([[0.0, 0.0], [0.97, 0.0]])

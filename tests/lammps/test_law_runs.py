@@ -8,7 +8,7 @@ from materials import kinds, packing, pushed
 from scene import PACKINGS
 
 
-@pytest.mark.parametrize(("law", "cold", "warm"), [("balanced", 5, 2), ("tilted", 8, 3)])
+@pytest.mark.parametrize(("law", "cold", "warm"), [("balanced", 5, 2), ("curved", 8, 3)])
 @pytest.mark.parametrize("lists", ["every 10 check yes", "every 1 delay 0 check no"])
 def test_forces_continue(law, cold, warm, lists):
     """Few evaluations along a trajectory, also with a new neighbor list in every step."""
@@ -26,7 +26,11 @@ def test_forces_continue(law, cold, warm, lists):
 
 @balanced_laws
 def test_contacts_between_neighbor_lists(law):
-    """None is missed while particles come from afar and LAMMPS keeps its list."""
+    """None is missed while particles come from afar and LAMMPS keeps its list.
+
+    Lines of `curved` contacts are known less well than balanced forces; a missed contact shows a
+    thousand times more.
+    """
     gaps = "change_box all x scale 1.1 y scale 1.1 remap\nneighbor 1.0 bin"
     scene, fresh = (packing(PACKINGS[0], EXACT[law], commands=gaps) for _ in range(2))
     scene.run("velocity all create 5e-4 4711 loop all\nfix nve all nve\ntimestep 0.2")
@@ -34,7 +38,7 @@ def test_contacts_between_neighbor_lists(law):
     for _ in range(40):
         scene.run("run 2 pre no post no")
         force, expected = scene.gather("f", 3)[:, :2], fresh.evaluate(scene.x).force
-        np.testing.assert_allclose(force, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
+        np.testing.assert_allclose(force, expected, rtol=0, atol=1e-8 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize(("kind", "dt"), [("rings", 0.2), ("droplets", 0.1)])

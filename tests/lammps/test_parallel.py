@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from laws import BALANCED, EXACT, LAWS, RADICAL, TILTED
+from laws import BALANCED, CURVED, EXACT, LAWS, RADICAL
 from materials import packing
 from parallel import FEW, GRIDS, TWO, assert_same, lmp, on_grids, report, reported
 from scene import HEADER, MEASURE, PACKINGS, SPECIES, Scene
@@ -58,15 +58,15 @@ CASES |= {
     for law in ("sector", "radical", "balanced")
 }
 LOOSE = f"{BALANCED} balance 1e-8 100"
-TILTS = f"{TILTED} balance 1e-8 100"
+BENT = f"{CURVED} balance 1e-8 100"
 CASES |= {
     "balanced": (LOOSE, "fixed skinned", "1 copy", TWO, 1e-12, 3e-7),
     "balanced, 16 copies": (LOOSE, "fixed skinned", "16 copies", FEW, 1e-12, 3e-7),
     "balanced, exact": (EXACT["balanced"], "fixed skinned", "16 copies", TWO, 1e-12, 1e-11),
     "balanced, droplets": (BALANCED, "drop large", "1 copy", TWO, 1e-11, 3e-7),
-    "tilted": (TILTS, "fixed skinned", "1 copy", FEW, 1e-12, 1e-12),
-    "tilted, 16 copies": (TILTS, "fixed skinned", "16 copies", TWO, 1e-12, 1e-12),
-    "tilted, droplets": (TILTED, "drop large", "1 copy", TWO, 1e-11, 1e-11),
+    "curved": (BENT, "fixed skinned", "1 copy", FEW, 1e-12, 1e-12),
+    "curved, 16 copies": (BENT, "fixed skinned", "16 copies", TWO, 1e-12, 1e-12),
+    "curved, droplets": (CURVED, "drop large", "1 copy", TWO, 1e-11, 1e-11),
 }
 
 

@@ -7,7 +7,7 @@ import pytest
 from contact_rows import CONTACTS, contacts, of_compute_pair
 from deformable import core
 from derivatives import assert_forces
-from laws import EXACT, RADICAL, TILTED, balanced_laws
+from laws import CURVED, EXACT, RADICAL, balanced_laws
 from materials import STIFFNESS, packing, pushed, radii_of, species_of
 from scene import BOX, FOUR, PACKINGS, ROOM_OF_FOUR, Scene
 from tilted import CASES, known
@@ -69,7 +69,7 @@ def test_forces_of_known_packings(case, size, tmp_path):
 def test_tilts_save_energy():
     case = PACKINGS[0]
     tilted, balanced = (
-        packing(case, EXACT[law]).energy(pushed(case)) for law in ("tilted", "balanced")
+        packing(case, EXACT[law]).energy(pushed(case)) for law in ("curved", "balanced")
     )
     assert 0.9 * balanced < tilted < 0.999 * balanced
 
@@ -77,7 +77,7 @@ def test_tilts_save_energy():
 def test_lines_of_walls_do_not_tilt():
     options = {"boundary": "f f p", "commands": ROOM_OF_FOUR + CONTACTS}
     species = ["small", "weak", "both", "fixed"]
-    seen = contacts(Scene(FOUR, species, BOX, EXACT["tilted"], **options))
+    seen = contacts(Scene(FOUR, species, BOX, EXACT["curved"], **options))
     wall = seen["partner"] == 0
     assert wall.sum() == 8
     assert (seen["tilt"][wall] == 0).all()
@@ -124,7 +124,7 @@ def test_lines_that_would_tilt_too_far(tmp_path):
     """Three particles beyond the model: two lines tilt by 0.3, are counted, and said."""
     log = tmp_path / "log"
     x = np.array([[0, 0], [0.75, 0], [0.375, 0.45]])
-    scene = Scene(x, ["small"] * 3, BOX, f"{EXACT['tilted']} reach 1", commands=CONTACTS, log=log)
+    scene = Scene(x, ["small"] * 3, BOX, f"{EXACT['curved']} reach 1", commands=CONTACTS, log=log)
     seen = contacts(scene)
     assert of_compute_pair(scene)[1] <= 1e-12
     assert scene.vector("pair", OUTPUTS)[5] == 2
@@ -140,7 +140,7 @@ def test_momentum_and_angular_momentum():
     """
     x = np.array(CASES[0]["centres"])
     box = (-20, 20, -20, 20)
-    scene = Scene(x, ["small"] * 8 + ["large"] * 8, box, f"{TILTED} balance 1e-3 100")
+    scene = Scene(x, ["small"] * 8 + ["large"] * 8, box, f"{CURVED} balance 1e-3 100")
     force = scene.evaluate(x).force
     assert of_compute_pair(scene)[1] > 1e-6
     scale = np.abs(force).max()
@@ -151,7 +151,7 @@ def test_momentum_and_angular_momentum():
 
 def test_contacts_that_open_and_close():
     """A particle loses two contacts and gains three: its tilts have no jump, nor has the energy."""
-    scene = Scene.packing(PACKINGS[0], EXACT["tilted"], commands=CONTACTS)
+    scene = Scene.packing(PACKINGS[0], EXACT["curved"], commands=CONTACTS)
     shifts = np.linspace(-0.1, 0.1, 101)
     tilts, energies = [], []
     for shift in shifts:
@@ -172,7 +172,7 @@ def test_loose_tolerance(tmp_path):
     """Forces are off by the tolerance, the energy by its square."""
     tolerance = 1e-3
     exact = known(CASES[0], tmp_path).evaluate()
-    state = known(CASES[0], tmp_path, f"{TILTED} balance {tolerance} 100").evaluate()
+    state = known(CASES[0], tmp_path, f"{CURVED} balance {tolerance} 100").evaluate()
     assert state.energy == pytest.approx(exact.energy, rel=20 * tolerance**2)
     largest = max(contact["force"] for contact in CASES[0]["contacts"])
     assert np.abs(state.force - exact.force).max() < 4 * tolerance * largest

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from laws import LAWS, laws
+from laws import LAWS, laws, straight_laws
 from obstacles import scene_of
 
 STYLES = {law: LAWS[law] if law == "sector" else f"{LAWS[law]} reach 0.5" for law in LAWS}
@@ -33,7 +33,7 @@ def forces(s, x, y):
     return found, np.array(differences)
 
 
-@laws
+@straight_laws
 def test_face_corner_face(law):
     """Along a face, around its end, and along the next face."""
     s = scene(law)

@@ -11,7 +11,7 @@ CASES = json.loads((Path(__file__).parents[1] / "data" / "tilt_cases.json").read
 NAMES = np.array(["one", "two"])
 
 
-def known(case, folder, style=EXACT["tilted"], scale=1.0, **options):
+def known(case, folder, style=EXACT["curved"], scale=1.0, **options):
     """The scene of a case, all lengths between centers times `scale`; `folder` has its species."""
     rows = zip(NAMES, *(case[name] for name in ("radii", "kA", "kP", "skin")), strict=True)
     lines = [" ".join(map(str, row)) for row in rows]

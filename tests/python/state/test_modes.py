@@ -12,7 +12,7 @@ LAWS = {
     "disks": None,
     "radical": deformable.Ring(kA=2.0, contact="radical"),
     "balanced": deformable.Ring(kA=1.0, kP=0.3, skin=0.02, contact="balanced"),
-    "tilted": deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="tilted"),
+    "curved": deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved"),
 }
 Snapshot = deformable.State | deformable.DiskState
 

@@ -69,7 +69,7 @@ def test_force_vectors_sum_to_the_forces(law: Law, jammed: deformable.Packing) -
     np.add.at(net, table["i"], table["force_vector"])
     rounding = 1e-14 * table["force"].max()
     np.testing.assert_allclose(net, force, rtol=0, atol=rounding)
-    if state.law.name != "tilted":
+    if state.law.name != "curved":
         out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
         (nx, ny), (fx, fy) = out.T, table["force_vector"].T
         assert np.abs(nx * fy - ny * fx).max() > 1e-3 * table["force"].max()
