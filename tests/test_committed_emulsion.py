@@ -3,12 +3,11 @@
 import importlib.util
 import json
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from programs import program
 
 pytest.importorskip("matplotlib")
 
@@ -64,8 +63,7 @@ def test_fits_alone_need_no_packing(tmp_path: Path) -> None:
     """The command of the page, in a folder as it is committed."""
     for name in ("fits.py", "emulsion_512.json"):
         shutil.copy(FOLDER / name, tmp_path)
-    command = [sys.executable, "fits.py", "emulsion_512.json"]
-    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    result = program("python", "fits.py", "emulsion_512.json", cwd=tmp_path)
     assert (result.returncode, len(result.stderr.splitlines())) == (0, 1)
     assert "packing_512" in result.stderr
     assert next(fits.table(RESULT)) in result.stdout

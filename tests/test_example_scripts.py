@@ -3,32 +3,17 @@
 import json
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from programs import BIN
+from programs import output as text
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
-BIN = Path(sys.executable).parent
 
 
-def text(*command: str, cwd: Path) -> str:
-    """Output of a command of this environment."""
-    result = subprocess.run(
-        [str(BIN / command[0]), *command[1:]],
-        cwd=cwd,
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
-    assert result.returncode == 0, result.stderr
-    return result.stdout
-
-
-def output(*command: str, cwd: Path) -> np.ndarray:
+def rows(*command: str, cwd: Path) -> np.ndarray:
     """Numbers in the lines of a script's output that begin with phi, one row a line."""
     return numbers(text(*command, cwd=cwd))
 
@@ -42,7 +27,7 @@ def numbers(printed: str) -> np.ndarray:
 def test_compress_prints_its_log(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     shutil.copy(EXAMPLES / "compress" / "compress.py", tmp_path)
-    phi, pressure, z = output("python", "compress.py", cwd=tmp_path).T
+    phi, pressure, z = rows("python", "compress.py", cwd=tmp_path).T
     expected = numbers((EXAMPLES / "compress" / "compress.log").read_text()).T
     # the packing depends on the last digit, so that another processor may find another one
     assert phi == pytest.approx(expected[0], abs=0.02)
@@ -75,10 +60,10 @@ def test_drum(tmp_path: Path) -> None:
 
 def test_compress_mpi_gives_the_same_on_two_ranks(tmp_path: Path) -> None:
     shutil.copy(EXAMPLES / "mpi" / "compress_mpi.py", tmp_path)
-    serial = output("python", "compress_mpi.py", cwd=tmp_path)
+    serial = rows("python", "compress_mpi.py", cwd=tmp_path)
     command = ("mpiexec", "-n", "2", str(BIN / "python"), "-m", "mpi4py", "compress_mpi.py")
     assert len(serial) == 2
-    assert output(*command, cwd=tmp_path) == pytest.approx(serial, rel=1e-4)
+    assert rows(*command, cwd=tmp_path) == pytest.approx(serial, rel=1e-4)
 
 
 def test_soft_and_stiff_share_their_contacts(tmp_path: Path) -> None:
@@ -110,16 +95,7 @@ def test_soft_and_stiff_share_their_contacts(tmp_path: Path) -> None:
 
 def printed(folder: Path, script: str, *arguments: str) -> list[list[float]]:
     """Numbers on each line of a script's output."""
-    result = subprocess.run(
-        [str(BIN / "python"), script, *arguments],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=600,
-        check=False,
-    )
-    assert result.returncode == 0, result.stderr
-    return lines(result.stdout)
+    return lines(text("python", script, *arguments, cwd=folder))
 
 
 def lines(text: str) -> list[list[float]]:
@@ -142,8 +118,8 @@ def test_fluid_diffuses_and_glass_does_not(tmp_path: Path) -> None:
     (_, t_fluid), (_, t_glass), fluid, glass = committed
     assert f"| 0.6 | {t_fluid} | {fluid[1]} | {fluid[2]:.1e} |".replace("e-0", "e-") in page
     assert f"| 0.9 | {t_glass} | {glass[1]} | |" in page
-    for text in (temperatures + found, committed):
-        (_, t_fluid), (_, t_glass), fluid, glass = text
+    for printed_lines in (temperatures + found, committed):
+        (_, t_fluid), (_, t_glass), fluid, glass = printed_lines
         # 63 pairs of degrees of freedom over 25 times 1/friction, at four sigma
         assert max(abs(t_fluid - 1.0), abs(t_glass - 1.0)) < 4.0 / (63 * 25) ** 0.5
         assert 0.5 < fluid[1] < 1.3  # diffusion begins; seeds differ by 0.1

@@ -4,7 +4,6 @@ import os
 import re
 import shlex
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
@@ -12,6 +11,7 @@ import numpy as np
 import pytest
 import typer
 from deformable.cli.main import app
+from programs import output
 
 ROOT = Path(__file__).parents[1]
 BIN = Path(sys.executable).parent
@@ -35,16 +35,7 @@ def tree(tmp_path):
 
 def run(folder, *command):
     """Output of a command of this environment."""
-    result = subprocess.run(
-        [BIN / command[0], *command[1:]],
-        cwd=folder,
-        env=ENVIRONMENT,
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-    assert result.returncode == 0, result.stdout + result.stderr
-    return result.stdout
+    return output(*command, cwd=folder, **ENVIRONMENT)
 
 
 def test_logs_name_no_folder_of_a_machine():

@@ -5,13 +5,12 @@ import json
 import math
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import deformable
 import numpy as np
 import pytest
+from programs import program
 from test_example_scripts import text
 
 pytest.importorskip("matplotlib")
@@ -62,8 +61,7 @@ def test_drag_brings_droplets_back_to_the_mean_flow(tmp_path: Path) -> None:
 
 
 def test_a_strain_without_blocks_is_refused(tmp_path: Path) -> None:
-    command = [sys.executable, str(EXAMPLE / "flow_curve.py"), "--strain", "3"]
-    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    result = program("python", EXAMPLE / "flow_curve.py", "--strain", "3", cwd=tmp_path)
     assert result.returncode == 2
     assert "--strain must be above 3" in result.stderr
     assert not list(tmp_path.iterdir())

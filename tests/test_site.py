@@ -16,6 +16,7 @@ from urllib.parse import unquote, urlsplit
 import deformable
 import pytest
 from deformable import core
+from programs import output
 
 ROOT = Path(__file__).parents[1]
 API = sorted((ROOT / "docs" / "api").glob("*.md"))
@@ -152,16 +153,8 @@ def test_examples_of_the_api_run(tmp_path):
         (tmp_path / f"{name}.py").write_text("\n".join(code))
     one_by_one = f"[run_path(f'{{name}}.py', run_name='__main__') for name in {[*codes]}]"
     run = f"from runpy import run_path; {one_by_one}"
-    result = subprocess.run(
-        [sys.executable, "-c", run],
-        cwd=tmp_path,
-        env=os.environ | {"MPLBACKEND": "agg"},
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-    assert result.returncode == 0, result.stderr
-    assert "fraction must lie between 0 and 1, not 1.5" in result.stdout
+    said = output("python", "-c", run, cwd=tmp_path, MPLBACKEND="agg")
+    assert "fraction must lie between 0 and 1, not 1.5" in said
     written = {path.name for path in tmp_path.iterdir()}
     assert {"packing.png", "state.png", "state.vtp", "run.gif", "run.pvd", "sheared"} <= written
 

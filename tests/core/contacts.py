@@ -64,6 +64,24 @@ IRREGULAR = Contacts(
     1.2, np.array([0.0, 1.3, 2.6, 4.0, 5.2]), np.array([0.02, 0.03, 0.01, 0.03, 0])
 )
 
+# kA, kP and tension of rings with a line tension, for a radius of 1
+TENSE = {
+    "droplet": (np.inf, 0.0, 1.0),
+    "stiff droplet": (np.inf, 2.0, 0.3),
+    "bubble": (1.0, 0.0, 3.0),
+    "stiff bubble": (20.0, 0.0, 0.1),
+    "all": (1.0, 0.5, 0.7),
+    "nearly none": (1.0, 0.5, 1e-9),
+}
+tense = pytest.mark.parametrize("stiffness", TENSE.values(), ids=TENSE)
+
+
+def sized(stiffness, radius):
+    """The same in units of another radius: kA R^4, kP R^2 and tension R over the first of them."""
+    kA, kP, tension = stiffness
+    return kA, kP * radius**2, tension * radius**3
+
+
 # kA and kP
 STIFFNESSES = {
     "soft perimeter": (1.0, 0.01),

@@ -60,3 +60,17 @@ def test_fewer_contacts_than_a_sector_needs(law, z):
     else:
         assert shape.area_deficit == shape.perimeter_excess == 0
     assert len(shape.d_indentation) == len(shape.d_angle) == len(shape.contact_length) == z
+
+
+@pytest.mark.parametrize("apart", [1e-3, 1e-6, 1e-9])
+def test_sector_of_nearly_a_turn(apart):
+    """Contacts that nearly coincide: what a sector lacks to a turn, e, keeps its digits.
+
+    S = (alpha(e) + alpha(2 pi - e)) a^2/2 with alpha of the theory page, 4/e - 2e/15 + ... at e.
+    """
+    a, phi, sine = 0.01, 2 * np.pi - apart, np.sin(apart)
+    versines = 4 * np.sin(apart / 2) ** 2  # 2 - 2 cos e
+    wide = -(sine + phi * np.cos(apart)) / (versines + phi * sine)
+    narrow = 4 / apart - 2 * apart / 15
+    shape = LAWS["sector"](1.0, np.array([0.0, apart]), np.array([a, 0.0]))
+    assert shape.area_deficit == pytest.approx((wide + narrow) * a**2 / 2, rel=1e-12)

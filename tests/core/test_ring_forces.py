@@ -4,7 +4,7 @@ import contextlib
 
 import numpy as np
 import pytest
-from contacts import contacts, regular_polygon
+from contacts import TENSE, contacts, regular_polygon, sized
 from deformable import core
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 INF = float("inf")
 STIFFNESS = [(1.0, INF), (2.0, 0.3), (1.0, 1e-6), (1.0, 1e12), (1e-3, 1e3), (INF, 1.0)]
 stiffnesses = pytest.mark.parametrize(("kA", "kP"), STIFFNESS)
+ALL = [*((kA, kP, 0.0) for kA, kP in STIFFNESS), *TENSE.values()]
+any_stiffness = pytest.mark.parametrize("stiffness", ALL)
 
 
 def pressed(particle, *stiffness):
@@ -21,31 +23,44 @@ def pressed(particle, *stiffness):
     return shape, force, core.forced_ring(particle.radius, particle.angle, force, *stiffness)
 
 
-@stiffnesses
+def pressed_in(particle, stiffness, skin=0.0):
+    """The same with kA, kP and tension in units of its radius; these too."""
+    kA, kP, tension = sized(stiffness, particle.radius - skin)
+    return *pressed(particle, kA, kP, skin, tension), (kA, kP, skin, tension)
+
+
+@any_stiffness
 @pytest.mark.parametrize("skin", [0.0, 0.1])
 @given(particle=contacts(size=(1, 9), gap=0.4, indentation=(-5e-3, 0.02)))
-def test_inverse(particle, kA, kP, skin):
+def test_inverse(particle, stiffness, skin):
     """Forces from indentations and back; lines that bear nothing are outside of the outline."""
-    shape, force, ring = pressed(particle, kA, kP, skin * particle.radius)
+    shape, force, ring, _ = pressed_in(particle, stiffness, skin * particle.radius)
     assume(force.max() > 0)
-    size = particle.indentation.max()
+    # the energy under tension is what is left of one at rest
+    size, rest = particle.indentation.max(), 10 if stiffness[2] else 1
     np.testing.assert_allclose(
-        ring.indentation[force > 0], particle.indentation[force > 0], rtol=0, atol=1e-10 * size
+        ring.indentation[force > 0],
+        particle.indentation[force > 0],
+        rtol=0,
+        atol=rest * 1e-10 * size,
     )
-    assert (ring.indentation >= particle.indentation - 1e-10 * size).all()
+    assert (ring.indentation >= particle.indentation - rest * 1e-10 * size).all()
     assert ring.pressure == pytest.approx(shape.pressure, rel=1e-9)
-    assert ring.energy == pytest.approx(shape.energy, rel=1e-9)
-    assert ring.conjugate == pytest.approx(force @ particle.indentation - shape.energy, rel=1e-9)
-    np.testing.assert_allclose(ring.contact_length, shape.contact_length, rtol=1e-9)
-    np.testing.assert_allclose(ring.d_angle, shape.d_angle, rtol=0, atol=1e-9 * shape.energy)
+    assert ring.energy == pytest.approx(shape.energy, rel=rest * 1e-9)
+    conjugate = force @ particle.indentation - shape.energy
+    assert ring.conjugate == pytest.approx(conjugate, rel=rest * 1e-9)
+    np.testing.assert_allclose(ring.contact_length, shape.contact_length, rtol=rest * 1e-9)
+    largest = max(shape.energy, np.abs(shape.d_angle).max())
+    np.testing.assert_allclose(ring.d_angle, shape.d_angle, rtol=0, atol=1e-9 * largest)
 
 
-@stiffnesses
+@any_stiffness
 @given(particle=contacts(size=(1, 9), gap=0.4))
-def test_derivatives(particle, kA, kP):
+def test_derivatives(particle, stiffness):
     """dW/df = a, da/df = C by central differences of the relative step 1e-5: errors of 1e-10."""
-    _, force, ring = pressed(particle, kA, kP)
-    of = lambda f: core.forced_ring(particle.radius, particle.angle, f, kA, kP)  # noqa: E731
+    _, force, ring, (kA, kP, skin, tension) = pressed_in(particle, stiffness)
+    given = particle.radius, particle.angle
+    of = lambda f: core.forced_ring(*given, f, kA, kP, skin, tension)  # noqa: E731
     step = 1e-5 * force.max()
     scale = np.abs(ring.compliance).max()
     for c in np.flatnonzero(force > 3 * step):
@@ -57,22 +72,23 @@ def test_derivatives(particle, kA, kP):
         np.testing.assert_allclose(ring.compliance[c], numerical, rtol=0, atol=1e-6 * scale)
 
 
-@stiffnesses
+@any_stiffness
 @given(particle=contacts(size=(1, 6), gap=0.6))
-def test_compliance_is_the_inverse_of_the_stiffness(particle, kA, kP):
-    _, force, ring = pressed(particle, kA, kP)
-    active = force > 1e-3 * force.max()
-    assume(active.all())
-    k = core.contact_stiffness(particle.radius, particle.angle, particle.indentation, kA, kP)
+def test_compliance_is_the_inverse_of_the_stiffness(particle, stiffness):
+    _, force, ring, given = pressed_in(particle, stiffness)
+    assume((force > 1e-3 * force.max()).all())
+    k = core.contact_stiffness(particle.radius, particle.angle, particle.indentation, *given)
     unit = ring.compliance @ k
-    condition = np.linalg.cond(k)
-    np.testing.assert_allclose(unit, np.eye(len(force)), rtol=0, atol=1e-12 * condition)
+    np.testing.assert_allclose(unit, np.eye(len(force)), rtol=0, atol=1e-12 * np.linalg.cond(k))
 
 
-@stiffnesses
+@any_stiffness
 @given(particle=contacts(size=(1, 9), gap=0.02))
-def test_compliance_is_positive(particle, kA, kP):
-    C = pressed(particle, kA, kP)[2].compliance
+def test_compliance_is_positive(particle, stiffness):
+    try:
+        C = pressed_in(particle, stiffness)[2].compliance
+    except ValueError:  # a bubble that collapses between so many
+        assume(False)
     np.testing.assert_allclose(C, C.T, rtol=0, atol=1e-13 * np.abs(C).max())
     assert np.linalg.eigvalsh(C).min() >= -1e-12 * np.abs(C).max()
 

@@ -4,23 +4,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from contacts import contacts, regular_polygon
+from contacts import contacts, regular_polygon, sized, tense
 from deformable import core
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 INF = np.inf
-
-# kA, kP and tension of a particle of radius 1
-TENSE = {
-    "droplet": (INF, 0.0, 1.0),
-    "stiff droplet": (INF, 2.0, 0.3),
-    "bubble": (1.0, 0.0, 3.0),
-    "stiff bubble": (20.0, 0.0, 0.1),
-    "all": (1.0, 0.5, 0.7),
-    "nearly none": (1.0, 0.5, 1e-9),
-}
-tense = pytest.mark.parametrize("stiffness", TENSE.values(), ids=TENSE)
 
 # n walls at the distance 1 - a: U, p, force of a wall, for R = tension = 1 and a conserved area
 POLYGONS = [
@@ -29,12 +18,6 @@ POLYGONS = [
     (6, 0.001, 3.41114634654e-5, 1.01091176788, 1.14325238837e-2),
     (6, 0.03, 4.73755469022e-2, 1.65475649044, 0.698725225703),
 ]
-
-
-def sized(stiffness, radius):
-    """The same in units of another radius: kA R^4, kP R^2 and tension R over the first of them."""
-    kA, kP, tension = stiffness
-    return kA, kP * radius**2, tension * radius**3
 
 
 def soft(particle, stiffness, skin=0.0):
@@ -158,51 +141,6 @@ def test_derivatives(stiffness, particle):
             size = scale if name == "indentation" else scale * particle.indentation.max()
             noise = 1e-14 * ring.energy / step
             assert slope == pytest.approx(getattr(ring, of)[c], abs=2e-6 * size + noise)
-
-
-@tense
-@pytest.mark.parametrize("skin", [0.0, 0.1])
-@given(particle=contacts(size=(1, 9), gap=0.4, indentation=(-5e-3, 0.02)))
-@settings(max_examples=60)
-def test_forces_give_the_same_ring(stiffness, skin, particle):
-    skin *= particle.radius
-    stiffness = sized(stiffness, particle.radius - skin)
-    ring = soft(particle, stiffness, skin)
-    force = ring.d_indentation
-    assume(force.max() > 0)
-    loaded = forced(particle, force, stiffness, skin)
-    size = particle.indentation.max()
-    active = force > 0
-    np.testing.assert_allclose(
-        loaded.indentation[active], particle.indentation[active], rtol=0, atol=1e-9 * size
-    )
-    assert (loaded.indentation >= particle.indentation - 1e-9 * size).all()
-    assert loaded.pressure == pytest.approx(ring.pressure, rel=1e-9)
-    assert loaded.energy == pytest.approx(ring.energy, rel=1e-8)
-    bound = force @ particle.indentation
-    assert loaded.conjugate == pytest.approx(bound - ring.energy, rel=1e-8)
-    np.testing.assert_allclose(loaded.contact_length, ring.contact_length, rtol=1e-8)
-
-
-@tense
-@given(particle=contacts(size=(1, 6), gap=0.6))
-@settings(max_examples=40)
-def test_compliance(stiffness, particle):
-    """The derivative of indentations in forces, and the inverse of the contacts' stiffness."""
-    kA, kP, tension = stiffness = sized(stiffness, particle.radius)
-    force = soft(particle, stiffness).d_indentation
-    assume((force > 1e-3 * force.max()).all())
-    C = forced(particle, force, stiffness).compliance
-    step = 1e-5 * force.max()
-    for c in range(len(force)):
-        change = step * (np.arange(len(force)) == c)
-        above, below = (forced(particle, force + s * change, stiffness) for s in (1, -1))
-        numerical = (above.indentation - below.indentation) / (2 * step)
-        np.testing.assert_allclose(C[c], numerical, rtol=0, atol=1e-6 * np.abs(C).max())
-    args = particle.radius, particle.angle, particle.indentation, kA, kP, 0.0, tension
-    K = core.contact_stiffness(*args)
-    unit = np.eye(len(force))
-    np.testing.assert_allclose(C @ K, unit, rtol=0, atol=1e-10 * np.linalg.cond(K))
 
 
 @tense

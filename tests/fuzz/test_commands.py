@@ -4,10 +4,13 @@ import re
 from itertools import chain
 
 import pytest
+from deformable.model.laws import LAWS
 from grammar import numbers, positive, words_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_species_file import SCENE
+
+CONTACTS = [name for name in LAWS if name != "sector"]
 
 SPECIES = """# UNITS: lj
 a 0.5 1 inf
@@ -40,9 +43,7 @@ ROOMS = ["room", "disk", "hole", "corner", "slanted", "pipe", "horn", "away", "f
 ROOMS += ["post", "plate", "needle", "wedge", "both", "hopper"]
 
 PAIR_STYLES = st.one_of(
-    words_of("contact", "radical", "balanced", "tilted", "balance", "reach").map(
-        ["deformable/ring"].__add__
-    ),
+    words_of("contact", *CONTACTS, "balance", "reach").map(["deformable/ring"].__add__),
     words_of("contact", "reach").map(["deformable/sector"].__add__),
     st.sampled_from(
         [

@@ -12,7 +12,7 @@ from scenes import build, scenes
 LAWS = [
     deformable.Ring(contact="radical"),
     deformable.Ring(kP=2.0),
-    deformable.Ring(contact="tilted"),
+    deformable.Ring(contact="curved"),
     deformable.Sector(kP=1.0),
 ]
 REFUSED = (deformable.ParameterError, deformable.LammpsError)

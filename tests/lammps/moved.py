@@ -1,9 +1,9 @@
 """Many rings with balanced contacts that have moved, on one or more ranks."""
 
 import numpy as np
-from balanced import DEFAULT
+from laws import BALANCED
+from parallel import finished
 from scene import HEADER, PACKINGS, SPECIES, Scene
-from test_parallel import lmp
 
 SCRIPT = (
     HEADER.format(boundary="p p p")
@@ -11,7 +11,7 @@ SCRIPT = (
 processors {{grid}}
 read_data {{data}}
 replicate {{copies}} {{copies}} 1
-pair_style {DEFAULT} balance {{tolerance}} 100
+pair_style {BALANCED} balance {{tolerance}} 100
 pair_coeff * * {SPECIES} small large
 neighbor 0.3 bin
 group movers id {{movers}}
@@ -26,7 +26,7 @@ thermo_modify norm no format float %.17g
 thermo 1
 run {{steps}}
 write_dump all custom moved.atoms id fx fy modify sort id format float %.17g
-pair_style {DEFAULT} balance 1e-12 100
+pair_style {BALANCED} balance 1e-12 100
 pair_coeff * * {SPECIES} small large
 run 0
 write_dump all custom exact.atoms id fx fy modify sort id format float %.17g
@@ -44,10 +44,9 @@ class Moved:
     """
 
     def __init__(self, ranks, folder, **fields):
-        Scene.packing(PACKINGS[0], DEFAULT).run(f"write_data {folder}/data nofix")
-        result = lmp(ranks, SCRIPT.format(data=folder / "data", **fields), folder)
-        assert result.returncode == 0, result.stdout + result.stderr
-        report = [line.split() for line in result.stdout.splitlines()]
+        Scene.packing(PACKINGS[0], BALANCED).run(f"write_data {folder}/data nofix")
+        said = finished(ranks, SCRIPT.format(data=folder / "data", **fields), folder)
+        report = [line.split() for line in said.splitlines()]
         steps = np.array([row for row in report if len(row) == 3 and row[0].isdigit()], float)
         self.evaluations = steps[:-1, 1]
         moved, exact = (

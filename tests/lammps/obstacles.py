@@ -1,8 +1,10 @@
 """Scenes of walls that point at particles, and their energies."""
 
+import pytest
+from laws import LAWS
 from scene import Scene
 
-RING_LAWS = "ring contact radical", "ring contact balanced"
+wall_laws = pytest.mark.parametrize("law", ["radical", "balanced"])
 ROOM = (-9, 9, -9, 9)
 
 PILLARS = {
@@ -26,7 +28,7 @@ WALL = "fix pillar all deformable/wall pillar\n"
 
 
 def scene_of(x, species, law, walls, **options):
-    return Scene(x, species, ROOM, f"deformable/{law}", boundary="f f p", commands=walls, **options)
+    return Scene(x, species, ROOM, LAWS.get(law, law), boundary="f f p", commands=walls, **options)
 
 
 def kinetic(scene):

@@ -12,16 +12,12 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from programs import PATIENT
 
 DATA = Path(__file__).parents[1] / "data"
 EXPECTED = DATA / "release_cases.json"
 PACKING = json.loads((DATA / "packing_cases.json").read_text())[0]
 STATES = {"start": 0, "end": 200}  # steps before each
-# Waiting ranks give way: without it, more ranks than cores take a hundred times as long.
-PATIENT = {
-    "MPIR_CVAR_CH4_PROGRESS_THROTTLE": "1",
-    "MPIR_CVAR_CH4_PROGRESS_THROTTLE_NO_PROGRESS_COUNT": "16",
-}
 
 EDGE = PACKING["L"] + 0.55  # a room a little larger than the packing's box
 PARTICLES = "\npair_coeff * * bubbles.deformable small large"  # a file of the package, by its name

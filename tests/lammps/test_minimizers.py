@@ -5,14 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from laws import RING_LAWS
 
 sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
 import minimizers
 
 CASES = [("rings", "sector")] + [
-    (material, law)
-    for material in minimizers.MATERIALS
-    for law in ("radical", "balanced", "tilted")
+    (material, law) for material in minimizers.MATERIALS for law in RING_LAWS
 ]
 
 # Several times the tolerance of balanced contacts, 1e-8 of the largest force: forces add up.

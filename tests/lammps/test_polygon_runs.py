@@ -2,6 +2,15 @@
 
 import numpy as np
 import pytest
+from parallel import (
+    GRIDS,
+    TILED,
+    assert_atoms_change_ranks,
+    assert_same,
+    on_grids,
+    report,
+    reported,
+)
 from polygons import (
     ALONE,
     AREA,
@@ -17,7 +26,6 @@ from polygons import (
     data_file,
     shoelace,
 )
-from test_parallel import GRIDS, lmp
 
 tilts = pytest.mark.parametrize("tilt", [0.0, 0.9], ids=["orthogonal", "tilted"])
 
@@ -200,61 +208,29 @@ def test_restart_keeps_the_sense(tmp_path):
 
 # ---- ranks ----
 
+STEPS = 0, 300
+SCALARS = "pe c_virial[1] c_virial[2] c_virial[4] f_area[1][1] f_area[1][2] f_area[1][4]"
+SCALARS += " f_area[2][1] f_area[2][2] f_area[2][5]"
 PARALLEL = (
     "processors {grid}\n"
     + HEADER
-    + "read_data data\n"
+    + "read_data {data}\n"
     + SPRINGS
     + MEASURE
     + REST
     + MOVE
     + "{balance}"
-    + "".join(
-        f"""
-run {steps}
-print "$(pe:%.17g) $(c_virial[1]:%.17g) $(c_virial[2]:%.17g) $(c_virial[4]:%.17g) &
-$(f_area[1][1]:%.17g) $(f_area[1][2]:%.17g) $(f_area[1][4]:%.17g) $(f_area[2][1]:%.17g) &
-$(f_area[2][2]:%.17g) $(f_area[2][5]:%.17g)" file scalars{steps}
-write_dump all custom atoms{steps} id proc x y fx fy c_stress[1] c_stress[4] &
-modify sort id format float %.17g
-"""
-        for steps in (0, 300)
-    )
+    + "".join(report(steps, SCALARS, "x y fx fy c_stress[1] c_stress[4]") for steps in STEPS)
 )
-BALANCE = "comm_style tiled\nfix balance all balance 10 1.0 rcb\n"
 
 
 @tilts
 def test_ranks_and_grids(tilt, tmp_path):
-    """Polygons are shared by ranks and their beads change them."""
-    found = {}
-    cases = [(grid, "") for grids in GRIDS.values() for grid in grids] + [("2 1 1", BALANCE)]
-    for grid, balance in cases:
-        folder = tmp_path / (grid.replace(" ", "") + balance[:4])
-        folder.mkdir()
-        (folder / "data").write_text(data_file([SEVEN, FIVE], tilt=tilt))
-        ranks = np.prod([int(word) for word in grid.split()])
-        result = lmp(ranks, PARALLEL.format(grid=grid, balance=balance), folder)
-        assert result.returncode == 0, result.stdout + result.stderr
-        found[grid, balance] = {
-            steps: (
-                np.loadtxt(folder / f"scalars{steps}"),
-                np.loadtxt(folder / f"atoms{steps}", skiprows=9),
-            )
-            for steps in (0, 300)
-        }
-    reference = found["1 1 1", ""]
-    for case, theirs in found.items():
-        for steps, (scalars, atoms) in theirs.items():
-            name = f"{case} after {steps} steps"
-            expected_scalars, expected = reference[steps]
-            # virials are sums of either sign
-            np.testing.assert_allclose(
-                scalars, expected_scalars, rtol=1e-12, atol=1e-14, err_msg=name
-            )
-            scale = 1e-12 * np.abs(expected[:, 2:]).max(axis=0)
-            assert (np.abs(atoms - expected)[:, 2:] <= scale).all(), name
-        owners = theirs[0][1][:, 1], theirs[300][1][:, 1]
-        if case[0] != "1 1 1":
-            assert len(np.unique(owners[0])) > 1
-            assert (owners[0] != owners[1]).any()
+    """Polygons are shared by ranks and their beads change them; virials are sums of either sign."""
+    (tmp_path / "data").write_text(data_file([SEVEN, FIVE], tilt=tilt))
+    grids = *GRIDS, TILED
+    folders = on_grids(PARALLEL, tmp_path, grids, data=tmp_path / "data")
+    found = [reported(folders, steps) for steps in STEPS]
+    for reports in found:
+        assert_same(reports, atol=1e-14)
+    assert_atoms_change_ranks(*found)

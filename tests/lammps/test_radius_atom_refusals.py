@@ -2,29 +2,15 @@
 
 import numpy as np
 import pytest
-from scene import SPECIES, Scene
-from test_forces import BOX
+from laws import RADICAL
+from scene import BOX, SPECIES, Scene
 from test_radius_atom import styles
 from test_refusals import refuses, two_particles
 
 
-@pytest.mark.parametrize(
-    ("style", "message"),
-    [
-        ("ring radius", "deformable/ring radius command: missing argument"),
-        ("sector radius", "deformable/sector radius command: missing argument"),
-        ("ring radius 0.5", "Radius '0.5'"),
-        ("sector radius all", "Radius 'all'"),
-    ],
-)
-def test_words(style, message):
-    with refuses(message):
-        two_particles().command(f"pair_style deformable/{style}")
-
-
 def test_atoms_without_radii():
     lmp = two_particles()
-    lmp.command("pair_style deformable/ring contact radical radius atom")
+    lmp.command(f"pair_style {RADICAL} radius atom")
     lmp.command(f"pair_coeff * * {SPECIES} any any")
     with refuses("'radius atom'.*atomic"):
         lmp.command("run 0")
@@ -43,7 +29,7 @@ def test_atoms_without_radii():
 )
 def test_radii_that_are_none(style, radius, message):
     x = np.array([[0.0, 0.0], [1.1, 0.0]])
-    scene = Scene(x, ["any"] * 2, BOX, f"deformable/{style} radius atom", radii=[0.5, radius])
+    scene = Scene(x, ["any"] * 2, BOX, f"{style} radius atom", radii=[0.5, radius])
     with refuses(message):
         scene.energy()
 
@@ -53,9 +39,7 @@ def test_largest_radius_is_named_and_rounding_allowed():
     x = np.array([[-1.5, 0.0], [0.0, 0.0], [1.6, 0.0]])
 
     def scene(radii):
-        return Scene(
-            x, ["any"] * 3, BOX, "deformable/ring contact radical radius atom", radii=radii
-        )
+        return Scene(x, ["any"] * 3, BOX, f"{RADICAL} radius atom", radii=radii)
 
     with refuses("Atom 2 .*0.9"):
         scene([0.81, 0.9, 0.85]).energy()
@@ -64,8 +48,6 @@ def test_largest_radius_is_named_and_rounding_allowed():
 
 def test_radius_within_the_skin():
     x = np.array([[0.0, 0.0], [1.1, 0.0]])
-    scene = Scene(
-        x, ["anysoft"] * 2, BOX, "deformable/ring contact radical radius atom", radii=[0.5, 0.05]
-    )
+    scene = Scene(x, ["anysoft"] * 2, BOX, f"{RADICAL} radius atom", radii=[0.5, 0.05])
     with refuses("Atom 2 .*0.05.*skin of species anysoft"):
         scene.energy()

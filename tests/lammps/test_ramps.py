@@ -2,16 +2,13 @@
 
 import numpy as np
 import pytest
+from laws import EXACT, RADICAL, ring_laws
+from materials import pushed
 from scene import PACKINGS, Scene
-from tense import BALANCED, RADICAL, TILTED
 from test_refusals import refuses
-from test_soft_rings import pushed
 
-EXACT = f"{BALANCED} balance 1e-12 100"
 VALUES = {"kA": (1.0, 3.0), "kP": (0.1, 0.7), "tension": (0.01, 0.05)}
 TEXT = "a 0.5 {kA} {kP} tension {tension}\nb 0.7 1.0 0.3 tension 0.02\n"
-STYLES = {"radical": RADICAL, "balanced": EXACT, "tilted": f"{TILTED} balance 1e-12 100"}
-styles = pytest.mark.parametrize("style", STYLES.values(), ids=STYLES)
 
 
 def scene(tmp_path, style, hybrid=False, **values):
@@ -42,12 +39,12 @@ def adapt(some, name, value, more=""):
     )
 
 
-@styles
+@ring_laws
 @pytest.mark.parametrize("name", VALUES)
-def test_forces_at_every_value(name, style, tmp_path):
+def test_forces_at_every_value(name, law, tmp_path):
     """Along a trajectory with a ramp, as of a new file with the value of that step."""
     first, last = VALUES[name]
-    some = scene(tmp_path, style)
+    some = scene(tmp_path, EXACT[law])
     adapt(some, name, f"{first}+({last}-{first})*step/40")
     some.run("fix nve all nve\ntimestep 0.02\nvelocity all create 1e-4 4711 loop all")
     some.run("run 20")
@@ -55,26 +52,26 @@ def test_forces_at_every_value(name, style, tmp_path):
     assert first < middle < last
     energy, x = some.lmp.get_thermo("pe"), some.x
     force = some.gather("f", 3)[:, :2]
-    fresh = scene(tmp_path, style, **{name: repr(middle)}).evaluate(x)
+    fresh = scene(tmp_path, EXACT[law], **{name: repr(middle)}).evaluate(x)
     assert energy == pytest.approx(fresh.energy, rel=1e-9)
     np.testing.assert_allclose(force, fresh.force, rtol=0, atol=1e-9 * np.abs(fresh.force).max())
-    other = scene(tmp_path, style).evaluate(x)
+    other = scene(tmp_path, EXACT[law]).evaluate(x)
     assert abs(other.energy / energy - 1) > 1e-3
 
 
-@styles
-def test_below_a_hybrid_style(style, tmp_path):
-    some = scene(tmp_path, style, hybrid=True)
+@ring_laws
+def test_below_a_hybrid_style(law, tmp_path):
+    some = scene(tmp_path, EXACT[law], hybrid=True)
     adapt(some, "tension", 0.03)
     found = some.evaluate(pushed(PACKINGS[0]))
-    fresh = scene(tmp_path, style, tension=0.03).evaluate(pushed(PACKINGS[0]))
+    fresh = scene(tmp_path, EXACT[law], tension=0.03).evaluate(pushed(PACKINGS[0]))
     assert found.energy == pytest.approx(fresh.energy, rel=1e-12)
 
 
-@styles
-def test_reset(style, tmp_path):
+@ring_laws
+def test_reset(law, tmp_path):
     """`reset yes` gives the species its first value back after the run, and a later fix that."""
-    some = scene(tmp_path, style)
+    some = scene(tmp_path, EXACT[law])
     before = some.energy()
     adapt(some, "kA", 2.5, "reset yes")
     changed = some.energy()
@@ -89,8 +86,8 @@ def test_soft_from_stiff(tmp_path):
     """The first finite value of kP of a species that conserved its perimeter, and back."""
     file = tmp_path / "stiff.txt"
     file.write_text("a 0.5 1 inf\nb 0.7 1 inf\n")
-    for style in (RADICAL, EXACT):
-        some = scene(tmp_path, style)
+    for law in EXACT.keys() - {"sector"}:
+        some = scene(tmp_path, EXACT[law])
         some.run(f"pair_coeff * * {file} a b")
         stiff = some.energy()
         some.run(
@@ -126,7 +123,7 @@ def test_unknown_parameter(tmp_path):
 
 def test_values_of_two_types(tmp_path):
     """They would have no effect. Wildcards that include the type itself are fine."""
-    some = scene(tmp_path, EXACT)
+    some = scene(tmp_path, EXACT["balanced"])
     some.run("variable v equal 2.5\nvariable w equal 0.5")
     for types in ("* *", "1* 2"):
         some.run(f"fix ramp all adapt 1 pair deformable/ring kA {types} v_v\nrun 0\nunfix ramp")

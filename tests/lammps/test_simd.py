@@ -5,47 +5,37 @@ import numpy as np
 import pytest
 from deformable import core
 from deformable.engine.lammps import gather
+from laws import LAWS
+from materials import KINDS, packing, pushed
 from scene import PACKINGS, Scene, box_walls
-from tense import BALANCED, RADICAL, droplets, tense_mixture
-from test_soft_rings import mixture, pushed
 
 LEVELS = core.simd_levels()
 CASE = PACKINGS[0]
-SCENES = {
-    "sector": lambda: Scene.packing(CASE, "deformable/sector"),
-    "sector, area conserved": lambda: Scene.packing(
-        PACKINGS[1], "deformable/sector", ("fixed", "fixedlarge")
-    ),
-    "radical": lambda: Scene.packing(CASE, "deformable/ring contact radical"),
-    "mixture": lambda: mixture(CASE)[0],
-    "balanced": lambda: Scene.packing(CASE, "deformable/ring contact balanced"),
-    "balanced mixture": lambda: mixture(CASE, "deformable/ring contact balanced")[0],
-    "radical tension": lambda: tense_mixture(CASE, RADICAL)[0],
-    "balanced tension": lambda: tense_mixture(CASE, BALANCED)[0],
-    "droplets": lambda: droplets(CASE, BALANCED),
-    "walls": lambda: Scene.packing(
-        CASE,
-        "deformable/ring contact radical",
-        ("both", "large"),
-        boundary="f f p",
-        commands=box_walls(0, CASE["L"], 0, CASE["L"]),
-    ),
-}
+WALLS = box_walls(0, CASE["L"], 0, CASE["L"])
+# law, material, its packing, walls
+SCENES = [
+    ("sector", "perimeter conserved", CASE, ""),
+    ("sector", "area conserved", PACKINGS[1], ""),
+    *(("radical", kind, CASE, "") for kind in ("perimeter conserved", "rings", "all species")),
+    *(("balanced", kind, CASE, "") for kind in ("perimeter conserved", *KINDS)),
+    ("radical", "some of finite stiffness", CASE, WALLS),
+]
+NAMES = [f"{law}, {material}" for law, material, _, _ in SCENES]
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_levels_agree_to_the_last_bit(name, monkeypatch):
-    case = PACKINGS[1] if name == "sector, area conserved" else CASE
-    x = pushed(case)
-    if name == "walls":
-        x = np.clip(x, 0.46, case["L"] - 0.46)
+@pytest.mark.parametrize(("law", "material", "case", "walls"), SCENES, ids=NAMES)
+def test_levels_agree_to_the_last_bit(law, material, case, walls, monkeypatch):
+    x, boundary = pushed(case), "p p p"
+    if walls:
+        x, boundary = np.clip(x, 0.46, case["L"] - 0.46), "f f p"
     states = []
     for level in [*LEVELS, None]:
         if level is None:
             monkeypatch.delenv("DEFORMABLE_SIMD")
         else:
             monkeypatch.setenv("DEFORMABLE_SIMD", level)
-        states.append(SCENES[name]().evaluate(x))
+        scene = packing(case, LAWS[law], material, boundary=boundary, commands=walls)
+        states.append(scene.evaluate(x))
     assert np.abs(states[0].force).max() > 1e-4
     for state in states[1:]:
         assert state.energy == states[0].energy
@@ -55,7 +45,7 @@ def test_levels_agree_to_the_last_bit(name, monkeypatch):
 def test_unknown_level(monkeypatch):
     monkeypatch.setenv("DEFORMABLE_SIMD", "sse9")
     with pytest.raises(Exception, match="sse9"):
-        Scene.packing(CASE, "deformable/sector")
+        Scene.packing(CASE, LAWS["sector"])
 
 
 @pytest.mark.parametrize("kP", [np.inf, 0.1])

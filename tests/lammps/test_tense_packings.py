@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from balanced import of_compute_pair
+from contact_rows import of_compute_pair
 from deformable import core
-from laws import EXACT, exact_laws
-from scene import PACKINGS, SPECIES, Scene, box_walls
-from tense import BALANCED, OF_RADIUS, RADICAL, STIFFNESS, tense_mixture
+from laws import BALANCED, EXACT, RADICAL, ring_laws
+from materials import STIFFNESS
+from scene import BOX, PACKINGS, SPECIES, Scene, box_walls
 
 DENSE = np.pi / np.sqrt(12)  # phi of touching circles
 
@@ -19,33 +19,10 @@ ARRAY = [
 ]
 
 
-def test_all_species_take_part():
-    species = tense_mixture(PACKINGS[1], RADICAL)[1]
-    assert set(species) == {name for names in OF_RADIUS.values() for name in names}
-
-
-def test_results_are_those_of_the_kernel():
-    """Of single rings with the pressures at rest of droplets that nothing touches."""
-    case = PACKINGS[1]
-    scene, species, radius = tense_mixture(case, RADICAL)
-    state, x, length = scene.evaluate(), np.array(case["x"]), case["L"]
-    for i, name in enumerate(species):
-        d = x - x[i]
-        d -= length * np.round(d / length)
-        distance = np.hypot(*d.T)
-        near = (distance < 1.3 * (radius + radius[i])) & (distance > 0)
-        a = core.contact_line(distance[near], np.full(near.sum(), radius[i]), radius[near])
-        shape = core.soft_ring(radius[i], np.arctan2(d[near, 1], d[near, 0]), a, *STIFFNESS[name])
-        assert state.atom_energy[i] == pytest.approx(shape.energy, rel=1e-11, abs=1e-18)
-        for result in ("area", "perimeter", "pressure", "arc_radius"):
-            value = getattr(shape, result)
-            assert state.shape[result][i] == pytest.approx(value, rel=1e-11, abs=1e-13), result
-
-
-@exact_laws
-def test_alone(style):
+@ring_laws
+def test_alone(law):
     """A droplet that touches nothing has the pressure tension/R, and no energy."""
-    scene = Scene([[0, 0], [3, 0]], ["drop", "full"], (-5, 5, -5, 5), style)
+    scene = Scene([[0, 0], [3, 0]], ["drop", "full"], (-5, 5, -5, 5), EXACT[law])
     state = scene.evaluate()
     assert state.energy == 0.0
     np.testing.assert_allclose(state.shape["pressure"], [0.04, 0.02 / 0.65], rtol=1e-14)
@@ -68,13 +45,13 @@ def test_pair(partner, overlap):
     assert drop.energy + other.energy == pytest.approx(state.energy, rel=1e-6)
 
 
-def test_droplet_between_walls():
+@ring_laws
+def test_droplet_between_walls(law):
     """F = 2 pi gamma [(R/2h)^2 - 1/4] at the distance 2h = 0.9, R = 0.5."""
-    for style in EXACT.values():
-        options = {"boundary": "f f p", "commands": box_walls(-0.45, 0.45, -5, 5)}
-        state = Scene([[0, 0]], ["drop"], (-1, 1, -6, 6), style, **options).evaluate()
-        force = 2 * np.pi * 0.02 * (0.25 / 0.81 - 0.25)
-        assert state.shape["pressure"] * state.shape["contact_length"] == pytest.approx(2 * force)
+    options = {"boundary": "f f p", "commands": box_walls(-0.45, 0.45, -5, 5)}
+    state = Scene([[0, 0]], ["drop"], (-1, 1, -6, 6), EXACT[law], **options).evaluate()
+    force = 2 * np.pi * 0.02 * (0.25 / 0.81 - 0.25)
+    assert state.shape["pressure"] * state.shape["contact_length"] == pytest.approx(2 * force)
 
 
 def hexagonal_array(phi, style, shear=0.0):
@@ -88,11 +65,11 @@ def hexagonal_array(phi, style, shear=0.0):
     return state, 16 * spacing * height
 
 
-@exact_laws
+@ring_laws
 @pytest.mark.parametrize(("phi", "osmotic", "perimeter"), ARRAY)
-def test_osmotic_pressure(style, phi, osmotic, perimeter):
+def test_osmotic_pressure(law, phi, osmotic, perimeter):
     """Princen's, of a hexagonal array."""
-    state, area = hexagonal_array(phi, style)
+    state, area = hexagonal_array(phi, EXACT[law])
     exact = np.sqrt(phi / DENSE) * (np.sqrt((1 - DENSE) / (1 - phi)) - 1)
     assert exact == pytest.approx(osmotic, abs=5.1e-6)
     found = state.virial * 0.5 / 0.02 / area
@@ -117,21 +94,21 @@ def test_shear_modulus(phi):
             found.append((down.virial[2] - up.virial[2]) / (2 * strain) / area * 0.5 / 0.02)
         return (4 * found[1] - found[0]) / 3
 
-    assert modulus(EXACT["tilted"]) == pytest.approx(exact, rel=1e-6)
+    assert modulus(EXACT["curved"]) == pytest.approx(exact, rel=1e-6)
     upright = modulus(EXACT["balanced"])
     assert upright == pytest.approx(modulus(RADICAL), rel=1e-6)  # equal particles
     larger = {0.92: 1.0365, 0.95: 1.1336, 0.98: 1.2683, 0.99: 1.3361}
     assert upright / exact == pytest.approx(larger[phi], abs=1e-4)
 
 
-@exact_laws
+@ring_laws
 @pytest.mark.parametrize("distance", [0.6, 0.95])
-def test_bubbles_collapse(style, distance, tmp_path):
+def test_bubbles_collapse(law, distance, tmp_path):
     """Bubbles near the bound of stability collapse at a small force, and an error says so."""
     file = tmp_path / "gas.txt"
     file.write_text("gas 0.5 1.0 0 tension 0.78\n")
     coeff = f"pair_coeff * * {file} gas"
-    scene = Scene([[0, 0], [distance, 0]], ["drop"] * 2, (-3, 3, -3, 3), style, coeff=coeff)
+    scene = Scene([[0, 0], [distance, 0]], ["drop"] * 2, BOX, EXACT[law], coeff=coeff)
     with pytest.raises(Exception, match=r"no stable shape.*species gas a larger kA"):
         scene.evaluate()
 

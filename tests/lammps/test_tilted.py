@@ -4,13 +4,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from balanced import of_compute_pair
+from contact_rows import CONTACTS, contacts, of_compute_pair
 from deformable import core
-from scene import PACKINGS, Scene, box_walls
-from test_contacts import CONTACTS, contacts
-from test_forces import BOX, assert_forces
-from test_soft_rings import OF_RADIUS, STIFFNESS, mixture, pushed
-from tilted import CASES, DEFAULT, EXACT, packing
+from derivatives import assert_forces
+from laws import CURVED, EXACT, RADICAL, balanced_laws
+from materials import STIFFNESS, packing, pushed, radii_of, species_of
+from scene import BOX, FOUR, PACKINGS, ROOM_OF_FOUR, Scene
+from tilted import CASES, known
 
 cases = pytest.mark.parametrize("case", CASES, ids=[case["case"] for case in CASES])
 # beside energy and virial: evaluations, imbalance, error of the model, limited tilts
@@ -20,7 +20,7 @@ OUTPUTS = 6
 @cases
 def test_known_packings(case, tmp_path):
     """Energies, forces, areas and every contact of an independent code."""
-    scene = packing(case, tmp_path, commands=CONTACTS)
+    scene = known(case, tmp_path, commands=CONTACTS)
     state = scene.evaluate()
     assert state.energy == pytest.approx(case["energy"], rel=1e-12)
     largest = max(contact["force"] for contact in case["contacts"])
@@ -51,7 +51,7 @@ def test_known_packings(case, tmp_path):
 @cases
 def test_upright_lines(case, tmp_path):
     """The balanced law has the energy of lines that only shift."""
-    energy = packing(case, tmp_path, EXACT.replace("tilted", "balanced")).energy()
+    energy = known(case, tmp_path, EXACT["balanced"]).energy()
     assert energy == pytest.approx(case["energy_shift_only"], rel=1e-12)
 
 
@@ -59,7 +59,7 @@ def test_upright_lines(case, tmp_path):
 @cases
 def test_forces_of_known_packings(case, size, tmp_path):
     """Compressed further, beyond 5 %, where tilts reach 0.1 rad."""
-    scene = packing(case, tmp_path, scale=size)
+    scene = known(case, tmp_path, scale=size)
     state = scene.evaluate()
     assert of_compute_pair(scene)[1] <= 1e-12
     assert state.beyond == 0
@@ -69,17 +69,15 @@ def test_forces_of_known_packings(case, size, tmp_path):
 def test_tilts_save_energy():
     case = PACKINGS[0]
     tilted, balanced = (
-        mixture(case, EXACT.replace("tilted", law))[0].energy(pushed(case))
-        for law in ("tilted", "balanced")
+        packing(case, EXACT[law]).energy(pushed(case)) for law in ("curved", "balanced")
     )
     assert 0.9 * balanced < tilted < 0.999 * balanced
 
 
 def test_lines_of_walls_do_not_tilt():
-    x = np.array([[-0.481, -0.477], [0.483, -0.479], [0.478, 0.482], [-0.479, 0.479]])
-    walls = box_walls(-0.965, 0.97, -0.96, 0.967)
-    options = {"boundary": "f f p", "commands": f"{walls}\n{CONTACTS}"}
-    seen = contacts(Scene(x, ["small", "weak", "both", "fixed"], BOX, EXACT, **options))
+    options = {"boundary": "f f p", "commands": ROOM_OF_FOUR + CONTACTS}
+    species = ["small", "weak", "both", "fixed"]
+    seen = contacts(Scene(FOUR, species, BOX, EXACT["curved"], **options))
     wall = seen["partner"] == 0
     assert wall.sum() == 8
     assert (seen["tilt"][wall] == 0).all()
@@ -87,15 +85,14 @@ def test_lines_of_walls_do_not_tilt():
     assert (np.abs(seen["tilt"][~wall]) < 0.1).all()
 
 
-@pytest.mark.parametrize("law", ["tilted", "balanced"])
+@balanced_laws
 def test_model_error(law):
     """The energy that curved lines would save, from pressures and tensions of both sides."""
     case = PACKINGS[0]
-    scene = mixture(case, EXACT.replace("tilted", law), commands=CONTACTS)[0]
+    scene = packing(case, EXACT[law], commands=CONTACTS)
     scene.run("fix error all pair 1 deformable/ring model_error 0")
     state = scene.evaluate(pushed(case))
-    radius = np.array([0.5, 0.7])[np.array(case["type"]) - 1]
-    names = [OF_RADIUS[r][i // 2 % 4] for i, r in enumerate(radius)]
+    radius, names = radii_of(case), species_of(case)
     seen = contacts(scene)
     i, j = (seen[name].astype(int) - 1 for name in ("atom", "partner"))
     rings = [
@@ -117,30 +114,17 @@ def test_model_error(law):
 
 
 def test_error_that_is_not_told():
-    scene = Scene.packing(PACKINGS[0], "deformable/ring contact radical")
+    scene = Scene.packing(PACKINGS[0], RADICAL)
     with pytest.raises(Exception, match="model_error"):
         scene.run("fix error all pair 1 deformable/ring model_error 0\nrun 0")
     assert (scene.vector("pair", OUTPUTS)[2:] == 0).all()
-
-
-def test_radii_of_atoms():
-    """The same forces as with types of these sizes."""
-    case = PACKINGS[0]
-    by_type = Scene.packing(case, EXACT, ("small", "large")).evaluate()
-    radii = np.array([0.5, 0.7])[np.array(case["type"]) - 1]
-    box = (0, case["L"], 0, case["L"])
-    scene = Scene(case["x"], ["any"] * len(radii), box, f"{EXACT} radius atom", radii=radii)
-    by_atom = scene.evaluate()
-    assert by_atom.energy == pytest.approx(by_type.energy, rel=1e-11)
-    largest = np.abs(by_type.force).max()
-    np.testing.assert_allclose(by_atom.force, by_type.force, rtol=0, atol=1e-9 * largest)
 
 
 def test_lines_that_would_tilt_too_far(tmp_path):
     """Three particles beyond the model: two lines tilt by 0.3, are counted, and said."""
     log = tmp_path / "log"
     x = np.array([[0, 0], [0.75, 0], [0.375, 0.45]])
-    scene = Scene(x, ["small"] * 3, BOX, f"{EXACT} reach 1", commands=CONTACTS, log=log)
+    scene = Scene(x, ["small"] * 3, BOX, f"{EXACT['curved']} reach 1", commands=CONTACTS, log=log)
     seen = contacts(scene)
     assert of_compute_pair(scene)[1] <= 1e-12
     assert scene.vector("pair", OUTPUTS)[5] == 2
@@ -156,7 +140,7 @@ def test_momentum_and_angular_momentum():
     """
     x = np.array(CASES[0]["centres"])
     box = (-20, 20, -20, 20)
-    scene = Scene(x, ["small"] * 8 + ["large"] * 8, box, f"{DEFAULT} balance 1e-3 100")
+    scene = Scene(x, ["small"] * 8 + ["large"] * 8, box, f"{CURVED} balance 1e-3 100")
     force = scene.evaluate(x).force
     assert of_compute_pair(scene)[1] > 1e-6
     scale = np.abs(force).max()
@@ -167,7 +151,7 @@ def test_momentum_and_angular_momentum():
 
 def test_contacts_that_open_and_close():
     """A particle loses two contacts and gains three: its tilts have no jump, nor has the energy."""
-    scene = Scene.packing(PACKINGS[0], EXACT, commands=CONTACTS)
+    scene = Scene.packing(PACKINGS[0], EXACT["curved"], commands=CONTACTS)
     shifts = np.linspace(-0.1, 0.1, 101)
     tilts, energies = [], []
     for shift in shifts:
@@ -187,8 +171,8 @@ def test_contacts_that_open_and_close():
 def test_loose_tolerance(tmp_path):
     """Forces are off by the tolerance, the energy by its square."""
     tolerance = 1e-3
-    exact = packing(CASES[0], tmp_path, EXACT).evaluate()
-    state = packing(CASES[0], tmp_path, f"{DEFAULT} balance {tolerance} 100").evaluate()
+    exact = known(CASES[0], tmp_path).evaluate()
+    state = known(CASES[0], tmp_path, f"{CURVED} balance {tolerance} 100").evaluate()
     assert state.energy == pytest.approx(exact.energy, rel=20 * tolerance**2)
     largest = max(contact["force"] for contact in CASES[0]["contacts"])
     assert np.abs(state.force - exact.force).max() < 4 * tolerance * largest

@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 from closed_forms import polygon_stiffness
-from scene import LAWS, SPECIES, Scene, box_walls, polygon_faces, polygon_walls
+from laws import EXACT, laws
+from scene import SPECIES, Scene, box_walls, polygon_faces, polygon_walls
 
 ROOM = (-2, 2, -2, 2)
-laws = pytest.mark.parametrize("law", LAWS)
 CENTER = np.zeros((1, 2))
 
 
 def alone(law, walls, x=CENTER, species="unit"):
     """One particle between walls."""
-    return Scene(x, [species], ROOM, f"deformable/{law}", boundary="f f p", commands=walls)
+    return Scene(x, [species], ROOM, EXACT[law], boundary="f f p", commands=walls)
 
 
 @laws
@@ -46,24 +46,8 @@ def test_regular_polygon(law, n):
 
 def test_deep_hexagon():
     """The free arcs are gone beyond a = 0.0931 R: counted, and still finite."""
-    assert alone("ring contact radical", polygon_walls(6, 1 - 0.092)).evaluate().beyond == 0
-    assert alone("ring contact radical", polygon_walls(6, 1 - 0.094)).evaluate().beyond == 1
-
-
-@laws
-def test_force_on_the_wall_is_minus_the_force_on_the_particles(law):
-    x = np.array([[-0.481, -0.477], [0.483, -0.479], [0.478, 0.482], [-0.479, 0.479]])
-    state_of = Scene(
-        x,
-        ["small"] * 4,
-        ROOM,
-        f"deformable/{law}",
-        boundary="f f p",
-        commands=box_walls(-0.965, 0.97, -0.96, 0.967),
-    )
-    total = state_of.evaluate().force.sum(0)
-    assert np.abs(total).max() > 1e-5
-    np.testing.assert_allclose(state_of.force_on_wall("walls"), -total, rtol=1e-12)
+    assert alone("radical", polygon_walls(6, 1 - 0.092)).evaluate().beyond == 0
+    assert alone("radical", polygon_walls(6, 1 - 0.094)).evaluate().beyond == 1
 
 
 @laws
@@ -74,9 +58,9 @@ def test_one_contact_with_a_wall(law):
     scene = alone(law, plane)
     deficit, slope = a**2 * 2 * np.pi / 3, a * 4 * np.pi / 3
     energy, force = {
-        "ring contact radical": (deficit**2 / 2, deficit * slope),
+        "ring": (deficit**2 / 2, deficit * slope),
         "sector": (a**2 / 2, a),
-    }[law]
+    }["sector" if law == "sector" else "ring"]
     state = scene.evaluate()
     assert state.energy == pytest.approx(energy, rel=1e-12)
     np.testing.assert_allclose(state.force, [[-force, 0]], rtol=1e-12)
@@ -155,7 +139,7 @@ def test_beside_fix_deform(law):
     plane = "region walls plane 0.97 0 0 -1 0 0\nfix walls all deformable/wall walls\n"
     deform = "fix grow all deform 1 y final -2.2 2.2\nrun 2 post no"
     at_rest, beside = (
-        Scene(CENTER, ["unit"], ROOM, f"deformable/{law}", boundary="f p p", commands=commands)
+        Scene(CENTER, ["unit"], ROOM, EXACT[law], boundary="f p p", commands=commands)
         for commands in (plane, plane + deform)
     )
     assert beside.lmp.get_thermo("ly") > 4
@@ -173,7 +157,7 @@ def test_virial(law):
             x * [sx, sy],
             ["small", "weak"],
             ROOM,
-            f"deformable/{law}",
+            EXACT[law],
             boundary="f f p",
             commands=walls + "fix_modify walls virial yes",
         )
@@ -195,10 +179,8 @@ def test_other_calls_of_the_pair_style_leave_the_wall_alone(order):
     walls = polygon_walls(5, 0.97)
     commands = f"{numdiff}\n{walls}" if order == "before" else f"{walls}\n{numdiff}"
     x = np.array([[0.01, 0.005]])
-    expected = alone("ring contact radical", walls, x).evaluate().force
-    np.testing.assert_array_equal(
-        alone("ring contact radical", commands, x).evaluate().force, expected
-    )
+    expected = alone("radical", walls, x).evaluate().force
+    np.testing.assert_array_equal(alone("radical", commands, x).evaluate().force, expected)
 
 
 def test_both_laws_beside_each_other_meet_the_wall():
@@ -224,8 +206,7 @@ def test_both_laws_beside_each_other_meet_the_wall():
     )
     alike = f"pair_coeff * * {SPECIES} small small"
     ring, sector = (
-        forces(f"deformable/{law}", coeff=alike).evaluate().force
-        for law in ("ring contact radical", "sector")
+        forces(EXACT[law], coeff=alike).evaluate().force for law in ("radical", "sector")
     )
     assert ring[0, 0] > 0 > sector[1, 0]
     np.testing.assert_array_equal(both, [ring[0], sector[1]])

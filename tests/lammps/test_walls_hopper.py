@@ -1,13 +1,10 @@
 """A silo with a funnel and a slit of four radii: particles fall through it, energy is kept."""
 
-import os
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-from obstacles import energies
+from laws import LAWS
+from obstacles import energies, wall_laws
+from parallel import assert_same, on_grids, report, reported
 from scene import SPECIES, Scene
 
 HOPPER = """
@@ -27,16 +24,14 @@ ROWS = np.array([[2 + 2.2 * i + 0.3 * (j % 2), 22 + 2.2 * j] for j in range(5) f
 
 def hopper(law, commands=""):
     x = ROWS + np.random.default_rng(1).uniform(-0.05, 0.05, ROWS.shape)
-    return Scene(
-        x, ["unit"] * 40, BOX, f"deformable/{law}", boundary="f f p", commands=HOPPER + commands
-    )
+    return Scene(x, ["unit"] * 40, BOX, LAWS[law], boundary="f f p", commands=HOPPER + commands)
 
 
 def through(scene):
     return (scene.x[:, 1] < 10).sum()
 
 
-@pytest.mark.parametrize("law", ["ring contact radical", "ring contact balanced"])
+@wall_laws
 @pytest.mark.parametrize(
     ("calls", "steps"), [(10, 1000), pytest.param(50, 6000, marks=pytest.mark.slow)]
 )
@@ -53,7 +48,7 @@ def test_energy_is_kept(law, calls, steps):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", ["ring contact radical", "ring contact balanced"])
+@wall_laws
 def test_run_to_the_end(law):
     """With drag all particles fall through and come to rest on the floor, which bears them."""
     scene = hopper(law, "fix drag all viscous 0.004\n")
@@ -71,7 +66,7 @@ dimension 2
 boundary f f p
 atom_modify map yes
 newton on
-processors {grid} 1
+processors {grid}
 read_data {data}
 pair_style deformable/ring contact {law}
 pair_coeff * * {species} unit
@@ -84,46 +79,22 @@ region paddle block 8 12 4.9 5.1 INF INF side out rotate v_angle 10 5 0 0 0 1
 fix paddle all deformable/wall paddle
 timestep 0.05
 thermo_style custom step pe f_hopper[1] f_hopper[2] f_paddle f_paddle[1] pxx pxy
-thermo_modify norm no format float %.16g
-thermo 1000
-run {steps}
-write_dump all custom {out} id x y vx vy fx fy modify sort id format float %.16g
-"""
+thermo_modify norm no
+""" + report(20, "pe f_hopper[1] f_hopper[2] f_paddle f_paddle[1] pxx pxy", "x y vx vy fx fy")
 
 
-@pytest.mark.parametrize("law", ["radical", "balanced"])
+@wall_laws
 def test_two_ranks(law, tmp_path):
     """Forces, the force on each wall and the work of a rotating paddle.
 
     Twenty steps multiply the rounding, which is that of the last correction of balanced forces.
     """
-    scene = hopper(f"ring contact {law}")
+    scene = hopper(law)
     scene.run("timestep 0.05\nrun 6000 post no")
     data = tmp_path / "data"
     scene.run(f"write_data {data} nofix")
-    found = {}
-    for ranks, grid in ((1, "1 1"), (2, "2 1"), (2, "1 2")):
-        name = tmp_path / f"{grid.replace(' ', '')}"
-        script = SCRIPT.format(
-            grid=grid, data=data, law=law, species=SPECIES, walls=HOPPER, steps=20, out=name
-        )
-        name.with_suffix(".in").write_text(script)
-        lmp = Path(sys.executable).parent / "lmp"
-        mpiexec = Path(sys.executable).parent / "mpiexec"
-        log = name.with_suffix(".log")
-        command = [mpiexec, "-n", str(ranks), lmp, "-in", name.with_suffix(".in"), "-log", log]
-        done = subprocess.run(
-            command, env=os.environ, cwd=tmp_path, capture_output=True, text=True, timeout=120
-        )
-        assert done.returncode == 0, done.stdout + done.stderr
-        rows = [r.split() for r in log.read_text().splitlines()]
-        start = next(k for k, r in enumerate(rows) if r[:2] == ["Step", "PotEng"])
-        thermo = np.array(rows[start + 1 : start + 3], dtype=float)
-        found[grid] = thermo, np.loadtxt(name, skiprows=9)
-    thermo, atoms = found.pop("1 1")
-    assert thermo[0, 0] == 0
-    assert np.abs(thermo[1, 3]) > 1e-6  # forces on the hopper
-    for other_thermo, other_atoms in found.values():
-        scale = np.abs(thermo).max(axis=0)
-        assert (np.abs(other_thermo - thermo) <= 1e-10 * scale + 1e-15).all()
-        assert (np.abs(other_atoms - atoms) <= 1e-10 * np.abs(atoms).max(axis=0)).all()
+    fields = {"data": data, "law": law, "species": SPECIES, "walls": HOPPER}
+    folders = on_grids(SCRIPT, tmp_path, ("1 1 1", "2 1 1", "1 2 1"), **fields)
+    found = reported(folders, 20)
+    assert np.abs(found["1 1 1"][0][2]) > 1e-6  # forces on the hopper
+    assert_same(found, 1e-10, atol=1e-10)

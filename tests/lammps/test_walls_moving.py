@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from obstacles import RING_LAWS, kinetic, scene_of, total
+from obstacles import kinetic, scene_of, total, wall_laws
 
-laws = pytest.mark.parametrize("law", RING_LAWS)
 X = [[-3.2, -3], [-1, -3], [1.2, -3], [3.1, -2.9], [-3.0, 3], [-1, 3], [1.2, 3], [3.1, 2.9]]
 SPECIES = ["large", "unit"] * 4
 
@@ -61,7 +60,7 @@ def given(scene):
     return scene.lmp.extract_fix("wall", 0, 0)
 
 
-@laws
+@wall_laws
 @pytest.mark.parametrize("machine", MACHINES.values(), ids=MACHINES)
 def test_energy_that_walls_take(law, machine):
     """Total energy changes by the work of the walls, which is as large as the energy."""
@@ -79,7 +78,7 @@ def test_energy_that_walls_take(law, machine):
 
 
 def test_work_is_part_of_econserve():
-    scene = scene_of(X, SPECIES, RING_LAWS[0], MACHINES["a paddle that rotates"])
+    scene = scene_of(X, SPECIES, "radical", MACHINES["a paddle that rotates"])
     scene.run("thermo_style custom step etotal econserve\nthermo_modify norm no")
     scene.run("velocity all create 0.002 123\nfix move all nve\ntimestep 0.025\nrun 3000")
     values = [scene.lmp.get_thermo(k) for k in ("etotal", "econserve")]
@@ -88,12 +87,12 @@ def test_work_is_part_of_econserve():
 
 
 def test_minimization_does_no_work():
-    scene = scene_of(X, SPECIES, RING_LAWS[0], MACHINES["a gap that closes"])
+    scene = scene_of(X, SPECIES, "radical", MACHINES["a gap that closes"])
     scene.run("minimize 0 0 20 20")
     assert given(scene) == 0
 
 
-@laws
+@wall_laws
 def test_moved_scene_is_the_scene_there(law):
     """Rotated about a point and moved then, as LAMMPS does, against the same corners at rest."""
     corners = np.array([[-1, -0.5], [1.2, -0.5], [1.6, 0.7], [-0.6, 0.7]])
@@ -127,7 +126,7 @@ def test_particles_at_rest_are_carried():
         fix move all nve
         fix drag all viscous 0.02
         timestep 0.05"""
-    scene = scene_of([[0, 0.95]], ["unit"], RING_LAWS[0], walls)
+    scene = scene_of([[0, 0.95]], ["unit"], "radical", walls)
     scene.run("run 5000")
     start, work = scene.x[0, 1], given(scene)
     scene.run(f"run {round(np.pi / 0.004 / 0.05) - 5000}")
@@ -152,6 +151,6 @@ def test_motion_that_ends_in_an_error(region, message):
         variable shift equal -0.02*step
         region wall {region}
         fix wall all deformable/wall wall"""
-    scene = scene_of([[0.0, -1.4]], ["unit"], RING_LAWS[0], walls)
+    scene = scene_of([[0.0, -1.4]], ["unit"], "radical", walls)
     with pytest.raises(Exception, match=message):
         scene.run("run 100")

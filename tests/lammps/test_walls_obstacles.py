@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from obstacles import PILLARS, RING_LAWS, WALL, energies, scene_of
+from laws import EXACT, LAWS
+from obstacles import PILLARS, WALL, energies, scene_of, wall_laws
 from scene import Scene
 
-laws = pytest.mark.parametrize("law", RING_LAWS)
 HEIGHTS = np.linspace(-1.9, 1.9, 12)
 
 
-@laws
+@wall_laws
 @pytest.mark.parametrize("pillar", PILLARS.values(), ids=PILLARS)
 def test_pillar_that_is_hit(law, pillar):
     """A particle sent against faces and corners comes back with the energy that it had."""
@@ -74,7 +74,7 @@ WRITTEN = {
 }
 
 
-@laws
+@wall_laws
 @pytest.mark.parametrize("walls", WRITTEN.values(), ids=WRITTEN)
 def test_ways_to_write_a_square(law, walls):
     same(SQUARE, walls, law, X)
@@ -90,10 +90,10 @@ def test_ways_to_write_a_square(law, walls):
 )
 def test_prisms_without_end(prism, block):
     walls = [f"region pillar {r}\n{WALL}" for r in (f"prism {prism}", f"block {block}")]
-    same(*walls, "ring contact radical", np.array([[-0.6, 1.4]]), ["unit"])
+    same(*walls, "radical", np.array([[-0.6, 1.4]]), ["unit"])
 
 
-@laws
+@wall_laws
 def test_segment_and_disk_in_words(law):
     segment = f"{PILLARS['segment']}\n{WALL}"
     x = np.array([[-0.75, 0.2], [0.3, 1.25]])
@@ -105,7 +105,7 @@ def test_segment_and_disk_in_words(law):
     same(disk, "region p sphere 0 0 0 0.8 side out\nfix w all deformable/wall p", law, x)
 
 
-@laws
+@wall_laws
 def test_round_container_in_words(law):
     region = "region drum cylinder z 0.1 -0.2 2.3 INF INF\nfix w all deformable/wall drum"
     x = np.array([[-1.3, 0.2], [0.4, 1.6]])
@@ -116,7 +116,7 @@ def test_round_container_in_words(law):
     same(region, words, law, np.array([[-0.8, -0.6], [0.4, 1.6]]))
 
 
-@pytest.mark.parametrize("law", [RING_LAWS[0], f"{RING_LAWS[1]} balance 1e-12 100"])
+@wall_laws
 def test_scene_as_one_region_or_as_several_fixes(law):
     parts = """
         region room block -2.6 9 -8 8 INF INF
@@ -126,32 +126,32 @@ def test_scene_as_one_region_or_as_several_fixes(law):
     x = np.array([[-1.7, 1.3], [-1.4, 0.0]])
     several = "\n".join(f"fix {r} all deformable/wall {r}" for r in ("room", "pillar", "post"))
     one = "region all intersect 3 room pillar post\nfix all all deformable/wall all"
-    same(parts + several, parts + one, law, x)
+    same(parts + several, parts + one, EXACT[law], x)
     words = """
         fix all all deformable/wall polygon 4 -1 -1 1 -1 1 1 -1 1 &
           disk -0.9 2.6 0.5 plane -2.6 0 1 0"""
-    same(parts + several, words, law, x)
-    scene = scene_of(x, ["unit", "small"], law, parts + several)
+    same(parts + several, words, EXACT[law], x)
+    scene = scene_of(x, ["unit", "small"], EXACT[law], parts + several)
     force = scene.evaluate().force.sum(0)
     walls = sum(scene.force_on_wall(w) for w in ("room", "pillar", "post"))
     np.testing.assert_allclose(walls, -force, rtol=1e-11, atol=1e-15)
 
 
-def test_one_contact_at_a_corner():
+@wall_laws
+def test_one_contact_at_a_corner(law):
     """S = a^2 2 pi/3 with a = R - distance, along the line from the corner."""
     a = 0.13
     x = np.array([[-1, 1]]) + (1 - a) * np.array([[-0.6, 0.8]])
-    for law in RING_LAWS:
-        scene = scene_of(x, ["unit"], law, SQUARE)
-        state = scene.evaluate()
-        deficit, slope = a**2 * 2 * np.pi / 3, a * 4 * np.pi / 3
-        assert state.energy == pytest.approx(0.5 * deficit**2, rel=1e-12)
-        expected = deficit * slope * np.array([-0.6, 0.8])
-        np.testing.assert_allclose(state.force, [expected], rtol=1e-12)
-        np.testing.assert_allclose(scene.force_on_wall("pillar"), -expected, rtol=1e-12)
+    scene = scene_of(x, ["unit"], law, SQUARE)
+    state = scene.evaluate()
+    deficit, slope = a**2 * 2 * np.pi / 3, a * 4 * np.pi / 3
+    assert state.energy == pytest.approx(0.5 * deficit**2, rel=1e-12)
+    expected = deficit * slope * np.array([-0.6, 0.8])
+    np.testing.assert_allclose(state.force, [expected], rtol=1e-12)
+    np.testing.assert_allclose(scene.force_on_wall("pillar"), -expected, rtol=1e-12)
 
 
-@laws
+@wall_laws
 def test_obstacles_repeat_across_periodic_boundaries(law):
     """Also in a box that leans, and for a center that has not been wrapped yet."""
     for tilt in (None, 1.5):
@@ -160,7 +160,7 @@ def test_obstacles_repeat_across_periodic_boundaries(law):
 
         def energy(x, walls=walls, options=options):
             box = (-9, 9, -9, 9)
-            return Scene([x], ["unit"], box, f"deformable/{law}", commands=walls, **options)
+            return Scene([x], ["unit"], box, LAWS[law], commands=walls, **options)
 
         near = energy((1.7, 0.3)).energy()
         assert near > 1e-4
@@ -173,9 +173,7 @@ def test_obstacles_repeat_across_periodic_boundaries(law):
 
 def test_particle_that_crosses_a_periodic_boundary_beside_a_pillar():
     walls = "fix pillar all deformable/wall polygon 4 7.5 -1 8.9 -1 8.9 1 7.5 1"
-    scene = Scene(
-        [[-7.2, 0.9]], ["unit"], (-9, 9, -9, 9), "deformable/ring contact radical", commands=walls
-    )
+    scene = Scene([[-7.2, 0.9]], ["unit"], (-9, 9, -9, 9), LAWS["radical"], commands=walls)
     scene.run("velocity all set -0.12 0.01 0\nfix move all nve\ntimestep 0.02\nrun 0")
     found = np.array(energies(scene, 10, 200))
     assert np.abs(found / found[0] - 1).max() < 1e-4
@@ -188,5 +186,5 @@ def test_bulge_by_a_wall_that_cuts_a_particle():
     with pytest.raises(
         Exception, match=r"atom 1 .*wall of fix pillar cuts it 0.06 from its center"
     ) as e:
-        scene_of(x, ["unit", "unit"], "ring contact radical", SQUARE).energy()
+        scene_of(x, ["unit", "unit"], "radical", SQUARE).energy()
     assert "\n" not in str(e.value).split("Last input line")[0].strip()

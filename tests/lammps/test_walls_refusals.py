@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from laws import RADICAL
 from obstacles import ROOM, scene_of
 from scene import Scene
 
@@ -16,7 +17,7 @@ def refuses(message):
 
 def far_away(walls):
     """A particle that touches no wall, so that nothing but the region itself is wrong."""
-    return scene_of([[7.9, 7.9]], ["small"], "ring contact radical", walls)
+    return scene_of([[7.9, 7.9]], ["small"], "radical", walls)
 
 
 L_SHAPE = "region a block -9 9 -9 0 -1 1\nregion b block 0 9 -9 9 -1 1\nregion walls union 2 a b"
@@ -160,7 +161,7 @@ def test_bulge_message_has_a_bound_and_a_way_out():
 
     def message(reach):
         try:
-            scene_of([[0, 0]], ["unit"], f"ring contact radical reach {reach!r}", walls).energy()
+            scene_of([[0, 0]], ["unit"], f"{RADICAL} reach {reach!r}", walls).energy()
         except Exception as error:
             return str(error)
         return ""
@@ -200,7 +201,7 @@ def test_walls_outside_of_the_box(walls, boundary, message, tmp_path):
         np.array([[1.0, 2.0], [-3.0, -2.0]]),
         ["small", "small"],
         ROOM,
-        "deformable/ring contact radical",
+        RADICAL,
         boundary=boundary,
         commands=walls + FIX,
         log=log,

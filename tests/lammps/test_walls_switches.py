@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from laws import LAWS, laws, straight_laws
 from obstacles import scene_of
 
-LAWS = "sector", "ring contact radical reach 0.5", "ring contact balanced reach 0.5"
-laws = pytest.mark.parametrize("law", LAWS)
+STYLES = {law: LAWS[law] if law == "sector" else f"{LAWS[law]} reach 0.5" for law in LAWS}
 
 # A particle of radius 1 between pillar, post and the wall of the room; a smaller one beside it.
 WALLS = """
@@ -19,7 +19,7 @@ NEIGHBOR = [1.75, -0.3]
 
 
 def scene(law, walls=WALLS):
-    return scene_of([[1.78, 1.1], NEIGHBOR], ["unit", "small"], law, walls)
+    return scene_of([[1.78, 1.1], NEIGHBOR], ["unit", "small"], STYLES[law], walls)
 
 
 def forces(s, x, y):
@@ -33,7 +33,7 @@ def forces(s, x, y):
     return found, np.array(differences)
 
 
-@laws
+@straight_laws
 def test_face_corner_face(law):
     """Along a face, around its end, and along the next face."""
     s = scene(law)
@@ -80,7 +80,9 @@ def test_virial_of_slanted_faces(law):
         for p, t in zip(room @ f.T, along @ f.T, strict=True):
             planes.append(f"plane {p[0]:.17g} {p[1]:.17g} {-t[1]:.17g} {t[0]:.17g}")
         walls = f"fix w all deformable/wall polygon 4 {polygon} {' '.join(planes)}"
-        return scene_of(x @ f.T, ["unit", "small"], law, walls + "\nfix_modify w virial yes")
+        return scene_of(
+            x @ f.T, ["unit", "small"], STYLES[law], walls + "\nfix_modify w virial yes"
+        )
 
     state = strained(np.zeros((2, 2))).evaluate()
     assert state.shape["contacts"][0] >= 3

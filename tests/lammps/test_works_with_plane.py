@@ -1,9 +1,10 @@
 """Particles that leave the plane: one warning, at the first z or vz that is not zero."""
 
 import pytest
-from combinations import STYLES, Packing
+from combinations import Packing
+from laws import EXACT, laws
+from parallel import finished
 from scene import SPECIES
-from test_parallel import lmp
 
 BATH = "fix move all nve\nfix bath all langevin 1e-5 1e-5 5 4711\n"
 PLANE = "fix plane all enforce2d\n"
@@ -14,10 +15,9 @@ dimension 2
 newton on
 atom_modify map yes
 read_data data
-pair_style {STYLES["radical"]}
+pair_style {EXACT["radical"]}
 pair_coeff * * {SPECIES} small large
 """
-laws = pytest.mark.parametrize("law", STYLES)
 
 
 def warnings(log):
@@ -25,7 +25,7 @@ def warnings(log):
 
 
 def moved(tmp_path, law, commands):
-    packing = Packing(STYLES[law], log=tmp_path / "log")
+    packing = Packing(EXACT[law], log=tmp_path / "log")
     packing.run(commands)
     return packing, warnings(tmp_path / "log")
 
@@ -86,7 +86,7 @@ def test_gjf(tmp_path):
 
 def test_tilted_boxes(tmp_path):
     """Rounding of z is not motion."""
-    Packing(STYLES["radical"]).run(f"write_data {tmp_path / 'data'} nofix")
+    Packing(EXACT["radical"]).run(f"write_data {tmp_path / 'data'} nofix")
     data = (tmp_path / "data").read_text()
     (tmp_path / "data").write_text(data.replace("-0.5 0.5 zlo", "-0.3 0.6 zlo"))
     shear = """
@@ -96,17 +96,15 @@ fix move all nvt/sllod temp 1e-5 1e-5 5
 run 100
 write_dump all custom z z modify format float %g
 """
-    result = lmp(1, READ + shear, tmp_path)
-    assert result.returncode == 0, result.stdout + result.stderr
+    said = finished(1, READ + shear, tmp_path)
     assert any(z != "0" for z in (tmp_path / "z").read_text().splitlines()[9:])
-    assert LEAVES not in result.stdout
+    assert LEAVES not in said
 
 
 def test_on_any_rank(tmp_path):
     """Every rank finds its own particles; the first one warns."""
-    Packing(STYLES["radical"]).run(f"write_data {tmp_path / 'data'} nofix")
+    Packing(EXACT["radical"]).run(f"write_data {tmp_path / 'data'} nofix")
     for atom in (1, 24):
-        result = lmp(2, READ + f"fix move all nve\nset atom {atom} vz 1e-3\nrun 20", tmp_path)
-        assert result.returncode == 0, result.stdout + result.stderr
-        assert result.stdout.count(LEAVES) == 1
-        assert f"Atom {atom} " in result.stdout
+        said = finished(2, READ + f"fix move all nve\nset atom {atom} vz 1e-3\nrun 20", tmp_path)
+        assert said.count(LEAVES) == 1
+        assert f"Atom {atom} " in said

@@ -1,7 +1,8 @@
 """Radii of atoms that the pair style does not take: one warning."""
 
 import pytest
-from combinations import STYLES, Packing
+from combinations import Packing
+from laws import EXACT, laws
 from scene import PACKINGS
 
 UNUSED = "another radius than its species"
@@ -17,12 +18,12 @@ run 3
 def logged(law, words, tmp_path, commands):
     log = tmp_path / "log"
     species = "any any" if words else "small large"
-    packing = Packing(STYLES[law] + words, species=species, atoms="sphere 1", log=log)
+    packing = Packing(EXACT[law] + words, species=species, atoms="sphere 1", log=log)
     packing.run(commands)
     return packing.results()["energy"], log.read_text()
 
 
-@pytest.mark.parametrize("law", STYLES)
+@laws
 def test_growth_without_effect(law, tmp_path):
     """fix adapt and `radius type`; with `radius atom` particles grow."""
     start = logged(law, "", tmp_path, "run 0")

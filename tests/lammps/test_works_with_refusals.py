@@ -1,7 +1,8 @@
 """Commands that the pair styles refuse, by one line and before the first step."""
 
 import pytest
-from combinations import STYLES, Packing
+from combinations import Packing
+from laws import EXACT, laws
 from test_refusals import refuses
 
 GROUP = "group some id 1:5\n"
@@ -46,17 +47,17 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("law", STYLES)
+@laws
 @pytest.mark.parametrize("name", REFUSED)
 def test_refused(name, law):
     commands, message = REFUSED[name]
     with refuses(message):
-        Packing(STYLES[law]).run(commands.format(name=STYLES[law].split()[0]))
+        Packing(EXACT[law]).run(commands.format(name=EXACT[law].split()[0]))
 
 
-@pytest.mark.parametrize("law", STYLES)
+@laws
 def test_pair_style_after_read_restart(law, tmp_path):
-    packing = Packing(STYLES[law])
+    packing = Packing(EXACT[law])
     packing.run(f"run 0\nwrite_restart {tmp_path / 'restart'}")
     with refuses("re-specify .*deformable"):
         packing.run(f"clear\nread_restart {tmp_path / 'restart'}\nrun 0")

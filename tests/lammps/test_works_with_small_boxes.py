@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from combinations import STYLES
+from laws import EXACT, laws
+from parallel import finished
 from scene import SPECIES, Scene
-from test_parallel import lmp
 from test_refusals import refuses
 
-laws = pytest.mark.parametrize("law", STYLES)
 CELLS = {
     "square": (1, (0.0, 0.0)),
     "tilted": (1, (0.3, 0.0)),
@@ -26,7 +25,7 @@ def cells(law, length, shape="square", copies=1, species="small"):
     ]
     box = (0, copies * width, 0, copies * height)
     # outlines whose lines tilt bulge further in cells far beyond confluence
-    style = f"{STYLES[law]} reach 0.5" if (law, length) == ("tilted", 0.72) else STYLES[law]
+    style = f"{EXACT[law]} reach 0.5" if (law, length) == ("curved", 0.72) else EXACT[law]
     return Scene(x, [species] * len(x), box, style, tilt=copies * tilt * width)
 
 
@@ -41,7 +40,7 @@ def test_same_as_four_cells(law, shape, length):
     """
     one, four = (cells(law, length, shape, copies).evaluate() for copies in (1, 2))
     assert (one.energy > 0) == (length < 1)
-    if law == "tilted" and length < 0.9:
+    if law == "curved" and length < 0.9:
         assert 0 < four.energy <= 4 * one.energy * (1 + 1e-11)
         return
     assert four.energy == pytest.approx(4 * one.energy, rel=1e-11)
@@ -60,7 +59,7 @@ def test_an_image_at_the_end_of_the_neighbor_list():
 @laws
 def test_no_area_left(law):
     """The area of the ring would be negative: -1.22 of the box at a length of 0.6."""
-    length = 0.55 if law == "tilted" else 0.6  # tilts leave some area at 0.6
+    length = 0.55 if law == "curved" else 0.6  # tilts leave some area at 0.6
     with refuses(f"Atom 1 of radius 0.5 .*own images.*{length} x {length}"):
         cells(law, length).energy()
 
@@ -78,8 +77,8 @@ def test_ranks(law, tmp_path):
     """The images of a particle belong to its own rank or to the other one."""
     energies = [
         float(
-            lmp(ranks, SCRIPT.format(style=STYLES[law]), tmp_path)
-            .stdout.split("energy ")[1]
+            finished(ranks, SCRIPT.format(style=EXACT[law]), tmp_path)
+            .split("energy ")[1]
             .split()[0]
         )
         for ranks in (1, 2)

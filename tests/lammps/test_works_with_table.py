@@ -6,6 +6,7 @@ The last section, of smooth polygons, is tested in test_edge_works_with.py.
 import re
 from pathlib import Path
 
+import test_restart as files
 import test_works_with as fresh
 import test_works_with_bonds as bonds
 import test_works_with_hybrid as hybrid
@@ -37,7 +38,7 @@ OTHERS = {
     "compute reduce": outputs.test_reduce_of_contacts,
     "fix numdiff": outputs.test_numdiff,
     "dynamical_matrix": outputs.test_dynamical_matrix,
-    "restart": outputs.test_restart,
+    "restart": files.test_round_trip,
     "write_data": fresh.test_as_a_fresh_run,
     "rerun": outputs.test_rerun,
     "read_dump": outputs.test_read_dump,

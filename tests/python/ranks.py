@@ -1,10 +1,9 @@
 """Python scripts under MPI."""
 
 import subprocess
-import sys
 from pathlib import Path
 
-MPIEXEC = str(Path(sys.executable).with_name("mpiexec"))
+from programs import program
 
 
 def python(script: str, cwd: Path, ranks: int) -> str:
@@ -19,9 +18,5 @@ def launch(
 ) -> subprocess.CompletedProcess[str]:
     """A python script under mpiexec, if a number of ranks is given, in the care of a module."""
     (cwd / "script.py").write_text(script)
-    command = [sys.executable, "script.py"]
-    if ranks is not None:
-        command = [MPIEXEC, "-n", str(ranks), sys.executable, "-m", module, "script.py"]
-    return subprocess.run(
-        command, cwd=cwd, capture_output=True, text=True, timeout=120, check=False
-    )
+    care = ("-m", module) if ranks else ()
+    return program("python", *care, "script.py", cwd=cwd, ranks=ranks or 0, timeout=120)

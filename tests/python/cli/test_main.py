@@ -5,7 +5,6 @@ import json
 import math
 import os
 import subprocess
-import sys
 from pathlib import Path
 
 import deformable
@@ -14,16 +13,13 @@ import ranks
 from deformable import core
 from deformable.cli import main as cli
 from deformable.studies.packings import rows as packings
-
-COMMAND = str(Path(sys.executable).parent / "deformable")
+from programs import program
 
 SMALL = ("--number", "12", "--steps", "1")
 
 
 def run(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    result = subprocess.run(
-        [COMMAND, *arguments], cwd=cwd, capture_output=True, text=True, timeout=120, check=False
-    )
+    result = program("deformable", *arguments, cwd=cwd)
     assert "Traceback" not in result.stdout + result.stderr
     return result
 
@@ -84,6 +80,8 @@ def test_sector_warns_on_one_line(tmp_path: Path) -> None:
         (["--kA", "inf"], ["kA", "kP", "inf"]),
         (["--law", "sector", "--kP", "1"], ["sector", "kP = 1"]),
         (["--law", "sector", "--reach", "0.2"], ["--reach", "sector"]),
+        (["--law", "sector", "--tension", "1"], ["--tension", "sector"]),
+        (["--polydispersity", "0.1", "--fraction", "0.2"], ["--polydispersity", "--fraction"]),
         (["--resume", "--out", "nowhere"], ["'nowhere'"]),
         (["--append", "--out", "nowhere"], ["'nowhere'"]),
         (["--resume", "--append"], ["--resume", "--append", "--overwrite"]),
@@ -96,13 +94,24 @@ def test_sector_warns_on_one_line(tmp_path: Path) -> None:
         (["--out", "/dev/null/run"], ["'/dev/null' is a file"]),
     ],
 )
-def test_errors_are_one_line(arguments: list[str], words: list[str], tmp_path: Path) -> None:
-    result = run("compress", "--number", "8", *arguments, cwd=tmp_path)
-    assert result.returncode == 2
-    assert result.stderr.startswith("error: ")
-    assert result.stderr.count("\n") == 1
-    assert [word for word in words if word not in result.stderr] == []
-    assert result.stdout == ""  # before any work
+def test_errors_are_one_line(
+    arguments: list[str],
+    words: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """In this process, which has loaded what a command loads."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.argv", ["deformable", "compress", "--number", "8", *arguments])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    assert end.value.code == 2
+    out, error = capsys.readouterr()
+    assert error.startswith("error: ")
+    assert error.count("\n") == 1
+    assert [word for word in words if word not in error] == []
+    assert out == ""  # before any work
     assert not list(tmp_path.iterdir())
 
 
@@ -204,15 +213,7 @@ def test_help_of_report(tmp_path: Path) -> None:
 
 def launch(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     """The command on two ranks."""
-    mpiexec = str(Path(sys.executable).parent / "mpiexec")
-    return subprocess.run(
-        [mpiexec, "-n", "2", COMMAND, *arguments],
-        cwd=cwd,
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
+    return program("deformable", *arguments, cwd=cwd, ranks=2)
 
 
 def test_error_on_one_rank_ends_all(tmp_path: Path) -> None:

@@ -3,19 +3,15 @@
 import csv
 import json
 import subprocess
-import sys
 from pathlib import Path
 
 import deformable
 import pytest
-
-COMMAND = str(Path(sys.executable).parent / "deformable")
+from programs import program
 
 
 def run(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    result = subprocess.run(
-        [COMMAND, *arguments], cwd=cwd, capture_output=True, text=True, timeout=120, check=False
-    )
+    result = program("deformable", *arguments, cwd=cwd)
     assert "Traceback" not in result.stdout + result.stderr
     return result
 

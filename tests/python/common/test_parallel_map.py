@@ -2,8 +2,6 @@
 
 import math
 import os
-import subprocess
-import sys
 import warnings
 from pathlib import Path
 
@@ -14,6 +12,7 @@ from deformable.common.parallel import call_once, parallel_map
 from deformable.common.versions import machine
 from deformable.studies.paper.results import ring_in_walls
 from deformable.studies.paper.single import regular
+from programs import program
 
 UNGUARDED = """
 import math
@@ -120,9 +119,7 @@ def test_calls_are_known_by_function_and_arguments(tmp_path: Path) -> None:
 
 def test_the_error_names_a_missing_guard(tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text(UNGUARDED)
-    run = subprocess.run(
-        [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=60
-    )
+    run = program("python", "script.py", cwd=tmp_path)
     assert run.returncode != 0
     # multiprocessing may add warnings about semaphores
     (line,) = [line for line in run.stderr.splitlines() if "a process of sqrt died" in line]

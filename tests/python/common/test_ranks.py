@@ -2,8 +2,8 @@
 
 import csv
 import json
+import os
 import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -11,9 +11,8 @@ import deformable
 import pytest
 from deformable.common.ranks import independently, world
 from mpi4py import MPI
-from ranks import MPIEXEC, launch
-
-COMMAND = str(Path(sys.executable).with_name("deformable"))
+from programs import BIN, PATIENT, output
+from ranks import launch
 
 # Simulations without `comm`, and a further map in each call.
 ENSEMBLE = """
@@ -132,28 +131,21 @@ def without_seconds(folder: Path) -> list[tuple[str, ...]]:
 
 def test_jam_on_ranks_is_killed_and_goes_on(tmp_path: Path) -> None:
     """What is in the table stays, and the rest is what one process computes."""
-    ask = [COMMAND, "jam", "8", "10", "--law", "disk", "--seeds", "4", "--out"]
-    subprocess.run([*ask, "whole", "--workers", "1"], cwd=tmp_path, check=True, timeout=120)
-    ranks = [MPIEXEC, "-n", "3", *ask, "run"]
-    with subprocess.Popen(ranks, cwd=tmp_path, stdout=subprocess.PIPE, text=True) as run:
+    ask = ["jam", "8", "10", "--law", "disk", "--seeds", "4", "--out"]
+    output("deformable", *ask, "whole", "--workers", "1", cwd=tmp_path)
+    ranks = [BIN / "mpiexec", "-n", "3", BIN / "deformable", *ask, "run"]
+    with subprocess.Popen(
+        ranks, cwd=tmp_path, env=os.environ | PATIENT, stdout=subprocess.DEVNULL
+    ) as run:
         while not (tmp_path / "run" / "table.csv").exists():
             assert run.poll() is None
             time.sleep(0.02)
         run.kill()
     before = table(tmp_path / "run")
     assert 0 < len(before) < 8
-    result = subprocess.run(
-        [MPIEXEC, "-n", "2", *ask, "run"],
-        cwd=tmp_path,
-        check=True,
-        timeout=120,
-        capture_output=True,
-        text=True,
-    )
-    assert {line.split(":")[0] for line in result.stdout.splitlines()[:-1]} == {
-        "disk, N = 8",
-        "disk, N = 10",
-    }
+    said = output("deformable", *ask, "run", cwd=tmp_path, ranks=2)
+    kinds = {line.split(":")[0] for line in said.splitlines()[:-1]}
+    assert kinds == {"disk, N = 8", "disk, N = 10"}
     after = table(tmp_path / "run")
     assert [row for row in before if row not in after] == []  # with their seconds
     assert without_seconds(tmp_path / "run") == without_seconds(tmp_path / "whole")

@@ -5,6 +5,7 @@ import math
 import deformable
 import numpy as np
 import pytest
+from contact_laws import contacts
 from deformable.protocols.jamming import natural_pressure
 
 DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
@@ -17,7 +18,7 @@ def squeezed() -> deformable.Packing:
     return jammed.at(jammed.phi + 0.03)
 
 
-@pytest.mark.parametrize("contact", ["balanced", "tilted", "radical"])
+@contacts
 def test_relaxation(squeezed: deformable.Packing, contact: str) -> None:
     law = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, contact=contact)
     with deformable.Simulation(squeezed, law) as sim:

@@ -7,7 +7,6 @@ from pathlib import Path
 import deformable
 import numpy as np
 import pytest
-from brute_force import brute_force_contacts, check_pressure, shapes
 from deformable import core
 from deformable.engine.disks import open_disks
 from deformable.engine.lammps import gather, run
@@ -87,23 +86,6 @@ def test_two_sizes_are_two_species() -> None:
             assert np.array_equal(getattr(found, name), getattr(expected, name)), name
 
 
-def test_relaxed_state_is_that_of_the_kernel(state: deformable.State) -> None:
-    assert len(np.unique(state.packing.radius)) == 24
-    assert state.residual <= 1e-6
-    assert state.energy > 0.0
-    deficit = np.array([shape.area_deficit for shape in shapes(state)])
-    assert state.area_deficit == pytest.approx(deficit, rel=1e-9, abs=1e-15)
-    assert state.energy == pytest.approx(np.sum(deficit**2), rel=1e-9)
-    assert state.phi == pytest.approx(state.area.sum() / np.prod(state.packing.box.diagonal()))
-    table, contacts = state.contact_table, brute_force_contacts(state)
-    seen = zip(table["i"], table["j"], *table["image"].T, strict=True)
-    assert {tuple(map(int, key)) for key in seen} == {key for key, c in contacts.items() if c}
-    height = state.packing.radius[table["i"]] - table["indentation"]
-    out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
-    foot = state.packing.positions[table["i"]] + height[:, None] * out
-    np.testing.assert_allclose(foot, table["position"], rtol=0, atol=1e-13)
-
-
 def test_loose_particles_relax_to_nothing(jammed: deformable.Packing) -> None:
     """Each is a circle of its own radius."""
     loose = jammed.at(jammed.phi - 0.03)
@@ -112,13 +94,6 @@ def test_loose_particles_relax_to_nothing(jammed: deformable.Packing) -> None:
         state = sim.relax()
     assert (state.residual, state.stalled) == (0.0, False)
     assert state.rattlers.all()
-
-
-def test_outlines_have_the_areas(state: deformable.State) -> None:
-    for outline, area in zip(state.outlines, state.area, strict=True):
-        x, y = outline.T
-        polygon = 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)
-        assert polygon == pytest.approx(area, rel=1e-3)
 
 
 def test_particles_may_grow_up_to_their_species(state: deformable.State) -> None:
@@ -131,10 +106,6 @@ def test_particles_may_grow_up_to_their_species(state: deformable.State) -> None
         sim.lmp.command(f"set atom 3 diameter {5.0 * float(state.packing.radii[0])}")
         with pytest.raises(deformable.LammpsError, match=r"Atom 3 has a radius of .* at most"):
             sim.state()
-
-
-def test_pressure_is_the_derivative_of_the_energy(jammed: deformable.Packing) -> None:
-    check_pressure(jammed.at(jammed.phi * 1.05))
 
 
 @pytest.mark.slow

@@ -1,17 +1,13 @@
 """Bead polygons in LAMMPS against their energy written down in numpy."""
 
-import json
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import deformable
 import numpy as np
 import pytest
-from deformable.engine import polygon_simulation
 from deformable.engine.lammps import gather
 from naive_polygons import area, naive, pair
-from ranks import python
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -115,22 +111,6 @@ def test_undeformed_polygons_are_at_rest() -> None:
     )
 
 
-def test_polygons_that_meet_through_several_images() -> None:
-    with deformable.PolygonSimulation(pair(1.4), deformable.PolygonModel(vertices=24)) as sim:
-        state = sim.relax(0.01)
-    assert state.residual <= 0.01
-    assert state.contact_table.i.tolist() == [0] * 4
-    assert state.contact_table.j.tolist() == [1] * 4
-    images = {tuple(image) for image in state.contact_table.image.tolist()}
-    assert images == {(-1, -1), (-1, 0), (0, -1), (0, 0)}
-    along = (state.contact_table.image + 0.5) / np.sqrt(0.5)  # unit vectors from 0 to 1
-    pushed = -np.sum(state.contact_table.force * along, axis=1)
-    assert pushed == pytest.approx(np.full(4, pushed.mean()), rel=0.02)
-    assert state.contact_table.force.sum(axis=0) == pytest.approx(
-        [0.0, 0.0], abs=0.02 * pushed.mean()
-    )
-
-
 def test_polygons_touch_at_the_effective_radius() -> None:
     """Flat contacts of nine beads a side: facing rows interlock."""
     model = deformable.PolygonModel(vertices=152, radius=0.01, kr=1000.0)
@@ -183,21 +163,6 @@ def test_stiff_areas_of_soft_polygons_relax() -> None:
     assert state.energy > 0.0
 
 
-@pytest.mark.parametrize("change", [0.0, -0.002, 0.02])
-def test_loose_polygons_relax_at_once(change: float) -> None:
-    jammed = deformable.jam(deformable.bidisperse(6, seed=1))
-    with deformable.PolygonSimulation(
-        jammed.at(jammed.phi - 0.02), deformable.PolygonModel(30)
-    ) as sim:
-        sim.deform((1.0 + change) * sim.box)
-        assert np.isfinite(sim.state().residual)
-        state = sim.relax()
-        assert sim.lmp.extract_global("ntimestep") < 5000
-    assert (state.residual, state.stalled) == (0.0, False)
-    assert state.energy < 1e-20
-    assert len(state.contact_table.i) == 0
-
-
 def test_compress_yields_states() -> None:
     jammed = deformable.jam(deformable.bidisperse(6, seed=1))
     with deformable.PolygonSimulation(jammed, deformable.PolygonModel(vertices=20)) as sim:
@@ -207,48 +172,6 @@ def test_compress_yields_states() -> None:
     assert 0.0 < states[0].energy < states[1].energy
     assert 0.0 < states[0].pressure < states[1].pressure
     assert states[0].packing.box == pytest.approx(0.98 * jammed.box)
-
-
-def test_a_stalled_relaxation_warns(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(polygon_simulation, "_ITERATIONS", 10)
-    monkeypatch.setattr(polygon_simulation, "_PATIENCE", 20)
-    jammed = deformable.jam(deformable.bidisperse(6, seed=1))
-    with deformable.PolygonSimulation(jammed, deformable.PolygonModel(vertices=20)) as sim:
-        sim.deform(0.97 * sim.box)
-        with pytest.warns(deformable.StalledWarning, match=r"stalled: the largest force is .* not"):
-            state = sim.relax(1e-9)
-    assert state.stalled
-    assert state.residual > 1e-9
-
-
-RANKS = """
-import json
-from mpi4py import MPI
-import deformable
-
-jammed = deformable.jam(deformable.bidisperse(6, seed=3, tilt=0.2))
-with deformable.PolygonSimulation(jammed, deformable.PolygonModel(vertices=20)) as polygons:
-    polygons.deform(0.97 * polygons.box)
-    polygons.lmp.command("minimize 0 0 100 200")
-    state = polygons.state()
-contacts = state.contact_table
-seen = [
-    state.energy, state.residual, *state.stress.ravel(), *state.area, *state.perimeter,
-    *state.packing.positions.ravel(), *contacts.force.ravel(),
-]
-table = [contacts.i.tolist(), contacts.j.tolist(), contacts.image.tolist()]
-assert MPI.COMM_WORLD.allgather((seen, table)) == [(seen, table)] * MPI.COMM_WORLD.size
-if MPI.COMM_WORLD.rank == 0:
-    print(json.dumps([seen, table]))
-"""
-
-
-def test_two_ranks_give_the_serial_answer(tmp_path: Path) -> None:
-    (seen, table), (shared, shared_table) = (
-        json.loads(python(RANKS, cwd=tmp_path, ranks=ranks)) for ranks in (1, 2)
-    )
-    assert shared_table == table
-    assert shared == pytest.approx(seen, rel=1e-9, abs=1e-12)  # roundings, grown in 100 steps
 
 
 def test_errors_of_lammps_come_as_one_line() -> None:

@@ -1,14 +1,11 @@
 """Simulations between walls, compared with LAMMPS scripts, differences of energies and balances."""
 
-import json
 from dataclasses import replace
-from pathlib import Path
 
 import deformable
 import numpy as np
 import pytest
 from deformable import Circle, Disk, LammpsError, ParameterError, Plane, Polygon, Ring, Segment
-from ranks import python
 
 SCENE = (
     Circle((1.0, -2.0), 6.0),
@@ -221,30 +218,3 @@ def test_errors_name_the_wall(packing) -> None:
         sim.state()
     with pytest.raises(ParameterError, match="polygons have no walls"):
         deformable.PolygonSimulation(packing)
-
-
-RANKS = """
-import json
-from mpi4py import MPI
-import deformable
-from deformable import Circle, Disk, Segment
-
-scene = [Circle((0, 0), 6), Disk((2, 0), 1), Segment((-3, -2), (-3, 2))]
-start = deformable.push_off(deformable.bidisperse(48, seed=3).between(scene, seed=1).at(0.84))
-sim = deformable.Simulation(start, deformable.Ring())
-for state in deformable.record(deformable.compress(sim, 0.02, 2, tolerance=1e-6), "run"):
-    pass
-seen = [state.phi, state.pressure, state.energy, state.coordination, state.wall_forces.tolist()]
-assert MPI.COMM_WORLD.allgather(seen) == [seen] * MPI.COMM_WORLD.size
-with deformable.Run("run").simulation() as again:
-    assert abs(again.state().energy / state.energy - 1) < 1e-12
-if MPI.COMM_WORLD.rank == 0:
-    print(json.dumps(seen))
-"""
-
-
-def test_two_ranks(tmp_path: Path) -> None:
-    one, two = (json.loads(python(RANKS, tmp_path, ranks).splitlines()[-1]) for ranks in (1, 2))
-    # pressures are right to the forces that remain, times the number of particles
-    assert two[:4] == pytest.approx(one[:4], rel=1e-4)
-    np.testing.assert_allclose(two[4], one[4], atol=1e-4 * np.abs(one[4]).max())

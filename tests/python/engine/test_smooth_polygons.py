@@ -10,11 +10,9 @@ import numpy as np
 import pytest
 from crystal import crystal
 from deformable import core
-from deformable.engine import smooth_polygons
 from deformable.engine.lammps import gather
 from deformable.engine.smooth_polygons import SmoothPolygons, have_crossed, relax_smooth
 from naive_polygons import pair
-from ranks import python
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -183,20 +181,6 @@ def test_energy_is_stationary_and_least(relaxed: deformable.PolygonState) -> Non
             assert polygons.energy(x + size * rng.normal(size=x.shape)).energy > relaxed.energy
 
 
-def test_polygons_that_meet_through_several_images() -> None:
-    model = deformable.PolygonModel(vertices=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
-    with deformable.PolygonSimulation(pair(1.41), model) as sim:
-        state = sim.relax()
-    assert state.residual <= 1e-6
-    assert (state.contact_table.i.tolist(), state.contact_table.j.tolist()) == ([0] * 4, [1] * 4)
-    images = {tuple(image) for image in state.contact_table.image.tolist()}
-    assert images == {(-1, -1), (-1, 0), (0, -1), (0, 0)}
-    along = (state.contact_table.image + 0.5) / np.sqrt(0.5)
-    pushed = -np.sum(state.contact_table.force * along, axis=1)
-    # 40 vertices with 10 in each quarter: the four contacts are alike
-    assert pushed == pytest.approx(np.full(4, pushed.mean()), rel=1e-3)
-
-
 @pytest.mark.parametrize(
     ("indentation", "number", "ratio"),
     [(0.01, 80, 0.997), (0.01, 160, 0.9998), (0.03, 40, 0.997), (0.03, 80, 0.9989)],
@@ -212,27 +196,6 @@ def test_crystal_against_the_exact_polygon(indentation: float, number: int, rati
     exact = core.soft_ring(0.5, turn, np.full(6, 0.5 * indentation), 1.0, 6.0, 0.025)
     # their last digit; polygons turned by half a spacing differ by less
     assert state.energy / (4.0 * exact.energy) == pytest.approx(ratio, abs=4e-4)
-
-
-def test_a_stalled_relaxation_warns(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(smooth_polygons, "_STEPS", 2)
-    jammed = deformable.jam(deformable.bidisperse(6, seed=1))
-    with deformable.PolygonSimulation(jammed, FINE) as sim:
-        sim.deform(0.98 * sim.box)
-        with pytest.warns(deformable.StalledWarning, match=r"stalled: the largest force is"):
-            state = sim.relax()
-    assert state.stalled
-    assert state.residual > 1e-6
-
-
-@pytest.mark.parametrize("change", [0.0, -0.002, 0.02])
-def test_loose_polygons_stay_where_they_are(change: float) -> None:
-    jammed = deformable.jam(deformable.bidisperse(6, seed=1))
-    with deformable.PolygonSimulation(jammed.at(jammed.phi - 0.03), FINE) as sim:
-        sim.deform((1.0 + change) * sim.box)
-        state = sim.relax()
-    assert (state.residual, state.stalled) == (0.0, False)
-    assert len(state.contact_table.i) == 0
 
 
 def test_soft_contacts_that_let_polygons_cross_are_given_up() -> None:
@@ -286,28 +249,6 @@ def test_edges_that_meet_their_images_are_refused() -> None:
         pytest.raises(deformable.LammpsError, match="more than half of the box"),
     ):
         sim.state()
-
-
-RANKS = """
-import json
-from mpi4py import MPI
-import deformable
-
-jammed = deformable.jam(deformable.bidisperse(6, seed=3, tilt=0.2))
-model = deformable.PolygonModel(vertices=30, radius=0.025, kL=180.0, kr=10.0, smooth=True)
-with deformable.PolygonSimulation(jammed, model) as sim:
-    sim.deform(0.98 * sim.box)
-    state = sim.relax()
-seen = [state.energy, *state.stress.ravel(), *state.area, *state.packing.positions.ravel()]
-assert MPI.COMM_WORLD.allgather(seen) == [seen] * MPI.COMM_WORLD.size
-if MPI.COMM_WORLD.rank == 0:
-    print(json.dumps(seen))
-"""
-
-
-def test_two_ranks_give_the_serial_answer(tmp_path: Path) -> None:
-    serial, shared = (json.loads(python(RANKS, cwd=tmp_path, ranks=ranks)) for ranks in (1, 2))
-    assert shared == pytest.approx(serial, rel=1e-9, abs=1e-12)
 
 
 @pytest.mark.parametrize(

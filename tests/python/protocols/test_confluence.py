@@ -1,10 +1,9 @@
 """Equal particles on a triangular lattice, from their onset to confluence."""
 
-from typing import Literal
-
 import deformable
 import numpy as np
 import pytest
+from contact_laws import contacts
 from crystal import RADIUS, crystal
 
 # Arcs that vanish are differences: they need forces beyond the default tolerance.
@@ -67,10 +66,10 @@ def test_pressure_up_to_confluence_is_the_closed_form(part: float) -> None:
     assert (state.coordination, state.network_contacts) == (6.0, 48)
 
 
-@pytest.mark.parametrize("contact", ["radical", "balanced", "tilted"])
+@contacts
 @pytest.mark.parametrize("constants", [{"kP": 0.0, "tension": 1.0}, {"kP": 1.0}], ids=str)
 def test_particles_that_keep_their_area_need_room(
-    constants: dict[str, float], contact: Literal["radical", "balanced", "tilted"]
+    constants: dict[str, float], contact: str
 ) -> None:
     """They fill the plane at phi = 1: no forces balance there, and beyond they have no shape."""
     law = deformable.Ring(kA=np.inf, contact=contact, **constants)

@@ -11,7 +11,7 @@ LAWS = {
     "disks": None,
     "radical": deformable.Ring(contact="radical"),
     "balanced": deformable.Ring(kP=0.5, skin=0.02),
-    "tilted": deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="tilted"),
+    "curved": deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved"),
 }
 
 

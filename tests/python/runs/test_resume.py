@@ -11,6 +11,7 @@ import deformable
 import numpy as np
 import pytest
 from deformable.cli import main as cli
+from programs import program
 
 FILES = (
     *("packing.data", "species.deformable", "in.lammps", "summary.json"),
@@ -57,21 +58,12 @@ START = ("--number", "16", "--strain", "0.03", "--steps", "5", "--seed", "5")
 
 
 def compress(*options: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    command = [str(Path(sys.executable).parent / "deformable"), "compress", "--out", "run"]
-    return subprocess.run(
-        [*command, *options], cwd=cwd, capture_output=True, text=True, timeout=120, check=False
-    )
+    return program("deformable", "compress", "--out", "run", *options, cwd=cwd)
 
 
 def killed(how: str, count: int, *options: str, cwd: Path) -> None:
-    result = subprocess.run(
-        [sys.executable, "-c", VICTIM, how, str(count), "compress", "--out", "run", *options],
-        cwd=cwd,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    command = ("python", "-c", VICTIM, how, count, "compress", "--out", "run", *options)
+    result = program(*command, cwd=cwd)
     assert result.returncode == -signal.SIGKILL, result.stderr
 
 

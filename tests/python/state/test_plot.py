@@ -1,7 +1,6 @@
 """Force chains, maps and movies, and the runs that they are drawn from."""
 
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
@@ -9,6 +8,7 @@ import deformable
 import numpy as np
 import pytest
 from exact_balance import exactly_balanced
+from programs import program
 
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("agg")
@@ -198,20 +198,10 @@ def test_movies_that_cannot_be(
 
 
 def test_movie_from_the_shell(run: tuple[Path, list[deformable.State]], tmp_path: Path) -> None:
-    def command(*arguments: str) -> subprocess.CompletedProcess[str]:
-        program = str(Path(sys.executable).parent / "deformable")
-        return subprocess.run(
-            [program, "movie", *arguments],
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            timeout=120,
-            check=False,
-        )
-
-    done = command(str(run[0]), "--forces", "--color-by", "shape_parameter")
+    ask = ("--forces", "--color-by", "shape_parameter")
+    done = program("deformable", "movie", run[0], *ask, cwd=tmp_path)
     assert (done.returncode, done.stdout) == (0, "wrote movie.gif\n")
     assert (tmp_path / "movie.gif").stat().st_size > 10_000
-    failed = command("nowhere")
+    failed = program("deformable", "movie", "nowhere", cwd=tmp_path)
     assert failed.returncode == 2
     assert failed.stderr.startswith("error: no saved run in 'nowhere'")

@@ -8,6 +8,7 @@ from pathlib import Path
 import deformable
 import numpy as np
 import pytest
+from contact_laws import contacts
 from ranks import python
 
 pytestmark = pytest.mark.usefixtures("exact_balance")
@@ -19,10 +20,10 @@ STIFFNESS = {
     "droplets": {"kA": math.inf, "kP": 0.0, "tension": 1.0},
     "mixture": {"kA": [1.0, 3.0], "kP": [0.5, math.inf], "skin": [0.0, 0.05]},
 }
-CONTACTS = ("radical", "balanced", "curved")
+LINES = {"radical": 0, "balanced": 1, "curved": 3}  # variables of a contact line
 LAWS = {
     f"{contact}-{name}": deformable.Ring(contact=contact, **values)
-    for contact in CONTACTS
+    for contact in LINES
     for name, values in STIFFNESS.items()
 }
 SCENES = {
@@ -92,11 +93,11 @@ def test_every_law_and_stiffness(packing: deformable.Packing, law: deformable.Ri
     hessian = state.hessian()
     lines = hessian.matrix.shape[0] - 2 * len(packing)
     pairs = len({tuple(sorted((row["i"], row["j"]))) for row in state.contact_table})
-    assert lines == {"radical": 0, "balanced": 1, "curved": 3}[law.contact] * pairs
+    assert lines == LINES[law.contact] * pairs
     assert repr(hessian) == f"<Hessian: 20 particles, {lines} variables of contact lines>"
 
 
-@pytest.mark.parametrize("contact", CONTACTS)
+@contacts
 def test_any_sizes(contact: str) -> None:
     """Radii from 0.3 to 0.7 in a tilted box."""
     start = deformable.polydisperse(20, np.linspace(0.3, 0.7, 20), tilt=0.4, seed=2)
@@ -105,7 +106,7 @@ def test_any_sizes(contact: str) -> None:
     agrees(jammed.at(jammed.phi + 0.03), law)
 
 
-@pytest.mark.parametrize("contact", CONTACTS)
+@contacts
 @pytest.mark.parametrize("scene", SCENES)
 def test_walls(scene: str, contact: str) -> None:
     """Flat and round ones, from inside and outside, and corners."""
@@ -120,7 +121,7 @@ def test_walls(scene: str, contact: str) -> None:
     agrees(moved, law)
 
 
-@pytest.mark.parametrize("contact", CONTACTS)
+@contacts
 def test_a_particle_and_its_own_images(contact: str) -> None:
     """A crystal of one particle: nothing moves, and the moduli are those of four."""
     law = deformable.Ring(kA=1.0, kP=0.4, contact=contact)
@@ -140,44 +141,6 @@ def relaxed(request: pytest.FixtureRequest) -> deformable.State:
     jammed = deformable.jam(deformable.bidisperse(64, seed=5))
     with deformable.Simulation(jammed.at(jammed.phi + 0.03), LAWS[request.param]) as sim:
         return deformable.polish(sim.relax(1e-6))
-
-
-def test_zero_modes(relaxed: deformable.State) -> None:
-    """Two translations and two of each rattler, and no other."""
-    hessian = relaxed.hessian(rattlers=False)
-    assert (hessian.free == relaxed.rattlers).all()
-    assert hessian.free.any()
-    assert hessian.zero_modes == 2 + 2 * int(relaxed.rattlers.sum())
-    stiffness = np.linalg.eigvalsh(hessian.reduced())
-    zero = np.abs(stiffness) < 1e-11 * stiffness.max()
-    assert zero.sum() == hessian.zero_modes
-    modes = relaxed.modes()
-    assert modes.stiffness == pytest.approx(stiffness[~zero], abs=1e-12 * stiffness.max())
-    assert len(modes) + modes.zero_modes == 128
-
-
-def test_softest_modes(relaxed: deformable.State, monkeypatch: pytest.MonkeyPatch) -> None:
-    """By Lanczos' method with the lines as variables, as from the dense matrix."""
-    every = relaxed.modes()
-    monkeypatch.setattr(deformable.state.modes, "_SMALL", 0)
-    few = relaxed.modes(6)
-    assert few.stiffness == pytest.approx(every.stiffness[:6], rel=1e-7)
-    overlap = np.einsum("kia,kia->k", few.vectors, every.vectors[:6])
-    assert np.abs(overlap) == pytest.approx(np.ones(6), abs=1e-6)
-    assert few.plot(0).get_title() == every.plot(0).get_title()
-
-
-def test_moduli_are_those_of_finite_strains(relaxed: deformable.State) -> None:
-    moduli = relaxed.elastic_moduli()
-    found = [
-        (moduli.shear_modulus, deformable.shear_modulus(relaxed, 1e-5, 1e-10)),
-        (moduli.pure_shear_modulus, deformable.shear_modulus(relaxed, 1e-5, 1e-10, pure=True)),
-        (moduli.bulk_modulus, deformable.bulk_modulus(relaxed, 1e-5, 1e-10)),
-    ]
-    assert f"shear {moduli.shear_modulus:.4g}, " in repr(moduli)
-    for exact, finite in found:
-        assert finite.linear
-        assert exact == pytest.approx(finite.value, abs=2e-5 * moduli.bulk_modulus, rel=1e-5)
 
 
 def test_contacts_of_rattlers_have_two_sides() -> None:
@@ -228,15 +191,6 @@ def test_lines_at_the_largest_tilt() -> None:
         state.hessian()
 
 
-def test_loose_rings() -> None:
-    start = deformable.push_off(deformable.bidisperse(16, phi=0.4))
-    with deformable.Simulation(start, deformable.Ring(kP=0.4)) as sim:
-        state = sim.relax()
-    assert state.hessian().matrix.nnz == 0
-    assert (len(state.modes()), state.modes().zero_modes) == (0, 32)
-    assert not state.elastic_moduli().tensor.any()
-
-
 SCRIPT = """
 import json, math, sys
 sys.path[:0] = [{tests!r}]
@@ -246,7 +200,7 @@ from exact_balance import exactly_balanced
 
 packing = deformable.Run({folder!r}).simulation().state().packing
 found = []
-for contact in ("radical", "balanced", "curved"):
+for contact in {contacts!r}:
     law = deformable.Ring(kA=1.0, kP=0.3, contact=contact)
     with exactly_balanced(), deformable.Simulation(packing, law) as sim:
         state = sim.state()
@@ -266,7 +220,7 @@ def test_any_number_of_ranks_has_the_same_answer(
     with deformable.Simulation(packing, deformable.Ring(kA=1.0, kP=0.3)) as sim:
         sim.relax(1e-4).save(tmp_path / "start")
     tests = str(Path(__file__).parents[1])
-    script = SCRIPT.format(tests=tests, folder=str(tmp_path / "start"))
+    script = SCRIPT.format(tests=tests, folder=str(tmp_path / "start"), contacts=[*LINES])
     one, two, four = (json.loads(python(script, tmp_path, ranks)) for ranks in (1, 2, 4))
     for shared in (two, four):
         for mine, theirs in zip(one, shared, strict=True):

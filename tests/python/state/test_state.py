@@ -4,12 +4,30 @@ import deformable
 import numpy as np
 import pytest
 from brute_force import brute_force_contacts, brute_force_rattlers, check_pressure, shapes
+from contact_laws import every_law
 from deformable.model.laws import Law
 
 pytestmark = pytest.mark.filterwarnings("error")
 
 
-def test_energy_and_areas_are_those_of_the_kernels(state: deformable.State) -> None:
+@pytest.fixture(scope="module")
+def many() -> deformable.Packing:
+    """24 particles with radii of their own in a tilted box."""
+    draw = np.random.default_rng(4).lognormal(-0.7, 0.15, 24)
+    return deformable.jam(deformable.polydisperse(24, draw, tilt=0.3, seed=4))
+
+
+def test_energy_and_areas_are_those_of_the_kernels(
+    state: deformable.State, many: deformable.Packing
+) -> None:
+    with deformable.Simulation(many.at(1.02 * many.phi), deformable.Ring(kA=2.0)) as sim:
+        of_many = sim.relax()
+    assert len(np.unique(of_many.packing.radius)) == 24
+    for found in (state, of_many):
+        check_energy_and_areas(found)
+
+
+def check_energy_and_areas(state: deformable.State) -> None:
     deficit = np.array([shape.area_deficit for shape in shapes(state)])
     # from the pressures, and from the indentations: they agree as far as forces are balanced
     assert state.area_deficit == pytest.approx(deficit, rel=1e-8, abs=1e-15)
@@ -17,14 +35,19 @@ def test_energy_and_areas_are_those_of_the_kernels(state: deformable.State) -> N
     assert state.energy == pytest.approx(np.sum(2.0 * deficit**2 / 2.0), rel=1e-9)
 
 
-def test_pressure_is_the_derivative_of_the_energy(jammed: deformable.Packing) -> None:
-    check_pressure(jammed.at(jammed.phi * 1.05))
+def test_pressure_is_the_derivative_of_the_energy(
+    jammed: deformable.Packing, many: deformable.Packing
+) -> None:
+    for packing in (jammed, many):
+        check_pressure(packing.at(packing.phi * 1.05))
 
 
 @pytest.mark.parametrize("law", [deformable.Ring(skin=0.02), deformable.Sector()])
-def test_outlines_have_the_areas(law: Law, jammed: deformable.Packing) -> None:
+@pytest.mark.parametrize("name", ["jammed", "many"])
+def test_outlines_have_the_areas(law: Law, name: str, request: pytest.FixtureRequest) -> None:
     """Though they are polygons of about 180 corners, a part 2e-4 of their areas smaller."""
-    with deformable.Simulation(jammed.at(jammed.phi * 1.05), law) as sim:
+    packing = request.getfixturevalue(name)
+    with deformable.Simulation(packing.at(packing.phi * 1.05), law) as sim:
         state = sim.relax(1e-4) if isinstance(law, deformable.Ring) else sim.state()
     skin = law.species_parameters(state.packing.radii).skin[state.packing.species]
     whole = state.area + skin * state.perimeter + np.pi * skin**2
@@ -35,10 +58,7 @@ def test_outlines_have_the_areas(law: Law, jammed: deformable.Packing) -> None:
     assert state.phi == pytest.approx(whole.sum() / state.packing.area)
 
 
-@pytest.mark.parametrize(
-    "law",
-    [*(deformable.Ring(contact=c) for c in ("balanced", "tilted", "radical")), deformable.Sector()],
-)
+@every_law
 def test_force_vectors_sum_to_the_forces(law: Law, jammed: deformable.Packing) -> None:
     """The parts along the contacts, of balanced lines 4 to 9 % of a contact force, are in them."""
     with deformable.Simulation(jammed.at(jammed.phi * 1.05), law) as sim:
@@ -49,17 +69,23 @@ def test_force_vectors_sum_to_the_forces(law: Law, jammed: deformable.Packing) -
     np.add.at(net, table["i"], table["force_vector"])
     rounding = 1e-14 * table["force"].max()
     np.testing.assert_allclose(net, force, rtol=0, atol=rounding)
-    if state.law.name != "tilted":
+    if state.law.name != "curved":
         out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
         (nx, ny), (fx, fy) = out.T, table["force_vector"].T
         assert np.abs(nx * fy - ny * fx).max() > 1e-3 * table["force"].max()
 
 
 @pytest.mark.parametrize(
-    "asked", [{"number": 3}, {"number": 24, "tilt": 0.6, "aspect": 0.7}, {"number": 40, "seed": 8}]
+    "start",
+    [
+        deformable.bidisperse(3),
+        deformable.bidisperse(24, tilt=0.6, aspect=0.7),
+        deformable.bidisperse(40, seed=8),
+        deformable.polydisperse(24, np.linspace(0.4, 0.65, 24), tilt=0.3, seed=4),
+    ],
 )
-def test_contacts_and_rattlers_against_brute_force(asked: dict[str, float]) -> None:
-    jammed = deformable.jam(deformable.bidisperse(**asked))  # type: ignore[arg-type]
+def test_contacts_and_rattlers_against_brute_force(start: deformable.Packing) -> None:
+    jammed = deformable.jam(start)
     law = deformable.Ring(contact="radical")
     with deformable.Simulation(jammed.at(jammed.phi * 1.01), law) as sim:
         state = sim.relax()

@@ -5,6 +5,7 @@ from typing import Any
 import deformable
 import numpy as np
 import pytest
+from contact_laws import contacts
 from deformable.studies import vibrations
 from deformable.studies.vibrations import (
     EDGES,
@@ -77,7 +78,7 @@ def test_exponent_of_a_power_law() -> None:
     assert np.isnan(exponent(rows, "pressure", 1e-4, 1e-4))
 
 
-@pytest.mark.parametrize("contact", ["radical", "balanced", "tilted"])
+@contacts
 def test_the_unit_of_frequencies_is_that_of_all_modes(contact: str) -> None:
     """The trace of the Hessian is the sum of all stiffnesses, without variables of lines."""
     jammed = deformable.jam(deformable.bidisperse(24, seed=1))

@@ -1,0 +1,82 @@
+"""Polygons of beads and smooth polygons: what both have in common."""
+
+from dataclasses import dataclass
+
+import deformable
+import numpy as np
+import pytest
+from deformable.engine import polygon_simulation, smooth_polygons
+from naive_polygons import pair
+
+pytestmark = pytest.mark.filterwarnings("error")
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Polygons, a tolerance that they reach, and how alike their contacts are then."""
+
+    model: deformable.PolygonModel
+    tolerance: float
+    alike: float
+    loose: float  # phi below jamming at which they do not touch
+
+
+KINDS = {
+    "beads": Kind(deformable.PolygonModel(vertices=24), 0.01, 0.02, 0.02),
+    # 40 vertices with 10 in each quarter: the four contacts are alike
+    "smooth": Kind(
+        deformable.PolygonModel(vertices=40, radius=0.025, kL=240.0, kr=10.0, smooth=True),
+        1e-6,
+        1e-3,
+        0.03,
+    ),
+}
+kinds = pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
+
+
+@pytest.fixture(scope="module")
+def six() -> deformable.Packing:
+    return deformable.jam(deformable.bidisperse(6, seed=1))
+
+
+@kinds
+def test_polygons_that_meet_through_several_images(kind: Kind) -> None:
+    with deformable.PolygonSimulation(pair(1.4), kind.model) as rings:
+        state = rings.relax(kind.tolerance)
+    assert state.residual <= kind.tolerance
+    table = state.contact_table
+    assert (table.i.tolist(), table.j.tolist()) == ([0] * 4, [1] * 4)
+    images = {tuple(image) for image in table.image.tolist()}
+    assert images == {(-1, -1), (-1, 0), (0, -1), (0, 0)}
+    along = (table.image + 0.5) / np.sqrt(0.5)  # unit vectors from 0 to 1
+    pushed = -np.sum(table.force * along, axis=1)
+    assert pushed == pytest.approx(np.full(4, pushed.mean()), rel=kind.alike)
+    assert table.force.sum(axis=0) == pytest.approx([0.0, 0.0], abs=kind.alike * pushed.mean())
+
+
+@kinds
+@pytest.mark.parametrize("change", [0.0, -0.002, 0.02])
+def test_loose_rings_relax_at_once(kind: Kind, change: float, six: deformable.Packing) -> None:
+    with deformable.PolygonSimulation(six.at(six.phi - kind.loose), kind.model) as rings:
+        rings.deform((1.0 + change) * rings.box)
+        assert np.isfinite(rings.state().residual)
+        state = rings.relax()
+        assert rings.lmp.extract_global("ntimestep") < 5000
+    assert (state.residual, state.stalled) == (0.0, False)
+    assert state.energy < 1e-20
+    assert len(state.contact_table.i) == 0
+
+
+@kinds
+def test_a_stalled_relaxation_warns(
+    kind: Kind, six: deformable.Packing, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(polygon_simulation, "_ITERATIONS", 10)
+    monkeypatch.setattr(polygon_simulation, "_PATIENCE", 20)
+    monkeypatch.setattr(smooth_polygons, "_STEPS", 2)
+    with deformable.PolygonSimulation(six, kind.model) as rings:
+        rings.deform(0.98 * rings.box)
+        with pytest.warns(deformable.StalledWarning, match=r"stalled: the largest force is .* not"):
+            state = rings.relax(1e-9)
+    assert state.stalled
+    assert state.residual > 1e-9
