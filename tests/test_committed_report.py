@@ -5,7 +5,7 @@ import math
 from pathlib import Path
 
 import pytest
-from deformable.studies.accuracy.errors import exceptions
+from deformable.studies.accuracy.errors import energy_errors, exceptions
 from deformable.studies.packings.rows import mixed_rows
 
 REPORT = json.loads((Path(__file__).parents[1] / "docs" / "report" / "report.json").read_text())
@@ -43,10 +43,10 @@ def test_the_ring_law_has_the_stiffness_of_the_springs():
 def test_stability():
     """The ring laws keep within all limits; each failure of the sector law has a reason.
 
-    Tilted contacts have outlines at phi = 1.2 that bulge farther than `reach` covers: one line.
+    Curved contacts at phi = 1.2 are far beyond the model: one line may say so.
     """
     missed = [row for row in REPORT["stability"] if not row["ok"]]
-    crowded = [row for row in missed if row["law"] == "tilted"]
+    crowded = [row for row in missed if row["law"] == "curved"]
     assert {row["case"] for row in crowded} <= {"phi 0.5 to 1.2"}
     assert all("reach" in row["reason"] for row in crowded if row["quantity"] == "states refused")
     others = [row for row in missed if row not in crowded]
@@ -60,7 +60,7 @@ def test_lists():
         *("smooth", "pareto", "friction", "hysteresis", "crystal"),
         *("single", "packing", "stiffness_packing", "ablation", "limit", "stability"),
     }
-    laws = {"disk", "sector", "radical, kP inf", "radical", "balanced", "tilted"}
+    laws = {"disk", "sector", "radical, kP inf", "radical", "balanced", "curved"}
     assert {row["law"] for row in REPORT["smooth"]} == laws - {"disk"}
     assert {row["law"] for row in REPORT["packing"]} == laws
     assert {row["law"] for row in REPORT["stiffness_packing"]} == {*laws, "balanced, kP inf"}
@@ -83,7 +83,7 @@ def test_balanced_is_right_along_compressions():
     """On its own: 1 % in energy to 3 % strain, 2 % to 4.5 %; every exception has its reason.
 
     Against rings of 160 vertices there are four from 1 % strain on, by at most 0.45 %. There the
-    law with tilted contacts agrees with the rings to 0.3 %: the lines of `balanced` are to blame.
+    law with curved contacts agrees with them to 0.3 %: the lines of `balanced` are to blame.
     """
     balanced = rows("smooth", law="balanced", own=True)
     for count in (80, 160):
@@ -99,8 +99,8 @@ def test_balanced_is_right_along_compressions():
     assert all(abs(row["energy_ratio"] - 1.0) < row["bar"] + 0.0045 for row in fine)
     for row in fine:
         same = {key: row[key] for key in ("seed", "strain", "n_v", "own")}
-        (tilted,) = rows("smooth", law="tilted", **same)
-        assert abs(tilted["energy_ratio"] - 1.0) < 0.003
+        (curved,) = rows("smooth", law="curved", **same)
+        assert abs(curved["energy_ratio"] - 1.0) < 0.003
     for row in balanced:
         if row["n_v"] == 160 and row["strain"] > 0.0075:
             assert row["residual"] <= 1e-6
@@ -108,24 +108,20 @@ def test_balanced_is_right_along_compressions():
             assert row["S_rms"] < 0.02
 
 
-def test_tilted_is_right_along_compressions():
-    """Energy to 0.3 % to 3 % strain and 0.6 % to 5 %, pressure to 0.5 and 1 %; S_rms is halved.
+def test_curved_is_right_along_compressions():
+    """Energy to 0.05 % of polygons of very many vertices from 2 to 5 % strain, areas to 0.3 %.
 
-    That is so in the mean over the packings.
-    At 0.5 % strain contacts are shorter than the spacing of the vertices.
+    At 1 % the polygons are not known better than 0.5 %: contacts of those of 160 vertices are
+    hardly longer than their spacing.
     """
-    last = []
-    for row in rows("smooth", law="tilted", own=True, n_v=160):
-        if row["strain"] < 0.0075:
-            continue
-        far = row["strain"] > 0.031
-        assert abs(row["energy_ratio"] - 1.0) < (0.006 if far else 0.003)
-        assert abs(row["pressure_ratio"] - 1.0) < (0.01 if far else 0.005)
-        same = {key: row[key] for key in ("seed", "strain", "n_v", "own")}
-        (balanced,) = rows("smooth", law="balanced", **same)
-        if row["strain"] > 0.049:
-            last.append(row["S_rms"] / balanced["S_rms"])
-    assert sum(last) / len(last) < 0.5
+    found = energy_errors(REPORT["smooth"], "curved")
+    assert {0.01, 0.02, 0.03, 0.04, 0.05} <= set(found)
+    for strain, errors in found.items():
+        if strain > 0.0095:
+            assert max(errors) < (5e-3 if strain < 0.0195 else 5e-4)
+    for row in rows("smooth", law="curved", own=True, n_v=320):
+        if row["strain"] > 0.0095:
+            assert row["S_rms"] < 3e-3
 
 
 def test_balanced_is_far_better_than_the_other_laws():

@@ -99,6 +99,7 @@ constexpr double UNKNOWN_FORCE = -1e300;
 // The next force f(0) from the last ones, f(-1) to f(-4): f(-1) + slope D + bend D2 + twist D3, with the differences D =
 // f(-1) - f(-2), D2 of D and D3 of D2. Where a force has a kink, D3 is about as large as D2, not much smaller: then a
 // straight line is best. Smaller D3 than `smooth`, in `unit`, do not matter.
+constexpr double KINK = 0.5;    // D3 over D2, at least
 struct Extrapolation {
   double slope, bend, twist, smooth;
 };

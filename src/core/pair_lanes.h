@@ -148,7 +148,6 @@ static int find_unbalanced(PairArrays p, double limit, int begin, int end, int *
 
 static void extrapolate(PairArrays p, Extrapolation by, int begin, int end)
 {
-  constexpr double KINK = 0.5;    // D3 over D2, at least
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
     const T last = load<T>(p.earlier[0] + k), second = load<T>(p.earlier[1] + k), zero = T{};

@@ -13,7 +13,7 @@ STIFFNESS = {
     "bubble": (1.0, 0.1, 0.0, 0.2),
     "droplet": (INF, 0.0, 0.0, 1.0),
 }
-VARIABLES = {"radical": 2, "balanced": 3, "tilted": 4}
+VARIABLES = {"radical": 2, "balanced": 3}
 WALLS = {"neighbors": None, "flat": 0.0, "corner": 1.0, "inside": -0.4}
 
 
@@ -21,7 +21,7 @@ def scene(law, stiffness, wall, seed):
     """One particle among five sides, all of them indented by 2 to 6 %, one of them a wall."""
     rng = np.random.default_rng(seed)
     angle = np.arange(5) * 2 * np.pi / 5 + rng.uniform(-0.2, 0.2, 5)
-    sides = np.zeros((5, 6))
+    sides = np.zeros((5, 5))
     sides[:, 3] = rng.uniform(0.6, 1.6, 5)
     if wall is not None:
         sides[2, 3] = 0.0
@@ -32,7 +32,6 @@ def scene(law, stiffness, wall, seed):
         sides[2, 2] = wall / distance[2]
     if law != "radical":
         sides[:, 4] = rng.uniform(-0.01, 0.01, 5)
-        sides[:, 5] = angle + rng.uniform(-0.1, 0.1, 5)
     kA, kP, skin, tension = STIFFNESS[stiffness]
     return np.array([[5, 1.0, kA, kP, skin, tension]]), sides
 
@@ -113,6 +112,31 @@ def test_contacts_that_bear_nothing_have_no_part():
     assert blocks.energy == pytest.approx(without.energy, rel=1e-13)
 
 
+@pytest.mark.parametrize("stiffness", STIFFNESS)
+def test_curved_lines_that_are_straight(stiffness):
+    """Energy, and derivatives by shifts, as those of balanced lines at the same places."""
+    particles, sides = scene("balanced", stiffness, None, seed=7)
+    balanced = core.ring_blocks("balanced", particles, sides)
+    angle = np.arctan2(sides[:, 1], sides[:, 0])
+    given = np.column_stack([sides[:, :4], balanced.force, angle, np.zeros(5)])
+    curved = core.curved_blocks(particles, given)
+    assert curved.energy == pytest.approx(balanced.energy, rel=1e-11)
+    assert (curved.force == balanced.force).all()
+    assert curved.gradient[2::5] == pytest.approx(balanced.gradient[2::3], rel=1e-12)
+    found, expected = dense(curved), dense(balanced)[2::3, 2::3]
+    assert found == pytest.approx(found.T, abs=1e-14 * np.abs(found).max())
+    assert found[2::5, 2::5] == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
+
+
+def test_curved_lines_that_bear_nothing_have_no_part():
+    particles, sides = scene("balanced", "finite", None, seed=7)
+    given = np.column_stack([sides[:, :4], np.zeros((5, 3))])
+    blocks = core.curved_blocks(particles, given)
+    assert blocks.energy == 0.0
+    assert not dense(blocks).any()
+    assert not blocks.gradient.any()
+
+
 @pytest.mark.parametrize("turn", [None, 0.0, 1.3])
 def test_disks(turn):
     """A neighbor, a flat and a round wall: U = o^2/2."""
@@ -141,9 +165,9 @@ def test_disks(turn):
         ({"particles": [[-1, 1, 1, 1, 0, 0]]}, "particle 0"),
         ({"particles": [[np.nan, 1, 1, 1, 0, 0]]}, "particle 0"),
         ({"particles": [[5, 1, -1, 1, 0, 0]]}, "kA"),
-        ({"sides": np.zeros((5, 4))}, "6 numbers"),
-        ({"sides": np.full((5, 6), np.nan)}, "side 0"),
-        ({"sides": np.full((5, 6), [0.1, 0, 10, 1.5, 0, 0])}, "side 0"),
+        ({"sides": np.zeros((5, 4))}, "5 numbers"),
+        ({"sides": np.full((5, 5), np.nan)}, "side 0"),
+        ({"sides": np.full((5, 5), [0.1, 0, 10, 1.5, 0])}, "side 0"),
     ],
 )
 def test_errors(change, message):

@@ -153,7 +153,8 @@ void BalancedForces::forget()
 {
   NearPairs &p = near.pairs;
   const auto fill = [](auto value, auto &...v) { (std::fill(v.begin(), v.end(), value), ...); };
-  fill(UNKNOWN_FORCE, p.past, p.past_tilt[0], p.past_tilt[1], p.past_tilt[2]);
+  fill(UNKNOWN_FORCE, p.past);
+  for (LargeVector<double> &past : p.past_tilt) fill(UNKNOWN_FORCE, past);
   fill(0.0F, p.earlier[0], p.earlier[1], p.earlier[2]);
 }
 

@@ -17,20 +17,24 @@ void CurvedLines::arrange(ForceBatches &b, NearPairs &p, RemoteSides &r)
   remote = &r;
 }
 
-// From three past values: without the twist. A pair without a past has no tilt either.
-void CurvedLines::predict(const deformable::Extrapolation &by)
+// As the forces of pairs: by a straight line where the third difference shows a kink. A pair without a past has no tilt
+// either.
+void CurvedLines::predict(const deformable::Extrapolation &by, double smooth)
 {
   NearPairs &p = *pairs;
   for (LargeVector<double> *const past : {p.past_tilt, p.past_bend}) {
-    const double *const now = past[0].data(), *const last = past[1].data();
-    double *const before = past[2].data();
+    const double *const now = past[0].data(), *const last = past[1].data(),
+                        *const before = past[2].data();
+    double *const first = past[3].data();
     for (int k = 0; k < p.size; ++k) {
-      const double change = now[k] - last[k], bend = change - (last[k] - before[k]);
+      const double D = now[k] - last[k], D2 = D - (last[k] - before[k]);
+      const double D3 = D2 - (last[k] - 2.0 * before[k] + first[k]);
+      const bool is_kink = std::fabs(D3) > std::max(deformable::KINK * std::fabs(D2), smooth);
+      const double curve = is_kink ? 0.0 : by.bend * D2 + by.twist * D3;
       const bool is_known = p.past_tilt[0][k] != UNKNOWN_FORCE;
-      before[k] = is_known ? now[k] + by.slope * change + by.bend * bend : now[k];
+      first[k] = is_known ? now[k] + by.slope * D + curve : now[k];
     }
-    std::swap(past[1], past[2]);
-    std::swap(past[0], past[1]);
+    for (int n = PastForces::LINES - 1; n > 0; --n) std::swap(past[n - 1], past[n]);
   }
 }
 
@@ -108,15 +112,11 @@ void CurvedLines::remember()
   NearPairs &p = *pairs;
   for (int k = 0; k < p.wall; ++k) {
     const bool is_new = p.past_tilt[0][k] == UNKNOWN_FORCE;
-    const bool is_young = is_new || p.past_tilt[1][k] == UNKNOWN_FORCE;
-    const bool is_short = is_new || p.past_tilt[2][k] == UNKNOWN_FORCE;
-    const auto keep = [&](LargeVector<double> *past, double value) {
-      past[0][k] = value;
-      if (is_young) past[1][k] = value;
-      if (is_short) past[2][k] = value;
-    };
-    keep(p.past_tilt, next_sine[k]);
-    keep(p.past_bend, next_bend[k]);
+    for (int n = PastForces::LINES - 1; n >= 0; --n) {
+      if (n > 0 && !is_new && p.past_tilt[n][k] != UNKNOWN_FORCE) continue;
+      p.past_tilt[n][k] = next_sine[k];
+      p.past_bend[n][k] = next_bend[k];
+    }
   }
   const auto count = [&p](int begin, int end) {
     int found = 0;

@@ -30,8 +30,8 @@ class CurvedLines {
 
   void arrange(ForceBatches &, NearPairs &, RemoteSides &);    // contacts are new
 
-  // Extrapolates tilts and bends of the last calls, which the pairs have.
-  void predict(const deformable::Extrapolation &);
+  // Extrapolates tilts and bends of the last calls, which the pairs have. smooth: third differences that are no kink.
+  void predict(const deformable::Extrapolation &, double smooth);
 
   // Of pairs that are straight yet: their lines take the first of the past tilts and bends.
   void begin();

@@ -17,7 +17,7 @@ void NearPairs::clear(const KnownPairs &old)
   const auto make_room = [most](auto &...v) { (v.reserve(most), ...); };
   make_room(i, j, past, earlier[0], earlier[1], earlier[2]);
   if (curved)
-    for (int n = 0; n < 3; ++n) make_room(past_tilt[n], past_bend[n]);
+    for (int n = 0; n < PastForces::LINES; ++n) make_room(past_tilt[n], past_bend[n]);
 }
 
 void NearPairs::set_units(double scale_, double length_)

@@ -15,13 +15,14 @@
 namespace LAMMPS_NS {
 
 // The force of a pair at the last call; negative: see ForceSolver. Its differences from call to call, further and further
-// back, see PairArrays. The sines of the tilts of its contact line and its bends at the last three calls, see CurvedLines.
+// back, see PairArrays. The sines of the tilts of its contact line and its bends at the last four calls, see CurvedLines.
 struct PastForces {
   double force = deformable::UNKNOWN_FORCE;
   double earlier[3] = {0.0, 0.0, 0.0};
-  double tilt[3] = {deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE,
-                    deformable::UNKNOWN_FORCE};
-  double bend[3] = {0.0, 0.0, 0.0};    // from the first particle
+  static constexpr int LINES = 4;
+  double tilt[LINES] = {deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE,
+                        deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE};
+  double bend[LINES] = {0.0, 0.0, 0.0, 0.0};    // from the first particle
 
   PastForces from_second() const
   {
@@ -39,7 +40,7 @@ struct KnownPairs {
   LargeVector<int> i,
       j;    // local indices, as in the neighbor list; of a wall: its code, -1 - (w + n feature)
   bool curved = false;    // contact lines tilt and bend: without, those arrays are empty
-  LargeVector<double> past, past_tilt[3], past_bend[3];
+  LargeVector<double> past, past_tilt[PastForces::LINES], past_bend[PastForces::LINES];
   LargeVector<float> earlier[3];       // in `unit`; see PastForces
   double scale = 1.0, length = 1.0;    // powers of two, of 1/(k R^2) and R: see PairArrays
   double unit() const { return length / scale; }
@@ -48,9 +49,8 @@ struct KnownPairs {
   {
     PastForces found;
     found.force = past[k];
-    for (int n = 0; n < 3; ++n) {
-      found.earlier[n] = earlier[n][k] * unit();
-      if (!curved) continue;
+    for (int n = 0; n < 3; ++n) found.earlier[n] = earlier[n][k] * unit();
+    for (int n = 0; n < PastForces::LINES && curved; ++n) {
       found.tilt[n] = past_tilt[n][k];
       found.bend[n] = past_bend[n][k];
     }
@@ -81,7 +81,7 @@ struct NearPairs : KnownPairs {
     j.push_back(j_);
     past.push_back(past_.force);
     for (int n = 0; n < 3; ++n) earlier[n].push_back(static_cast<float>(past_.earlier[n] / unit()));
-    for (int n = 0; n < 3 && curved; ++n) {
+    for (int n = 0; n < PastForces::LINES && curved; ++n) {
       past_tilt[n].push_back(past_.tilt[n]);
       past_bend[n].push_back(past_.bend[n]);
     }
@@ -115,9 +115,11 @@ struct NearPairs : KnownPairs {
 
   double bytes() const
   {
-    return bytes_of(i, j, owned, stiffening, past, earlier[0], earlier[1], earlier[2], past_tilt[0],
-                    past_tilt[1], past_tilt[2], past_bend[0], past_bend[1], past_bend[2], force,
-                    overlap, per_distance, angle, nx, ny, tilt, bend, side[0], side[1]);
+    double of_lines = 0.0;
+    for (int n = 0; n < PastForces::LINES; ++n) of_lines += bytes_of(past_tilt[n], past_bend[n]);
+    return of_lines + bytes_of(i, j, owned, stiffening, past, earlier[0], earlier[1], earlier[2],
+                               force, overlap, per_distance, angle, nx, ny, tilt, bend, side[0],
+                               side[1]);
   }
 };
 

@@ -50,7 +50,17 @@ void RemoteSides::set_rows(int values)
 
 void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
 {
-  enum { PARTNER, X, Y, PAST, EARLIER, TILT = EARLIER + 3, BEND = TILT + 3, ALL = BEND + 3 };
+  constexpr int LINES = PastForces::LINES;
+  enum {
+    PARTNER,
+    X,
+    Y,
+    PAST,
+    EARLIER,
+    TILT = EARLIER + 3,
+    BEND = TILT + LINES,
+    ALL = BEND + LINES
+  };
   const int values = curved ? ALL : TILT;
   constexpr double ROUNDING = 1e-12;
   const auto square = [](double x) { return x * x; };
@@ -75,7 +85,7 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
     at(i, slot, Y) = pair.y;
     at(i, slot, PAST) = pair.past.force;
     for (int n = 0; n < 3; ++n) at(i, slot, EARLIER + n) = pair.past.earlier[n];
-    for (int n = 0; n < 3 && curved; ++n) {
+    for (int n = 0; n < LINES && curved; ++n) {
       at(i, slot, TILT + n) = pair.past.tilt[n];
       at(i, slot, BEND + n) = pair.past.bend[n];
     }
@@ -99,7 +109,7 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
     if (pair.past.force == deformable::UNKNOWN_FORCE) {
       pair.past.force = at(j, found, PAST);
       for (int n = 0; n < 3; ++n) pair.past.earlier[n] = at(j, found, EARLIER + n);
-      for (int n = 0; n < 3 && curved; ++n) {
+      for (int n = 0; n < LINES && curved; ++n) {
         pair.past.tilt[n] = at(j, found, TILT + n);
         pair.past.bend[n] = -at(j, found, BEND + n);    // as this rank sees it
       }

@@ -10,7 +10,7 @@ from deformable.studies.accuracy import errors, pareto
 from deformable.studies.packings import rows as packings
 from deformable.studies.stability import rows as stability
 
-LAWS = ["sector", "radical, kP inf", "radical", "balanced", "tilted"]
+LAWS = ["sector", "radical, kP inf", "radical", "balanced", "curved"]
 
 
 def test_rows_of_a_packing():
@@ -73,7 +73,7 @@ def test_laws_have_the_stiffness_of_each_species():
     assert matching_laws["radical, kP inf"] == Ring(kA, contact="radical")
     assert matching_laws["radical"] == Ring(kA, kP=[0.2, 50.0], skin=skin, contact="radical")
     assert matching_laws["balanced"] == Ring(kA, kP=[0.2, 50.0], skin=skin, contact="balanced")
-    assert matching_laws["tilted"] == replace(matching_laws["balanced"], contact="tilted")
+    assert matching_laws["curved"] == replace(matching_laws["balanced"], contact="curved")
     assert matching_laws["balanced, kP inf"] == Ring(
         kA, kP=[0.2, math.inf], skin=skin, contact="balanced"
     )
@@ -200,17 +200,22 @@ def test_soft_and_stiff_rings_come_to_rest():
     assert rows[0]["residual_polygons"] <= 1e-6
 
 
-def test_the_error_of_the_reference_follows_from_two_numbers_of_vertices():
-    """Polygons whose energy is 1 - 5/N_v^2, and bead polygons that do not count."""
-    energy = {count: 1.0 - 5.0 / count**2 for count in (30, 60, 90)}
+def test_limit_of_many_vertices() -> None:
+    """Energies that differ by a part c/N_v^2."""
+    coarse, fine = (7.0 * (1.0 - 5.0 / count**2) for count in (30, 90))
+    assert errors.of_many_vertices(coarse, fine, 3.0) == pytest.approx(7.0, rel=1e-14)
+
+
+def test_errors_are_those_against_the_limit() -> None:
+    """The law is right to 2e-4, polygons of 80 and 160 vertices are too soft."""
     rows = [
         {
-            "method": "smooth",
-            "vertices": count,
-            "reference": 90,
-            "energy_error": abs(energy[count] - energy[90]),
+            **{"law": "curved", "own": True, "seed": 1, "strain": 0.01, "n_v": count},
+            **{"residual": 0.0, "energy_ratio": 1.0002 / (1.0 - 20.0 / count**2)},
         }
-        for count in (30, 60)
+        for count in (80, 160)
     ]
-    rows.append({"method": "bead", "vertices": 80, "reference": 90, "energy_error": 1.0})
-    assert errors.reference_error(rows) == pytest.approx(5.0 / 90**2, rel=1e-9)
+    assert errors.energy_errors(rows, "curved") == {0.01: [pytest.approx(2e-4, rel=1e-9)]}
+    rows[0]["residual"] = 1e-3  # has not converged
+    (alone,) = errors.energy_errors(rows, "curved")[0.01]
+    assert alone == pytest.approx(rows[1]["energy_ratio"] - 1.0, rel=1e-9)
