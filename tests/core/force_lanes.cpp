@@ -32,9 +32,10 @@ enum class Tensions { NONE, SOME, DROPLETS };
 
 struct Batch {
   int n;
-  std::vector<double> force, angle, nx, ny;    // of pairs: the last one is empty
+  std::vector<double> force, angle, nx, ny, bend;    // of pairs: the last one is empty
   std::vector<int> seat;
-  std::vector<double> radius, kA, kP, tension, ring[5], indentation, slope, rate;
+  std::vector<double> radius, kA, kP, tension, ring[5], indentation, slope, rate, per_pressure,
+      free_radius;
   std::vector<int> partner;
   std::vector<float> response[3], compliance, share, green;
   std::vector<float> weight, left, direction, step, product, last_product;    // of corrections
@@ -55,9 +56,10 @@ struct Batch {
       angle.push_back(theta);
       nx.push_back(std::cos(theta));
       ny.push_back(std::sin(theta));
+      bend.push_back(LARGEST_BEND * (2.0 * uniform(random) - 1.0));
       seat.push_back(2 * k + (uniform(random) < 0.5));
     }
-    for (std::vector<double> *v : {&force, &angle, &nx, &ny}) v->push_back(0.0);
+    for (std::vector<double> *v : {&force, &angle, &nx, &ny, &bend}) v->push_back(0.0);
     for (int m = n / 2; m < n; ++m)
       seat[m * LANES] = 2 * pairs;    // fewer contacts in the first lane
     for (int w = 0; w < LANES; ++w) {
@@ -75,7 +77,8 @@ struct Batch {
     }
     for (std::vector<double> &v : ring) v.assign(LANES, 0.0);
     for (std::vector<float> &v : response) v.assign(LANES, 0.0F);
-    for (std::vector<double> *v : {&indentation, &slope, &rate}) v->assign(pairs, 0.0);
+    for (std::vector<double> *v : {&indentation, &slope, &rate, &per_pressure, &free_radius})
+      v->assign(pairs, 0.0);
     for (std::vector<float> *v : {&compliance, &share, &step, &product}) v->assign(pairs, 0.0F);
     for (int c = 0; c < pairs; ++c) {
       const bool is_empty = seat[c] == 2 * pairs;
@@ -114,10 +117,11 @@ struct Batch {
 };
 
 template <int SIZE, bool SOFT>
-void check(int n, std::mt19937 &random, Tensions tensions = Tensions::NONE)
+void check(int n, std::mt19937 &random, Tensions tensions, bool curved)
 {
   Batch b(n, SOFT, tensions, random);
-  const PairDirections pairs = {b.force.data(), b.angle.data(), b.nx.data(), b.ny.data()};
+  const PairDirections pairs = {b.force.data(), b.angle.data(), b.nx.data(), b.ny.data(),
+                                curved ? b.bend.data() : nullptr};
   // a second time with pressures to start from
   for (const double factor : {1.0, 1.03}) {
     for (double &f : b.force) f *= factor;
@@ -151,7 +155,8 @@ void check(int n, std::mt19937 &random, Tensions tensions = Tensions::NONE)
   }
   require_equal(curvature.total(), curvatures, size, "curvature", n);
   for (int w = 0; w < LANES; w += W)
-    slope_lanes<SIZE>(pairs, n, b.contacts(w), b.rings(w), &b.rate[w]);
+    slope_lanes<SIZE>(pairs, n, b.contacts(w), b.rings(w),
+                      {&b.rate[w], &b.per_pressure[w], &b.free_radius[w]});
   for (const bool slopes : {false, true}) {
     for (int w = 0; w < LANES; ++w) {
       std::vector<double> f(n), x(n), t(n), gf(n, 0.0), gx(n, 0.0), slope(n, 0.0);
@@ -178,6 +183,22 @@ void check(int n, std::mt19937 &random, Tensions tensions = Tensions::NONE)
         }
         load.work += 0.5 * f[m] * gf[m];
       }
+      if (curved) {
+        double excess = 0.0, cap = 0.0;
+        std::vector<double> u(n);
+        for (int m = 0; m < n; ++m) {
+          const int seat = b.seat[m * LANES + w];
+          u[m] = (seat & 1 ? -1.0 : 1.0) * b.bend[seat >> 1];
+          const double beta = 2.0 * std::atan(u[m]), sine = std::sin(beta);
+          if (beta == 0.0) continue;
+          excess += f[m] * (beta / sine - 1.0);
+          cap += f[m] * f[m] * (beta - sine * std::cos(beta)) / (4.0 * sine * sine);
+        }
+        const double plain = load.total;
+        load.total += excess;
+        load.work += (load.total * load.total - plain * plain) / (4.0 * PI) - cap;
+        for (int m = 0; m < n; ++m) gf[m] += excess / (2.0 * PI) - 0.5 * u[m] * f[m];
+      }
       const Stiffness stiffness = {b.kA[w], b.kP[w], b.tension[w]};
       LoadedRing ring;
       if (!find_pressure(b.radius[w], stiffness, load, ring)) std::exit(3);
@@ -197,6 +218,9 @@ void check(int n, std::mt19937 &random, Tensions tensions = Tensions::NONE)
           require_equal(b.rate[place],
                         slope_rate(load.total * c.per_pressure, 0.0, a, f[m] * c.per_pressure),
                         n * largest, "rate of the slope", n);
+          require_equal(b.per_pressure[place], c.per_pressure, c.per_pressure, "1/p", n);
+          const double q = b.radius[w] + ring.expansion - load.total * c.per_pressure / (2.0 * PI);
+          require_equal(b.free_radius[place], q, b.radius[w] + n * largest, "free radius", n);
           continue;
         }
         require_equal(b.indentation[place], a - ring.expansion, largest, "indentation", n);
@@ -217,14 +241,13 @@ void check(int n, std::mt19937 &random, Tensions tensions = Tensions::NONE)
 template <bool SOFT> void check_sizes(std::mt19937 &random)
 {
   for (int repeat = 0; repeat < 20; ++repeat) {
-    for (const int n : {1, 2, 3, 9, 30}) check<0, SOFT>(n, random);
-    check<3, SOFT>(3, random);
-    check<5, SOFT>(5, random);
-    check<8, SOFT>(8, random);
-    if constexpr (SOFT)
-      for (const Tensions tensions : {Tensions::SOME, Tensions::DROPLETS}) {
-        for (const int n : {1, 2, 3, 9, 30}) check<0, SOFT>(n, random, tensions);
-        check<5, SOFT>(5, random, tensions);
+    for (const Tensions tensions : {Tensions::NONE, Tensions::SOME, Tensions::DROPLETS})
+      for (const bool curved : {false, true}) {
+        if (!SOFT && tensions != Tensions::NONE) continue;
+        for (const int n : {1, 2, 3, 9, 30}) check<0, SOFT>(n, random, tensions, curved);
+        check<3, SOFT>(3, random, tensions, curved);
+        check<5, SOFT>(5, random, tensions, curved);
+        check<8, SOFT>(8, random, tensions, curved);
       }
   }
 }

@@ -56,6 +56,15 @@ void CurvedLines::begin()
   take();
 }
 
+void CurvedLines::straighten()
+{
+  for (std::vector<double> *const v : {&next_sine, &next_bend})
+    std::fill(v->begin(), v->end(), 0.0);
+  part = 1.0;
+  last_imbalance = 0.0;
+  take();
+}
+
 deformable::OutlineArrays CurvedLines::outline()
 {
   return {slope_rate.data(), per_pressure.data(), free_radius.data()};

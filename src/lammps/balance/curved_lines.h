@@ -36,6 +36,9 @@ class CurvedLines {
   // Of pairs that are straight yet: their lines take the first of the past tilts and bends.
   void begin();
 
+  // All lines are straight, and perpendicular to lines of centers.
+  void straighten();
+
   // The largest imbalance of a line for the present forces, on all ranks. Also finds the next tilts and bends.
   double imbalance();
 
