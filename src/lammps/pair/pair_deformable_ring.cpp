@@ -165,7 +165,6 @@ void PairDeformableRing::compute(int eflag, int vflag)
 
 template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate_radical()
 {
-  if (neighbor->ago == 0) active_slots.assign(atom->nlocal, 0);
   for_each_block<WALLS>(
       kernels->ring, [](BlockParticle &) {}, ring_group,
       [this](BlockParticle &p, const Contacts &contacts) {
@@ -223,7 +222,7 @@ void PairDeformableRing::no_shape(int i, int contacts)
 
 double PairDeformableRing::depth_of_reach(int i) const
 {
-  const double r = radius_of(i), cutoff = (1.0 + reach) * (r + smallest);
+  const double r = radii[i], cutoff = (1.0 + reach) * (r + smallest);
   return std::min(reach * r, -contact_line(cutoff, 1.0 / cutoff, r, smallest).indentation_i);
 }
 
@@ -256,8 +255,7 @@ void PairDeformableRing::refuse_bulge(int i, const Contacts &contacts, int partn
           : fmt::format(
                 "a wall of fix {} cuts it {:.4g} from its center, whose radius is {:.4g}: move "
                 "one of them",
-                wall_id(partner), radius_of(i) - contacts[deepest(contacts)].indentation,
-                radius_of(i));
+                wall_id(partner), radii[i] - contacts[deepest(contacts)].indentation, radii[i]);
   const double enough = 1.2 * ratio * reach;
   const std::string larger =
       enough <= LARGEST_REACH ? fmt::format(" or use a reach of {:.2g} or more", enough) : "";

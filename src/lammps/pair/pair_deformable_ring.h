@@ -44,7 +44,6 @@ class PairDeformableRing : public PairDeformable {
   template <bool WALLS, bool SOFT> void evaluate_radical();
   template <bool SOFT> deformable::Energy shape_ring(int i, const deformable::Contacts &);
 
-  std::vector<double> radii;                    // of all particles, ghosts included
   std::vector<deformable::Contact> contacts;    // of one particle
   std::vector<int> seats;
   void evaluate_balanced(bool new_material);

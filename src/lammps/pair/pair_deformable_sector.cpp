@@ -168,7 +168,7 @@ Energy PairDeformableSector::deform(BlockParticle &p, const Contacts &contacts)
 template <bool WALLS> void PairDeformableSector::repel(const SingleContact &single)
 {
   const int i = single.atom, j = single.partner;
-  const double ri = radius_of(i), distance = single.distance;
+  const double ri = radii[i], distance = single.distance;
   const double nx = single.contact.nx, ny = single.contact.ny;
   const auto stiffness = [this](int atom_index) {
     const Stiffness &s = species[atom->type[atom_index]].stiffness;
@@ -185,7 +185,7 @@ template <bool WALLS> void PairDeformableSector::repel(const SingleContact &sing
     return;
   }
 
-  const double sum = ri + radius_of(j);
+  const double sum = ri + radii[j];
   const double share = ncontacts[j] == 1.0 ? 0.5 : 1.0;
   const Energy energy = harmonic(0.5 * share * (stiffness(i) + stiffness(j)), 1.0 - distance / sum);
   const double force_per_distance = energy.derivative / (sum * distance);
