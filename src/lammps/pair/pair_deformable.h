@@ -94,7 +94,7 @@ class PairDeformable : public Pair {
   void begin_call(int eflag, int vflag);
   // Shapes and forces of all particles in blocks. prepare(particle) may take out its contacts, group_of(particle)
   // chooses a kernel or 0 for law(particle, contacts), and finish(particle) follows its forces.
-  template <bool WALLS, class Prepare, class GroupOf, class Law, class Finish>
+  template <class Prepare, class GroupOf, class Law, class Finish>
   void for_each_block(const deformable::BatchKernel *chosen, Prepare &&prepare, GroupOf &&group_of,
                       Law &&law, Finish &&finish);
   void check_lines(const deformable::BlockParticle &);    // all in front of the center?
@@ -148,8 +148,7 @@ class PairDeformable : public Pair {
 
   static constexpr int BLOCK = 256;
   template <bool WALLS> void gather_block(int begin, int end);
-  template <bool WALLS> void push_block();
-  void visit_walls(int i);
+  void push_block();
   void take_neighbors();
   void remember_active(const deformable::BlockParticle &);
   void push_mirror(const deformable::BlockParticle &, const deformable::Place &);
@@ -172,7 +171,7 @@ class PairDeformable : public Pair {
   void allocate();
 };
 
-template <bool WALLS, class Prepare, class GroupOf, class Law, class Finish>
+template <class Prepare, class GroupOf, class Law, class Finish>
 void PairDeformable::for_each_block(const deformable::BatchKernel *chosen, Prepare &&prepare,
                                     GroupOf &&group_of, Law &&law, Finish &&finish)
 {
@@ -181,14 +180,14 @@ void PairDeformable::for_each_block(const deformable::BatchKernel *chosen, Prepa
   if (neighbor->ago == 0) take_neighbors();
   for (int begin = 0; begin < list->inum; begin += BLOCK) {
     const int end = std::min(begin + BLOCK, list->inum);
-    gather_block<WALLS>(begin, end);
+    walls.empty() ? gather_block<false>(begin, end) : gather_block<true>(begin, end);
     for (deformable::BlockParticle &p : block.particles) prepare(p);
     shape_block(block, chosen, shapes, shape, group_of,
                 [&](deformable::BlockParticle &p, const deformable::Contacts &contacts) {
                   check_lines(p);
                   return law(p, contacts);
                 });
-    push_block<WALLS>();
+    push_block();
     for (const deformable::BlockParticle &p : block.particles) {
       if (p.moved && bulges()) remember_active(p);
       if (observing) observe(p);

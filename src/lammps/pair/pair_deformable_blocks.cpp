@@ -46,7 +46,10 @@ template <bool WALLS> void PairDeformable::gather_block(int begin, int end)
     const Row row = rows[i];
     const int *const neighbors = partners.data() + row.first;
     const auto first_wall = wall_contacts.size();
-    if constexpr (WALLS) visit_walls(i);
+    if constexpr (WALLS)
+      visit_walls(walls, i, ri, reach, [this](int code, const NearestPoint &point) {
+        wall_contacts.push_back({code, point.nx, point.ny, point.height, point.per_lever});
+      });
     const int room = row.size + static_cast<int>(wall_contacts.size() - first_wall);
     const Species &s = species[atom->type[i]];
     BlockParticle &p = block.particles[ii - begin];
@@ -71,16 +74,15 @@ template <bool WALLS> void PairDeformable::gather_block(int begin, int end)
       as_before &= touches == (c < row.active);
     }
     p.active = row.active;
-    if constexpr (WALLS) {
-      Place *place = places + row.size;
-      for (auto w = wall_contacts.size(); w-- > first_wall; ++place) {    // in the order of arrange
-        const WallContact &wall = wall_contacts[w];
-        const double d = 2.0 * wall.height;    // the mirror image
-        *place = {d * wall.nx, d * wall.ny, ri, 0.0, 0.0, 0.0, 0.0, -1 - static_cast<int>(w)};
-        if (wall.height > ri) continue;
-        std::swap(*place, places[p.active++]);
-        ++inside;
-      }
+    Place *place = places + row.size;
+    for (auto w = wall_contacts.size(); WALLS && w-- > first_wall;
+         ++place) {    // in the order of arrange
+      const WallContact &wall = wall_contacts[w];
+      const double d = 2.0 * wall.height;    // the mirror image
+      *place = {d * wall.nx, d * wall.ny, ri, 0.0, 0.0, 0.0, 0.0, -1 - static_cast<int>(w)};
+      if (wall.height > ri) continue;
+      std::swap(*place, places[p.active++]);
+      ++inside;
     }
     if (inside == 0) p.active = 0;
     p.others = p.first + p.active;
@@ -97,18 +99,6 @@ template <bool WALLS> void PairDeformable::gather_block(int begin, int end)
 
 template void PairDeformable::gather_block<false>(int, int);
 template void PairDeformable::gather_block<true>(int, int);
-
-/* ---------------------------------------------------------------------- */
-
-void PairDeformable::visit_walls(int i)
-{
-  const int count = static_cast<int>(walls.size());
-  for (int w = 0; w < count; ++w)
-    walls[w]->visit(i, radii[i], reach, [&](const NearestPoint &point) {
-      wall_contacts.push_back(
-          {-1 - (w + count * point.feature), point.nx, point.ny, point.height, point.per_lever});
-    });
-}
 
 /* ---------------------------------------------------------------------- */
 
@@ -130,14 +120,14 @@ void PairDeformable::remember_active(const BlockParticle &p)
    the particles: the sums do not depend on how batches were made.
 ------------------------------------------------------------------------- */
 
-template <bool WALLS> void PairDeformable::push_block()
+void PairDeformable::push_block()
 {
   double *const f = atom->nmax > 0 ? atom->f[0] : nullptr;
   for (const BlockParticle &p : block.particles) {
     const Place *const end = block.places.data() + p.first + p.active;
     double fx = 0.0, fy = 0.0;
     for (const Place *place = end - p.active; place != end; ++place) {
-      if (WALLS && place->partner < 0) {
+      if (place->partner < 0) {
         push_mirror(p, *place);
         continue;
       }
@@ -156,9 +146,6 @@ template <bool WALLS> void PairDeformable::push_block()
     }
   }
 }
-
-template void PairDeformable::push_block<false>();
-template void PairDeformable::push_block<true>();
 
 /* ----------------------------------------------------------------------
    The mirror image comes nearer by twice the way of the wall. The wall exerts
