@@ -82,11 +82,11 @@ BatchResult batch(const std::string &law, const std::string &level,
     block.place(p, static_cast<int>(i), radius[i], skin[i], {kA[i], kP[i], tension[i]},
                 contacts[i]);
     int front = p.first;
-    for (int slot = 0; slot < contacts[i]; ++slot, ++c) {
+    for (const std::size_t end = c + contacts[i]; c < end; ++c) {
       const bool touches =
           dx[c] * dx[c] + dy[c] * dy[c] <= (radius[i] + rj[c]) * (radius[i] + rj[c]);
-      block.places[touches ? front++ : --p.others] = {
-          dx[c], dy[c], rj[c], 0.0, 0.0, 0.0, 0.0, slot, static_cast<int>(c)};
+      block.places[touches ? front++ : --p.others] = {dx[c], dy[c], rj[c], 0.0,
+                                                      0.0,   0.0,   0.0,   static_cast<int>(c)};
     }
     p.active = front - p.first;
   }

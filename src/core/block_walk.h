@@ -139,14 +139,16 @@ void shape_one(ContactBlock &block, BlockParticle &p, const Shape &shape, Law &&
   });
 }
 
-// Puts those contacts in front for which is_active(place) holds, in the order of their slots.
+// Puts those contacts in front for which is_active(place) holds, in the order of their partners, negative ones last: sums
+// do not depend on how contacts got there.
 template <class IsActive>
 void arrange(ContactBlock &block, BlockParticle &p, IsActive &&is_active)
 {
   block.arranged.clear();
   for_each_place(block, p, [&](const Place &place) { block.arranged.push_back(place); });
-  std::sort(block.arranged.begin(), block.arranged.end(),
-            [](const Place &a, const Place &b) { return a.slot < b.slot; });
+  std::sort(block.arranged.begin(), block.arranged.end(), [](const Place &a, const Place &b) {
+    return static_cast<unsigned>(a.partner) < static_cast<unsigned>(b.partner);
+  });
   p.moved = true;
   p.active = 0;
   p.others = p.last;

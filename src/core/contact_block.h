@@ -14,8 +14,7 @@ struct Place {
   double fx, fy;    // force of this side on the particle; the opposite force acts on the partner
   double length;    // 0 without contact
   double force;     // dU/da
-  int slot;    // places are in the order of their slots, so that sums do not depend on how they got there
-  int partner;    // a number for the caller
+  int partner;      // a number for the caller
 };
 
 enum class Outcome : char {

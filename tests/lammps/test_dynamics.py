@@ -7,7 +7,7 @@ import deformable
 import numpy as np
 import pytest
 from laws import LAWS
-from scene import Scene
+from scene import PACKINGS, Scene, box_walls
 
 sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
 import conservation
@@ -81,3 +81,36 @@ def test_fire_stalls_with_the_sector_law_only(jammed, law, stalls):
     assert row["stalled"] == stalls
     residual = row["largest_force_over_mean_contact_force"]
     assert residual > 0.1 if stalls else residual <= 1e-6
+
+
+@pytest.mark.parametrize(
+    ("law", "species"),
+    [
+        ("sector", "small large"),
+        ("ring contact radical", "small large"),
+        ("ring contact radical", "both skinned"),
+    ],
+)
+@pytest.mark.parametrize("walls", [False, True])
+def test_forces_of_a_motion_are_those_of_a_first_call(law, species, walls):
+    """Active contacts are remembered as long as a neighbor list lasts; a new list forgets them."""
+    case = PACKINGS[0]
+    low, high = (-0.45, case["L"] + 0.45) if walls else (0.0, case["L"])
+    scene = Scene(
+        case["x"],
+        [species.split()[t - 1] for t in case["type"]],
+        (low, high, low, high),
+        f"deformable/{law}",
+        boundary="f f p" if walls else "p p p",
+        commands=box_walls(low, high, low, high) if walls else "",
+    )
+    scene.run("neighbor 1.0 bin\nvelocity all create 1e-3 4711 loop all\nfix nve all nve")
+    scene.run("timestep 0.05")
+    contacts = []
+    for _ in range(8):
+        scene.run("run 25 post no")
+        moved = scene.gather("f", 3)[:, :2]
+        first = scene.evaluate()
+        assert np.abs(moved - first.force).max() <= 1e-12 * np.abs(first.force).max()
+        contacts.append(first.shape["contacts"])
+    assert (np.ptp(contacts, axis=0) > 0).mean() > 0.5  # they open and close

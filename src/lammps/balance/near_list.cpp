@@ -175,23 +175,13 @@ void NearList::guess_bulges(const DeformableParticles &p)
 
 /* ---------------------------------------------------------------------- */
 
-template <class Visitor>
-void NearList::visit_walls(const DeformableParticles &p, int i, Visitor &&visitor) const
-{
-  const int count = static_cast<int>(p.walls->size());
-  for (int w = 0; w < count; ++w)
-    (*p.walls)[w]->visit(i, p.radius[i], p.reach, [&](const deformable::NearestPoint &point) {
-      visitor(-1 - (w + count * point.feature), point);
-    });
-}
-
 void NearList::add_walls(const DeformableParticles &p, bool new_list, const KnownPairs &old)
 {
   const std::vector<int> first_old =
       new_list ? std::vector<int>() : first_of(old, old.wall, old.size);
   for (int ii = 0; ii < p.list->inum; ++ii) {
     const int own = order(*p.list)[ii];
-    visit_walls(p, own, [&](int code, const deformable::NearestPoint &point) {
+    visit_walls(*p.walls, own, p.radius[own], p.reach, [&](int code, const auto &point) {
       if (point.height > p.radius[own] + bulge[own] + margin) return;
       PastForces past;
       if (new_list) {
@@ -257,7 +247,7 @@ int NearList::locate(const DeformableParticles &p)
   }
   for (int ii = 0; ii < p.list->inum; ++ii) {
     const int i = p.list->ilist[ii];
-    visit_walls(p, i, [&](int code, const deformable::NearestPoint &point) {
+    visit_walls(*p.walls, i, p.radius[i], p.reach, [&](int code, const auto &point) {
       int k = first_wall[i];
       while (k < pairs.size && pairs.i[k] == i && pairs.j[k] != code) ++k;
       if (k == pairs.size || pairs.i[k] != i) {

@@ -107,7 +107,6 @@ class NearList : protected Pointers {
   void add_walls(const DeformableParticles &, bool new_list, const KnownPairs &old);
   void set_constants(const DeformableParticles &);
   double box_change() const;
-  template <class Visitor> void visit_walls(const DeformableParticles &, int i, Visitor &&) const;
 };
 
 }    // namespace LAMMPS_NS

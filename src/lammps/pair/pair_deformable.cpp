@@ -152,7 +152,11 @@ void PairDeformable::begin_call(int eflag, int vflag)
       warned_unused_radii = warn_unused_radii(lmp, *list, species);
     bulge_over_reach = 0.0;
   }
-  atom_radius = radius_by_atom ? atom->radius : nullptr;
+  if (neighbor->ago == 0 || radius_by_atom) {
+    radii.resize(atom->nlocal + atom->nghost);
+    for (std::size_t i = 0; i < radii.size(); ++i)
+      radii[i] = radius_by_atom ? atom->radius[i] : radius[atom->type[i]];
+  }
   if (radius_by_atom) check_radii();
   for (FixDeformableWall *wall : walls) wall->begin_call(this);
 
@@ -202,7 +206,7 @@ void PairDeformable::check_own_image(int i, int j)
   error->one(FLERR,
              "Atom {} of radius {:.6g} has no area left between its own images: the box, {:.6g} "
              "x {:.6g}, is too small for it",
-             atom->tag[i], radius_of(i), domain->xprd, domain->yprd);
+             atom->tag[i], radii[i], domain->xprd, domain->yprd);
 }
 
 /* ----------------------------------------------------------------------
@@ -215,7 +219,7 @@ void PairDeformable::record(int i, int partner, const deformable::Contact &conta
                             double half_angle)
 {
   if (!recording || (length == 0.0 && force == 0.0)) return;
-  const double height = radius_of(i) - contact.indentation;
+  const double height = radii[i] - contact.indentation;
   const double *x = atom->x[i];
   recorded.push_back({i, partner < 0 ? 0 : atom->tag[partner], contact.indentation, length, force,
                       x[0] + height * contact.nx, x[1] + height * contact.ny, contact.angle,
@@ -252,7 +256,7 @@ void PairDeformable::check_radii()
   int largest = -1;    // of the atoms whose radius is too large
   for (int ii = 0; ii < list->inum; ++ii) {
     const int i = list->ilist[ii];
-    const double r = atom_radius[i];
+    const double r = radii[i];
     const Species &s = species[atom->type[i]];
     if (r > s.skin && r <= s.radius * ROUNDING) {
       const std::string unstable = unstable_radius(r - s.skin, s.stiffness);
@@ -266,14 +270,14 @@ void PairDeformable::check_radii()
                  "Atom {} has a radius of {:.6g}: it must be larger than the skin of species {}, "
                  "which is {}",
                  atom->tag[i], r, s.name, s.skin);
-    if (largest < 0 || r > atom_radius[largest]) largest = i;
+    if (largest < 0 || r > radii[largest]) largest = i;
   }
   if (largest < 0) return;
   const Species &s = species[atom->type[largest]];
   error->one(FLERR,
              "Atom {} has a radius of {:.6g}, but species {} allows {} at most: set the radius in "
              "the species file to the largest one of its atoms",
-             atom->tag[largest], atom_radius[largest], s.name, s.radius);
+             atom->tag[largest], radii[largest], s.name, s.radius);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -281,7 +285,7 @@ void PairDeformable::check_radii()
 double PairDeformable::smallest_radius() const
 {
   double here = std::numeric_limits<double>::infinity(), smallest;
-  for (int ii = 0; ii < list->inum; ++ii) here = std::min(here, radius_of(list->ilist[ii]));
+  for (int ii = 0; ii < list->inum; ++ii) here = std::min(here, radii[list->ilist[ii]]);
   MPI_Allreduce(&here, &smallest, 1, MPI_DOUBLE, MPI_MIN, world);
   return smallest;
 }
@@ -290,5 +294,6 @@ double PairDeformable::smallest_radius() const
 
 double PairDeformable::memory_usage()
 {
-  return Pair::memory_usage() + block.bytes() + bytes_of(recorded, active_slots) + results.bytes();
+  return Pair::memory_usage() + block.bytes() + bytes_of(recorded, radii, rows, partners) +
+         results.bytes();
 }

@@ -64,6 +64,7 @@ class PairDeformable : public Pair {
   void number_definition();
 
   double reach = 0.0;    // largest distance of contacts over R_i + R_j, minus 1
+  bool bulges() const { return reach > 0.0; }    // else contacts are the lines inside of the circle
   std::vector<Species>
       species;    // by atom type; without a name if the type belongs to another style
   std::vector<FixDeformableWall *> walls;
@@ -73,7 +74,7 @@ class PairDeformable : public Pair {
                  double shift)
   {
     const int code = -1 - partner, count = static_cast<int>(walls.size());
-    const double ri = radius_of(i), height = ri - contact.indentation;
+    const double ri = radii[i], height = ri - contact.indentation;
     walls[code % count]->add_force(
         i, code / count, fx, fy, -height * contact.nx + shift * contact.ny,
         -height * contact.ny - shift * contact.nx, -contact.ny, contact.nx, (1.0 + reach) * ri);
@@ -83,8 +84,8 @@ class PairDeformable : public Pair {
   // Undeformed radii: of the species or, with `radius atom`, of each atom.
   void set_radius(int iarg, char **arg);    // from this word of pair_style
   bool radius_by_atom = false;
-  double radius_of(int i) const { return atom_radius ? atom_radius[i] : radius[atom->type[i]]; }
-  double ring_radius_of(int i) const { return radius_of(i) - species[atom->type[i]].skin; }
+  std::vector<double> radii;    // of all particles, ghosts included
+  double ring_radius_of(int i) const { return radii[i] - species[atom->type[i]].skin; }
   double smallest_radius() const;    // of all particles of all ranks
 
   deformable::Shape shape;    // of the particle that is evaluated
@@ -93,7 +94,7 @@ class PairDeformable : public Pair {
   void begin_call(int eflag, int vflag);
   // Shapes and forces of all particles in blocks. prepare(particle) may take out its contacts, group_of(particle)
   // chooses a kernel or 0 for law(particle, contacts), and finish(particle) follows its forces.
-  template <bool WALLS, class Prepare, class GroupOf, class Law, class Finish>
+  template <class Prepare, class GroupOf, class Law, class Finish>
   void for_each_block(const deformable::BatchKernel *chosen, Prepare &&prepare, GroupOf &&group_of,
                       Law &&law, Finish &&finish);
   void check_lines(const deformable::BlockParticle &);    // all in front of the center?
@@ -101,9 +102,12 @@ class PairDeformable : public Pair {
   const deformable::BatchKernels *kernels;
   bool whole_list = true;    // blocks need each pair at both of its particles
   deformable::ContactBlock block;
-  // Which contacts of each particle were active at the last call, by their place in the neighbor list; 0: not known.
-  // Empty for a law whose contacts are always active.
-  std::vector<unsigned> active_slots;
+  // The neighbors of each particle: in front those of contacts that were active at the last call.
+  struct Row {
+    int first, size, active;    // first: in partners
+  };
+  std::vector<Row> rows;    // by local index
+  std::vector<int> partners;
   struct WallContact {
     int wall;    // -1 - (w + n feature) for wall fix w of n
     double nx, ny, height, per_lever;
@@ -139,15 +143,13 @@ class PairDeformable : public Pair {
   double bulge_over_reach;    // the largest of this rank, at the last new neighbor list
 
  private:
-  std::vector<double> radius;             // by atom type; the largest one if radii are by atom
-  const double *atom_radius = nullptr;    // in this call, ghosts included; null: radii by type
+  std::vector<double> radius;    // by atom type; the largest one if radii are by atom
   void check_radii();
 
   static constexpr int BLOCK = 256;
-  template <bool WALLS, bool BY_ATOM> void gather_block(int begin, int end);
-  template <bool WALLS> void push_block();
-  void visit_walls(int i);
-  static constexpr int SLOTS = 32;    // bits of active_slots
+  template <bool WALLS> void gather_block(int begin, int end);
+  void push_block();
+  void take_neighbors();
   void remember_active(const deformable::BlockParticle &);
   void push_mirror(const deformable::BlockParticle &, const deformable::Place &);
   struct WallPush {
@@ -169,24 +171,25 @@ class PairDeformable : public Pair {
   void allocate();
 };
 
-template <bool WALLS, class Prepare, class GroupOf, class Law, class Finish>
+template <class Prepare, class GroupOf, class Law, class Finish>
 void PairDeformable::for_each_block(const deformable::BatchKernel *chosen, Prepare &&prepare,
                                     GroupOf &&group_of, Law &&law, Finish &&finish)
 {
   const bool shapes = results.requested || recording || neighbor->ago == 0;
   const bool observing = results.requested || recording || eflag_atom || vflag_either;
+  if (neighbor->ago == 0) take_neighbors();
   for (int begin = 0; begin < list->inum; begin += BLOCK) {
     const int end = std::min(begin + BLOCK, list->inum);
-    atom_radius ? gather_block<WALLS, true>(begin, end) : gather_block<WALLS, false>(begin, end);
+    walls.empty() ? gather_block<false>(begin, end) : gather_block<true>(begin, end);
     for (deformable::BlockParticle &p : block.particles) prepare(p);
     shape_block(block, chosen, shapes, shape, group_of,
                 [&](deformable::BlockParticle &p, const deformable::Contacts &contacts) {
                   check_lines(p);
                   return law(p, contacts);
                 });
-    push_block<WALLS>();
+    push_block();
     for (const deformable::BlockParticle &p : block.particles) {
-      if (p.moved && !active_slots.empty()) remember_active(p);
+      if (p.moved && bulges()) remember_active(p);
       if (observing) observe(p);
       finish(p);
     }

@@ -8,105 +8,111 @@ using namespace LAMMPS_NS;
 using namespace deformable;
 
 /* ----------------------------------------------------------------------
-   The contacts of particles begin to end of the list: those that are expected
-   to be active in front, the others at the end. Active contacts of the last
-   call are expected again, and the lines inside of the circle where nothing is
-   known. Nothing is skipped by a branch: it would be mispredicted.
+   The neighbor list is new: no contact is known to be active.
 ------------------------------------------------------------------------- */
 
-template <bool WALLS, bool BY_ATOM> void PairDeformable::gather_block(int begin, int end)
+void PairDeformable::take_neighbors()
+{
+  rows.resize(atom->nlocal);
+  int size = 0;
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
+    rows[i] = {size, list->numneigh[i], 0};
+    size += list->numneigh[i];
+  }
+  partners.assign(size, 0);
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii], *const neighbors = list->firstneigh[i];
+    for (int c = 0; c < rows[i].size; ++c) partners[rows[i].first + c] = neighbors[c] & NEIGHMASK;
+  }
+}
+
+/* ----------------------------------------------------------------------
+   The contacts of particles begin to end of the list. In front are those that
+   were active at the last call. Where they are not known, and if the outline
+   cannot reach others, these are the lines inside of the circle. Nothing is
+   skipped by a branch: it would be mispredicted.
+------------------------------------------------------------------------- */
+
+template <bool WALLS> void PairDeformable::gather_block(int begin, int end)
 {
   const double *const x = atom->nmax > 0 ? atom->x[0] : nullptr;
-  const int *const type = atom->type;
-  const double *const radii = BY_ATOM ? atom_radius : radius.data();
-  const double stretch = 1.0 + reach;
+  const double *const radius = radii.data();
   block.clear(end - begin);
   wall_contacts.clear();
   for (int ii = begin; ii < end; ++ii) {
     const int i = list->ilist[ii];
-    const double xi = x[3 * i], yi = x[3 * i + 1], ri = radii[BY_ATOM ? i : type[i]];
-    const int *const neighbors = list->firstneigh[i];
-    const int count = list->numneigh[i];
+    const double xi = x[3 * i], yi = x[3 * i + 1], ri = radius[i];
+    const Row row = rows[i];
+    const int *const neighbors = partners.data() + row.first;
     const auto first_wall = wall_contacts.size();
-    if constexpr (WALLS) visit_walls(i);
-    const int room = count + static_cast<int>(wall_contacts.size() - first_wall);
-    const Species &s = species[type[i]];
+    if constexpr (WALLS)
+      visit_walls(walls, i, ri, reach, [this](int code, const NearestPoint &point) {
+        wall_contacts.push_back({code, point.nx, point.ny, point.height, point.per_lever});
+      });
+    const int room = row.size + static_cast<int>(wall_contacts.size() - first_wall);
+    const Species &s = species[atom->type[i]];
     BlockParticle &p = block.particles[ii - begin];
     block.place(p, i, ri, s.skin, s.stiffness, room);
 
-    Place *const places = block.places.data();
-    const unsigned known = active_slots.empty() || room > SLOTS ? 0u : active_slots[i];
-    const auto expected = [known](int slot, bool touches) -> bool {
-      return known ? known >> (slot & (SLOTS - 1)) & 1u : touches;
-    };
-    int front = p.first, back = p.last, inside = 0;
-    for (int jj = 0; jj < count; ++jj) {
-      const int j = neighbors[jj] & NEIGHMASK;
+    Place *const places = block.places.data() + p.first;
+    int inside = 0;
+    bool as_before = true;
+    for (int c = 0; c < row.size; ++c) {
+      const int j = neighbors[c];
       const double dx = x[3 * j] - xi, dy = x[3 * j + 1] - yi;
-      const double rj = radii[BY_ATOM ? j : type[j]];
-      const double square = dx * dx + dy * dy, sum = ri + rj, cutoff = stretch * sum;
+      const double rj = radius[j], sum = ri + rj;
       // not a number counts as inside, where it is noticed
-      const bool touches = !(square > sum * sum), near = !(square > cutoff * cutoff);
-      const bool active = near & expected(jj, touches);
-      Place &place = places[active ? front : back - 1];
+      const bool touches = !(dx * dx + dy * dy > sum * sum);
+      Place &place = places[c];
       place.dx = dx;
       place.dy = dy;
       place.radius = rj;
       place.length = 0.0;
-      place.slot = jj;
       place.partner = j;
       inside += touches;
-      front += active;
-      back -= near & !active;
+      as_before &= touches == (c < row.active);
     }
-    if constexpr (WALLS)
-      for (std::size_t w = first_wall; w < wall_contacts.size(); ++w) {
-        const WallContact &wall = wall_contacts[w];
-        const double d = 2.0 * wall.height;    // the mirror image
-        const int slot = count + static_cast<int>(w - first_wall);
-        const bool touches = wall.height <= ri;
-        places[expected(slot, touches) ? front++ : --back] = {
-            d * wall.nx, d * wall.ny, ri, 0.0, 0.0, 0.0, 0.0, slot, -1 - static_cast<int>(w)};
-        inside += touches;
-      }
-    p.active = inside > 0 ? front - p.first : 0;
-    p.others = back;
-    p.moved = known == 0;
-    if (inside > 0 && p.active == 0)    // others than expected
+    p.active = row.active;
+    Place *place = places + row.size;
+    for (auto w = wall_contacts.size(); WALLS && w-- > first_wall;
+         ++place) {    // in the order of arrange
+      const WallContact &wall = wall_contacts[w];
+      const double d = 2.0 * wall.height;    // the mirror image
+      *place = {d * wall.nx, d * wall.ny, ri, 0.0, 0.0, 0.0, 0.0, -1 - static_cast<int>(w)};
+      if (wall.height > ri) continue;
+      std::swap(*place, places[p.active++]);
+      ++inside;
+    }
+    if (inside == 0) p.active = 0;
+    p.others = p.first + p.active;
+    if (bulges() ? inside > 0 && p.active == 0 : !as_before)
       arrange(block, p, [&](const Place &place) {
         const double sum = ri + place.radius;
         return !(place.dx * place.dx + place.dy * place.dy > sum * sum);
       });
+    if (bulges()) continue;
+    if (p.moved) remember_active(p);
+    p.others = p.last;
   }
 }
 
-template void PairDeformable::gather_block<false, false>(int, int);
-template void PairDeformable::gather_block<false, true>(int, int);
-template void PairDeformable::gather_block<true, false>(int, int);
-template void PairDeformable::gather_block<true, true>(int, int);
-
-/* ---------------------------------------------------------------------- */
-
-void PairDeformable::visit_walls(int i)
-{
-  const int count = static_cast<int>(walls.size());
-  for (int w = 0; w < count; ++w)
-    walls[w]->visit(i, radius_of(i), reach, [&](const NearestPoint &point) {
-      wall_contacts.push_back(
-          {-1 - (w + count * point.feature), point.nx, point.ny, point.height, point.per_lever});
-    });
-}
+template void PairDeformable::gather_block<false>(int, int);
+template void PairDeformable::gather_block<true>(int, int);
 
 /* ---------------------------------------------------------------------- */
 
 void PairDeformable::remember_active(const BlockParticle &p)
 {
-  unsigned slots = 0;
-  const Place *const first = block.places.data() + p.first;
-  for (const Place *place = first; place != first + p.active; ++place)
-    if (place->slot < SLOTS && (p.outcome != Outcome::ODD || place->length > 0.0))
-      slots |= 1u << place->slot;
-  active_slots[p.name] = slots;
+  Row &row = rows[p.name];
+  const Place *const end_of_active = block.places.data() + p.first + p.active;
+  int *const begin = partners.data() + row.first, *front = begin, *back = begin + row.size;
+  for_each_place(block, p, [&](const Place &place) {
+    if (place.partner < 0) return;    // a wall
+    const bool active = &place < end_of_active && (p.outcome != Outcome::ODD || place.length > 0.0);
+    *(active ? front++ : --back) = place.partner;
+  });
+  row.active = static_cast<int>(front - begin);
 }
 
 /* ----------------------------------------------------------------------
@@ -114,14 +120,14 @@ void PairDeformable::remember_active(const BlockParticle &p)
    the particles: the sums do not depend on how batches were made.
 ------------------------------------------------------------------------- */
 
-template <bool WALLS> void PairDeformable::push_block()
+void PairDeformable::push_block()
 {
   double *const f = atom->nmax > 0 ? atom->f[0] : nullptr;
   for (const BlockParticle &p : block.particles) {
     const Place *const end = block.places.data() + p.first + p.active;
     double fx = 0.0, fy = 0.0;
     for (const Place *place = end - p.active; place != end; ++place) {
-      if (WALLS && place->partner < 0) {
+      if (place->partner < 0) {
         push_mirror(p, *place);
         continue;
       }
@@ -140,9 +146,6 @@ template <bool WALLS> void PairDeformable::push_block()
     }
   }
 }
-
-template void PairDeformable::push_block<false>();
-template void PairDeformable::push_block<true>();
 
 /* ----------------------------------------------------------------------
    The mirror image comes nearer by twice the way of the wall. The wall exerts
@@ -234,7 +237,7 @@ void PairDeformable::refuse_behind_center(int i, int j, double dx, double dy)
       "their "
       "distance is {:.6g}, their radii are {:.6g} and {:.6g}. Separate particles that overlap "
       "first, start from a less compressed state, or take smaller steps or a smaller timestep",
-      atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(dx, dy), radius_of(i), radius_of(j));
+      atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(dx, dy), radii[i], radii[j]);
 }
 
 /* ----------------------------------------------------------------------

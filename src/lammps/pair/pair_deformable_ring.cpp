@@ -95,13 +95,6 @@ void PairDeformableRing::init_style()
   if (balanced && !atom->tag_enable)
     error->all(FLERR, "Pair style deformable/ring needs atom IDs: use 'atom_modify id yes', or "
                       "'contact radical'");
-  find_soft();
-}
-
-void PairDeformableRing::find_soft()
-{
-  soft = false;
-  for (const Species &s : species) soft |= s.radius > 0.0 && !s.stiffness.conserves_perimeter();
 }
 
 /* ---------------------------------------------------------------------- */
@@ -140,7 +133,6 @@ bool PairDeformableRing::take_ramps()
     const std::string wrong = invalid_values(s);
     if (!wrong.empty()) error->all(FLERR, "Species {} in a run: {}", s.name, wrong);
   }
-  find_soft();
   number_definition();
   return true;
 }
@@ -154,22 +146,19 @@ void PairDeformableRing::compute(int eflag, int vflag)
   if (neighbor->ago == 0) smallest = smallest_radius();
   if (balanced)
     evaluate_balanced(new_material);
-  else if (walls.empty())
-    soft ? evaluate_radical<false, true>() : evaluate_radical<false, false>();
   else
-    soft ? evaluate_radical<true, true>() : evaluate_radical<true, false>();
+    evaluate_radical();
   end_call();
 }
 
 /* ---------------------------------------------------------------------- */
 
-template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate_radical()
+void PairDeformableRing::evaluate_radical()
 {
-  if (neighbor->ago == 0) active_slots.assign(atom->nlocal, 0);
-  for_each_block<WALLS>(
+  for_each_block(
       kernels->ring, [](BlockParticle &) {}, ring_group,
       [this](BlockParticle &p, const Contacts &contacts) {
-        const Energy energy = shape_ring<SOFT>(p.name, contacts);
+        const Energy energy = shape_ring(p.name, contacts);
         if (!std::isfinite(energy.derivative)) no_shape(p.name, contacts.size);
         p.pressure = energy.derivative;
         return energy;
@@ -186,12 +175,12 @@ template <bool WALLS, bool SOFT> void PairDeformableRing::evaluate_radical()
 
 /* ---------------------------------------------------------------------- */
 
-template <bool SOFT> Energy PairDeformableRing::shape_ring(int i, const Contacts &contacts)
+Energy PairDeformableRing::shape_ring(int i, const Contacts &contacts)
 {
   is_active.assign(contacts.size, 0);
   char *const active = is_active.data();
   const int type = atom->type[i];
-  if (SOFT && !species[type].stiffness.conserves_perimeter()) {
+  if (!species[type].stiffness.conserves_perimeter()) {
     Energy energy;
     soft_ring_shape(ring_radius_of(i), species[type].stiffness, contacts, active, lcp, shape,
                     energy);
@@ -223,7 +212,7 @@ void PairDeformableRing::no_shape(int i, int contacts)
 
 double PairDeformableRing::depth_of_reach(int i) const
 {
-  const double r = radius_of(i), cutoff = (1.0 + reach) * (r + smallest);
+  const double r = radii[i], cutoff = (1.0 + reach) * (r + smallest);
   return std::min(reach * r, -contact_line(cutoff, 1.0 / cutoff, r, smallest).indentation_i);
 }
 
@@ -256,8 +245,7 @@ void PairDeformableRing::refuse_bulge(int i, const Contacts &contacts, int partn
           : fmt::format(
                 "a wall of fix {} cuts it {:.4g} from its center, whose radius is {:.4g}: move "
                 "one of them",
-                wall_id(partner), radius_of(i) - contacts[deepest(contacts)].indentation,
-                radius_of(i));
+                wall_id(partner), radii[i] - contacts[deepest(contacts)].indentation, radii[i]);
   const double enough = 1.2 * ratio * reach;
   const std::string larger =
       enough <= LARGEST_REACH ? fmt::format(" or use a reach of {:.2g} or more", enough) : "";

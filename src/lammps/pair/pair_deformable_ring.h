@@ -32,19 +32,16 @@ class PairDeformableRing : public PairDeformable {
 
  private:
   std::unique_ptr<BalancedForces> balanced;    // null: contacts stay on their radical axes
-  bool soft = false;                           // some species does not conserve its perimeter
   SpeciesRamps ramps;
-  bool take_ramps();    // whether a species has changed
-  void find_soft();
+  bool take_ramps();        // whether a species has changed
   double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
 
   deformable::RingLCP lcp;
   std::vector<char> is_active;    // of one ring
 
-  template <bool WALLS, bool SOFT> void evaluate_radical();
-  template <bool SOFT> deformable::Energy shape_ring(int i, const deformable::Contacts &);
+  void evaluate_radical();
+  deformable::Energy shape_ring(int i, const deformable::Contacts &);
 
-  std::vector<double> radii;                    // of all particles, ghosts included
   std::vector<deformable::Contact> contacts;    // of one particle
   std::vector<int> seats;
   void evaluate_balanced(bool new_material);

@@ -10,17 +10,12 @@ using namespace deformable;
 
 void PairDeformableRing::evaluate_balanced(bool new_material)
 {
-  const int all = atom->nlocal + atom->nghost;
-  if (neighbor->ago == 0 || radius_by_atom) {
-    radii.resize(all);
-    for (int i = 0; i < all; ++i) radii[i] = radius_of(i);
-  }
   const DeformableParticles particles = {list,   &species, radii.data(), radius_by_atom,
                                          &walls, reach,    smallest,     new_material};
   const int wrong = balanced->solve(particles, neighbor->ago == 0);
   if (wrong >= 0) {
     int i = balanced->pairs().i[wrong], j = balanced->pairs().j[wrong];
-    if (radius_of(i) > radius_of(j)) std::swap(i, j);    // the line lies behind the smaller one
+    if (radii[i] > radii[j]) std::swap(i, j);    // the line lies behind the smaller one
     const double *const *const x = atom->x;
     refuse_behind_center(i, j, x[j][0] - x[i][0], x[j][1] - x[i][1]);
   }

@@ -60,16 +60,6 @@ void PairDeformableSector::check_species(const Species &s) const
 
 /* ---------------------------------------------------------------------- */
 
-void PairDeformableSector::compute(int eflag, int vflag)
-{
-  if (walls.empty())
-    evaluate<false>(eflag, vflag);
-  else
-    evaluate<true>(eflag, vflag);
-}
-
-/* ---------------------------------------------------------------------- */
-
 void PairDeformableSector::init_style()
 {
   PairDeformable::init_style();
@@ -83,7 +73,7 @@ void PairDeformableSector::init_style()
 
 /* ---------------------------------------------------------------------- */
 
-template <bool WALLS> void PairDeformableSector::evaluate(int eflag, int vflag)
+void PairDeformableSector::compute(int eflag, int vflag)
 {
   begin_call(eflag, vflag);
   if (atom->nmax > maxcontacts) {
@@ -94,7 +84,7 @@ template <bool WALLS> void PairDeformableSector::evaluate(int eflag, int vflag)
   if (list->inum < atom->nlocal)    // particles of other pair styles have none
     std::fill_n(ncontacts, atom->nlocal, 0.0);
   singles.clear();
-  for_each_block<WALLS>(
+  for_each_block(
       kernels->sector,
       [this](BlockParticle &p) {
         ncontacts[p.name] = p.active;
@@ -105,7 +95,7 @@ template <bool WALLS> void PairDeformableSector::evaluate(int eflag, int vflag)
       [](const BlockParticle &) {});
 
   comm->forward_comm(this);
-  for (const SingleContact &single : singles) repel<WALLS>(single);
+  for (const SingleContact &single : singles) repel(single);
   end_call();
 }
 
@@ -165,17 +155,17 @@ Energy PairDeformableSector::deform(BlockParticle &p, const Contacts &contacts)
    contact, each adds one half. For a wall, U = k/2 (1 - h/R)^2.
 ------------------------------------------------------------------------- */
 
-template <bool WALLS> void PairDeformableSector::repel(const SingleContact &single)
+void PairDeformableSector::repel(const SingleContact &single)
 {
   const int i = single.atom, j = single.partner;
-  const double ri = radius_of(i), distance = single.distance;
+  const double ri = radii[i], distance = single.distance;
   const double nx = single.contact.nx, ny = single.contact.ny;
   const auto stiffness = [this](int atom_index) {
     const Stiffness &s = species[atom->type[atom_index]].stiffness;
     return std::isinf(s.kA) ? s.kP : s.kA;
   };
 
-  if (WALLS && j < 0) {
+  if (j < 0) {
     const Energy energy = harmonic(stiffness(i), 1.0 - distance / ri);
     const double force = energy.derivative / ri;
     push_wall(i, j, -force * nx, -force * ny, single.contact, 0.0);
@@ -185,7 +175,7 @@ template <bool WALLS> void PairDeformableSector::repel(const SingleContact &sing
     return;
   }
 
-  const double sum = ri + radius_of(j);
+  const double sum = ri + radii[j];
   const double share = ncontacts[j] == 1.0 ? 0.5 : 1.0;
   const Energy energy = harmonic(0.5 * share * (stiffness(i) + stiffness(j)), 1.0 - distance / sum);
   const double force_per_distance = energy.derivative / (sum * distance);

@@ -42,8 +42,7 @@ class PairDeformableSector : public PairDeformable {
   double *ncontacts = nullptr;    // per atom, ghosts included
   int maxcontacts = 0;            // entries of it
 
-  template <bool WALLS> void evaluate(int eflag, int vflag);
-  template <bool WALLS> void repel(const SingleContact &);
+  void repel(const SingleContact &);
   void set_aside(deformable::BlockParticle &);
   deformable::Energy deform(deformable::BlockParticle &, const deformable::Contacts &);
 };

@@ -106,6 +106,19 @@ class FixDeformableWall : public Fix {
   [[noreturn]] void refuse_center(int i, const WallScene::Refused &);
 };
 
+// Calls visitor(code, nearest point) for each wall within (1 + reach) radii of atom i. The code of a feature of wall w of n
+// is -1 - (w + n feature).
+template <class Visitor>
+void visit_walls(const std::vector<FixDeformableWall *> &walls, int i, double radius, double reach,
+                 Visitor &&visitor)
+{
+  const int count = static_cast<int>(walls.size());
+  for (int w = 0; w < count; ++w)
+    walls[w]->visit(i, radius, reach, [&](const deformable::NearestPoint &point) {
+      visitor(-1 - (w + count * point.feature), point);
+    });
+}
+
 }    // namespace LAMMPS_NS
 
 #endif

@@ -1,0 +1,110 @@
+"""Is a step faster than before? Several versions of the package and soft disks, side by side.
+
+    python benchmarks/in_turns.py BEFORE AFTER [--laws radical sector] [--sizes 1000 10000 100000]
+
+BEFORE, AFTER: folders that hold a compiled package `deformable`. Each version has a process of its
+own with the packing of loop_time.py in motion, and disks have one: they run a few steps in turn,
+so that a machine whose speed drifts does not favor one. A row has nanoseconds per particle and
+step, medians of the times over disks, and medians of the times over the first version. `reach` is
+the default, 0.3 for `radical`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from loop_time import LEVELS, SIZES, SPECIES, TEMPERATURES, TIMESTEP, relaxed_cell, start, styles
+
+TURNS, FIRST = 30, 100
+PARTICLE_STEPS = 20_000  # of a turn, which has ten steps at least; `sector` heats up
+
+
+def move(data: Path, law: str, n: int, motion: str) -> None:
+    """Steps as often as a line comes in, and tells their processor time."""
+    nx, ny = SIZES[n]
+    style = styles(data.with_name("species"))[law].replace(" reach 0.1", "")
+    lmp = start()
+    lmp.commands_string(
+        f"read_data {data}\nreplicate {nx} {ny} 1\n{style}\nneighbor 0.2 bin\n"
+        f"velocity all create {TEMPERATURES[motion]!r} 1 loop geom\nfix nve all nve\n"
+        f"timestep {TIMESTEP!r}\nthermo 0\nrun {FIRST} post no"
+    )
+    for steps in sys.stdin:
+        begin = time.process_time()
+        lmp.command(f"run {steps.strip()} pre no post no")
+        print(time.process_time() - begin, flush=True)
+
+
+def compare(
+    data: Path, versions: list[str], law: str, n: int, motion: str, simd: str
+) -> dict[str, object]:
+    """Times of disks and of each version, in turns."""
+    processes = []
+    for version, style in [(versions[0], "disk"), *((v, law) for v in versions)]:
+        environment = os.environ | {
+            "PYTHONPATH": os.pathsep.join([version, *sys.path]),
+            "DEFORMABLE_SIMD": simd,
+        }
+        command = [sys.executable, __file__, "--move", str(data), style, str(n), motion]
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+        processes.append(subprocess.Popen(command, env=environment, **pipes))
+    steps = max(10, PARTICLE_STEPS // n)
+    seconds: list[list[float]] = [[] for _ in processes]
+    for _ in range(TURNS):
+        for process, found in zip(processes, seconds, strict=True):
+            print(steps, file=process.stdin, flush=True)
+            found.append(float(process.stdout.readline()))
+    for process in processes:
+        process.communicate()
+    disks, first = seconds[:2]
+
+    def median_over(others: list[float], times: list[float]) -> float:
+        return statistics.median(t / o for t, o in zip(times, others, strict=True))
+
+    return {
+        "n": n,
+        "motion": motion,
+        "law": law,
+        "simd": simd,
+        "ns": [1e9 / (n * steps) * statistics.median(times) for times in seconds],
+        "over_disks": [median_over(disks, times) for times in seconds[1:]],
+        "over_first": [median_over(first, times) for times in seconds[2:]],
+    }
+
+
+def main() -> None:
+    if sys.argv[1:2] == ["--move"]:
+        _, _, data, law, n, motion = sys.argv
+        return move(Path(data), law, int(n), motion)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("versions", nargs="+", help="folders that hold a package `deformable`")
+    parser.add_argument("--laws", nargs="+", default=["radical", "sector"])
+    parser.add_argument("--sizes", nargs="+", type=int, choices=SIZES, default=list(SIZES)[:3])
+    parser.add_argument("--simd", choices=LEVELS, default=LEVELS[0])
+    parser.add_argument("--out", type=Path)
+    options = parser.parse_args()
+    rows = []
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "species").write_text(SPECIES)
+        data = relaxed_cell(folder)
+        versions = [str(Path(version).resolve()) for version in options.versions]
+        for n in options.sizes:
+            for motion in TEMPERATURES:
+                for law in options.laws:
+                    rows.append(compare(data, versions, law, n, motion, options.simd))
+                    print(json.dumps(rows[-1]), flush=True)
+    if options.out:
+        options.out.write_text(json.dumps(rows, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
