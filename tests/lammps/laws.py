@@ -10,7 +10,7 @@ RING_LAWS = {"radical": "deformable/ring contact radical"} | BALANCES
 LAWS = {"sector": "deformable/sector"} | RING_LAWS
 DIRECT = tuple(law for law in LAWS if law not in BALANCES)  # their contacts need no solver
 # forces are balanced as far as rounding lets them
-EXACT = {law: style + " balance 1e-12 200" * (law in BALANCES) for law, style in LAWS.items()}
+EXACT = {law: style + " balance 1e-12 1000" * (law in BALANCES) for law, style in LAWS.items()}
 RADICAL, BALANCED, CURVED = RING_LAWS.values()
 
 laws = pytest.mark.parametrize("law", LAWS)
