@@ -7,12 +7,13 @@
 N = 64, seed 1, as they come. `mixtures`: the same to 3 % with small particles of kA = 1, kP = 2
 among large ones of kA = 10, kP = 40. Energies are over those of the polygons, extrapolated in
 1/N_v^2 from the two largest N_v; `uncertain` is what the extrapolation from the two smaller ones
-differs by. `steps`, `relaxations`: processor time with curved contacts over that with balanced
-ones, of a time step at constant energy and of compressions from jamming to 5 %; the laws take turns
-in one process. `energy`: the standard deviation of the total energy of `curved` in runs at constant
-energy, over the kinetic part, against the time step, and its growth in four times the time: a drift
-would grow fourfold. `drift`: the trend of the total energy in a million
-steps of 16 particles, the mean over eight runs and its error.
+differs by. `contacts`: the first mixture with polygons whose contacts have springs of one and four
+times the stiffness. `steps`, `relaxations`: processor time with curved contacts over that with
+balanced ones, of a time step at constant energy and of compressions from jamming to 5 %; the laws
+take turns in one process. `energy`: the standard deviation of the total energy of `curved` in runs
+at constant energy, over the kinetic part, against the time step, and its growth in four times the
+time: a drift would grow fourfold. `drift`: the trend of the total energy in a million steps of 16
+particles, the mean over eight runs and its error.
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ LAWS = ("balanced", "curved")
 PACKINGS = ((16, 1), (16, 2), (16, 3), (64, 1))
 VERTICES = {16: (80, 160, 320), 64: (40, 80, 160)}
 SKIN = 0.025
+RADII = np.array([0.5, 0.7])
 TIMESTEPS = (0.2, 0.1, 0.05)
 MOTIONS = {"slow": (1e-8, 0.1), "fast": (1e-5, 0.1), "fast, long steps": (1e-5, 0.4)}
 
@@ -46,22 +48,36 @@ def accuracy() -> list[dict[str, Any]]:
 
 
 def mixtures() -> list[dict[str, Any]]:
+    return [row for seed in (1, 2, 3) for row in compared(16, seed, 0.03, 3, mixed)]
+
+
+def contacts() -> list[dict[str, Any]]:
+    """A mixture, and polygons whose contacts have stiffer springs."""
+    return [
+        {"stiffer": times} | row
+        for times in (1, 4)
+        for row in compared(16, 1, 0.03, 3, lambda count, n=times: mixed(count, n), (40, 80, 160))
+    ]
+
+
+def mixed(count: int, stiffer: float = 1.0) -> PolygonModel:
+    """Polygons of soft small and stiff large particles."""
     kA, kP = (1.0, 10.0), (2.0, 40.0)
-
-    def model(count: int) -> PolygonModel:
-        given = {"vertices": count, "radius": SKIN, "smooth": True}
-        number = PolygonModel(**given).polygons(np.array([0.5, 0.7])).number
-        springs = [stiffness * n for stiffness, n in zip(kP, number.tolist(), strict=True)]
-        return PolygonModel(count, SKIN, springs, kA, kr=10.0 * max(kA), smooth=True)
-
-    return [row for seed in (1, 2, 3) for row in compared(16, seed, 0.03, 3, model)]
+    number = PolygonModel(vertices=count, radius=SKIN, smooth=True).polygons(RADII).number
+    springs = [stiffness * n for stiffness, n in zip(kP, number.tolist(), strict=True)]
+    return PolygonModel(count, SKIN, springs, kA, kr=10.0 * stiffer * max(kA), smooth=True)
 
 
 def compared(
-    number: int, seed: int, strain: float, steps: int, model: Any = None
+    number: int,
+    seed: int,
+    strain: float,
+    steps: int,
+    model: Any = None,
+    counts: tuple[int, ...] = (),
 ) -> list[dict[str, Any]]:
     """Energies of the laws that relaxed on their own over those of the extrapolated polygons."""
-    counts = VERTICES[number]
+    counts = counts or VERTICES[number]
     found = {
         count: {
             (row["law"], round(row["strain"], 6)): row
@@ -199,6 +215,7 @@ def drift() -> list[dict[str, Any]]:
 PARTS = {
     "accuracy": accuracy,
     "mixtures": mixtures,
+    "contacts": contacts,
     "energy": energy,
     "drift": drift,
     "steps": steps,

@@ -99,7 +99,7 @@ RingBlocks curved_blocks(nb::handle given_particles, nb::handle given_sides)
                 contacts.push_back(
                     {side[FORCE], lines.back().angle.value, std::tan(0.5 * side[HALF_ANGLE])});
               }
-              return add_curved_ring(lines, contacts, of[RADIUS] - of[SKIN], k, result);
+              return add_curved_ring(lines, contacts, of[RADIUS] - of[SKIN], of[SKIN], k, result);
             });
   return result;
 }

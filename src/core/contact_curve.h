@@ -26,7 +26,7 @@ template <class T> DEFORMABLE_INLINE T slope_rate(T lengths, T along, T green_le
 }
 
 // Between unequal pressures the line is an arc of half angle beta, convex for the ring i of larger pressure:
-//   sin beta = f (1/p_j - 1/p_i)/(2 (q_i + q_j)),   q the radius of curvature of the free outline.
+//   sin beta = f (1/p_j - 1/p_i)/(2 (Q_i + Q_j)),   Q = q + skin the radius of curvature of the free outline.
 // Each ring sees the half angle b = beta (i) or -beta (j). With L = f/p and the radius E of ring_forces.h,
 //   A = pi E^2 - L.GL/2 + sum [L^2 cap + q L excess],   P = 2 pi E + sum L excess,   q = E - sum L/2 pi,
 // and the middle of the arc is at the distance E - (GL)_c + u L_c/2 from the center, u = tan(b/2). With X = sum f excess

@@ -19,6 +19,7 @@ struct BentContact {
 
 struct CurvedHessian {
   double energy = 0.0;
+  std::vector<double> curvature;                                 // of the lines
   std::vector<double> indentation;                               // a
   std::vector<double> by_indentation, by_angle, by_curvature;    // of U
   std::vector<double>
@@ -79,12 +80,14 @@ inline bool curved_hessian(double radius, const Stiffness &k,
 
   const double T0 = tension(radius, ring, load.total);
   std::vector<Dual> force(n), angle(n), curvature(n), u(n), sine(n);
+  h.curvature.resize(n);
   for (int c = 0; c < n; ++c) {
     const double sin_b = 2.0 * contacts[c].u / (1.0 + contacts[c].u * contacts[c].u);
     const double s = (0.5 * contacts[c].force + T0 * sin_b) / ring.pressure;
     force[c] = Dual::variable(contacts[c].force, c, all);
     angle[c] = Dual::variable(contacts[c].angle, n + c, all);
     curvature[c] = Dual::variable(sin_b / s, 2 * n + c, all);
+    h.curvature[c] = sin_b / s;
     u[c] = Dual::variable(contacts[c].u, outer + 2 + c, all);
     sine[c] = 2.0 * u[c] / (1.0 + u[c] * u[c]);
   }

@@ -28,8 +28,8 @@ struct RingArrays {
   const double *kP;
   double *expansion;
   float *mixed, *rate;
-  const double *tension;    // also null where no ring has any
-  double scale;             // compliances are in units of it, for the range of single precision
+  const double *tension, *skin;    // also null where no ring has any
+  double scale;    // compliances are in units of it, for the range of single precision
 };
 
 // Contacts, and G of each two contacts of a ring: the lower triangle by rows. Numbers in single precision are for
@@ -117,7 +117,7 @@ struct PairPlaces {
   double *per_distance, *overlap, *angle, *nx, *ny;
 };
 
-// What contact lines need of their rings, by contact: dt/dtheta, 1/p and q (contact_curve.h).
+// What contact lines need of their rings, by contact: dt/dtheta, 1/p and Q (contact_curve.h).
 struct OutlineArrays {
   double *slope_rate, *per_pressure, *free_radius;
 };

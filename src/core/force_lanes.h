@@ -18,7 +18,7 @@ DEFORMABLE_LANE_FUNCTION RingArrays rings_of(RingArrays r, int ring)
 {
   const auto move = [ring](auto &...p) DEFORMABLE_LANE_LAMBDA { ((p ? p += ring : p), ...); };
   move(r.radius, r.kA, r.pressure, r.work, r.total, r.per_pressure, r.square);
-  move(r.kP, r.expansion, r.mixed, r.rate, r.tension);
+  move(r.kP, r.expansion, r.mixed, r.rate, r.tension, r.skin);
   return r;
 }
 
@@ -235,14 +235,15 @@ DEFORMABLE_LANE_FUNCTION void slope_lanes(const PairDirections &pairs, int conta
   if (!outline.slope_rate) return;
   const Lanes lengths = load<Lanes>(rings.total) * per_p;
   const Lanes delta = rings.expansion ? load<Lanes>(rings.expansion) : Lanes{};
-  const Lanes q = load<Lanes>(rings.radius) + delta - lengths * (0.5 / PI);
+  Lanes Q = load<Lanes>(rings.radius) + delta - lengths * (0.5 / PI);
+  if (rings.skin) Q += load<Lanes>(rings.skin);
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
     store(outline.slope_rate + m * LANES,
           slope_rate(lengths, Lanes{}, load<Lanes>(c.indentation + m * LANES) + delta,
                      force[m] * per_p));
     store(outline.per_pressure + m * LANES, per_p);
-    store(outline.free_radius + m * LANES, q);
+    store(outline.free_radius + m * LANES, Q);
   }
 }
 

@@ -101,10 +101,10 @@ inline bool add_ring(const std::vector<Line> &lines, int variables, double radiu
   return true;
 }
 
-// The same for curved lines that are at rest under these forces.
-inline bool add_curved_ring(const std::vector<Line> &lines,
-                            const std::vector<BentContact> &contacts, double radius,
-                            const Stiffness &k, RingBlocks &b)
+// The same for curved lines that are at rest under these forces. The ring's own curvature under a skin is k/(1 - skin k)
+// for lines of the curvature k.
+inline bool add_curved_ring(std::vector<Line> &lines, const std::vector<BentContact> &contacts,
+                            double radius, double skin, const Stiffness &k, RingBlocks &b)
 {
   b.active.clear();
   b.bent.clear();
@@ -120,6 +120,13 @@ inline bool add_curved_ring(const std::vector<Line> &lines,
     return true;
   }
   if (!curved_hessian(radius, k, b.bent, h)) return false;
+  for (std::size_t m = 0; m < b.active.size(); ++m) {
+    LineQuantity &curvature = lines[b.active[m]].curvature;
+    if (curvature.first[CURVATURE] == 0.0) continue;    // of a wall
+    const double wider = 1.0 + skin * h.curvature[m];
+    curvature.first[CURVATURE] = wider * wider;
+    curvature.second[CURVATURE][CURVATURE] = 2.0 * skin * wider * wider * wider;
+  }
   b.by_quantity = h.by_indentation;
   b.by_quantity.insert(b.by_quantity.end(), h.by_angle.begin(), h.by_angle.end());
   b.by_quantity.insert(b.by_quantity.end(), h.by_curvature.begin(), h.by_curvature.end());

@@ -34,8 +34,8 @@ struct Batch {
   int n;
   std::vector<double> force, angle, nx, ny, bend;    // of pairs: the last one is empty
   std::vector<int> seat;
-  std::vector<double> radius, kA, kP, tension, ring[5], indentation, slope, rate, per_pressure,
-      free_radius;
+  std::vector<double> radius, kA, kP, tension, skin, ring[5], indentation, slope, rate,
+      per_pressure, free_radius;
   std::vector<int> partner;
   std::vector<float> response[3], compliance, share, green;
   std::vector<float> weight, left, direction, step, product, last_product;    // of corrections
@@ -69,6 +69,7 @@ struct Batch {
       kP.push_back(finite ? std::pow(10.0, 4.0 * uniform(random) - 2.0)
                           : std::numeric_limits<double>::infinity());
       tension.push_back(0.0);
+      skin.push_back(0.1 * uniform(random));
       if (tensions == Tensions::NONE || (tensions == Tensions::SOME && w % 4 != 0)) continue;
       tension[w] = 0.01 * (0.5 + uniform(random));
       if (tensions == Tensions::SOME && w > 0) continue;
@@ -111,7 +112,7 @@ struct Batch {
     return rings_of({radius.data(), kA.data(), ring[0].data(), ring[2].data(), ring[3].data(),
                      ring[4].data(), response[1].data(), kP.data(), ring[1].data(),
                      response[0].data(), response[2].data(), is_tense ? tension.data() : nullptr,
-                     0.25},
+                     skin.data(), 0.25},
                     w);
   }
 };
@@ -219,7 +220,8 @@ void check(int n, std::mt19937 &random, Tensions tensions, bool curved)
                         slope_rate(load.total * c.per_pressure, 0.0, a, f[m] * c.per_pressure),
                         n * largest, "rate of the slope", n);
           require_equal(b.per_pressure[place], c.per_pressure, c.per_pressure, "1/p", n);
-          const double q = b.radius[w] + ring.expansion - load.total * c.per_pressure / (2.0 * PI);
+          const double q =
+              b.radius[w] + b.skin[w] + ring.expansion - load.total * c.per_pressure / (2.0 * PI);
           require_equal(b.free_radius[place], q, b.radius[w] + n * largest, "free radius", n);
           continue;
         }

@@ -124,7 +124,7 @@ def test_packing(case):
             sign = 1 - 2 * side
             seen[particle].append((k, normal + np.pi * side, sign * contact["half_angle"], side))
     force = np.array([contact["force"] for contact in rows])
-    depth, slope, q, per_p = np.zeros((4, len(rows), 2))
+    depth, slope, q, outer, per_p = np.zeros((5, len(rows), 2))
     energy, on_center = 0.0, np.zeros_like(centers)
     for n, its in enumerate(seen):
         k, angle, bend, side = (np.array(column) for column in zip(*its, strict=True))
@@ -139,10 +139,11 @@ def test_packing(case):
         assert perimeter == pytest.approx(case["perimeter"][n], rel=1e-10)
         depth[k, side], slope[k, side] = ring.indentation, ring.slope
         q[k, side], per_p[k, side] = ring.tension / ring.pressure, 1 / ring.pressure
+        outer[k, side] = q[k, side] + material[2]
         on_center[n] = -force[k] @ np.column_stack([np.cos(angle), np.sin(angle)])
         film = ring.contact_length + 2 * q[k, side] * np.sin(bend)
         film *= np.where(bend == 0.0, 1.0, bend / np.sin(np.where(bend == 0.0, 1.0, bend)))
-        assert film == pytest.approx([rows[m]["length"] for m in k], rel=1e-8)
+        assert film == pytest.approx([rows[m]["length"][s] for m, s in zip(k, side, strict=True)])
     assert energy == pytest.approx(case["energy"], rel=1e-11)
     np.testing.assert_allclose(on_center, case["force"], rtol=0, atol=1e-9 * force.max())
     distance, tilt = np.hypot(*np.array(apart).T), np.array([row["tilt"] for row in rows])
@@ -150,7 +151,7 @@ def test_packing(case):
     left = values["radius"][pairs].sum(1) - distance * np.cos(tilt) - depth.sum(1)
     assert np.abs(left).max() < 1e-10
     assert slope.sum(1) == pytest.approx(distance * np.sin(tilt), abs=1e-10)
-    sine = force * (per_p[:, 1] - per_p[:, 0]) / (2 * q.sum(1))
+    sine = force * (per_p[:, 1] - per_p[:, 0]) / (2 * outer.sum(1))
     assert sine == pytest.approx(np.sin([row["half_angle"] for row in rows]), abs=1e-10)
 
 

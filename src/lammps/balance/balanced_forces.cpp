@@ -59,14 +59,15 @@ void BalancedForces::arrange(const DeformableParticles &p, bool new_list)
 
 void BalancedForces::set_material(const DeformableParticles &p)
 {
-  bool soft = false, tense = false;
+  bool soft = false, tense = false, skinned = false;
   for (const int i : batches.particle) {
     if (i < 0) continue;
-    const Stiffness &k = (*p.species)[atom->type[i]].stiffness;
-    soft |= !k.conserves_perimeter();
-    tense |= k.tension > 0.0;
+    const Species &s = (*p.species)[atom->type[i]];
+    soft |= !s.stiffness.conserves_perimeter();
+    tense |= s.stiffness.tension > 0.0;
+    skinned |= near.pairs.curved && s.skin > 0.0;
   }
-  batches.set_kind(soft, tense);
+  batches.set_kind(soft, tense, skinned);
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
     const int i = batches.particle[ring];
     if (i < 0) continue;
@@ -75,6 +76,7 @@ void BalancedForces::set_material(const DeformableParticles &p)
     batches.kA[ring] = s.stiffness.kA;
     if (soft) batches.kP[ring] = s.stiffness.kP;
     if (tense) batches.tension[ring] = s.stiffness.tension;
+    if (skinned) batches.skin[ring] = s.skin;
   }
 }
 

@@ -34,7 +34,7 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   square.assign(lanes_in_all, 0.0F);
   for (LargeVector<double> *v : {&radius, &kA}) v->assign(lanes_in_all, 1.0);
   expansion.clear();    // of rings at other places
-  set_kind(soft, tense);
+  set_kind(soft, tense, !skin.empty());
   place.assign(particles, -1);
   for (LargeVector<int> *v : {&size, &first, &first_green}) v->resize(batches + 1);
   int places = 0, two = 0, longest = 0;
@@ -89,7 +89,7 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   }
 }
 
-void ForceBatches::set_kind(bool soft_, bool tense_)
+void ForceBatches::set_kind(bool soft_, bool tense_, bool skinned)
 {
   soft = soft_;
   tense = tense_;
@@ -99,6 +99,7 @@ void ForceBatches::set_kind(bool soft_, bool tense_)
   for (LargeVector<float> *v : {&mixed, &rate})
     if (v->size() != soft_rings) v->assign(soft_rings, 0.0F);
   tension.resize(tense ? particle.size() : 0);
+  skin.assign(skinned ? particle.size() : 0, 0.0);
 }
 
 // By the partners' tags: then a ring adds up the same numbers in the same order on any number of ranks.
@@ -136,7 +137,8 @@ deformable::RingBatches ForceBatches::arrays()
           {radius.data(), kA.data(), pressure.data(), work.data(), total.data(),
            per_pressure.data(), square.data(), soft ? kP.data() : nullptr,
            soft ? expansion.data() : nullptr, soft ? mixed.data() : nullptr,
-           soft ? rate.data() : nullptr, tense ? tension.data() : nullptr, scale},
+           soft ? rate.data() : nullptr, tense ? tension.data() : nullptr,
+           skin.empty() ? nullptr : skin.data(), scale},
           {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(),
            green.data(), aligned},
           {partner.data(), none(), weight.data(), left.data(), direction.data(), step.data(),
@@ -145,8 +147,8 @@ deformable::RingBatches ForceBatches::arrays()
 
 double ForceBatches::bytes() const
 {
-  return bytes_of(size, first, first_green, particle, radius, kA, kP, tension, pressure, expansion,
-                  work, total, per_pressure, mixed, square, rate, seat, indentation, compliance,
-                  slope, share, partner, weight, left, direction, step, green, scratch, place,
-                  count);
+  return bytes_of(size, first, first_green, particle, radius, kA, kP, tension, skin, pressure,
+                  expansion, work, total, per_pressure, mixed, square, rate, seat, indentation,
+                  compliance, slope, share, partner, weight, left, direction, step, green, scratch,
+                  place, count);
 }

@@ -33,7 +33,7 @@ struct ForceBatches {
   LargeVector<float> square;
   // empty unless rings are soft, or some have a tension
   bool tense = false;
-  LargeVector<double> kP, expansion, tension;
+  LargeVector<double> kP, expansion, tension, skin;
   LargeVector<float> mixed, rate;
 
   double scale = 1.0;    // see NearPairs
@@ -58,8 +58,8 @@ struct ForceBatches {
   // Seats all contacts, and tells pairs their places. order: the particles, near ones close to each other.
   void arrange(const int *order, int rings, int particles, NearPairs &, const tagint *tags);
 
-  // Which rings are soft or have a tension; makes room for what they need.
-  void set_kind(bool soft_, bool tense_);
+  // Which rings are soft, have a tension or a skin; makes room for what they need.
+  void set_kind(bool soft_, bool tense_, bool skinned);
   deformable::Stiffness stiffness(int ring) const
   {
     constexpr double RIGID = std::numeric_limits<double>::infinity();

@@ -64,6 +64,11 @@ def _style(method: str) -> Style:
     return SMOOTH if method == "reference" else (POLYGONS | STYLES)[method]
 
 
+def _kind(row: Row) -> str:
+    """The reference is the finest of the smooth polygons."""
+    return "smooth" if row["method"] == "reference" else str(row["method"])
+
+
 def pareto(rows: Sequence[Row]) -> Figure:
     """Errors of energies and of areas against seconds, one point per law, polygons joined."""
     figure = Figure(figsize=(10.0, 4.6), layout="constrained")
@@ -72,7 +77,7 @@ def pareto(rows: Sequence[Row]) -> Figure:
     for ax, (key, name) in zip(panels, labels.items(), strict=True):
         known = [row for row in rows if row[key] and row["seconds"] is not None]
         for kind, style in POLYGONS.items():
-            line = [row for row in known if row["method"] == kind]
+            line = [row for row in known if _kind(row) == kind]
             x, y = [row["seconds"] for row in line], [row[key] for row in line]
             ax.loglog(
                 x, y, style.marker, color=style.color, linestyle="-", label=POLYGON_NAMES[kind]
@@ -89,7 +94,7 @@ def pareto(rows: Sequence[Row]) -> Figure:
                     fontsize=8,
                 )
         for row in known:
-            if row["method"] not in POLYGONS:
+            if _kind(row) not in POLYGONS:
                 style = STYLES[row["method"]]
                 ax.loglog(
                     row["seconds"],
