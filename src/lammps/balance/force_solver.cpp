@@ -67,30 +67,24 @@ bool ForceSolver::solve()
 
   local_corrections = 0;
   bool is_anew = false;
-  // Beyond confluence, curved lines may not find a balance from the last ones, or have none: so many evaluations that do
-  // not halve the imbalance are enough, before a second try from straight lines and after it.
+  // beyond confluence, curved lines may have no balance: so many evaluations that do not halve the imbalance are enough
   constexpr int STUCK = 100;
   double halved = std::numeric_limits<double>::infinity();
   int since = evaluations();
-  const auto begin_anew = [&] {
-    is_anew = true;
-    forget();
-    pipeline.start_from_nothing();
-    if (lines) lines->straighten();
-    now = pipeline.evaluate();
-    halved = std::numeric_limits<double>::infinity();
-  };
   for (;;) {
-    if (!now.exists && !is_anew)
-      begin_anew();    // forces were extrapolated too far; even beyond maxeval
-    if (is_balanced(now) || !may_go_on() || !std::isfinite(now.force)) break;
-    if (now.worst() >= 0.5 * halved && evaluations() > since + STUCK) {
-      if (!lines || is_anew) break;
-      begin_anew();
+    if (!now.exists && !is_anew) {    // forces were extrapolated too far: anew, even beyond maxeval
+      is_anew = true;
+      forget();
+      pipeline.start_from_nothing();
+      if (lines) lines->straighten();
+      now = pipeline.evaluate();
     }
+    if (is_balanced(now) || !may_go_on() || !std::isfinite(now.force)) break;
     if (now.worst() < 0.5 * halved) {
       halved = now.worst();
       since = evaluations();
+    } else if (evaluations() > since + STUCK) {
+      break;
     }
     forget();
     if (!correct_some(now)) now = correct(now);
