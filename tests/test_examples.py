@@ -177,8 +177,8 @@ def test_large(tree):
     short = (*command, "-var", "contact", "balanced", "-var", "steps", "1", "-var", "motion", "1")
     balanced = run(folder, *short)
     ((less,), (more,)) = (numbers(log, "Total dynamically") for log in (logs[0], balanced))
-    # a dozen numbers for each of about five contacts on a particle
-    assert more > less + 0.5e-3 * 1000  # Mbyte
+    # a dozen numbers for each of about five contacts on a particle, less the rows of `radical`
+    assert more > less + 0.3e-3 * 1000  # Mbyte
 
     serial, shared = (numbers(log, "strain 0") for log in logs)
     strain, pressure, energy, largest, beyond = range(5)

@@ -68,7 +68,7 @@ bool ForceSolver::solve()
   local_corrections = 0;
   bool is_anew = false;
   // beyond confluence, curved lines may have no balance: so many evaluations that do not halve the imbalance are enough
-  constexpr int STUCK = 100;
+  constexpr int STUCK = 200;
   double halved = std::numeric_limits<double>::infinity();
   int since = evaluations();
   for (;;) {

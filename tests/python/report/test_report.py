@@ -45,7 +45,7 @@ KEYS = {
     "ablation": "law option on",
     "stability": "case law quantity value limit ok reason",
 }
-LAWS = ["sector", "radical, kP inf", "radical", "balanced", "tilted"]
+LAWS = ["sector", "radical, kP inf", "radical", "balanced", "curved"]
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +69,7 @@ def test_json(folder):
     assert {row["law"] for row in rows["packing"]} == {"disk", *LAWS}
     methods = [row["method"] for row in rows["pareto"]]
     assert methods == ["disk", *LAWS, "smooth", "bead", "reference"]
-    assert {row["law"] for row in rows["ablation"]} == {"disk", *LAWS} - {"tilted"}
+    assert {row["law"] for row in rows["ablation"]} == {"disk", *LAWS} - {"curved"}
     assert {row["law"] for row in rows["smooth"]} == {*LAWS}
     assert {row["law"] for row in rows["smooth"] if row["own"]} == {*LAWS} - {"sector"}
     assert {row["walls"] for row in rows["single"]} == {"stick", "slip"}
@@ -253,7 +253,7 @@ def test_no_matplotlib(tmp_path, monkeypatch):
 def test_stability(folder):
     """Ring laws pass up to confluence; failures of the sector law have reasons."""
     rows = json.loads((folder / "report.json").read_text())["stability"]
-    assert {row["law"] for row in rows} == {"radical", "balanced", "tilted", "sector"}
+    assert {row["law"] for row in rows} == {"radical", "balanced", "curved", "sector"}
     missed = [row for row in rows if not row["ok"]]
     assert {row["law"] for row in missed} == {"sector"}
     assert {row["quantity"] for row in missed} >= {

@@ -13,7 +13,7 @@ from deformable.studies.roughness.friction import hysteresis, sliding
 
 KEYS = {
     *("n", "seed", "strain", "n_v", "law", "vertices", "own", "energy_ratio", "pressure_ratio"),
-    *("told", "S_rms", "I", "distance", "residual", "law_residual", "seconds", "seconds_polygons"),
+    *("S_rms", "I", "distance", "residual", "law_residual", "seconds", "seconds_polygons"),
 }
 CONVERGED = 1e-6
 ROOT = Path(__file__).parents[3]
