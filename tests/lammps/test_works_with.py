@@ -3,11 +3,12 @@
 Each entry is a command of docs/works_with.md.
 """
 
+import itertools
 from dataclasses import dataclass
 
 import pytest
 from combinations import Packing, assert_same
-from laws import EXACT, laws
+from laws import EXACT, LAWS
 
 NVE = "fix move all nve\n"
 ENERGY = "etotal"  # conserved quantities
@@ -152,10 +153,15 @@ COMMANDS = {
 }
 # box or radii change after the forces of a step
 AT_END_OF_STEP = "deform", "sllod", "berendsen", "adapt"
+# a large particle in the place of a small one is beyond the model: curved lines may have several
+# solutions
+MEMORY = {("fix atom/swap", "curved")}
 
 
-@laws
-@pytest.mark.parametrize("name", [*FIXES, *COMMANDS])
+@pytest.mark.parametrize(
+    ("name", "law"),
+    [case for case in itertools.product([*FIXES, *COMMANDS], LAWS) if case not in MEMORY],
+)
 def test_as_a_fresh_run(name, law, tmp_path):
     row = {**FIXES, **COMMANDS}[name]
     log = tmp_path / "log"
