@@ -88,8 +88,9 @@ def _limit(same: Sequence[Row]) -> list[Row]:
     if len(by_number) < 2:
         return []
     coarse, fine = (by_number[count] for count in sorted(by_number)[-2:])
-    energies = (1.0 / row["energy_ratio"] for row in (coarse, fine))
-    energy = of_many_vertices(*energies, fine["n_v"] / coarse["n_v"])
+    energy = of_many_vertices(
+        1.0 / coarse["energy_ratio"], 1.0 / fine["energy_ratio"], fine["n_v"] / coarse["n_v"]
+    )
     return [fine | {"n_v": math.inf, "energy_ratio": 1.0 / energy}]
 
 
