@@ -20,7 +20,6 @@ struct BentContact {
 struct CurvedHessian {
   double energy = 0.0;
   std::vector<double> curvature;                                 // of the lines
-  std::vector<double> indentation;                               // a
   std::vector<double> by_indentation, by_angle, by_curvature;    // of U
   std::vector<double>
       block;    // of U by a of the n contacts, then theta, then curvature: (3n)^2 entries
@@ -166,9 +165,8 @@ inline bool curved_hessian(double radius, const Stiffness &k,
       h.block[r * outer + c] += 0.5 * entry;
       h.block[c * outer + r] += 0.5 * entry;
     }
-  for (auto *v : {&h.indentation, &h.by_indentation, &h.by_angle, &h.by_curvature}) v->resize(n);
+  for (auto *v : {&h.by_indentation, &h.by_angle, &h.by_curvature}) v->resize(n);
   for (int c = 0; c < n; ++c) {
-    h.indentation[c] = value[c].value;
     h.by_indentation[c] = contacts[c].force;
     h.by_angle[c] = -value[n + c].value;
     h.by_curvature[c] = -value[2 * n + c].value;

@@ -198,14 +198,6 @@ static void remember(PairArrays p, int begin, int end)
   });
 }
 
-// x of the first contact of a pair, less that of the second one.
-template <class T, class Arrays>
-DEFORMABLE_LANE_FUNCTION T first_less_second(const double *x, const Arrays &p, int k)
-{
-  return gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.first[k + w]; }) -
-         gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.second[k + w]; });
-}
-
 template <class T> DEFORMABLE_LANE_FUNCTION T within(T x, double most)
 {
   return smaller(larger(x, T{} - most), T{} + most);
@@ -230,8 +222,11 @@ static double find_lines(LineArrays p, int begin, int end)
     store(p.next_sine + k, next);
 
     const T radii = of_both<T>(p.outline.free_radius, p, k);
-    const T width = of_both<T>(p.outline.per_pressure, p, k);
-    const T wider = -first_less_second<T>(p.outline.per_pressure, p, k);
+    const double *const per_p = p.outline.per_pressure;
+    const T first = gather<T>(per_p, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.first[k + w]; }),
+            second =
+                gather<T>(per_p, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.second[k + w]; });
+    const T width = first + second, wider = second - first;
     const T bent = within(0.5 * force * wider / larger(radii, zero + NOTHING), 0.5);
     const T bend = load<T>(p.bend + k), change = bent / (1.0 + root(1.0 - bent * bent)) - bend;
     store(p.next_bend + k, bend + p.part * change);

@@ -103,9 +103,7 @@ int BalancedForces::without_room() const
     if (batches.particle[ring] < 0) continue;
     const Stiffness stiffness = batches.stiffness(ring);
     if (!std::isinf(stiffness.kA) && stiffness.tension == 0.0) continue;
-    const double q = batches.radius[ring] + batches.loaded(ring).expansion -
-                     batches.total[ring] * batches.per_pressure[ring] * (0.5 / PI);
-    if (!(q >= NONE * batches.radius[ring]))
+    if (!(free_radius(ring) >= NONE * batches.radius[ring]))
       return most_crowded(batches.particle[ring]);    // also if nan
   }
   return collapsed();
@@ -226,10 +224,8 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
 double BalancedForces::line_length(int i, int k, double length) const
 {
   if (!near.pairs.curved) return length;
-  const int ring = batches.place[i];
-  const double q = batches.radius[ring] + batches.loaded(ring).expansion -
-                   batches.total[ring] * batches.per_pressure[ring] * (0.5 / PI);
-  return arc_length(length, q, near.pairs.i[k] == i ? near.pairs.bend[k] : -near.pairs.bend[k]);
+  const double bend = near.pairs.i[k] == i ? near.pairs.bend[k] : -near.pairs.bend[k];
+  return arc_length(length, free_radius(batches.place[i]), bend);
 }
 
 // Ranks compare when the neighbor list is new.

@@ -93,6 +93,12 @@ class BalancedForces : protected Pointers {
 
   void arrange(const DeformableParticles &, bool new_list);
   void set_material(const DeformableParticles &);
+  // q, the mean radius of curvature of the free outline
+  double free_radius(std::size_t ring) const
+  {
+    return batches.radius[ring] + batches.loaded(ring).expansion -
+           batches.total[ring] * batches.per_pressure[ring] * (0.5 / deformable::PI);
+  }
   // q - (1/pi) sum L: no direction has a smaller radius of curvature
   double arc_radius_at_least(std::size_t ring, double lengths) const
   {
