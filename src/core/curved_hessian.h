@@ -48,6 +48,42 @@ inline bool solve_by_elimination(std::vector<double> a, std::vector<double> &b, 
   return true;
 }
 
+// Sums over the contacts of a ring, see contact_curve.h: Gf and sum f G' of each, excess/sin^2 b, and the load.
+template <class T> struct RingSums {
+  std::vector<T> product, turning, sweep;
+  CurvedLoad<T> load;
+};
+
+template <class T>
+RingSums<T> ring_sums(const std::vector<T> &force, const std::vector<T> &angle,
+                      const std::vector<T> &u)
+{
+  using std::cos, std::sin;
+  const std::size_t n = force.size();
+  RingSums<T> sums = {std::vector<T>(n), std::vector<T>(n), std::vector<T>(n), {}};
+  T work{}, total{}, excess{}, cap{};
+  for (std::size_t c = 0; c < n; ++c) {
+    sums.product[c] = GREEN_AT_ZERO * force[c];
+    for (std::size_t d = 0; d < n; ++d) {
+      if (d == c) continue;
+      const T between = angle[c] - angle[d];
+      const double turns = std::round(value_of(between) / (2.0 * PI));
+      const double sign = value_of(between) < 2.0 * PI * turns ? -1.0 : 1.0;
+      const T t = sign * (between - 2.0 * PI * turns);
+      sums.product[c] += green(t, sin(t), cos(t)) * force[d];
+      sums.turning[c] += sign * d_green(t, sin(t), cos(t)) * force[d];
+    }
+    const ArcTerms<T> arc = arc_terms(u[c]);
+    work += 0.5 * force[c] * sums.product[c];
+    total += force[c];
+    excess += force[c] * arc.excess;
+    cap += force[c] * force[c] * arc.cap;
+    sums.sweep[c] = arc.sweep;
+  }
+  sums.load = curved_load(work, total, excess, cap);
+  return sums;
+}
+
 // The conjugate W(f, theta, kappa) of U(a, theta, kappa), kappa the curvature of each line, has
 //   dW/df = a,   dW/dtheta = f t = -dU/dtheta,   dW/dkappa = -f excess/kappa^2 = -dU/dkappa,
 // see ring_forces.h and contact_curve.h. Pressure, expansion and all u solve the equations of those files for given f,
@@ -60,18 +96,13 @@ inline bool curved_hessian(double radius, const Stiffness &k,
 {
   const int n = static_cast<int>(contacts.size()), inner = n + 2, outer = 3 * n;
   const std::size_t all = outer + inner;
-  double green_work = 0.0, plain = 0.0, excesses = 0.0, caps = 0.0;
+  std::vector<double> forces, angles, bends;
   for (const BentContact &c : contacts) {
-    for (const BentContact &d : contacts) {
-      const double t = std::fabs(std::remainder(c.angle - d.angle, 2.0 * PI));
-      green_work += 0.5 * c.force * d.force * green(t, std::sin(t), std::cos(t));
-    }
-    const ArcTerms<double> arc = arc_terms(c.u);
-    plain += c.force;
-    excesses += c.force * arc.excess;
-    caps += c.force * c.force * arc.cap;
+    forces.push_back(c.force);
+    angles.push_back(c.angle);
+    bends.push_back(c.u);
   }
-  const CurvedLoad<double> load = curved_load(green_work, plain, excesses, caps);
+  const CurvedLoad<double> load = ring_sums(forces, angles, bends).load;
   LoadedRing ring;
   if (!find_pressure(radius, k, {load.work, load.total}, ring) || !(ring.pressure > 0.0))
     return false;
@@ -93,39 +124,19 @@ inline bool curved_hessian(double radius, const Stiffness &k,
   const Dual p = Dual::variable(ring.pressure, outer, all);
   const Dual delta = Dual::variable(ring.expansion, outer + 1, all);
 
-  std::vector<Dual> product(n), turning(n), sweep(n);
-  Dual work, total, excess, cap;
-  for (int c = 0; c < n; ++c) {
-    product[c] = GREEN_AT_ZERO * force[c];
-    for (int d = 0; d < n; ++d) {
-      if (d == c) continue;
-      Dual t = angle[c] - angle[d];
-      t.value = std::remainder(t.value, 2.0 * PI);
-      const double sign = t.value < 0.0 ? -1.0 : 1.0;
-      t = sign * t;
-      product[c] += green(t, sin(t), cos(t)) * force[d];
-      turning[c] += sign * d_green(t, sin(t), cos(t)) * force[d];
-    }
-    const ArcTerms<Dual> arc = arc_terms(u[c]);
-    work += 0.5 * force[c] * product[c];
-    total += force[c];
-    excess += force[c] * arc.excess;
-    cap += force[c] * force[c] * arc.cap;
-    sweep[c] = arc.sweep;
-  }
-  const CurvedLoad<Dual> loaded = curved_load(work, total, excess, cap);
-  const Dual T = p * (radius + delta) - loaded.total * (0.5 / PI);
+  const RingSums<Dual> sums = ring_sums(force, angle, u);
+  const Dual T = p * (radius + delta) - sums.load.total * (0.5 / PI);
 
   std::vector<Dual> zero(inner), value(outer);
   zero[0] = k.conserves_perimeter() ? delta : T - k.tension - (2.0 * PI * k.kP) * delta;
-  zero[1] = (p - k.rest_pressure(radius)) / k.kA - loaded.work / (p * p) +
+  zero[1] = (p - k.rest_pressure(radius)) / k.kA - sums.load.work / (p * p) +
             PI * delta * (2.0 * radius + delta);
   for (int c = 0; c < n; ++c) {
     zero[2 + c] = sine[c] * (p - curvature[c] * T) - 0.5 * curvature[c] * force[c];
     const Dual half_chord = (0.5 * force[c] + T * sine[c]) / p;
-    value[c] = (product[c] + loaded.shift - 0.5 * u[c] * force[c]) / p - delta;
-    value[n + c] = force[c] * turning[c] / p;
-    value[2 * n + c] = -force[c] * sweep[c] * half_chord * half_chord;
+    value[c] = (sums.product[c] + sums.load.shift - 0.5 * u[c] * force[c]) / p - delta;
+    value[n + c] = force[c] * sums.turning[c] / p;
+    value[2 * n + c] = -force[c] * sums.sweep[c] * half_chord * half_chord;
   }
   const auto derivative = [](const Dual &x, int index) { return x.by.empty() ? 0.0 : x.by[index]; };
   std::vector<double> of_inner(inner * inner), response(inner * outer);

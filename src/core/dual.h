@@ -63,6 +63,16 @@ struct Dual {
   }
 };
 
+inline double value_of(double x)
+{
+  return x;
+}
+
+inline double value_of(const Dual &x)
+{
+  return x.value;
+}
+
 inline Dual sin(const Dual &x)
 {
   return x.chained(std::sin(x.value), std::cos(x.value));
