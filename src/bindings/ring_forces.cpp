@@ -1,6 +1,6 @@
 #include "laws.h"
 
-#include "contact_curve.h"
+#include "curved_hessian.h"
 #include "parameter_rules.h"
 
 #include <cmath>
@@ -34,44 +34,30 @@ ForcedRing forced_ring(double radius, nb::handle angles, nb::handle forces, doub
   const Stiffness stiffness = {kA, kP, tension};
   refuse_invalid(radius, stiffness, skin);
   const std::size_t z = force.size();
-  std::vector<double> green_force(z, 0.0), d_green_force(z, 0.0), g(z * z);
   ForcedRing result;
   result.stiffness = stiffness;
   result.radius = radius - skin;
+  std::vector<double> g(z * z), u;
   for (std::size_t c = 0; c < z; ++c) {
     if (force[c] < 0.0) refuse("force: forces must not be negative, not " + shown_number(force[c]));
-    result.load.total += force[c];
-  }
-  for (std::size_t c = 0; c < z; ++c)
-    for (std::size_t k = 0; k < z; ++k) {
-      const double t = std::remainder(angle[c] - angle[k], 2.0 * PI);
-      const double sine = std::sin(std::fabs(t)), cosine = std::cos(t);
-      g[c * z + k] = green(std::fabs(t), sine, cosine);
-      green_force[c] += g[c * z + k] * force[k];
-      const double slope = d_green(std::fabs(t), sine, cosine);
-      if (c != k) d_green_force[c] += (t < 0.0 ? -slope : slope) * force[k];
-    }
-  double excess = 0.0, cap = 0.0;
-  for (std::size_t c = 0; c < z; ++c) {
     if (!(std::fabs(half_angle[c]) <= PI / 6.0 + 1e-12))
       refuse("half_angle: contacts bend by pi/6 at most, not " + shown_number(half_angle[c]));
-    const double u = std::tan(0.5 * half_angle[c]);
-    const ArcTerms<double> arc = arc_terms(u);
-    result.load.work += 0.5 * force[c] * green_force[c];
-    excess += force[c] * arc.excess;
-    cap += force[c] * force[c] * arc.cap;
-    green_force[c] -= 0.5 * u * force[c];
+    u.push_back(std::tan(0.5 * half_angle[c]));
+    for (std::size_t k = 0; k < z; ++k) {
+      const double t = std::fabs(std::remainder(angle[c] - angle[k], 2.0 * PI));
+      g[c * z + k] = green(t, std::sin(t), std::cos(t));
+    }
   }
-  const CurvedLoad<double> load = curved_load(result.load.work, result.load.total, excess, cap);
-  result.load = {load.work, load.total};
-  for (std::size_t c = 0; c < z; ++c) green_force[c] += load.shift;
+  const RingSums<double> sums = ring_sums(force, angle, u);
+  const std::vector<double> &green_force = sums.product, &d_green_force = sums.turning;
+  result.load = {sums.load.work, sums.load.total};
   if (!find_pressure(result.radius, result.stiffness, result.load, result.ring))
     refuse("force: no ring of this stiffness bears these forces");
 
   const double p = result.ring.pressure;
   const RingCompliance C =
       compliance_of(result.radius, result.stiffness, result.load.work, result.ring);
-  result.bend = load.shift * C.per_pressure;
+  result.bend = sums.load.shift * C.per_pressure;
   result.compliance.resize(z * z);
   for (std::size_t c = 0; c < z; ++c) {
     const double b = green_force[c] * C.per_pressure;

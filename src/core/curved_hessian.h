@@ -48,7 +48,7 @@ inline bool solve_by_elimination(std::vector<double> a, std::vector<double> &b, 
   return true;
 }
 
-// Sums over the contacts of a ring, see contact_curve.h: Gf and sum f G' of each, excess/sin^2 b, and the load.
+// Sums over the contacts of a ring, see contact_curve.h: p (a + delta), sum f G' and excess/sin^2 b of each, and the load.
 template <class T> struct RingSums {
   std::vector<T> product, turning, sweep;
   CurvedLoad<T> load;
@@ -81,6 +81,7 @@ RingSums<T> ring_sums(const std::vector<T> &force, const std::vector<T> &angle,
     sums.sweep[c] = arc.sweep;
   }
   sums.load = curved_load(work, total, excess, cap);
+  for (std::size_t c = 0; c < n; ++c) sums.product[c] += sums.load.shift - 0.5 * u[c] * force[c];
   return sums;
 }
 
@@ -134,7 +135,7 @@ inline bool curved_hessian(double radius, const Stiffness &k,
   for (int c = 0; c < n; ++c) {
     zero[2 + c] = sine[c] * (p - curvature[c] * T) - 0.5 * curvature[c] * force[c];
     const Dual half_chord = (0.5 * force[c] + T * sine[c]) / p;
-    value[c] = (sums.product[c] + sums.load.shift - 0.5 * u[c] * force[c]) / p - delta;
+    value[c] = sums.product[c] / p - delta;
     value[n + c] = force[c] * sums.turning[c] / p;
     value[2 * n + c] = -force[c] * sums.sweep[c] * half_chord * half_chord;
   }
