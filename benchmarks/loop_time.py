@@ -37,7 +37,7 @@ TIMESTEP = 0.05
 PARTICLE_STEPS = 2_000_000
 LEAST_STEPS = 60  # the first steps of a run are dearer, as forces have no history
 SPECIES = "# UNITS: lj\nsmall 0.5 1.0 inf\nlarge 0.7 1.0 inf\n"
-LAWS = ("disk", "sector", "radical", "balanced")
+LAWS = ("disk", "sector", "radical", "balanced", "curved")
 LEVELS = core.simd_levels()[::-1]  # the first one is the default
 BREAKDOWN = ("Pair", "Neigh", "Comm", "Modify", "Other")
 
@@ -54,8 +54,9 @@ def styles(species: Path) -> dict[str, str]:
     return {
         "disk": disks(),
         "sector": f"pair_style deformable/sector\n{coefficients}",
-        "radical": f"pair_style deformable/ring contact radical reach 0.1\n{coefficients}",
-        "balanced": f"pair_style deformable/ring contact balanced reach 0.1\n{coefficients}",
+    } | {
+        law: f"pair_style deformable/ring contact {law} reach 0.1\n{coefficients}"
+        for law in ("radical", "balanced", "curved")
     }
 
 

@@ -73,8 +73,8 @@ class Ring:
             undeformed circles. Compared with smooth polygons, `balanced` is right to 1.4 % up to
             3 % strain, `curved` to less than the polygons' own error, and `radical` wrong by
             factors. A relaxation takes about 1.4 times as long with `balanced` as with `radical`,
-            and a relaxation or a step of motion two to three times as long with `curved` as with
-            `balanced`.
+            and a relaxation about twice, a step of motion two to four times as long with `curved`
+            as with `balanced`.
 
     Raises:
         ParameterError: a stiffness is not positive, both are infinite, the reach is not in

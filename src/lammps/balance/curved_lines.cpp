@@ -17,24 +17,18 @@ void CurvedLines::arrange(ForceBatches &b, NearPairs &p, RemoteSides &r)
   remote = &r;
 }
 
-// As the forces of pairs: by a straight line where the third difference shows a kink. A pair without a past has no tilt
-// either.
-void CurvedLines::predict(const deformable::Extrapolation &by, double smooth)
+// A pair without a past has no tilt either.
+void CurvedLines::predict(double slope)
 {
   NearPairs &p = *pairs;
   for (LargeVector<double> *const past : {p.past_tilt, p.past_bend}) {
-    const double *const now = past[0].data(), *const last = past[1].data(),
-                        *const before = past[2].data();
-    double *const first = past[3].data();
+    const double *const last = past[0].data();
+    double *const next = past[1].data();
     for (int k = 0; k < p.size; ++k) {
-      const double D = now[k] - last[k], D2 = D - (last[k] - before[k]);
-      const double D3 = D2 - (last[k] - 2.0 * before[k] + first[k]);
-      const bool is_kink = std::fabs(D3) > std::max(deformable::KINK * std::fabs(D2), smooth);
-      const double curve = is_kink ? 0.0 : by.bend * D2 + by.twist * D3;
       const bool is_known = p.past_tilt[0][k] != UNKNOWN_FORCE;
-      first[k] = is_known ? now[k] + by.slope * D + curve : now[k];
+      next[k] = is_known ? last[k] + slope * (last[k] - next[k]) : last[k];
     }
-    for (int n = PastForces::LINES - 1; n > 0; --n) std::swap(past[n - 1], past[n]);
+    std::swap(past[0], past[1]);
   }
 }
 

@@ -30,8 +30,8 @@ class CurvedLines {
 
   void arrange(ForceBatches &, NearPairs &, RemoteSides &);    // contacts are new
 
-  // Extrapolates tilts and bends of the last calls, which the pairs have. smooth: third differences that are no kink.
-  void predict(const deformable::Extrapolation &, double smooth);
+  // Extrapolates tilts and bends of the last two calls, which the pairs have: by this part of their difference.
+  void predict(double slope);
 
   // Of pairs that are straight yet: their lines take the first of the past tilts and bends.
   void begin();

@@ -33,7 +33,7 @@ void ForceSolver::begin_call()
   const deformable::Extrapolation next =
       predictor.next(minimizing(), SMOOTH * limit(planned_from) / pairs->unit());
   pipeline.extrapolate(next);
-  if (lines) lines->predict(next, SMOOTH * tolerance);
+  if (lines) lines->predict(next.slope);
   is_first = true;
   is_remembered = is_corrected = false;
 }

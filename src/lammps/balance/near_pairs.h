@@ -15,14 +15,13 @@
 namespace LAMMPS_NS {
 
 // The force of a pair at the last call; negative: see ForceSolver. Its differences from call to call, further and further
-// back, see PairArrays. The sines of the tilts of its contact line and its bends at the last four calls, see CurvedLines.
+// back, see PairArrays. The sines of the tilts of its contact line and its bends at the last two calls, see CurvedLines.
 struct PastForces {
   double force = deformable::UNKNOWN_FORCE;
   double earlier[3] = {0.0, 0.0, 0.0};
-  static constexpr int LINES = 4;
-  double tilt[LINES] = {deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE,
-                        deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE};
-  double bend[LINES] = {0.0, 0.0, 0.0, 0.0};    // from the first particle
+  static constexpr int LINES = 2;
+  double tilt[LINES] = {deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE};
+  double bend[LINES] = {0.0, 0.0};    // from the first particle
 
   PastForces from_second() const
   {
