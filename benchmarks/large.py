@@ -40,8 +40,9 @@ CASES = (
     ("radical", 2, (5, 3, 1), {"steps": 2, "calls": 50, "motion": 100}),
     ("balanced", 1, (3, 2, 1), {"steps": 2, "calls": 50, "motion": 100}),
     ("balanced", 2, (3, 2, 1), {"steps": 2, "calls": 50, "motion": 100}),
+    ("curved", 1, (3, 2), {"steps": 2, "calls": 50, "motion": 100}),
 )
-LAWS = ("disk", "radical", "balanced")
+LAWS = ("disk", "radical", "balanced", "curved")
 
 DISKS = """
 units lj
