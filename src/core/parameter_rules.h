@@ -1,4 +1,4 @@
-// The rules for radius, kA, kP, tension and skin of a species. Each function returns an empty text if its arguments are
+// The rules for radius, kA, kP, tension and skin of a species, and for adhesion. Each function returns an empty text if its arguments are
 // valid, otherwise a phrase with the parameter, its valid range and its value.
 
 #ifndef DEFORMABLE_PARAMETER_RULES_H
@@ -80,6 +80,32 @@ inline std::string invalid_for_sectors(double kA, double kP, double skin, double
            shown_number(kA) + " and kP = " + shown_number(kP);
   if (skin != 0.0) return "the sector law has no skin: it must be 0, not " + shown_number(skin);
   return "";
+}
+
+inline std::string invalid_adhesion(double adhesion)
+{
+  if (adhesion >= 0.0 && std::isfinite(adhesion)) return "";
+  return "adhesion must be 0 or positive and finite, not " + shown_number(adhesion);
+}
+
+// For a particle that gains w for each unit of length of a film, with a wall or with another particle, which meets the
+// same rule. A film has the tension T_i + T_j - w (wall: T_i - w) and meets the free outline at an angle of
+//   cos theta = 1 - w/2T (wall: 1 - w/T) between equals,   w < 2T of the weaker one
+inline std::string invalid_for_adhesion(double adhesion, const Stiffness &k, double skin)
+{
+  if (adhesion == 0.0) return "";
+  const std::string needs = "adhesion " + shown_number(adhesion) + " needs ";
+  if (skin != 0.0)
+    return needs + "a skin of 0, not " + shown_number(skin) + ": films lie between the outlines";
+  if (k.conserves_perimeter())
+    return needs + "a finite kP and a tension, not kP = " + shown_number(k.kP) +
+           ": a perimeter that is conserved has no tension at rest, and so no contact angle";
+  const double least = 0.5 * adhesion;
+  if (k.tension > least) return "";
+  return needs + "a tension above half of it, " + shown_number(least) + ", not " +
+         shown_number(k.tension) +
+         (k.tension == 0.0 ? ": without a tension there is no contact angle at rest"
+                           : ": nothing would bound the film, which engulfs a particle");
 }
 
 }    // namespace deformable

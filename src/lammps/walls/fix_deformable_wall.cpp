@@ -2,6 +2,8 @@
 
 #include "lammps_release.h"
 
+#include "parameter_rules.h"
+
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
@@ -10,6 +12,7 @@
 #include "update.h"
 
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 using namespace LAMMPS_NS;
@@ -20,6 +23,7 @@ using namespace FixConst;
 FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {
   if (narg < 4) utils::missing_cmd_args(FLERR, "fix deformable/wall", error);
+  narg = read_adhesion(narg, arg);
   if (narg > 4 && WallSources::is_word(arg[3])) {
     WallSources sources;
     require(sources.read_words(narg - 3, arg + 3, lmp));
@@ -50,6 +54,26 @@ FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg) : Fix(lm
   global_freq = 1;
   virial_global_flag = virial_peratom_flag = 1;
   dynamic_group_allow = 1;
+}
+
+/* ----------------------------------------------------------------------
+   The keyword comes last. Returns the number of words before it.
+------------------------------------------------------------------------- */
+
+int FixDeformableWall::read_adhesion(int narg, char **arg)
+{
+  int words = 4;    // a region may be called adhesion
+  while (words < narg && std::strcmp(arg[words], "adhesion") != 0) ++words;
+  if (words == narg) return narg;
+  if (words + 1 == narg) utils::missing_cmd_args(FLERR, "fix deformable/wall adhesion", error);
+  if (words + 2 < narg)
+    error->all(FLERR_WORD(words + 2),
+               "Fix {} deformable/wall: unknown word '{}' after adhesion, which takes one number "
+               "and comes last",
+               id, arg[words + 2]);
+  stickiness = utils::numeric(FLERR, arg[words + 1], false, lmp);
+  require(deformable::invalid_adhesion(stickiness));
+  return words;
 }
 
 /* ---------------------------------------------------------------------- */

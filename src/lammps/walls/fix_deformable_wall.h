@@ -1,4 +1,5 @@
-// Walls for deformable particles: fix ID group deformable/wall region-ID, or words for shapes at rest.
+// Walls for deformable particles: fix ID group deformable/wall region-ID [adhesion w], or words for shapes at rest in
+// the place of the region.
 //
 // The pair style asks this fix for the contacts of a particle with the walls, computes the shape with all
 // contacts of the particle, and returns the forces of the walls. The fix adds them in post_force.
@@ -46,6 +47,9 @@ class FixDeformableWall : public Fix {
   double compute_vector(int) override;
   double memory_usage() override;
 
+  // Energy that a particle gains for each unit of length of its film with the wall.
+  double adhesion() const { return stickiness; }
+
   // A pair style begins a force call. Only its first call of a step counts: fixes and computes such as fix
   // numdiff ask for more calls, which must not change the forces.
   void begin_call(const class Pair *caller)
@@ -89,6 +93,7 @@ class FixDeformableWall : public Fix {
   std::string region_id;    // empty: shapes at rest
   Region *region = nullptr;
   WallScene scene;
+  double stickiness = 0.0;
 
   struct WallForce {
     double fx, fy, vxx, vyy, vxy;
@@ -101,6 +106,7 @@ class FixDeformableWall : public Fix {
 
   void place(bool counts);
   void require(const std::string &problem);
+  int read_adhesion(int narg, char **arg);
   void read_region();
   void warn_of_box() const;
   [[noreturn]] void refuse_center(int i, const WallScene::Refused &);
