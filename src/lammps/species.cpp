@@ -163,6 +163,69 @@ void read_options(Error *error, const std::string &of_species,
   }
 }
 
+double value_of(Error *error, const std::string &place, const std::string &what,
+                const std::string &word)
+{
+  const double value = number_of(word);
+  if (std::isnan(value))
+    error->all(FLERR, place + what + " is '" + shown(word) + "', which is not a number");
+  return value;
+}
+
+Species read_line(Error *error, const std::string &place, const std::vector<std::string> &words,
+                  const std::string &line)
+{
+  const std::size_t odd = misplaced_word(words);
+  if (words.size() < 4 || odd < words.size())
+    error->all(FLERR,
+               place + "expected 'name radius kA kP [skin] [tension value]', got " +
+                   std::to_string(words.size()) + " words: '" + shown(line) + "'" +
+                   (words.size() < 4 ? "" : ", where '" + shown(words[odd]) + "' is no keyword"));
+  const std::string name = shown(words[0]), of_species = place + "species " + name + ": ";
+  const auto value = [&](const std::string &what, const std::string &word) {
+    return value_of(error, place, what + " of species " + name, word);
+  };
+  const double radius = value("radius", words[1]);
+  deformable::Stiffness stiffness = {value("kA", words[2]), value("kP", words[3])};
+  double skin = 0.0;
+  read_options(error, of_species, words, value, stiffness.tension, skin);
+  const Species found = {words[0], radius, stiffness, skin};
+  const std::string problem = invalid_values(found);
+  if (!problem.empty()) error->all(FLERR, of_species + problem);
+  return found;
+}
+
+Adhesion read_adhesion(Error *error, const std::string &place,
+                       const std::vector<std::string> &words, const std::string &line, int number)
+{
+  if (words.size() != 4)
+    error->all(FLERR, place + "expected 'adhesion species species value', got " +
+                          std::to_string(words.size()) + " words: '" + shown(line) +
+                          "' (no species can be called adhesion)");
+  return {words[1], words[2],
+          value_of(error, place, "adhesion of " + shown(words[1]) + " and " + shown(words[2]),
+                   words[3]),
+          number};
+}
+
+// The problem of an adhesion among all lines of the file, in a phrase; empty if there is none.
+std::string problem_of(const Adhesion &adhesion, const SpeciesFile &file)
+{
+  const Species *of[2] = {nullptr, nullptr};
+  for (const Species &s : file.species) {
+    if (s.name == adhesion.first) of[0] = &s;
+    if (s.name == adhesion.second) of[1] = &s;
+  }
+  for (int side = 0; side < 2; ++side)
+    if (!of[side])
+      return "species " + shown(side == 0 ? adhesion.first : adhesion.second) +
+             " is not defined in this file (and no species can be called adhesion)";
+  for (const Adhesion &other : file.adhesions)
+    if (other.line < adhesion.line && other.is_of(adhesion.first, adhesion.second))
+      return "it is given twice, in line " + std::to_string(other.line) + " too";
+  return invalid_adhesion(adhesion.energy, *of[0], *of[1]);
+}
+
 }    // namespace
 
 std::string LAMMPS_NS::invalid_values(const Species &s)
@@ -176,6 +239,18 @@ std::string LAMMPS_NS::invalid_values(const Species &s)
   return unstable_radius(s.radius - s.skin, k);
 }
 
+std::string LAMMPS_NS::invalid_adhesion(double adhesion, const Species &a, const Species &b)
+{
+  using namespace deformable;
+  const std::string invalid = deformable::invalid_adhesion(adhesion);
+  if (!invalid.empty()) return invalid;
+  for (const Species *s : {&a, &b}) {
+    const std::string problem = invalid_for_adhesion(adhesion, s->stiffness, s->skin);
+    if (!problem.empty()) return "species " + shown(s->name) + ": " + problem;
+  }
+  return "";
+}
+
 std::string LAMMPS_NS::shown(const std::string &text)
 {
   constexpr std::size_t LONGEST = 80;
@@ -185,11 +260,11 @@ std::string LAMMPS_NS::shown(const std::string &text)
   return plain;
 }
 
-std::vector<Species> LAMMPS_NS::read_species(LAMMPS *lmp, const std::string &file)
+SpeciesFile LAMMPS_NS::read_species(LAMMPS *lmp, const std::string &file)
 {
   const std::string text = read_text(lmp, file);
   Error *error = lmp->error;
-  std::vector<Species> all;
+  SpeciesFile found;
 
   if (text.find('\0') != std::string::npos)
     error->all(FLERR, "Species file '{}' is not plain text, it has zero bytes: save it as UTF-8",
@@ -207,37 +282,23 @@ std::vector<Species> LAMMPS_NS::read_species(LAMMPS *lmp, const std::string &fil
     const std::vector<std::string> words = utils::split_words(line);
     if (words.empty()) continue;
 
-    const std::size_t odd = misplaced_word(words);
-    if (words.size() < 4 || odd < words.size())
-      error->all(FLERR,
-                 "Species file '{}', line {}: expected 'name radius kA kP [skin] [tension value]', "
-                 "got {} words: '{}'{}",
-                 file, number, words.size(), shown(utils::trim(line)),
-                 words.size() < 4 ? "" : ", where '" + shown(words[odd]) + "' is no keyword");
-    const std::string name = shown(words[0]);
-    const std::string of_species =
-        fmt::format("Species file '{}', line {}: species {}: ", file, number, name);
-    const auto value_of = [&](const char *what, const std::string &word) {
-      const double value = number_of(word);
-      if (std::isnan(value))
-        error->all(FLERR,
-                   "Species file '{}', line {}: {} of species {} is '{}', which is not a number",
-                   file, number, what, name, shown(word));
-      return value;
-    };
-    const double radius = value_of("radius", words[1]);
-    deformable::Stiffness stiffness = {value_of("kA", words[2]), value_of("kP", words[3])};
-    double skin = 0.0;
-    read_options(error, of_species, words, value_of, stiffness.tension, skin);
-    const Species found = {words[0], radius, stiffness, skin};
-    const std::string problem = invalid_values(found);
-    if (!problem.empty()) error->all(FLERR, of_species + problem);
-    for (const Species &other : all)
-      if (other.name == words[0])
-        error->all(FLERR, "Species file '{}', line {}: species {} is defined twice", file, number,
-                   name);
-    all.push_back(found);
+    const std::string place = fmt::format("Species file '{}', line {}: ", file, number);
+    const std::string plain = utils::trim(line);
+    if (words[0] == "adhesion") {
+      found.adhesions.push_back(read_adhesion(error, place, words, plain, number));
+      continue;
+    }
+    found.species.push_back(read_line(error, place, words, plain));
+    for (std::size_t k = 0; k + 1 < found.species.size(); ++k)
+      if (found.species[k].name == words[0])
+        error->all(FLERR, place + "species " + shown(words[0]) + " is defined twice");
   }
-  if (all.empty()) error->all(FLERR, "Species file '{}' defines no species", file);
-  return all;
+  if (found.species.empty()) error->all(FLERR, "Species file '{}' defines no species", file);
+  for (const Adhesion &a : found.adhesions) {
+    const std::string problem = problem_of(a, found);
+    if (!problem.empty())
+      error->all(FLERR, "Species file '{}', line {}: adhesion of {} and {}: {}", file, a.line,
+                 shown(a.first), shown(a.second), problem);
+  }
+  return found;
 }

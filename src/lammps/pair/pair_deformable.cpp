@@ -86,23 +86,36 @@ void PairDeformable::coeff(int narg, char **arg)
                force->pair_style, narg - 3, atom->ntypes);
   map_element2type(narg - 3, arg + 3);
 
-  const std::vector<Species> known = read_species(lmp, arg[2]);
+  const SpeciesFile known = read_species(lmp, arg[2]);
   species.assign(atom->ntypes + 1, Species{});
   radius.assign(atom->ntypes + 1, 0.0);
   for (int type = 1; type <= atom->ntypes; ++type) {
     if (map[type] < 0) continue;
     const char *name = arg[2 + type];
-    for (const Species &candidate : known)
+    for (const Species &candidate : known.species)
       if (candidate.name == name) species[type] = candidate;
     if (species[type].name.empty()) {
       std::string names;
-      for (const Species &candidate : known) names += " " + shown(candidate.name);
+      for (const Species &candidate : known.species) names += " " + shown(candidate.name);
       error->all(FLERR_WORD(2 + type), "Species '{}' is not in the file '{}', which has:{}", name,
                  arg[2], names);
     }
     check_species(species[type]);
     radius[type] = species[type].radius;
   }
+  adhesions.assign(species, known.adhesions);
+  check_lines_bend("Species", adhesions.any());
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformable::check_lines_bend(const std::string &whose, bool sticks) const
+{
+  if (sticks && !bends_lines())
+    error->all(FLERR,
+               "{}: adhesion needs contact lines that bend, to meet outlines at an angle. Use "
+               "'pair_style deformable/ring contact curved', or adhesion 0",
+               whose);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -129,6 +142,9 @@ void PairDeformable::init_style()
   walls.clear();
   for (Fix *fix : modify->get_fix_by_style(FixDeformableWall::STYLE))
     walls.push_back(static_cast<FixDeformableWall *>(fix));
+  check_lines_bend("Species", adhesions.any());
+  for (const FixDeformableWall *wall : walls)
+    check_lines_bend(fmt::format("Fix {} deformable/wall", wall->id), wall->adhesion() > 0.0);
 }
 
 /* ---------------------------------------------------------------------- */

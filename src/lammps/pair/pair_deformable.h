@@ -6,6 +6,7 @@
 
 #include "pair.h"
 
+#include "adhesions.h"
 #include "block_walk.h"
 #include "particle_results.h"
 #include "shape.h"
@@ -60,13 +61,18 @@ class PairDeformable : public Pair {
   // Stops with an error if the style does not support this species.
   virtual void check_species(const Species &) const {}
 
+  // Whether contact lines bend, without which nothing can stick: stops if the owner of an adhesion does.
+  virtual bool bends_lines() const { return false; }
+  void check_lines_bend(const std::string &whose, bool sticks) const;
+
   // Gives each pair_style and pair_coeff command of this process a number of its own.
   void number_definition();
 
   double reach = 0.0;    // largest distance of contacts over R_i + R_j, minus 1
   bool bulges() const { return reach > 0.0; }    // else contacts are the lines inside of the circle
   std::vector<Species>
-      species;    // by atom type; without a name if the type belongs to another style
+      species;            // by atom type; without a name if the type belongs to another style
+  Adhesions adhesions;    // of all pairs of types
   std::vector<FixDeformableWall *> walls;
 
   // The force of a wall on particle i at this contact, at `shift` beside the point nearest to the center.

@@ -3,6 +3,7 @@
 #include "lammps_release.h"
 
 #include "contact.h"
+#include "parameter_rules.h"
 #include "support.h"
 
 #include "comm.h"
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string>
 
 using namespace LAMMPS_NS;
@@ -108,7 +110,8 @@ void PairDeformableRing::coeff(int narg, char **arg)
 void *PairDeformableRing::extract(const char *name, int &dim)
 {
   take_ramps();    // values that no force call has seen yet
-  double **const array = ramps.array_of(name, species);
+  double **const array =
+      !strcmp(name, "adhesion") ? adhesions.array() : ramps.array_of(name, species);
   if (!array) return PairDeformable::extract(name, dim);
   dim = 2;
   return array;
@@ -126,15 +129,41 @@ bool PairDeformableRing::take_ramps()
                "A fix adapt sets {}, but stiffnesses and tensions belong to one type: give it the "
                "same type twice",
                odd);
-  if (ramps.take(species) == 0) return false;
+  const bool new_species = ramps.take(species) != 0, new_adhesion = adhesions.take();
+  unchecked |= new_species || new_adhesion;
+  if (!unchecked) return false;
   ramps.fill(species);
   for (const Species &s : species) {
     if (s.name.empty()) continue;
     const std::string wrong = invalid_values(s);
     if (!wrong.empty()) error->all(FLERR, "Species {} in a run: {}", s.name, wrong);
   }
+  const std::string wrong = adhesions.problem(species);
+  if (!wrong.empty()) error->all(FLERR, "Adhesion in a run: {}", wrong);
+  check_lines_bend("Species", adhesions.any());
+  unchecked = false;
   number_definition();
   return true;
+}
+
+/* ----------------------------------------------------------------------
+   Species that touch a wall with adhesion are those of the atoms in its group.
+------------------------------------------------------------------------- */
+
+void PairDeformableRing::check_sticky_walls()
+{
+  for (const FixDeformableWall *wall : walls) {
+    if (wall->adhesion() == 0.0) continue;
+    for (int ii = 0; ii < list->inum; ++ii) {
+      const int i = list->ilist[ii];
+      if (!(atom->mask[i] & wall->groupbit)) continue;
+      const Species &s = species[atom->type[i]];
+      const std::string wrong = invalid_for_adhesion(wall->adhesion(), s.stiffness, s.skin);
+      if (!wrong.empty())
+        error->one(FLERR, "Fix {} deformable/wall: atom {} of species {}: {}", wall->id,
+                   atom->tag[i], s.name, wrong);
+    }
+  }
 }
 
 /* ---------------------------------------------------------------------- */
@@ -143,6 +172,7 @@ void PairDeformableRing::compute(int eflag, int vflag)
 {
   const bool new_material = take_ramps();
   begin_call(eflag, vflag);
+  if (neighbor->ago == 0 || new_material) check_sticky_walls();
   if (neighbor->ago == 0) smallest = smallest_radius();
   if (balanced)
     evaluate_balanced(new_material);

@@ -30,10 +30,15 @@ class PairDeformableRing : public PairDeformable {
   void compute(int, int) override;
   double memory_usage() override;
 
+ protected:
+  bool bends_lines() const override { return balanced && balanced->pairs().curved; }
+
  private:
   std::unique_ptr<BalancedForces> balanced;    // null: contacts stay on their radical axes
   SpeciesRamps ramps;
-  bool take_ramps();        // whether a species has changed
+  bool take_ramps();         // whether a species or an adhesion has changed
+  bool unchecked = false;    // values of ramps, also after an error that the caller has caught
+  void check_sticky_walls();
   double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
 
   deformable::RingLCP lcp;
