@@ -2,6 +2,7 @@
 // cmake/sources.cmake.
 
 #include "correction_lanes.h"
+#include "film_lanes.h"
 #include "force_lanes.h"
 #include "pair_lanes.h"
 
@@ -9,11 +10,24 @@ namespace deformable::DEFORMABLE_LEVEL {
 
 extern const ForceKernels force_kernels;
 
-const ForceKernels force_kernels = {
-    shape_rings,  adapt_rings,    slopes_of_rings,      begin_corrections,
-    multiply,     advance,        advance_and_multiply, advance_twice,
-    locate_pairs, find_residuals, find_unbalanced,      extrapolate,
-    take_step,    remember,       find_lines,           take_lines,
-    dot};
+const ForceKernels force_kernels = {shape_rings,
+                                    adapt_rings,
+                                    slopes_of_rings,
+                                    begin_corrections,
+                                    multiply,
+                                    advance,
+                                    advance_and_multiply,
+                                    advance_twice,
+                                    locate_pairs,
+                                    find_residuals,
+                                    find_unbalanced,
+                                    extrapolate,
+                                    take_step,
+                                    remember,
+                                    find_lines,
+                                    take_lines,
+                                    find_films,
+                                    take_films,
+                                    dot};
 
 }    // namespace deformable::DEFORMABLE_LEVEL

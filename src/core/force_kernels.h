@@ -29,6 +29,7 @@ struct RingArrays {
   double *expansion;
   float *mixed, *rate;
   const double *tension, *skin;    // also null where no ring has any
+  const double *film_tension;      // T of the rings, for films that stick; null where none does
   double scale;    // compliances are in units of it, for the range of single precision
 };
 
@@ -43,6 +44,7 @@ struct ContactArrays {
   double *slope;          // of the outline
   float *share;           // v
   float *green;
+  double *film[4];    // FilmTerms; null where no film sticks
   double *scratch;    // for the rings that have more contacts than any kernel knows, aligned
 };
 
@@ -86,12 +88,15 @@ struct PairArrays {
   float *earlier[3];
   // the forces before a step, at the place of earlier[0], which is made anew at the end of a call
   float *before;
+  const double *least;    // see least_force; null: 0
 };
 
-// The least force that a pair may bear; it bears one if its force is larger.
-template <class T> DEFORMABLE_INLINE T least_force(const PairArrays &, int)
+// The least force that a pair may bear; it bears one if its force is larger. 0, or below for films that stick.
+template <class T> DEFORMABLE_INLINE T least_force(const PairArrays &p, int k)
 {
-  return T{};
+  T least{};
+  if (p.least) __builtin_memcpy(&least, p.least + k, sizeof least);
+  return least;
 }
 
 constexpr double UNKNOWN_FORCE = -1e300;
@@ -132,6 +137,20 @@ struct LineArrays {
   double *bend, *next_bend;             // tan(beta/2)
   double *overlap, *angle, *nx, *ny;    // of the tilted line
   double part;                          // of the step to the next tilt and bend
+  const double *adhesion;               // null, or not 0 where a pair has a film
+};
+
+// Films that stick, of pairs that may: contact_film.h. The second contact of a wall does not exist.
+struct FilmArrays {
+  const double *force, *bend, *adhesion;    // w, 0 where a pair is free
+  const int *first, *second;                // contacts of the pairs
+  OutlineArrays outline;
+  double *angle[2], *next_angle[2];    // tan(theta/2) of both sides
+  double *next_pull;                   // T sin theta
+  double *next_bend;
+  double *terms[4];    // FilmTerms, by contact
+  int wall;            // the first pair with a wall
+  double part;         // of the step to the next bend
 };
 
 // Structures come by value: behind a reference, whatever a kernel stores might change them, and each use would load them
@@ -180,6 +199,11 @@ struct ForceKernels {
   // The next tilts and bends, by Newton's method for each line alone; returns the largest imbalance. Lines take them.
   double (*find_lines)(LineArrays, int begin, int end);
   void (*take_lines)(LineArrays, int begin, int end);
+
+  // The next angles of films, the bends that they need, and their largest imbalance. Films take their angles; both
+  // sides of a pair get their terms.
+  double (*find_films)(FilmArrays, int begin, int end);
+  void (*take_films)(FilmArrays, int begin, int end);
 
   double (*dot)(const float *, const float *, int begin, int end);
 };

@@ -18,7 +18,7 @@ DEFORMABLE_LANE_FUNCTION RingArrays rings_of(RingArrays r, int ring)
 {
   const auto move = [ring](auto &...p) DEFORMABLE_LANE_LAMBDA { ((p ? p += ring : p), ...); };
   move(r.radius, r.kA, r.pressure, r.work, r.total, r.per_pressure, r.square);
-  move(r.kP, r.expansion, r.mixed, r.rate, r.tension, r.skin);
+  move(r.kP, r.expansion, r.mixed, r.rate, r.tension, r.skin, r.film_tension);
   return r;
 }
 
@@ -28,6 +28,8 @@ DEFORMABLE_LANE_FUNCTION ContactArrays contacts_of(ContactArrays c, int contact,
   for (double **p : {&c.indentation, &c.slope}) *p += contact;
   for (float **p : {&c.compliance, &c.share}) *p += contact;
   c.green += green;
+  for (double *&term : c.film)
+    if (term) term += contact;
   return c;
 }
 
@@ -118,6 +120,25 @@ DEFORMABLE_LANE_FUNCTION void bend_contacts(int n, const double *bend, const int
   for (int m = 0; m < n; ++m) product[m] += load.shift;
 }
 
+// The same of contacts that stick (contact_film.h).
+DEFORMABLE_LANE_FUNCTION void stick_contacts(int n, const ContactArrays &c, Lanes tension,
+                                             const Lanes *force, Lanes *product, Lanes &work,
+                                             Lanes &total)
+{
+  Lanes perimeter = Lanes{}, linear = Lanes{}, square = Lanes{};
+#pragma GCC unroll 8
+  for (int m = 0; m < n; ++m) {
+    perimeter += load<Lanes>(c.film[0] + m * LANES);
+    linear += force[m] * load<Lanes>(c.film[1] + m * LANES);
+    square += load<Lanes>(c.film[2] + m * LANES);
+  }
+  const Lanes per_pi = perimeter * (1.0 / PI);
+  work += tension * (tension * (square + perimeter * per_pi) + (linear + total * per_pi));
+  total += 2.0 * perimeter * tension;
+#pragma GCC unroll 8
+  for (int m = 0; m < n; ++m) product[m] += tension * (per_pi + load<Lanes>(c.film[3] + m * LANES));
+}
+
 // Shapes from forces and their sums with G.
 template <bool SOFT>
 DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const double *bend, const Lanes *force,
@@ -132,11 +153,17 @@ DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const double *bend, const Lan
   }
   work *= 0.5;
   if (bend) bend_contacts(n, bend, c.seat, force, product, work, total);
+  Lanes size = total;    // of the sum of lengths, a scale
+  if (rings.film_tension) {
+    const Lanes tension = load<Lanes>(rings.film_tension);
+    stick_contacts(n, c, tension, force, product, work, total);
+    size = magnitude(total) + tension;
+  }
   store(rings.work, work);
   store(rings.total, total);
   ComplianceLanes by;
   const bool exist = press<SOFT>(rings, by);
-  const Lanes per_p = by.per_pressure, lengths = total * per_p;
+  const Lanes per_p = by.per_pressure, lengths = size * per_p;
   const Lanes p = load<Lanes>(rings.pressure);
   store(rings.square, by.square * lengths * lengths * p);
   if constexpr (SOFT) {
@@ -144,7 +171,7 @@ DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const double *bend, const Lan
     store(rings.rate, by.rate * p);
   }
   const double per_scale = 1.0 / rings.scale;
-  const Lanes per_total = select(total > 0.0, 1.0 / select(total > 0.0, total, all(1.0)), Lanes{});
+  const Lanes per_size = select(size > 0.0, 1.0 / select(size > 0.0, size, all(1.0)), Lanes{});
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
     const Lanes b = product[m] * per_p;
@@ -154,7 +181,7 @@ DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const double *bend, const Lan
       diagonal += by.rate - 2.0 * by.mixed * b;
     }
     diagonal -= by.square * b * b;
-    store(c.share + m * LANES, product[m] * per_total);
+    store(c.share + m * LANES, product[m] * per_size);
     store(c.indentation + m * LANES, a);
     store(c.compliance + m * LANES,
           select(per_p > 0.0, diagonal * per_scale, all(__builtin_inf())));
@@ -239,9 +266,10 @@ DEFORMABLE_LANE_FUNCTION void slope_lanes(const PairDirections &pairs, int conta
   if (rings.skin) Q += load<Lanes>(rings.skin);
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    store(outline.slope_rate + m * LANES,
-          slope_rate(lengths, Lanes{}, load<Lanes>(c.indentation + m * LANES) + delta,
-                     force[m] * per_p));
+    Lanes inward = load<Lanes>(c.indentation + m * LANES) + delta;    // (GL)_c
+    if (rings.film_tension)
+      inward -= load<Lanes>(rings.film_tension) * per_p * load<Lanes>(c.film[3] + m * LANES);
+    store(outline.slope_rate + m * LANES, slope_rate(lengths, Lanes{}, inward, force[m] * per_p));
     store(outline.per_pressure + m * LANES, per_p);
     store(outline.free_radius + m * LANES, Q);
   }

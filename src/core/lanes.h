@@ -181,6 +181,16 @@ DEFORMABLE_LANE_FUNCTION bool all_true(Mask m)
   return !any(~m);
 }
 
+DEFORMABLE_LANE_FUNCTION bool any_true(bool m)
+{
+  return m;
+}
+
+DEFORMABLE_LANE_FUNCTION bool any_true(Mask m)
+{
+  return any(m);
+}
+
 DEFORMABLE_LANE_FUNCTION double root(double x)
 {
   return __builtin_sqrt(x);

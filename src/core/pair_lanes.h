@@ -99,7 +99,7 @@ static Residuals find_residuals(PairArrays p, int begin, int end)
     worst = larger(worst, select((f > 0.0) | (r > 0.0), magnitude(error), zero));
     const T size = select(magnitude(r) < INFINITE, magnitude(r), zero + INFINITE);    // also nan
     most = larger(most, select((f > 0.0) | (r > 0.0) | (size == INFINITE), size, zero));
-    largest = larger(largest, force * per_unit);
+    largest = larger(largest, f);
     norm2 += part * r * r;
     weights += part;
   };
@@ -155,7 +155,9 @@ static void extrapolate(PairArrays p, Extrapolation by, int begin, int end)
     const T most = larger(KINK * magnitude(bend), zero + by.smooth);
     const T curve = select(magnitude(twist) > most, zero, by.bend * bend + by.twist * twist);
     const T change = -(by.slope * last + curve);
-    store(p.force + k, larger(load<T>(p.past + k) + change * p.unit, least_force<T>(p, k)));
+    const T past = load<T>(p.past + k);
+    const T next = select(past == UNKNOWN_FORCE, zero, past + change * p.unit);
+    store(p.force + k, larger(next, least_force<T>(p, k)));
     store(p.earlier[1] + k, last);
     store(p.earlier[2] + k, second);
   });
@@ -175,8 +177,8 @@ static double take_step(PairArrays p, bool alone, int begin, int end)
           gather<T>(p.correction, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.first[k + w]; });
       change = select(load<T>(p.weight + k) > 0.0, correction, error);
     }
-    const T repulsion = select(r > 0.0, load<T>(p.stiffening + k) * r * r * r, none);
-    const T next = larger(f + change, larger(repulsion, none)), step = next - f;
+    const T repulsion = select(r > 0.0, load<T>(p.stiffening + k) * r * r * r, T{});
+    const T next = larger(f + change, none + repulsion), step = next - f;
     store(p.before + k, f);
     store(p.step + k, step);
     store(p.force + k, next * p.unit);
@@ -228,12 +230,14 @@ static double find_lines(LineArrays p, int begin, int end)
                 gather<T>(per_p, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.second[k + w]; });
     const T width = first + second, wider = second - first;
     const T bent = within(0.5 * force * wider / larger(radii, zero + NOTHING), 0.5);
-    const T bend = load<T>(p.bend + k), change = bent / (1.0 + root(1.0 - bent * bent)) - bend;
+    const T bend = load<T>(p.bend + k);
+    T change = bent / (1.0 + root(1.0 - bent * bent)) - bend;
+    if (p.adhesion) change = select(load<T>(p.adhesion + k) > 0.0, zero, change);    // find_films
     store(p.next_bend + k, bend + p.part * change);
     const T part = wider / larger(width, zero + NOTHING);
     const T of_tilt = magnitude(select(next == sine, zero, off));
-    worst =
-        larger(worst, force * larger(of_tilt, magnitude(part * change) * (0.5 / GREEN_AT_ZERO)));
+    worst = larger(worst, magnitude(force) *
+                              larger(of_tilt, magnitude(part * change) * (0.5 / GREEN_AT_ZERO)));
   };
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     if constexpr (sizeof(kind) == sizeof(Lanes))

@@ -61,8 +61,8 @@ DEFORMABLE_LANE_FUNCTION Mask expand(const RingArrays &r, Lanes &pressure, Lanes
   }
   Lanes low = larger(-radius, -tension / spring), high = all(__builtin_inf());
   Lanes delta = load<Lanes>(r.expansion);
-  Mask open = (kP / kA < all(__builtin_inf())) & (work > NOTHING) & (delta > low) & (delta < most) &
-              (load<Lanes>(r.pressure) > 0.0);
+  Mask open = (kP / kA < all(__builtin_inf())) & (magnitude(work) > NOTHING) & (delta > low) &
+              (delta < most) & (load<Lanes>(r.pressure) > 0.0);
   Mask found = Mask{}, droplet = Mask{};
   Lanes droplet_delta = Lanes{};
   if constexpr (TENSE) {    // the closed form
@@ -89,8 +89,9 @@ DEFORMABLE_LANE_FUNCTION Mask expand(const RingArrays &r, Lanes &pressure, Lanes
     const Mask inside = (slope > 0.0) & (low <= next) & (next <= high);
     Lanes size = magnitude(next) + E * p / spring;
     if constexpr (TENSE) {
-      const Mask balanced = magnitude(h) <= 0.1 * deficit + 1e-14 * magnitude(above_rest) * per_kA;
-      const Lanes least = select(balanced, deficit * (0.5 / PI) / radius, Lanes{});
+      const Lanes lacks = magnitude(deficit);
+      const Mask balanced = magnitude(h) <= 0.1 * lacks + 1e-14 * magnitude(above_rest) * per_kA;
+      const Lanes least = select(balanced, lacks * (0.5 / PI) / radius, Lanes{});
       size = select(p0 > 0.0, magnitude(next) + least, size);
     }
     const Mask close = magnitude(next - delta) <= CLOSE * size;

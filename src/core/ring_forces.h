@@ -138,8 +138,9 @@ DEFORMABLE_INLINE bool find_expansion_under_tension(double radius, const Stiffne
     const bool inside = slope > 0.0 && low <= next && next <= high;
     if (!inside) next = std::isinf(high) ? 2.0 * E - radius : 0.5 * (low + high);
     // delta may vanish; a deficit of which little is balanced says nothing about its size
-    const bool balanced = std::fabs(h) <= 0.1 * deficit + 1e-14 * std::fabs(above) * per_kA;
-    const double size = std::fabs(next) + (balanced ? deficit / (2.0 * PI * radius) : 0.0);
+    const double lacks = std::fabs(deficit);
+    const bool balanced = std::fabs(h) <= 0.1 * lacks + 1e-14 * std::fabs(above) * per_kA;
+    const double size = std::fabs(next) + (balanced ? lacks / (2.0 * PI * radius) : 0.0);
     const bool close = std::fabs(next - delta) <= CLOSE * size;
     delta = next;
     if (inside && close) {
@@ -150,12 +151,13 @@ DEFORMABLE_INLINE bool find_expansion_under_tension(double radius, const Stiffne
   return false;
 }
 
-// Pressure and expansion under a load; `ring` is also the first guess.
+// Pressure and expansion under a load; `ring` is also the first guess. Films that stick (contact_film.h) may make Q a bit
+// negative where the forces on a ring do not balance.
 DEFORMABLE_INLINE bool find_pressure(double radius, const Stiffness &k, const RingLoad &load,
                                      LoadedRing &ring)
 {
   constexpr double NOTHING = 1e-280;    // its square root is the least force that counts
-  if (!(load.work > NOTHING)) {
+  if (!(std::fabs(load.work) > NOTHING)) {
     ring = {k.rest_pressure(radius), 0.0};
     return true;
   }

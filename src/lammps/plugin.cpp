@@ -3,6 +3,7 @@
 #include "host_check.h"
 #include "plugin_abi.h"
 
+#include "balance/fix_deformable_films.h"
 #include "pair/compute_deformable_contact.h"
 #include "pair/pair_deformable_ring.h"
 #include "pair/pair_deformable_sector.h"
@@ -67,6 +68,7 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.info = "fix " #key;                                                                       \
   plugin.creator.v2 = &creator_of<Style>;                                                          \
   register_style(&plugin, lmp)
+#include "balance/fix_deformable_films.h"
 #include "polygons/fix_deformable_polygon.h"
 #include "polygons/fix_deformable_stick.h"
 #include "walls/fix_deformable_wall.h"

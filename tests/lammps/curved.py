@@ -1,6 +1,7 @@
 """Packings whose contact lines tilt and bend, known from an independent code, in LAMMPS."""
 
 import json
+from itertools import combinations_with_replacement
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ from laws import EXACT
 from scene import Scene
 
 DATA = Path(__file__).parents[1] / "data" / "curved_cases.json"
-CASES = [case for case in json.loads(DATA.read_text()) if case["adhesion"] == 0.0]
+CASES = json.loads(DATA.read_text())
 
 
 def known(case, folder, style=EXACT["curved"], scale=1.0, **options):
@@ -21,6 +22,9 @@ def known(case, folder, style=EXACT["curved"], scale=1.0, **options):
         f"kind{n} {radius} {kA} {kP} {skin}" + f" tension {tension}" * (tension > 0)
         for n, (radius, kA, kP, skin, tension) in enumerate(kinds)
     ]
+    if case["adhesion"]:
+        pairs = combinations_with_replacement(range(len(kinds)), 2)
+        lines += [f"adhesion kind{a} kind{b} {case['adhesion']}" for a, b in pairs]
     (folder / "species").write_text("\n".join(["# UNITS: lj", *lines, ""]))
     names = [f"kind{kinds.index(row)}" for row in rows]
     box = scale * np.array(case["box"])

@@ -14,7 +14,7 @@ from scipy.optimize import fsolve
 
 cases = pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
 # beside energy and virial: evaluations, imbalance, lines at a limit
-OUTPUTS = 5
+OUTPUTS = 6
 
 
 @cases
@@ -23,7 +23,7 @@ def test_known_packings(case, tmp_path):
     scene = known(case, tmp_path, commands=CONTACTS)
     state = scene.evaluate()
     assert state.energy == pytest.approx(case["energy"], rel=1e-11)
-    largest = max(contact["force"] for contact in case["contacts"])
+    largest = max(abs(contact["force"]) for contact in case["contacts"])
     np.testing.assert_allclose(state.force, case["force"], rtol=0, atol=1e-10 * largest)
     for name in ("pressure", "area", "perimeter"):
         np.testing.assert_allclose(state.shape[name], case[name], rtol=1e-10)
@@ -41,7 +41,8 @@ def test_known_packings(case, tmp_path):
             assert row["force"] == pytest.approx(contact["force"], abs=1e-10 * largest)
             assert row["tilt"] == pytest.approx(contact["tilt"], abs=1e-9)
             assert row["half_angle"] == pytest.approx(sign * contact["half_angle"], abs=1e-9)
-            assert row["length"] == pytest.approx(contact["length"][(1 - sign) // 2], rel=1e-7)
+            length = np.broadcast_to(contact["length"], 2)[(1 - sign) // 2]
+            assert row["length"] == pytest.approx(length, rel=1e-7)
 
 
 @pytest.mark.parametrize("size", [0.99, 0.975])
@@ -229,11 +230,17 @@ def test_contacts_that_open_and_close():
     assert np.abs(np.diff(energies, 3)).max() < 2e-4 * np.ptp(energies)
 
 
-def test_loose_tolerance(tmp_path):
-    """Forces are off by the tolerance, the energy by its square."""
-    tolerance, case = 1e-3, next(case for case in CASES if case["name"] == "rings 1")
-    exact = known(case, tmp_path).evaluate()
-    state = known(case, tmp_path, f"{CURVED} balance {tolerance} 100").evaluate()
-    assert state.energy == pytest.approx(exact.energy, rel=20 * tolerance**2)
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
+@cases
+def test_loose_tolerance(case, tolerance, tmp_path):
+    """Forces are off by the tolerance, the energy by its square, or by rounding.
+
+    Forces of contacts that stick count from the pull that tears them off.
+    """
+    style = f"{CURVED} balance {tolerance} 100"
+    state = known(case, tmp_path, style).evaluate()
+    assert state.energy == pytest.approx(case["energy"], rel=20 * tolerance**2 + 1e-12)
     largest = max(contact["force"] for contact in case["contacts"])
-    assert np.abs(state.force - exact.force).max() < 4 * tolerance * largest
+    w = case["adhesion"]
+    largest += 2 * np.sqrt(w - 0.25 * w**2)
+    assert np.abs(state.force - case["force"]).max() < 4 * tolerance * largest

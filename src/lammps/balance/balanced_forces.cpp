@@ -12,13 +12,27 @@
 using namespace LAMMPS_NS;
 using namespace deformable;
 
-// Outlines may bulge so far that the list of near pairs is not sufficient: then they are found again.
-int BalancedForces::solve(const DeformableParticles &p, bool new_list)
+static constexpr double MOST_OUT = 0.10199;    // -G at its minimum
+
+void BalancedForces::stick()
 {
-  constexpr int MOST_LISTS = 10;
+  films = std::make_unique<Films>(kernels);
+  solver.stick(films.get());
+}
+
+// Outlines may bulge so far that the list of near pairs is not sufficient: then they are found again. Films that come or go
+// change the forces of others, which may let others come or go.
+int BalancedForces::solve(const DeformableParticles &p, bool new_list,
+                          const std::function<void()> &before_change)
+{
+  constexpr int MOST_LISTS = 10, MOST_CHANGES = 100;
+  const bool begins_to_stick = p.films && !near.pairs.sticks;    // an adhesion has grown from 0
   if (new_list) {
     near.build(p, true);
     arrange(p, true);
+  } else if (begins_to_stick) {
+    near.build(p, false);
+    arrange(p, false);
   } else if (p.radii_vary || p.new_material) {
     set_material(p);
   }
@@ -30,6 +44,9 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
   }
   if (wrong >= 0) return wrong;
   solver.begin_call();
+  if (films) films->begin_call();
+  double before = 0.0;
+  int changes = 0;
   for (int lists = 0;; ++lists) {
     is_balanced = solver.solve();
     find_bulges();
@@ -41,11 +58,31 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list)
       near.locate(p);
       continue;
     }
+    if (films && is_balanced && changes < MOST_CHANGES && films->would_change()) {
+      if (changes++ == 0) {
+        before = total_energy();
+        before_change();
+      }
+      films->change();
+      solver.begin_again();
+      continue;
+    }
     if (!is_balanced) warn_unbalanced();
     break;
   }
   if (near.pairs.curved && new_list && !warned_limited) warn_limited();
+  lost = changes > 0 ? before - total_energy() : 0.0;
+  if (films && (new_list || begins_to_stick || changes > 0)) near.store_films(p);
   return -1;
+}
+
+double BalancedForces::total_energy() const
+{
+  const NearPairs &p = near.pairs;
+  double sum = energy();
+  for (int k = 0; k < p.size; ++k)
+    sum += (k >= p.remote && k < p.wall ? 0.5 : 1.0) * energy_left(k);
+  return near.remote_sides.sum(sum);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -82,16 +119,33 @@ void BalancedForces::set_material(const DeformableParticles &p)
 
 void BalancedForces::find_bulges()
 {
-  constexpr double MOST = 0.10199;    // -G at its minimum
   near.forget_growth();
   crowded.clear();
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
     const int i = batches.particle[ring];
     if (i < 0) continue;
-    const double lengths = batches.total[ring] * batches.per_pressure[ring];
-    near.set_bulge(i, std::max(MOST * lengths + batches.loaded(ring).expansion, 0.0));
+    double lengths = batches.total[ring] * batches.per_pressure[ring];
+    const double out = films ? bulge_with_films(ring, lengths)
+                             : MOST_OUT * lengths + batches.loaded(ring).expansion;
+    near.set_bulge(i, std::max(out, 0.0));
     if (arc_radius_at_least(ring, lengths) < 0.0) crowded.push_back(i);
   }
+}
+
+// Contacts under tension pull the outline out. Also finds the sum of all lengths, without signs.
+double BalancedForces::bulge_with_films(std::size_t ring, double &lengths) const
+{
+  const int i = batches.particle[ring];
+  const double per_p = batches.per_pressure[ring];
+  double out = batches.free_radius(ring) - batches.radius[ring];    // E - r
+  lengths = 0.0;
+  for (int m = 0; m < batches.count[i]; ++m) {
+    const int pair = batches.seat[batches.contact(static_cast<int>(ring), m)] >> 1;
+    const double L = near.pairs.force[pair] * per_p;
+    out += L * (0.5 / PI) + (L > 0.0 ? MOST_OUT * L : -GREEN_AT_ZERO * L);
+    lengths += std::fabs(L);
+  }
+  return out;
 }
 
 // Where no split of the overlaps leaves room for its area, the free arcs of a ring vanish as its forces grow.
@@ -103,7 +157,7 @@ int BalancedForces::without_room() const
     if (batches.particle[ring] < 0) continue;
     const Stiffness stiffness = batches.stiffness(ring);
     if (!std::isinf(stiffness.kA) && stiffness.tension == 0.0) continue;
-    if (!(free_radius(ring) >= NONE * batches.radius[ring]))
+    if (!(batches.free_radius(ring) >= NONE * batches.radius[ring]))
       return most_crowded(batches.particle[ring]);    // also if nan
   }
   return collapsed();
@@ -165,6 +219,7 @@ double BalancedForces::energy() const
   double sum = 0.0;
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring)
     if (batches.particle[ring] >= 0) sum += energy_of(ring, batches.loaded(ring));
+  if (films) sum += films->energy();
   return sum;
 }
 
@@ -174,7 +229,7 @@ BalancedForces::Ring BalancedForces::ring(int i) const
   const LoadedRing loaded = batches.loaded(ring);
   const double lengths = batches.total[ring] * batches.per_pressure[ring];
   double arc_radius = arc_radius_at_least(ring, lengths);
-  if (arc_radius < 0.0) {
+  if (arc_radius < 0.0 || films) {
     double mx = 0.0, my = 0.0;
     for (int m = 0; m < n; ++m) {
       const int seat = batches.seat[batches.contact(ring, m)];
@@ -182,9 +237,14 @@ BalancedForces::Ring BalancedForces::ring(int i) const
       mx += f * near.pairs.nx[seat >> 1];
       my += f * near.pairs.ny[seat >> 1];
     }
-    arc_radius += (lengths - std::hypot(mx, my) * batches.per_pressure[ring]) / PI;
+    arc_radius = batches.free_radius(ring) - std::hypot(mx, my) * batches.per_pressure[ring] / PI;
   }
-  return {{energy_of(ring, loaded), loaded.pressure}, loaded.expansion, arc_radius, n};
+  double energy = energy_of(ring, loaded);
+  for (int m = 0; m < n && films; ++m) {
+    const int seat = batches.seat[batches.contact(ring, m)];
+    energy += films->energy(seat >> 1, seat & 1);
+  }
+  return {{energy, loaded.pressure}, loaded.expansion, arc_radius, n};
 }
 
 int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<int> &seats,
@@ -224,8 +284,9 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
 double BalancedForces::line_length(int i, int k, double length) const
 {
   if (!near.pairs.curved) return length;
+  if (films) return films->length(k, near.pairs.i[k] == i ? 0 : 1);
   const double bend = near.pairs.i[k] == i ? near.pairs.bend[k] : -near.pairs.bend[k];
-  return arc_length(length, free_radius(batches.place[i]), bend);
+  return arc_length(length, batches.free_radius(batches.place[i]), bend);
 }
 
 // Ranks compare when the neighbor list is new.

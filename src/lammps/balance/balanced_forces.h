@@ -13,6 +13,8 @@
 #include "trigonometry.h"
 
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -29,8 +31,12 @@ class BalancedForces : protected Pointers {
   {
   }
 
-  // Returns -1, or a pair whose contact line cannot lie between the centers.
-  int solve(const DeformableParticles &, bool new_list);
+  // Some contacts may stick: with curved lines only.
+  void stick();
+
+  // Returns -1, or a pair whose contact line cannot lie between the centers. Where pairs attach or let go, calls
+  // before_change() once, while forces are those before.
+  int solve(const DeformableParticles &, bool new_list, const std::function<void()> &before_change);
 
   // After solve: calls act(begin, end) for all pairs, which then also know the slopes of outlines.
   template <class Act> void finish(Act &&act) { solver.finish(act); }
@@ -48,6 +54,8 @@ class BalancedForces : protected Pointers {
 
   // What is left of the overlap of a pair: both sides share it by their compliances.
   double residual(int k) const { return solver.left(k); }
+  // What a pair adds to the energy of its rings: then errors of forces and lines matter in second order only.
+  double energy_left(int k) const { return solver.energy_left(k); }
   // After finish: L G' summed over the other contacts of that side's ring, the slope of its outline at the contact.
   double outline_slope(int k, int side) const { return batches.slope[near.pairs.side[side][k]]; }
 
@@ -60,8 +68,11 @@ class BalancedForces : protected Pointers {
   }
   double limited_lines() const { return solver.limited_lines(); }
 
-  // Of all rings of this rank. What is left of the overlaps is not in it.
+  // Of all rings of this rank, and their films. What is left of the overlaps is not in it.
   double energy() const;
+
+  // That attaching and letting go have cost in this call, on all ranks.
+  double lost_energy() const { return lost; }
 
   // The rings whose smallest radius of curvature may be negative.
   const std::vector<int> &crowded_rings() const { return crowded; }
@@ -88,22 +99,20 @@ class BalancedForces : protected Pointers {
   NearList near;
   ForceBatches batches;
   ForceSolver solver;
+  std::unique_ptr<Films> films;    // null: no contact sticks
+  double lost = 0.0;
   std::vector<int> crowded;
   bool is_balanced = false, warned = false, warned_limited = false;
 
   void arrange(const DeformableParticles &, bool new_list);
   void set_material(const DeformableParticles &);
-  // q, the mean radius of curvature of the free outline
-  double free_radius(std::size_t ring) const
-  {
-    return batches.radius[ring] + batches.loaded(ring).expansion -
-           batches.total[ring] * batches.per_pressure[ring] * (0.5 / deformable::PI);
-  }
   // q - (1/pi) sum L: no direction has a smaller radius of curvature
   double arc_radius_at_least(std::size_t ring, double lengths) const
   {
-    return batches.radius[ring] + batches.loaded(ring).expansion - lengths * (1.5 / deformable::PI);
+    return batches.free_radius(ring) - lengths * (1.0 / deformable::PI);
   }
+  double total_energy() const;
+  double bulge_with_films(std::size_t ring, double &lengths) const;
   double energy_of(std::size_t ring, const deformable::LoadedRing &loaded) const
   {
     return loaded.energy(batches.radius[ring], batches.stiffness(ring), batches.work[ring]);

@@ -42,15 +42,16 @@ void BlockPipeline::extrapolate(const deformable::Extrapolation &by)
 
 void BlockPipeline::start_from_nothing()
 {
-  const PairArrays a = arrays();
-  for (int k = 0; k < pairs->size; ++k) a.force[k] = deformable::least_force<double>(a, k);
+  std::fill(pairs->force.begin(), pairs->force.end(), 0.0);
 }
 
 void BlockPipeline::take_past()
 {
   const PairArrays a = arrays();
   for (int k = 0; k < pairs->size; ++k)
-    a.force[k] = std::max(a.past[k], deformable::least_force<double>(a, k));
+    a.force[k] = a.past[k] == deformable::UNKNOWN_FORCE
+                     ? 0.0
+                     : std::max(a.past[k], deformable::least_force<double>(a, k));
   --evaluations;    // the next one has the same forces as the last one
 }
 
@@ -74,6 +75,7 @@ PairArrays BlockPipeline::arrays()
   a.past = p.past.data();
   for (int n = 0; n < 3; ++n) a.earlier[n] = p.earlier[n].data();
   a.before = a.earlier[0];
+  a.least = p.least.empty() ? nullptr : p.least.data();
   return a;
 }
 
@@ -237,7 +239,7 @@ void BlockPipeline::move(double from, double to, int begin, int end)
   const PairArrays a = arrays();
   for (int k = begin; k < end; ++k) {
     const double before = a.before[k], change = a.step[k], force = a.force[k];
-    const bool is_small = std::fabs(change) < before;
+    const bool is_small = std::fabs(change) < std::fabs(before);
     const double moved = is_small    ? force + (to - from) * change * a.unit
                          : to == 0.0 ? before * a.unit
                                      : (before + to * change) * a.unit;

@@ -1,6 +1,6 @@
 #include "curved_lines.h"
 
-#include "contact_curve.h"
+#include "contact_film.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +15,7 @@ void CurvedLines::arrange(ForceBatches &b, NearPairs &p, RemoteSides &r)
   pairs = &p;
   batches = &b;
   remote = &r;
+  if (films) films->arrange(b, p, r);
 }
 
 // A pair without a past has no tilt either.
@@ -40,6 +41,7 @@ void CurvedLines::begin()
   for (std::vector<double> *const v : {&next_sine, &next_bend}) v->resize(p.size);
   for (std::vector<double> *const v : {&slope_rate, &per_pressure, &free_radius})
     v->resize(batches->indentation.size());
+  if (films) films->begin(outline(), next_bend.data());
   for (int k = 0; k < p.size; ++k) {
     const bool is_known = p.past_tilt[0][k] != UNKNOWN_FORCE;
     const double sine = is_known ? p.past_tilt[0][k] : 0.0,
@@ -83,6 +85,7 @@ deformable::LineArrays CurvedLines::arrays()
   a.nx = p.nx.data();
   a.ny = p.ny.data();
   a.part = part;
+  a.adhesion = p.sticks ? p.adhesion.data() : nullptr;
   return a;
 }
 
@@ -92,7 +95,9 @@ double CurvedLines::imbalance()
   const int *const side = pairs->side[0].data() + pairs->remote, own = batches->contacts;
   remote->exchange(side, own, batches->slope.data(), slope_rate.data());
   remote->exchange(side, own, per_pressure.data(), free_radius.data());
-  return remote->largest(kernels.find_lines(arrays(), 0, pairs->wall));
+  double worst = kernels.find_lines(arrays(), 0, pairs->wall);
+  if (films) worst = std::max(worst, films->find(outline(), next_bend.data(), part));
+  return remote->largest(worst);
 }
 
 // Forces respond to lines, which Newton's method for each line alone does not know. Beyond the model the response may be
@@ -108,6 +113,7 @@ void CurvedLines::adapt(double imbalance)
 void CurvedLines::take()
 {
   kernels.take_lines(arrays(), 0, pairs->wall);
+  if (films) films->take();
 }
 
 void CurvedLines::remember()
@@ -124,9 +130,32 @@ void CurvedLines::remember()
   const auto count = [&p](int begin, int end) {
     int found = 0;
     for (int k = begin; k < end; ++k)
-      found += p.force[k] > 0.0 &&
+      found += (p.force[k] > 0.0 || (p.sticks && p.attached[k])) &&
                (std::fabs(p.tilt[k]) >= LARGEST_SINE || std::fabs(p.bend[k]) >= LARGEST_BEND);
     return found;
   };
   limited = count(0, p.remote) + 0.5 * count(p.remote, p.wall);
+}
+
+// The chords s of both sides are the same where the bend is right, and the energy is stationary with a multiplier m of
+// s_i - s_j beside f. From the derivative by the half angle,
+//   m = w b/sin b + 8 p cap s - 2 T (b/sin b - cos alpha) - f u,   f (4 cap - u) without a film.
+double CurvedLines::energy_left(int k) const
+{
+  const NearPairs &p = *pairs;
+  if (k >= p.wall) return 0.0;
+  const int i = p.side[0][k], j = p.side[1][k];
+  const double f = p.force[k], u = p.bend[k], sin_b = 2.0 * u / (1.0 + u * u);
+  const deformable::ArcTerms<double> arc = deformable::arc_terms(u);
+  const double Qi = free_radius[i], Qj = free_radius[j];
+  const double Li = f * per_pressure[i], Lj = f * per_pressure[j];
+  if (!films || p.adhesion[k] == 0.0)
+    return f * (4.0 * arc.cap - u) * (0.5 * (Li - Lj) + (Qi + Qj) * sin_b);
+  const double ti = p.film_angle[0][k], tj = p.film_angle[1][k], x = 1.0 + arc.excess;
+  const double si = deformable::half_chord(Li, Qi, ti, u);
+  const double sj = deformable::half_chord(Lj, Qj, tj, -u);
+  const double half = (ti + u) / (1.0 - ti * u), cos_a = (1.0 - half * half) / (1.0 + half * half);
+  const double press = 1.0 / per_pressure[i], T = Qi * press;
+  return (p.adhesion[k] * x + 8.0 * press * arc.cap * si - 2.0 * T * (x - cos_a) - f * u) *
+         (si - sj);
 }

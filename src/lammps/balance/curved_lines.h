@@ -13,6 +13,7 @@
 #ifndef LMP_CURVED_LINES_H
 #define LMP_CURVED_LINES_H
 
+#include "films.h"
 #include "force_batches.h"
 #include "near_pairs.h"
 #include "remote_sides.h"
@@ -24,6 +25,8 @@ namespace LAMMPS_NS {
 class CurvedLines {
  public:
   explicit CurvedLines(const deformable::ForceKernels &kernels) : kernels(kernels) {}
+
+  Films *films = nullptr;    // of contacts that stick
 
   // Lines of the last solution that bear a force at a limit. A line that two ranks share counts half on each.
   double limited = 0.0;
@@ -48,6 +51,10 @@ class CurvedLines {
   // All lines take the tilts and bends found last, or keep them for the next call.
   void take();
   void remember();
+
+  // The energy that pairs add to those of their rings, whose error is then of second order: for what is left of the
+  // balance, the bend of a pair makes the chords of both sides differ.
+  double energy_left(int k) const;
 
   double bytes() const
   {

@@ -69,6 +69,8 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   for (LargeVector<float> *v : {&share, &weight, &left, &direction, &step})
     v->assign(contacts, 0.0F);
   partner.assign(contacts, contacts + remote);
+  film_tension.assign(pairs.sticks ? lanes_in_all : 0, 0.0);
+  for (LargeVector<double> &v : film) v.assign(pairs.sticks ? slope.size() : 0, 0.0);
 
   std::fill(count.begin(), count.end(), 0);
   const auto sit = [this](int i, int of) { seat[contact(place[i], count[i]++)] = of; };
@@ -138,9 +140,16 @@ deformable::RingBatches ForceBatches::arrays()
            per_pressure.data(), square.data(), soft ? kP.data() : nullptr,
            soft ? expansion.data() : nullptr, soft ? mixed.data() : nullptr,
            soft ? rate.data() : nullptr, tense ? tension.data() : nullptr,
-           skin.empty() ? nullptr : skin.data(), scale},
-          {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(),
-           green.data(), aligned},
+           skin.empty() ? nullptr : skin.data(),
+           film_tension.empty() ? nullptr : film_tension.data(), scale},
+          {seat.data(),
+           indentation.data(),
+           compliance.data(),
+           slope.data(),
+           share.data(),
+           green.data(),
+           {film[0].data(), film[1].data(), film[2].data(), film[3].data()},
+           aligned},
           {partner.data(), none(), weight.data(), left.data(), direction.data(), step.data(),
            products(), products(), none() + 1}};
 }
@@ -150,5 +159,5 @@ double ForceBatches::bytes() const
   return bytes_of(size, first, first_green, particle, radius, kA, kP, tension, skin, pressure,
                   expansion, work, total, per_pressure, mixed, square, rate, seat, indentation,
                   compliance, slope, share, partner, weight, left, direction, step, green, scratch,
-                  place, count);
+                  place, count, film_tension, film[0], film[1], film[2], film[3]);
 }

@@ -36,6 +36,9 @@ struct ForceBatches {
   LargeVector<double> kP, expansion, tension, skin;
   LargeVector<float> mixed, rate;
 
+  // empty unless films stick: T as their angles know it, and FilmTerms by contact
+  LargeVector<double> film_tension, film[4];
+
   double scale = 1.0;    // see NearPairs
 
   // of contacts
@@ -60,6 +63,19 @@ struct ForceBatches {
 
   // Which rings are soft, have a tension or a skin; makes room for what they need.
   void set_kind(bool soft_, bool tense_, bool skinned);
+  // T = gamma + kP (P - P0), 0 where the perimeter is conserved
+  double tension_of(int ring) const
+  {
+    const deformable::Stiffness k = stiffness(ring);
+    if (k.conserves_perimeter()) return 0.0;
+    return k.tension + 2.0 * deformable::PI * k.kP * loaded(ring).expansion;
+  }
+  // q, the mean radius of curvature of the free outline
+  double free_radius(std::size_t ring) const
+  {
+    return radius[ring] + loaded(static_cast<int>(ring)).expansion -
+           total[ring] * per_pressure[ring] * (0.5 / deformable::PI);
+  }
   deformable::Stiffness stiffness(int ring) const
   {
     constexpr double RIGID = std::numeric_limits<double>::infinity();

@@ -36,6 +36,13 @@ void ForceSolver::begin_call()
   if (lines) lines->predict(next.slope);
   is_first = true;
   is_remembered = is_corrected = false;
+  allowed = max_evaluations;
+}
+
+void ForceSolver::begin_again()
+{
+  remember();
+  allowed = evaluations() + max_evaluations;
 }
 
 bool ForceSolver::minimizing() const
@@ -155,7 +162,7 @@ bool ForceSolver::correct_some(Evaluation &now)
 {
   constexpr double NO_WORSE = 2.0;
   constexpr int OFTEN = 4;
-  if (local_corrections == OFTEN || evaluations() + 2 >= max_evaluations || lines ||
+  if (local_corrections == OFTEN || evaluations() + 2 >= allowed || lines ||
       !pipeline.corrector.knows_bounds() || !now.exists || now.imbalance <= limit(now) ||
       now.norm2 == 0.0)    // only rings without force touch
     return false;
@@ -194,6 +201,8 @@ Evaluation ForceSolver::correct(const Evaluation &from)
   lines->take();
   Evaluation now = pipeline.evaluate();
   now.slope = stepped.slope;
+  // lines alone seldom make it worse: iterations may diverge slowly
+  if (now.imbalance > from.imbalance) pipeline.corrector.doubt_bounds();
   return line_search(now, NO_WORSE * std::max(from.imbalance, of_lines));
 }
 

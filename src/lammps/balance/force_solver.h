@@ -46,6 +46,8 @@ class ForceSolver : protected Pointers {
 
   void arrange(ForceBatches &, NearPairs &, RemoteSides &, bool new_list);    // contacts are new
 
+  void stick(Films *films) { lines->films = films; }
+
   // A new force call: forces and tilts continue those of the last calls.
   void begin_call();
 
@@ -55,6 +57,9 @@ class ForceSolver : protected Pointers {
 
   // The forces are the past ones of the next call.
   void remember();
+
+  // The same, and the next solution of this call is another problem: it may take as many evaluations.
+  void begin_again();
 
   // Remembers the forces, finds the slopes of the outlines and calls act(begin, end) for all pairs.
   template <class Act> void finish(Act &&act)
@@ -68,6 +73,11 @@ class ForceSolver : protected Pointers {
   double imbalance = 0.0;    // the largest of a pair, over the largest force
   // What is left of the overlap of a pair, r.
   double left(int k) const { return pipeline.left(k); }
+  // What a pair adds to the energy of its rings, to that of the dual problem.
+  double energy_left(int k) const
+  {
+    return pairs->force[k] * left(k) + (lines ? lines->energy_left(k) : 0.0);
+  }
   double limited_lines() const { return lines ? lines->limited : 0.0; }
 
   double memory_usage() const { return pipeline.bytes() + (lines ? lines->bytes() : 0.0); }
@@ -76,7 +86,8 @@ class ForceSolver : protected Pointers {
   using Stage = BlockPipeline::Stage;
   using Stages = BlockPipeline::Stages;
 
-  const int max_evaluations;    // of a call
+  const int max_evaluations;    // of a call, without changes of films
+  int allowed = 0;
   BlockPipeline pipeline;
   ForcePredictor predictor;
   std::unique_ptr<CurvedLines>
@@ -91,7 +102,7 @@ class ForceSolver : protected Pointers {
 
   bool minimizing() const;
   double limit(const Evaluation &now) const { return tolerance * now.force; }
-  bool may_go_on() const { return pipeline.evaluations < max_evaluations; }
+  bool may_go_on() const { return pipeline.evaluations < allowed; }
   void forget();
   bool is_balanced(Evaluation &now);
 

@@ -27,6 +27,11 @@ void NearList::build(const DeformableParticles &p, bool new_list)
     find_order(p);
   }
   remote_sides.to_ghosts(bulge);
+  pairs.sticks = p.films != nullptr;
+  if (pairs.sticks) {
+    p.films->who_knows(knows_films);
+    remote_sides.to_ghosts(knows_films);
+  }
 
   KnownPairs old;    // not kept: it would take memory between the builds
   std::swap(old, static_cast<KnownPairs &>(pairs));
@@ -44,7 +49,9 @@ void NearList::build(const DeformableParticles &p, bool new_list)
     for (int jj = 0; jj < count; ++jj) {
       const int j = neighbors[jj] & NEIGHMASK;
       const double dx = x[j][0] - xi, dy = x[j][1] - yi, near = of_i + p.radius[j] + bulge[j];
-      if (dx * dx + dy * dy > near * near) continue;
+      if (dx * dx + dy * dy > near * near &&    // a film may be stretched
+          !(pairs.sticks && is_attached(p, i, j, dx, dy)))
+        continue;
       const int owner = pairs.owned[j];
       if (j >= nlocal && owner >= 0) {    // an image of this rank's particle: the list has it twice
         // images in one row have the same y to the last bit; those above each other in a tilted box not the same x
@@ -76,6 +83,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
   if (!p.walls->empty()) add_walls(p, new_list, old);
   pairs.make_room();
   set_constants(p);
+  if (pairs.sticks) recall_films(p);
   history = ForceHistory();    // gives its memory back
 
   x_then.resize(2 * nlocal);
@@ -179,10 +187,15 @@ void NearList::add_walls(const DeformableParticles &p, bool new_list, const Know
 {
   const std::vector<int> first_old =
       new_list ? std::vector<int>() : first_of(old, old.wall, old.size);
+  at_walls.clear();
   for (int ii = 0; ii < p.list->inum; ++ii) {
     const int own = order(*p.list)[ii];
     visit_walls(*p.walls, own, p.radius[own], p.reach, [&](int code, const auto &point) {
-      if (point.height > p.radius[own] + bulge[own] + margin) return;
+      const bool is_attached =
+          pairs.sticks && (knows_films[own] != 0.0 ? p.films->is_attached(own, code)
+                                                   : point.height < p.radius[own]);
+      if (point.height > p.radius[own] + bulge[own] + margin && !is_attached) return;
+      at_walls.push_back(is_attached);
       PastForces past;
       if (new_list) {
         past = history.find(atom->tag[own], code, 0.0, 0.0);
@@ -227,6 +240,7 @@ void NearList::set_constants(const DeformableParticles &p)
   const double unit = pairs.scale * pairs.length * pairs.length;
   for (int k = 0; k < pairs.size; ++k)
     pairs.stiffening[k] = static_cast<float>(stiffening(k) * unit);
+  if (pairs.sticks) set_sticking(p);
 }
 
 /* ----------------------------------------------------------------------

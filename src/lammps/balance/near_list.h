@@ -9,6 +9,8 @@
 
 #include "pointers.h"
 
+#include "adhesions.h"
+#include "fix_deformable_films.h"
 #include "force_history.h"
 #include "near_pairs.h"
 #include "remote_sides.h"
@@ -32,6 +34,8 @@ struct DeformableParticles {
   const std::vector<FixDeformableWall *> *walls;
   double reach, smallest;    // smallest radius of all
   bool new_material;         // a species has changed since the last call
+  const Adhesions *adhesions;
+  FixDeformableFilms *films;    // null: no contact sticks
 };
 
 class NearList : protected Pointers {
@@ -51,6 +55,9 @@ class NearList : protected Pointers {
 
   // Collects the pairs anew.
   void build(const DeformableParticles &, bool new_list);
+
+  // Keeps which pairs are attached, for the next build, on whatever rank.
+  void store_films(const DeformableParticles &) const;
 
   // Overlaps and directions of all pairs. Returns -1, or a pair whose contact line cannot lie between the centers.
   int locate(const DeformableParticles &);
@@ -100,6 +107,11 @@ class NearList : protected Pointers {
   std::vector<RemoteSides::Candidate> candidates;
 
   void store_history();
+  std::vector<double> knows_films;    // of particles and ghosts
+  std::vector<char> at_walls;         // attached, of pairs with walls
+  bool is_attached(const DeformableParticles &, int i, int j, double x, double y) const;
+  void recall_films(const DeformableParticles &);
+  void set_sticking(const DeformableParticles &);
   void find_owners();
   void find_order(const DeformableParticles &);
   std::vector<int> first_of(const KnownPairs &, int begin, int end) const;

@@ -12,6 +12,7 @@ void NearPairs::clear(const KnownPairs &old)
   const std::size_t most = old.size + old.size / 64 + 16;
   static_cast<KnownPairs &>(*this) = KnownPairs();
   curved = old.curved;
+  sticks = old.sticks;
   scale = old.scale;
   length = old.length;
   const auto make_room = [most](auto &...v) { (v.reserve(most), ...); };
@@ -40,6 +41,9 @@ void NearPairs::make_room()
   nx.assign(one_more, 1.0);
   for (LargeVector<double> *v : {&tilt, &bend}) v->assign(curved ? one_more : 0, 0.0);
   for (LargeVector<int> &v : side) v.assign(pairs, 0);
+  attached.assign(sticks ? pairs : 0, 0);
+  for (LargeVector<double> *v : {&sticking, &adhesion, &film_angle[0], &film_angle[1], &least})
+    v->assign(sticks ? one_more : 0, 0.0);
 }
 
 deformable::PairPlaces NearPairs::places(const double *x, const double *radius)

@@ -39,6 +39,7 @@ struct KnownPairs {
   LargeVector<int> i,
       j;    // local indices, as in the neighbor list; of a wall: its code, -1 - (w + n feature)
   bool curved = false;    // contact lines tilt and bend: without, those arrays are empty
+  bool sticks = false;    // some pairs may have films that stick, as well
   LargeVector<double> past, past_tilt[PastForces::LINES], past_bend[PastForces::LINES];
   LargeVector<float> earlier[3];       // in `unit`; see PastForces
   double scale = 1.0, length = 1.0;    // powers of two, of 1/(k R^2) and R: see PairArrays
@@ -73,6 +74,12 @@ struct NearPairs : KnownPairs {
   LargeVector<double> tilt;             // sine of its angle with the line of centers
   LargeVector<double> bend;             // tan(beta/2), see contact_curve.h
   LargeVector<int> side[2];             // index of the contact of i and of that of j
+
+  // of films that stick, see Films
+  LargeVector<char> attached;
+  LargeVector<double> sticking, adhesion;    // w if attached, and w or 0
+  LargeVector<double> film_angle[2];         // tan(theta/2) of both sides
+  LargeVector<double> least;                 // see least_force
 
   int add(int i_, int j_, const PastForces &past_)
   {
@@ -118,7 +125,8 @@ struct NearPairs : KnownPairs {
     for (int n = 0; n < PastForces::LINES; ++n) of_lines += bytes_of(past_tilt[n], past_bend[n]);
     return of_lines + bytes_of(i, j, owned, stiffening, past, earlier[0], earlier[1], earlier[2],
                                force, overlap, per_distance, angle, nx, ny, tilt, bend, side[0],
-                               side[1]);
+                               side[1], attached, sticking, adhesion, film_angle[0], film_angle[1],
+                               least);
   }
 };
 

@@ -19,7 +19,7 @@ ComputeDeformableContact::ComputeDeformableContact(LAMMPS *lmp, int narg, char *
                arg[3]);
   local_flag = 1;
   size_local_rows = 0;
-  size_local_cols = 13;
+  size_local_cols = 15;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -51,7 +51,8 @@ void ComputeDeformableContact::compute_local()
                     {static_cast<double>(atom->tag[contact.atom]),
                      static_cast<double>(contact.partner), contact.indentation, contact.length,
                      contact.force, contact.x, contact.y, contact.angle, contact.distance,
-                     contact.tilt, contact.half_angle, contact.push.fx, contact.push.fy});
+                     contact.line.tilt, contact.line.half_angle, contact.push.fx, contact.push.fy,
+                     contact.line.contact_angle, contact.line.attached});
     }
   size_local_rows = static_cast<int>(values.size()) / size_local_cols;
   rows.resize(size_local_rows + 1);

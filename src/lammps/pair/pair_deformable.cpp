@@ -231,15 +231,15 @@ void PairDeformable::check_own_image(int i, int j)
 ------------------------------------------------------------------------- */
 
 void PairDeformable::record(int i, int partner, const deformable::Contact &contact, double length,
-                            double force, const Push &push, double distance, double tilt,
-                            double half_angle)
+                            double force, const Push &push, double distance,
+                            const RecordedLine &line)
 {
   if (!recording || (length == 0.0 && force == 0.0)) return;
   const double height = radii[i] - contact.indentation;
   const double *x = atom->x[i];
   recorded.push_back({i, partner < 0 ? 0 : atom->tag[partner], contact.indentation, length, force,
                       x[0] + height * contact.nx, x[1] + height * contact.ny, contact.angle,
-                      distance, tilt, half_angle, push});
+                      distance, line, push});
 }
 
 /* ---------------------------------------------------------------------- */

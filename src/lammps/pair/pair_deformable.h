@@ -29,17 +29,24 @@ struct Push {
   double fx, fy;
 };
 
+// Of a contact line, beside its place.
+struct RecordedLine {
+  double tilt = 0.0;             // its normal turns by this from the line of centers
+  double half_angle = 0.0;       // of an arc: positive where it is convex
+  double contact_angle = 0.0;    // at which the outline meets a film that sticks
+  double attached = 0.0;         // 0 or 1; of a wall: 0 or its code < 0, see FixDeformableFilms
+};
+
 // A contact from one of its two sides.
 struct RecordedContact {
   int atom;
   tagint partner;    // 0: a wall
   double indentation, length, force;
-  double x, y;          // point of the line that is nearest to the center
-  double angle;         // of the direction to the line
-  double distance;      // of the partner's center, or of the wall
-  double tilt;          // of the line: its normal turns by this from the line of centers
-  double half_angle;    // of the line, an arc: positive where it is convex
-  Push push;            // force on the particle from its own energy; from a wall all of it
+  double x, y;        // point of the line that is nearest to the center
+  double angle;       // of the direction to the line
+  double distance;    // of the partner's center, or of the wall
+  RecordedLine line;
+  Push push;    // force on the particle from its own energy; from a wall all of it
 };
 
 class PairDeformable : public Pair {
@@ -127,7 +134,7 @@ class PairDeformable : public Pair {
 
   // For compute deformable/contact, if there is one.
   void record(int i, int partner, const deformable::Contact &, double length, double force,
-              const Push &push, double distance, double tilt = 0.0, double half_angle = 0.0);
+              const Push &push, double distance, const RecordedLine &line = {});
 
   // Results of a deformed particle, and of one that is still a circle.
   void store_shape(int i, const deformable::Contacts &contacts, double pressure)

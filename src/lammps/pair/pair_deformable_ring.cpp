@@ -8,6 +8,7 @@
 
 #include "comm.h"
 #include "error.h"
+#include "modify.h"
 #include "neighbor.h"
 
 #include <algorithm>
@@ -86,6 +87,7 @@ void PairDeformableRing::settings(int narg, char **arg)
   balanced.reset(radical ? nullptr
                          : new BalancedForces(lmp, kernels->forces, law == "curved", tolerance,
                                               max_evaluations));
+  films = nullptr;
   whole_list = radical;
 }
 
@@ -97,6 +99,20 @@ void PairDeformableRing::init_style()
   if (balanced && !atom->tag_enable)
     error->all(FLERR, "Pair style deformable/ring needs atom IDs: use 'atom_modify id yes', or "
                       "'contact radical'");
+  stick();
+}
+
+// Which pairs are attached outlives this pair style, for one that continues its run.
+void PairDeformableRing::stick()
+{
+  bool sticks = adhesions.any();
+  for (const FixDeformableWall *wall : walls) sticks |= wall->adhesion() > 0.0;
+  if (!sticks || films) return;
+  Fix *fix = modify->get_fix_by_id(FixDeformableFilms::ID);
+  if (!fix) fix = modify->add_fix(fmt::format("{} all deformable/films", FixDeformableFilms::ID));
+  films = dynamic_cast<FixDeformableFilms *>(fix);
+  if (!films) error->all(FLERR, "A fix has the ID {}, which contacts that stick need", fix->id);
+  balanced->stick();
 }
 
 /* ---------------------------------------------------------------------- */
@@ -105,6 +121,7 @@ void PairDeformableRing::coeff(int narg, char **arg)
 {
   PairDeformable::coeff(narg, arg);
   ramps.fill(species);
+  if (bends_lines()) stick();
 }
 
 void *PairDeformableRing::extract(const char *name, int &dim)
@@ -141,6 +158,7 @@ bool PairDeformableRing::take_ramps()
   const std::string wrong = adhesions.problem(species);
   if (!wrong.empty()) error->all(FLERR, "Adhesion in a run: {}", wrong);
   check_lines_bend("Species", adhesions.any());
+  stick();
   unchecked = false;
   number_definition();
   return true;

