@@ -21,11 +21,10 @@ from ..engine.lammps import silent_lammps
 from ..engine.relaxation import TOLERANCE
 from ..model.polygons import PolygonModel
 from ..plugin import directory, potentials
-from ..runs.run import Run
 from .compress import compress_command
 from .jam import jam_command
 from .options import Command, Group, choice_option, one_rank_prints, refuse_ranks
-from .plot import plot_command
+from .plot import movie_command, plot_command
 from .shear import shear_command
 
 app = typer.Typer(
@@ -58,6 +57,7 @@ app.command("compress", cls=Command)(compress_command)
 app.command("jam", cls=Command)(jam_command)
 app.command("shear", cls=Command)(shear_command)
 app.command("plot", cls=Command)(plot_command)
+app.command("movie", cls=Command)(movie_command)
 
 
 def main() -> None:
@@ -183,25 +183,6 @@ def report(
     began = time.perf_counter()
     write_report(out, quick, resume, overwrite, print_once)
     print_once(f"wrote {Path(out, 'index.html')} ({time.perf_counter() - began:.0f} s)")
-
-
-@app.command(cls=Command)
-def movie(
-    run: Annotated[Path, typer.Argument(help="Folder of a run, e.g. of `deformable compress`.")],
-    out: Annotated[Path, typer.Option(metavar="PATH", help="Movie, .gif or .mp4.")] = Path(
-        "movie.gif"
-    ),
-    color_by: Annotated[
-        str, typer.Option(help="Quantity of the particles, e.g. shape_parameter.")
-    ] = "particle_pressure",
-    contacts: Annotated[bool, typer.Option("--contacts", help="Draw the contacts.")] = False,
-    forces: Annotated[bool, typer.Option("--forces", help="Draw the force chains.")] = False,
-    rate: Annotated[int, typer.Option(help="Pictures per second.")] = 10,
-) -> None:
-    """Draw each state of a recorded run as a movie."""
-    refuse_ranks("a movie is drawn by one process")
-    Run(run).movie(out, color_by=color_by, contacts=contacts, forces=forces, rate=rate)
-    print_once(f"wrote {out}")
 
 
 @app.command(cls=Command)

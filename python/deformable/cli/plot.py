@@ -1,4 +1,4 @@
-"""The command `deformable plot`: the picture of a frame of a run."""
+"""The commands `deformable plot` and `deformable movie`: pictures of the frames of a run."""
 
 from __future__ import annotations
 
@@ -13,9 +13,21 @@ from ..common.progress import print_once
 from ..runs.run import Run
 from .options import refuse_ranks
 
+Recorded = Annotated[Path, typer.Argument(help="Folder of a run, e.g. of `deformable compress`.")]
+ColorBy = Annotated[str, typer.Option(help="Quantity of the particles, e.g. shape_parameter.")]
+ColorMap = Annotated[str, typer.Option(help="Color map of matplotlib.")]
+FirstColor = Annotated[
+    float | None, typer.Option(help="Value of the first color.", show_default=False)
+]
+LastColor = Annotated[
+    float | None, typer.Option(help="Value of the last color.", show_default=False)
+]
+Contacts = Annotated[bool, typer.Option("--contacts", help="Draw the contacts.")]
+Forces = Annotated[bool, typer.Option("--forces", help="Draw the force chains.")]
+
 
 def plot_command(
-    run: Annotated[Path, typer.Argument(help="Folder of a run, e.g. of `deformable compress`.")],
+    run: Recorded,
     out: Annotated[Path, typer.Option(metavar="PATH", help="Picture, .png, .pdf or .svg.")] = Path(
         "packing.png"
     ),
@@ -26,21 +38,15 @@ def plot_command(
             show_default=False,
         ),
     ] = None,
-    color_by: Annotated[
-        str, typer.Option(help="Quantity of the particles, e.g. shape_parameter.")
-    ] = "particle_pressure",
-    cmap: Annotated[str, typer.Option(help="Color map of matplotlib.")] = "YlGnBu",
-    vmin: Annotated[
-        float | None, typer.Option(help="Value of the first color.", show_default=False)
-    ] = None,
-    vmax: Annotated[
-        float | None, typer.Option(help="Value of the last color.", show_default=False)
-    ] = None,
+    color_by: ColorBy = "particle_pressure",
+    cmap: ColorMap = "YlGnBu",
+    vmin: FirstColor = None,
+    vmax: LastColor = None,
     title: Annotated[
         str | None, typer.Option(help="Title; by default phi and pressure.", show_default=False)
     ] = None,
-    contacts: Annotated[bool, typer.Option("--contacts", help="Draw the contacts.")] = False,
-    forces: Annotated[bool, typer.Option("--forces", help="Draw the force chains.")] = False,
+    contacts: Contacts = False,
+    forces: Forces = False,
 ) -> None:
     """Draw a state of a run."""
     refuse_ranks("a picture is drawn by one process")
@@ -70,4 +76,24 @@ def plot_command(
         title=title,
     )
     figure.savefig(out, dpi=150)
+    print_once(f"wrote {out}")
+
+
+def movie_command(
+    run: Recorded,
+    out: Annotated[Path, typer.Option(metavar="PATH", help="Movie, .gif or .mp4.")] = Path(
+        "movie.gif"
+    ),
+    color_by: ColorBy = "particle_pressure",
+    cmap: ColorMap = "YlGnBu",
+    vmin: FirstColor = None,
+    vmax: LastColor = None,
+    contacts: Contacts = False,
+    forces: Forces = False,
+    rate: Annotated[int, typer.Option(help="Pictures per second.")] = 10,
+) -> None:
+    """Draw each state of a recorded run as a movie."""
+    refuse_ranks("a movie is drawn by one process")
+    colors = {"color_by": color_by, "cmap": cmap, "vmin": vmin, "vmax": vmax}
+    Run(run).movie(out, contacts=contacts, forces=forces, rate=rate, **colors)
     print_once(f"wrote {out}")

@@ -28,6 +28,9 @@ def movie(
     contacts: bool = False,
     forces: bool = False,
     rate: int = 10,
+    cmap: str = "YlGnBu",
+    vmin: float | None = None,
+    vmax: float | None = None,
 ) -> None:
     """Draw states as a movie, all with the same scale of colors and forces.
 
@@ -38,10 +41,13 @@ def movie(
         contacts: see `State.plot`.
         forces: see `State.plot`.
         rate: pictures per second.
+        cmap: see `State.plot`.
+        vmin: value of the first color; that of the scale of all states if not given.
+        vmax: value of the last color; that of the scale of all states if not given.
 
     Raises:
         ParameterError: the format is another, ffmpeg is missing, or there are no states or no such
-            attribute.
+            attribute or color map, or `vmin` is not below `vmax`.
         FileError: the movie cannot be written.
         ImportError: matplotlib is missing.
     """
@@ -59,18 +65,17 @@ def movie(
         raise ImportError("movies need matplotlib: pip install lammps-deformable[plot]") from None
     if not writers.is_available(name):
         raise ParameterError(f"'{path}' needs the program ffmpeg: install it, or write a .gif")
-    from ..state.plot import scale
+    from ..state.plot import known_color_map, limited, scale
 
     frames = list(states)
     if not frames:
         raise ParameterError("a movie needs at least one state")
     for state in frames:
         expect("a state of a movie", state, State)
-    on = scale(
-        [state.values(color_by) for state in frames],
-        [state.contact_table["force"] for state in frames],
-        color_by,
-    )
+    known_color_map(cmap)
+    values = [state.values(color_by) for state in frames]
+    shared = scale(values, [state.contact_table["force"] for state in frames], color_by)
+    on = limited(shared, vmin, vmax)
     if not frames[0].root:
         return
     figure = Figure(figsize=(6.4, 5.6), layout="constrained")
@@ -82,6 +87,6 @@ def movie(
     ):
         for state in frames:
             figure.clear()
-            state.plot(figure.subplots(), color_by, contacts, forces, on)
+            state.plot(figure.subplots(), color_by, contacts, forces, on, cmap)
             writer.grab_frame()
             bar.update()

@@ -88,6 +88,12 @@ def limited(on: Scale, vmin: float | None, vmax: float | None) -> Scale:
     return replace(on, low=low, high=high)
 
 
+def known_color_map(cmap: str) -> None:
+    """Raise a ParameterError unless matplotlib has a color map of this name."""
+    if not (isinstance(cmap, str) and cmap in colormaps):
+        raise ParameterError(f"cmap must be one of matplotlib's color maps, not {shown(cmap)}")
+
+
 def draw(
     packing: Packing,
     outlines: Sequence[NDArray[np.float64]],
@@ -121,8 +127,7 @@ def draw(
     Raises:
         ParameterError: there is no such color map.
     """
-    if not (isinstance(cmap, str) and cmap in colormaps):
-        raise ParameterError(f"cmap must be one of matplotlib's color maps, not {shown(cmap)}")
+    known_color_map(cmap)
     if ax is None:
         _, ax = plt.subplots(figsize=(6.4, 5.6), layout="constrained")
     expect("ax", ax, Axes)

@@ -151,27 +151,34 @@ def test_movie_has_a_picture_a_state(
         assert image.info["duration"] == 200  # ms
 
 
+@pytest.mark.parametrize("limits", [{}, {"vmin": -1.0}, {"vmin": 0.5, "vmax": 1.5}], ids=str)
 def test_pictures_of_a_movie_share_one_scale(
-    run: tuple[Path, list[deformable.State]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    limits: dict[str, float],
+    run: tuple[Path, list[deformable.State]],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     from deformable.state import plot as plots
 
-    drawn = []
+    drawn, maps = [], []
     draw = plots.draw
 
     def watched(*arguments: object) -> object:
         ax = draw(*arguments)
         colors, forces = ax.collections
+        maps.append(colors.get_cmap().name)
         drawn.append((*colors.get_clim(), max(forces.get_linewidths())))
         return ax
 
     monkeypatch.setattr(plots, "draw", watched)
     states = run[1]
-    deformable.movie(states, tmp_path / "movie.gif", forces=True)
+    deformable.movie(states, tmp_path / "movie.gif", forces=True, cmap="magma", **limits)
+    assert set(maps) == {"magma"}
     pressure = max(state.particle_pressure.max() for state in states)
     force = [state.contact_table["force"].max() for state in states]
     widest = drawn[int(np.argmax(force))][2]
-    expected = [(0.0, pressure, widest * one / max(force)) for one in force]
+    low, high = limits.get("vmin", 0.0), limits.get("vmax", pressure)
+    expected = [(low, high, widest * one / max(force)) for one in force]
     assert np.array(drawn) == pytest.approx(np.array(expected))
 
 
@@ -187,6 +194,8 @@ def test_movies_that_cannot_be(
     refused(r"\.gif or an \.mp4, not '.*a\.avi'", name="a.avi")
     refused("at least one state", states=())
     refused("'beauty'", color_by="beauty")
+    refused("cmap .*'beauty'", cmap="beauty")
+    refused("vmin must be below vmax, not 2 and 1", vmin=2, vmax=1)
     refused("rate .* 0", rate=0)
     refused("rate .* 2.5", rate=2.5)
     monkeypatch.setattr("matplotlib.animation.writers.is_available", lambda _: False)
@@ -198,10 +207,17 @@ def test_movies_that_cannot_be(
 
 
 def test_movie_from_the_shell(run: tuple[Path, list[deformable.State]], tmp_path: Path) -> None:
-    ask = ("--forces", "--color-by", "shape_parameter")
+    from PIL import Image
+
+    ask = ["--forces", "--color-by", "shape_parameter"]
     done = program("deformable", "movie", run[0], *ask, cwd=tmp_path)
     assert (done.returncode, done.stdout) == (0, "wrote movie.gif\n")
     assert (tmp_path / "movie.gif").stat().st_size > 10_000
+    ask += ["--cmap", "gray", "--vmin", "8", "--vmax", "9", "--out", "black.gif"]
+    assert program("deformable", "movie", run[0], *ask, cwd=tmp_path).returncode == 0
+    with Image.open(tmp_path / "black.gif") as image:  # no particle reaches the first color
+        middle = np.array(image.convert("L"))[150:250, 150:250]
+    assert np.mean(middle < 128) > 0.5
     failed = program("deformable", "movie", "nowhere", cwd=tmp_path)
     assert failed.returncode == 2
     assert failed.stderr.startswith("error: no saved run in 'nowhere'")
