@@ -99,7 +99,8 @@ def test_descent(kind, law):
     assert imbalance <= 1e-7
     energy = scene.lmp.get_thermo("pe")
     state = scene.evaluate()
-    assert energy == pytest.approx(state.energy, rel=1e-11)
+    # of second order in the imbalance of forces, of first order in that of lines that turn and bend
+    assert energy == pytest.approx(state.energy, rel=1e-12 + imbalance)
     shape = state.shape
     force = (shape["pressure"] * shape["contact_length"]).sum() / shape["contacts"].sum()
     assert np.hypot(*state.force.T).max() <= 1e-6 * force
