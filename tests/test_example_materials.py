@@ -9,11 +9,11 @@ import pytest
 from test_example_scripts import EXAMPLES, text
 
 
-def part_of(script: Path, folder: Path, **values: float) -> None:
+def part_of(script: Path, folder: Path, **values: object) -> None:
     """A copy of a script with other values of its constants."""
     lines = script.read_text()
     for name, value in values.items():
-        lines, count = re.subn(rf"^{name} = \S+", f"{name} = {value}", lines, flags=re.MULTILINE)
+        lines, count = re.subn(rf"^{name} = .*", f"{name} = {value}", lines, flags=re.MULTILINE)
         assert count == 1, name
     (folder / script.name).write_text(lines)
 
@@ -115,15 +115,8 @@ def test_clogging(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     folder = EXAMPLES / "clogging"
     check_clogging((folder / "clogging.log").read_text(), 12)
-    lines = (folder / "clogging.py").read_text()
-    for whole, part in (
-        ("WEIGHTS = (0.01, 0.03, 0.1)", "WEIGHTS = (0.01, 0.1)"),
-        ("WIDTHS = (0.8, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0)", "WIDTHS = (0.8, 1.4, 2.0)"),
-        ("SEEDS = 12", "SEEDS = 3"),
-    ):
-        assert whole in lines
-        lines = lines.replace(whole, part)
-    (tmp_path / "clogging.py").write_text(lines)
+    smaller = {"WEIGHTS": (0.01, 0.1), "WIDTHS": (0.8, 1.4, 2.0), "SEEDS": 3}
+    part_of(folder / "clogging.py", tmp_path, **smaller)
     check_clogging(text("python", "clogging.py", cwd=tmp_path), 3)
     assert (tmp_path / "clogging.png").stat().st_size > 10_000
 

@@ -5,12 +5,14 @@ each module of the folder loads all that the face names.
 """
 
 import ast
+import shutil
 import subprocess
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
+from broken_places import with_switches
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "python" / "deformable"
@@ -171,6 +173,12 @@ def test_faces_of_folders_are_empty() -> None:
 def test_tests_mirror_the_folders() -> None:
     folders = {path.name for path in (ROOT / "tests" / "python").iterdir() if path.is_dir()}
     assert folders - {"__pycache__"} == set(LEVELS)
+
+
+def test_broken_places_are_in_the_source(tmp_path: Path) -> None:
+    for folder in ("src", "python"):
+        shutil.copytree(ROOT / folder, tmp_path / folder)
+    with_switches(tmp_path)
 
 
 def test_no_file_is_long() -> None:

@@ -71,10 +71,7 @@ def polygon(outline):
 
 
 @stiffnesses
-@given(
-    parts=st.lists(st.floats(-0.8, 1.0), min_size=5, max_size=5),
-    size=st.floats(0.004, 0.02),
-)
+@given(parts=st.lists(st.floats(-0.8, 1.0), min_size=5, max_size=5), size=st.floats(0.004, 0.02))
 def test_area_and_perimeter_of_the_outline(parts, size, kA, kP):
     """The formulas, against a polygon of 20 000 points of the outline that they belong to.
 

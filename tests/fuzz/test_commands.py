@@ -111,17 +111,18 @@ def test_pair_styles(host, examples):
     answers()
 
 
+def beside_regions(*commands):
+    return [*SCENE, "group some id 1", "group none empty", *REGIONS, *commands, *RUNS]
+
+
 @pytest.mark.parametrize("examples", SOME)
 def test_walls(host, examples):
     @settings(max_examples=examples, deadline=None)
     @given(GROUPS, WALLS, st.sampled_from(["ring", "sector", "ring contact radical"]))
     def answers(group, wall, style):
-        commands = [
-            *("group some id 1", "group none empty", *REGIONS),
-            *(f"pair_style deformable/{style}", "pair_coeff * * species a d", "neighbor 0.3 bin"),
-            *(f"fix wall {group} deformable/wall {wall}", *RUNS),
-        ]
-        assert check(host.answer([*SCENE, *commands], {"species": SPECIES}))
+        fix = f"fix wall {group} deformable/wall {wall}"
+        pair = f"pair_style deformable/{style}", "pair_coeff * * species a d", "neighbor 0.3 bin"
+        assert check(host.answer(beside_regions(*pair, fix), {"species": SPECIES}))
 
     answers()
 
@@ -132,12 +133,9 @@ def test_sticks(host, examples):
     @given(GROUPS, STICKS, st.sampled_from(["harmonic/cut", "zero 0.9", "none"]))
     def answers(group, stick, pair):
         coeff = {"harmonic/cut": "pair_coeff * * 1 0.9", "zero 0.9": "pair_coeff * *"}.get(pair, "")
-        commands = [
-            *("group some id 1", "group none empty", *REGIONS),
-            *(f"pair_style {pair}", coeff, "comm_modify cutoff 1.5"),
-            *(f"fix stick {group} deformable/stick {stick}", *RUNS),
-        ]
-        assert check(host.answer([*SCENE, *commands]))
+        pair = f"pair_style {pair}", coeff, "comm_modify cutoff 1.5"
+        fix = f"fix stick {group} deformable/stick {stick}"
+        assert check(host.answer(beside_regions(*pair, fix)))
 
     answers()
 

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import build, scenes
+from test_python import refuses_or_works
 
 LAWS = [
     deformable.Ring(contact="radical"),
@@ -19,24 +20,13 @@ REFUSED = (deformable.ParameterError, deformable.LammpsError)
 STEP = 1e-6
 
 
-def refusal(call):
-    """What a call returns, or nothing if it is refused by one line."""
-    try:
-        return call()
-    except REFUSED as error:
-        line = str(error)
-        assert 10 < len(line) < 1000
-        assert "\n" not in line
-        return None
-
-
 def state_of(packing, law):
     def call():
         with deformable.Simulation(packing, law) as sim:
             state = sim.state()
             return state, np.array(sim.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
 
-    return refusal(call)
+    return refuses_or_works(call, REFUSED)
 
 
 def slope(packing, law, i, k):
@@ -72,7 +62,7 @@ def test_walls_in_python(examples):
                 packing = deformable.push_off(packing)
             return packing
 
-        packing = refusal(start)
+        packing = refuses_or_works(start, REFUSED)
         if packing is None:
             return
         found = state_of(packing, law)

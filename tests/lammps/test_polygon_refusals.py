@@ -40,21 +40,13 @@ MEMBERS = {
     "nobody": ("group area molecule 9", {}, "its group .*no atoms"),
     "no molecule": ("", {"others": OTHERS}, "atom 13 .*no molecule"),
     "two beads": ("group area id 1 2", {}, "polygon 1 .*2 beads"),
-    "a gap": (
-        "group area id 1 2 3 5 6 7",
-        {},
-        ".*polygon 1 .*not consecutive.* 5 follows 3",
-    ),
+    "a gap": ("group area id 1 2 3 5 6 7", {}, ".*polygon 1 .*not consecutive.* 5 follows 3"),
     "two parts": (
         "group area molecule 1 2",
         {"outlines": [SEVEN, regular(5, 0.5), FIVE], "molecules": [1, 2, 1]},
         ".*polygon 1 .*not consecutive.* 13 follows 7",
     ),
-    "not in the group": (
-        "group area id 1 2 3 4 5 6",
-        {},
-        "atom 7 .*polygon 1 .*group",
-    ),
+    "not in the group": ("group area id 1 2 3 4 5 6", {}, "atom 7 .*polygon 1 .*group"),
     "on a line": (
         "",
         {"outlines": [SEVEN, np.array([[-1.5, 0.3], [-1.1, 0.5], [-0.7, 0.7]])]},

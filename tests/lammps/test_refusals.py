@@ -72,13 +72,7 @@ def test_reach_too_small():
     """The message names a reach; that one works."""
     walls = "region walls plane 0.7 0 0 -1 0 0\nfix walls all deformable/wall walls"
     with refuses("atom 1 bulges.*reach 0.1") as error:
-        Scene(
-            [[0, 0]],
-            ["unit"],
-            BOX,
-            f"{RADICAL} reach 0.1",
-            commands=walls,
-        ).energy()
+        Scene([[0, 0]], ["unit"], BOX, f"{RADICAL} reach 0.1", commands=walls).energy()
     enough = str(error.value).split("use a reach of ")[1].split()[0]
     style = f"{RADICAL} reach {enough}"
     assert Scene([[0, 0]], ["unit"], BOX, style, commands=walls).energy() > 0
@@ -135,27 +129,21 @@ def test_the_crowded_ring_is_named(law):
 
 
 @laws
-def test_three_dimensions(law):
-    lmp = two_particles(dimension=3)
-    lmp.commands_string(f"pair_style {LAWS[law]}\npair_coeff * * {SPECIES} small small")
-    with refuses("'dimension 2'"):
-        lmp.command("run 0")
-
-
-@laws
-def test_newton_off(law):
-    lmp = two_particles(newton="off")
-    lmp.commands_string(f"pair_style {LAWS[law]}\npair_coeff * * {SPECIES} small small")
-    with refuses("'newton on'"):
-        lmp.command("run 0")
-
-
-@laws
-@pytest.mark.parametrize("coefficients", ["", f"pair_coeff * * {SPECIES} small NULL"])
-def test_missing_coefficients(law, coefficients):
-    lmp = two_particles()
-    lmp.commands_string(f"pair_style {LAWS[law]}\n{coefficients}")
-    with refuses("All pair coeffs are not set"):
+@pytest.mark.parametrize(
+    ("scene", "names", "message"),
+    [
+        ({"dimension": 3}, "small small", "'dimension 2'"),
+        ({"newton": "off"}, "small small", "'newton on'"),
+        ({}, "small NULL", "All pair coeffs are not set"),
+        ({}, None, "All pair coeffs are not set"),
+    ],
+)
+def test_scene_and_coefficients(law, scene, names, message):
+    lmp = two_particles(**scene)
+    lmp.command(f"pair_style {LAWS[law]}")
+    if names:
+        lmp.command(f"pair_coeff * * {SPECIES} {names}")
+    with refuses(message):
         lmp.command("run 0")
 
 

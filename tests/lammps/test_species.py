@@ -14,64 +14,36 @@ def with_species(tmp_path, text):
     return lmp, f"pair_coeff * * {file} a a"
 
 
-def test_species_of_other_units(tmp_path):
-    lmp, coeff = with_species(tmp_path, "# DATE: 2026-01-01 UNITS: metal\na 1 1 inf\n")
-    with refuses("units metal.*lj"):
-        lmp.command(coeff)
-    lmp, coeff = with_species(tmp_path, "# UNITS:\r\x80\ra 1 1 inf\n")
-    with refuses(r"units \?+"):  # plain characters, whatever there is
-        lmp.command(coeff)
-    lmp, coeff = with_species(tmp_path, "# DATE: 2026-01-01 UNITS: lj\na 1 1 inf\n")
-    lmp.command(coeff)
-
-
-@pytest.mark.parametrize("infinite", ["inf", "INF", "+Inf"])
-def test_infinite_as_in_lammps_regions(tmp_path, infinite):
-    lmp, coeff = with_species(tmp_path, f"a 1 1 {infinite}\n")
-    lmp.command(coeff)
-    lmp, coeff = with_species(tmp_path, "a 1 1 -INF\n")
-    with refuses("kP of species a is '-INF', which is not a number"):
+@pytest.mark.parametrize(
+    ("units", "message"),
+    [
+        ("# DATE: 2026-01-01 UNITS: metal\n", "units metal.*lj"),
+        ("# UNITS:\r\x80\r", r"units \?+"),  # plain characters, whatever there is
+    ],
+)
+def test_species_of_other_units(units, message, tmp_path):
+    lmp, coeff = with_species(tmp_path, f"{units}a 1 1 inf\n")
+    with refuses(message):
         lmp.command(coeff)
 
 
 @laws
-def test_unknown_species(law):
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (f"* * {SPECIES} small huge", "Species 'huge'.*species.txt.*unit small large"),
+        (f"* * {SPECIES} small", "1 species.* 2 atom types"),
+        (f"* * {SPECIES} small small small", "3 species.* 2 atom types"),
+        ("* * nowhere.txt small small", "Cannot open.*nowhere.txt"),
+        (f"* * {SPECIES}", "pair_coeff command: missing argument"),
+        (f"1 1 {SPECIES} small small", "Pair_coeff must start with .* for pair style {style}"),
+    ],
+)
+def test_words_of_pair_coeff(law, words, message):
     lmp = two_particles()
     lmp.command(f"pair_style {LAWS[law]}")
-    with refuses("Species 'huge'.*species.txt.*unit small large"):
-        lmp.command(f"pair_coeff * * {SPECIES} small huge")
-
-
-@laws
-@pytest.mark.parametrize(("names", "number"), [("small", 1), ("small small small", 3)])
-def test_wrong_number_of_species(law, names, number):
-    lmp = two_particles()
-    lmp.command(f"pair_style {LAWS[law]}")
-    with refuses(f"{number} species.* 2 atom types"):
-        lmp.command(f"pair_coeff * * {SPECIES} {names}")
-
-
-def test_missing_file():
-    lmp = two_particles()
-    lmp.command("pair_style deformable/ring contact radical")
-    with refuses("Cannot open.*nowhere.txt"):
-        lmp.command("pair_coeff * * nowhere.txt small small")
-
-
-@laws
-def test_too_few_words(law):
-    lmp = two_particles()
-    lmp.command(f"pair_style {LAWS[law]}")
-    with refuses("pair_coeff command: missing argument"):
-        lmp.command(f"pair_coeff * * {SPECIES}")
-
-
-@laws
-def test_coefficients_of_single_types(law):
-    lmp = two_particles()
-    lmp.command(f"pair_style {LAWS[law]}")
-    with refuses(f"Pair_coeff must start with .* for pair style {LAWS[law].split()[0]}"):
-        lmp.command(f"pair_coeff 1 1 {SPECIES} small small")
+    with refuses(message.format(style=LAWS[law].split()[0])):
+        lmp.command(f"pair_coeff {words}")
 
 
 MALFORMED = {
@@ -86,6 +58,7 @@ MALFORMED = {
     "kA no number": ("a 0.5 1.0x inf", "kA.* a .*'1.0x'"),
     "kA too large": ("a 0.5 1e400 inf", "kA.* a .*'1e400'"),
     "kA zero": ("a 0.5 0.0 inf", "species a: kA .*not 0"),
+    "kP as in regions": ("a 1 1 -INF", "kP of species a is '-INF', which is not a number"),
     "kP negative": ("a 0.5 1.0 -inf", "kP.* a .*'-inf'"),
     "skin no number": ("a 0.5 1.0 inf thin", "skin.* a .*'thin'"),
     "skin negative": ("a 0.5 1.0 inf -0.1", "species a: skin .*not -0.1"),
@@ -116,19 +89,19 @@ def test_malformed_file(text, message, tmp_path):
         lmp.command(pair_coeff)
 
 
-@pytest.mark.parametrize("line", ["0.1 tension 2", "tension 2 skin 0.1", "skin 0.1 tension 2"])
-def test_keywords(line, tmp_path):
-    lmp, pair_coeff = with_species(tmp_path, f"a 0.5 inf 0 {line}")
-    lmp.command(pair_coeff)
-
-
-def test_comments_and_blank_lines_are_no_species(tmp_path):
-    lmp, pair_coeff = with_species(tmp_path, "# a\n\n  # b\n a 0.5 1.0 inf # the only one\n\n")
-    lmp.command(pair_coeff)
-
-
-def test_byte_order_mark(tmp_path):
-    lmp, pair_coeff = with_species(tmp_path, "\ufeffa 0.5 1.0 inf")
+@pytest.mark.parametrize(
+    "text",
+    [
+        *(f"a 0.5 inf 0 {line}" for line in ("0.1 tension 2", "tension 2 skin 0.1")),
+        "a 0.5 inf 0 skin 0.1 tension 2",
+        *(f"a 1 1 {infinite}" for infinite in ("inf", "INF", "+Inf")),  # as in LAMMPS' regions
+        "# DATE: 2026-01-01 UNITS: lj\na 1 1 inf\n",
+        "# a\n\n  # b\n a 0.5 1.0 inf # the only one\n\n",
+        "\ufeffa 0.5 1.0 inf",
+    ],
+)
+def test_files_that_are_read(text, tmp_path):
+    lmp, pair_coeff = with_species(tmp_path, text)
     lmp.command(pair_coeff)
 
 

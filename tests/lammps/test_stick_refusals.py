@@ -24,10 +24,7 @@ delete_atoms group far
 RUNS = {
     "no pair style": (PLANE, "Fix stick .*'radius'", ""),
     "no range": (PLANE, r"Fix stick .*: atom 2 at \(0.1, -0.25\) has no radius.* 'radius'", HYBRID),
-    "respa": (
-        "run_style respa 2 2 pair 1\n" + PLANE,
-        "Fix stick .*respa",
-    ),
+    "respa": ("run_style respa 2 2 pair 1\n" + PLANE, "Fix stick .*respa"),
     "outside": (
         "region wall plane 0 0 0 0 1 0\n",
         r"Fix stick .*: atom 2 at \(0.1, -0.25\) is outside .*'wall'",
@@ -36,18 +33,12 @@ RUNS = {
         "region wall plane 0 0.5 0 0 -1 0\n",
         r"Fix stick .*: atom 1 at \(0, 0.5\) .*on the surface .*'wall'",
     ),
-    "slope": (
-        "region wall plane 0 0.55 0 0 -1 0.3\n",
-        "atom 1 at .*'wall'.* not perpendicular",
-    ),
+    "slope": ("region wall plane 0 0.55 0 0 -1 0.3\n", "atom 1 at .*'wall'.* not perpendicular"),
     "three faces": (
         "region wall block -0.05 0.05 -1 0.55 -0.5 0.5\ngroup far id 2\ndelete_atoms group far\n",
         "atom 1 at .*more than two faces .*'wall'",
     ),
-    "faces alike": (
-        ALIKE,
-        "atom 1 at .*two faces .*'wall' .*'side in'",
-    ),
+    "faces alike": (ALIKE, "atom 1 at .*two faces .*'wall' .*'side in'"),
 }
 
 

@@ -57,10 +57,7 @@ def test_one_contact_with_a_wall(law):
     plane = f"region walls plane {1 - a} 0 0 -1 0 0\nfix walls all deformable/wall walls"
     scene = alone(law, plane)
     deficit, slope = a**2 * 2 * np.pi / 3, a * 4 * np.pi / 3
-    energy, force = {
-        "ring": (deficit**2 / 2, deficit * slope),
-        "sector": (a**2 / 2, a),
-    }["sector" if law == "sector" else "ring"]
+    energy, force = (a**2 / 2, a) if law == "sector" else (deficit**2 / 2, deficit * slope)
     state = scene.evaluate()
     assert state.energy == pytest.approx(energy, rel=1e-12)
     np.testing.assert_allclose(state.force, [[-force, 0]], rtol=1e-12)

@@ -122,20 +122,18 @@ def test_words(words, message):
             "region walls intersect 2 room post",
             "outside of part 'room' of region 'walls' of fix",
         ),
+        (
+            "fix walls all deformable/wall disk -5 -5 1 polygon 3 -1 -1 1 -1 0 1",
+            "in the obstacle 'polygon 2' of fix",
+        ),
     ],
 )
 def test_center_on_the_wrong_side(walls, message):
-    scene = scene_of([[5.0, 5.0], [0.2, 0.25]], ["small"] * 2, "sector", walls + FIX)
+    walls += "" if walls.startswith("fix") else FIX
+    scene = scene_of([[5.0, 5.0], [0.2, 0.25]], ["small"] * 2, "sector", walls)
     if "-8 0.1" in walls:
         scene.x = np.array([[-5.0, 5.0], [0.2, 0.25]])
     with pytest.raises(Exception, match=rf"atom 2 at \(0.2, 0.25\) is {message} walls"):
-        scene.energy()
-
-
-def test_center_in_shapes_of_words():
-    words = "fix walls all deformable/wall disk 5 5 1 polygon 3 -1 -1 1 -1 0 1"
-    scene = scene_of([[0.2, 0.25]], ["small"], "sector", words)
-    with pytest.raises(Exception, match=r"atom 1 .*in the obstacle 'polygon 2' of fix walls"):
         scene.energy()
 
 

@@ -56,8 +56,7 @@ FIXES = {
     "fix deform": of(NVE + "fix d all deform 1 x scale 0.995 y erate -0.001 remap x"),
     "fix deform with remap v": of(NVE + "fix d all deform 1 x erate -0.001 remap v"),
     "fix deform with flips": of(
-        NVE + "change_box all triclinic\nfix d all deform 1 xy erate 0.2 remap x",
-        "run 60",
+        NVE + "change_box all triclinic\nfix d all deform 1 xy erate 0.2 remap x", "run 60"
     ),
     "fix temp/berendsen": of(NVE + "fix b all temp/berendsen 1e-5 1e-5 5", conserves=WITH_BATH),
     "fix temp/rescale": of(NVE + "fix b all temp/rescale 5 1e-5 1e-5 0 1", conserves=WITH_BATH),

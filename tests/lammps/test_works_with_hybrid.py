@@ -133,10 +133,7 @@ def test_two_deformable_styles(law):
     np.testing.assert_allclose(found.results()["force"], force, rtol=0, atol=atol)
 
 
-EXCLUDED = {
-    "type 1 2": "",
-    "group small large": "group small type 1\ngroup large type 2\n",
-}
+EXCLUDED = {"type 1 2": "", "group small large": "group small type 1\ngroup large type 2\n"}
 
 
 @laws

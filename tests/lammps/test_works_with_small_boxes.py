@@ -7,11 +7,7 @@ from parallel import finished
 from scene import SPECIES, Scene
 from test_refusals import refuses
 
-CELLS = {
-    "square": (1, (0.0, 0.0)),
-    "tilted": (1, (0.3, 0.0)),
-    "long": (3, (0.0, 0.0)),
-}
+CELLS = {"square": (1, (0.0, 0.0)), "tilted": (1, (0.3, 0.0)), "long": (3, (0.0, 0.0))}
 
 
 def cells(law, length, shape="square", copies=1, species="small"):

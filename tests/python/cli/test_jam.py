@@ -92,31 +92,6 @@ def test_command_follows_packings_upwards(
     assert (tmp_path / "run" / "scaling.png").stat().st_size > 5_000
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["8", "0"], ["number", "0"]),
-        (["8", "--seeds", "0"], ["seeds", "0"]),
-        (["8", "--pressure", "-1"], ["pressure", "-1.0"]),
-        (["8", "--excess-phi", "-1"], ["excess-phi", "-1.0"]),
-        (["8", "--excess-phi", "0.01", "--law", "balanced"], ["1e-06", "balanced", "6e-14"]),
-        (["8", "--workers", "0"], ["workers", "0"]),
-    ],
-)
-def test_bad_input_is_one_line(
-    arguments: list[str],
-    words: list[str],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert jam(monkeypatch, *arguments) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("error: ")
-    assert [word for word in words if word not in line] == []
-
-
 def test_packings_are_saved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Also those that are in the table already."""
     monkeypatch.chdir(tmp_path)

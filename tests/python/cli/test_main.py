@@ -66,9 +66,8 @@ def test_sector_warns_on_one_line(tmp_path: Path) -> None:
     assert result.stderr.count("\n") == 1
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
+REFUSED = {
+    ("compress", "--number", "8"): [
         (["--number", "0"], ["number", "0"]),
         (["--strain", "2"], ["strain", "2.0"]),
         (["--strain", "0"], ["strain", "not be 0"]),
@@ -93,6 +92,20 @@ def test_sector_warns_on_one_line(tmp_path: Path) -> None:
         (["--steps", "0"], ["steps", "0"]),
         (["--out", "/dev/null/run"], ["'/dev/null' is a file"]),
     ],
+    ("jam", "8"): [
+        (["0"], ["number", "0"]),
+        (["--seeds", "0"], ["seeds", "0"]),
+        (["--pressure", "-1"], ["pressure", "-1.0"]),
+        (["--excess-phi", "-1"], ["excess-phi", "-1.0"]),
+        (["--excess-phi", "0.01", "--law", "balanced"], ["1e-06", "balanced", "6e-14"]),
+        (["--workers", "0"], ["workers", "0"]),
+    ],
+}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [([*start, *more], words) for start, rows in REFUSED.items() for more, words in rows],
 )
 def test_errors_are_one_line(
     arguments: list[str],
@@ -103,7 +116,7 @@ def test_errors_are_one_line(
 ) -> None:
     """In this process, which has loaded what a command loads."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sys.argv", ["deformable", "compress", "--number", "8", *arguments])
+    monkeypatch.setattr("sys.argv", ["deformable", *arguments])
     with pytest.raises(SystemExit) as end:
         cli.main()
     assert end.value.code == 2

@@ -57,17 +57,6 @@ def test_disks_are_the_same_in_both_styles() -> None:
     assert same == pytest.approx(pressure, rel=1e-13)
 
 
-def test_packing_is_at_the_onset(jammed: deformable.Packing) -> None:
-    apart = jammed.positions[:, None] - jammed.positions
-    fraction = apart @ np.linalg.inv(jammed.box)
-    distance = np.linalg.norm((fraction - np.rint(fraction)) @ jammed.box, axis=2)
-    distance[np.diag_indices(24)] = np.inf
-    overlap = (jammed.radius[:, None] + jammed.radius - distance)[np.triu_indices(24)]
-    assert 0.0 < overlap.max() < 1e-4
-    assert (overlap > 0).sum() > 1.7 * 20
-    assert 0.8 < jammed.phi < 0.87
-
-
 def test_two_sizes_are_two_species() -> None:
     """Energy, stress, shapes and contacts of the same packing, defined in both ways."""
     two = deformable.jam(deformable.bidisperse(24, seed=2))

@@ -64,26 +64,21 @@ def test_walls_do_not_jump_over_beads() -> None:
 
 
 @pytest.mark.parametrize(
-    "walls",
+    ("there", "walls"),
     [
-        deformable.Walls([0.0, 2.0, 4.0], np.full(3, 0.5)),
-        deformable.Walls(np.arange(4) * np.pi / 2.0, np.full(4, 0.5), stick=True),
+        (square(0.5), deformable.Walls([0.0, 2.0, 4.0], np.full(3, 0.5))),
+        (square(0.5), deformable.Walls(np.arange(4) * np.pi / 2.0, np.full(4, 0.5), stick=True)),
+        (None, square(0.5)),
     ],
 )
-def test_confine_moves_the_walls_that_are_there(walls: deformable.Walls) -> None:
+def test_confine_moves_the_walls_that_are_there(
+    there: deformable.Walls | None, walls: deformable.Walls
+) -> None:
     with (
-        deformable.PolygonSimulation(ALONE, LONE_BEADS, square(0.5)) as sim,
+        deformable.PolygonSimulation(ALONE, LONE_BEADS, there) as sim,
         pytest.raises(deformable.ParameterError, match=r"number.*stick"),
     ):
         sim.confine(walls)
-
-
-def test_confine_needs_walls() -> None:
-    with (
-        deformable.PolygonSimulation(ALONE, LONE_BEADS) as sim,
-        pytest.raises(deformable.ParameterError, match=r"number.*stick"),
-    ):
-        sim.confine(square(0.5))
 
 
 def test_walls_do_not_follow_the_box() -> None:

@@ -32,8 +32,7 @@ def test_a_residual_above_the_tolerance_looks_larger(residual: float, told: str)
 
 @pytest.mark.parametrize("open_one", SIMULATIONS)
 def test_stalled_simulations_tell_more_than_the_tolerance(
-    open_one: Callable[[deformable.Packing], deformable.Simulation],
-    monkeypatch: pytest.MonkeyPatch,
+    open_one: Callable[[deformable.Packing], deformable.Simulation], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     packing = deformable.push_off(deformable.bidisperse(6, phi=0.5, seed=1))
     with open_one(packing) as sim:

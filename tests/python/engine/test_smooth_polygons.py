@@ -24,6 +24,12 @@ STATES = {state["state"]: state for state in DATA["states"]}
 EXACT = deformable.PolygonModel(
     vertices=DATA["N_v"], radius=0.5 * DATA["c"], kL=DATA["kL"], kA=1.0, kr=DATA["kr"], smooth=True
 )
+KERNEL = SmoothPolygons(
+    EXACT,
+    EXACT.polygons(np.array(DATA["radii_law"])),
+    np.array(DATA["species"]),
+    np.diag(DATA["box"]),
+)
 FINE = deformable.PolygonModel(vertices=80, radius=0.025, kL=480.0, kr=10.0, smooth=True)
 
 
@@ -67,13 +73,7 @@ def test_rest_values_are_those_of_the_independent_code() -> None:
 
 
 def test_energies_and_forces_of_the_kernel(expected: dict[str, Any]) -> None:
-    polygons = SmoothPolygons(
-        EXACT,
-        EXACT.polygons(np.array(DATA["radii_law"])),
-        np.array(DATA["species"]),
-        np.diag(DATA["box"]),
-    )
-    at = polygons.energy(vertices(expected))
+    at = KERNEL.energy(vertices(expected))
     assert at.springs == pytest.approx(expected["energy_springs"], rel=1e-9)
     assert at.areas == pytest.approx(expected["energy_area"], rel=1e-9)
     assert at.contacts == pytest.approx(expected["energy_contacts"], rel=1e-9)
@@ -122,25 +122,19 @@ def test_the_balanced_law_at_the_centers() -> None:
 def test_second_derivatives(name: str) -> None:
     """Along random directions; where a vertex gets into touch, they jump."""
     state = STATES[name]
-    polygons = SmoothPolygons(
-        EXACT,
-        EXACT.polygons(np.array(DATA["radii_law"])),
-        np.array(DATA["species"]),
-        np.diag(DATA["box"]),
-    )
     x = vertices(state)
-    at = polygons.energy(x)
+    at = KERNEL.energy(x)
     row, column, value = at.hessian()
     rng, step = np.random.default_rng(5), 1e-7
     for _ in range(3):
         move = rng.normal(size=x.shape)
-        ahead, behind = (polygons.energy(x + sign * step * move).gradient for sign in (1.0, -1.0))
+        ahead, behind = (KERNEL.energy(x + sign * step * move).gradient for sign in (1.0, -1.0))
         product = np.zeros(x.size)
         np.add.at(product, row, value * move.ravel()[column])
         product = product.reshape(-1, 2)
-        first = np.cumsum(polygons.number) - polygons.number
+        first = np.cumsum(KERNEL.number) - KERNEL.number
         along = np.add.reduceat(np.sum(at.area_gradient * move, axis=1), first)
-        product += at.area_gradient * np.repeat(along, polygons.number)[:, None]  # kA = 1
+        product += at.area_gradient * np.repeat(along, KERNEL.number)[:, None]  # kA = 1
         # rounding of forces up to 400 over the step, and third derivatives times its square
         assert (ahead - behind) / (2.0 * step) == pytest.approx(product, abs=2e-5)
 

@@ -108,14 +108,6 @@ def test_one_motion_at_a_time(loose: deformable.Packing) -> None:
         assert next(move(sim, 100)).temperature > 0.0
 
 
-def test_too_long_steps_name_their_cause(loose: deformable.Packing) -> None:
-    with (
-        deformable.Simulation(loose.at(0.3), SOFT) as sim,
-        pytest.raises(deformable.ParameterError, match=r"too long for the temperature of 0\.01"),
-    ):
-        next(move(sim, 100, 50.0, temperature=0.01, seed=1))
-
-
 def test_an_early_end_leaves_no_trace(loose: deformable.Packing) -> None:
     with deformable.Simulation(loose, SOFT) as sim:
         motion = move(sim, 3000, temperature=1e-5, friction=1.0, every=1500, seed=1)
@@ -139,6 +131,7 @@ def test_a_motion_may_outlive_its_simulation(loose: deformable.Packing) -> None:
     ("values", "message"),
     [
         ({"timestep": 50.0}, r"timestep = 50 is too long for the temp.* take at most 0\.\d+"),
+        ({"timestep": 50.0, "temperature": 0.01}, r"too long for the temperature of 0\.01"),
         ({"timestep": -1.0}, "timestep .* -1"),
         ({"temperature": -1.0}, "temperature .* -1"),
         ({"temperature": "warm"}, "temperature .* 'warm'"),
@@ -166,12 +159,15 @@ def test_a_short_motion_is_one_state(loose: deformable.Packing) -> None:
         assert len(list(move(sim, 200, 0.01))) == 2
 
 
-def test_sector_is_refused_before_other_values(loose: deformable.Packing) -> None:
+@pytest.mark.parametrize("values", [{"steps": 100, "friction": 0.1}, {"steps": 0, "timestep": -1}])
+def test_sector_is_refused_before_other_values(
+    loose: deformable.Packing, values: dict[str, float]
+) -> None:
     with (
         deformable.Simulation(loose, deformable.Sector()) as sim,
-        pytest.raises(deformable.ParameterError, match="take Ring"),
+        pytest.raises(deformable.ParameterError, match=r"energy of Sector jumps.*take Ring"),
     ):
-        move(sim, 0, -1.0)
+        move(sim, **values)
 
 
 def test_steps_that_become_too_long_are_refused(loose: deformable.Packing) -> None:
@@ -251,11 +247,3 @@ def test_particles_of_any_size_and_stiffness_move() -> None:
             pace.append(next(move(sim, 1, temperature=1e-6, every=1, seed=1)).time)
     # 1 and kP/R^2 = 1/0.49, to the power of 1/4
     assert pace[1] / pace[0] == pytest.approx(0.49**0.25)
-
-
-def test_sector_is_refused(loose: deformable.Packing) -> None:
-    with (
-        deformable.Simulation(loose, deformable.Sector()) as sim,
-        pytest.raises(deformable.ParameterError, match="energy of Sector jumps"),
-    ):
-        move(sim, 100, friction=0.1)

@@ -90,9 +90,7 @@ def test_work_is_the_gain_of_energy(sim: deformable.Simulation | deformable.Disk
     assert after.energy - before.energy == pytest.approx(area * stress * 1e-4, rel=1e-4)
 
 
-def test_shear_goes_on_in_an_equivalent_box(
-    sim: deformable.Simulation | deformable.Disks,
-) -> None:
+def test_shear_goes_on_in_an_equivalent_box(sim: deformable.Simulation | deformable.Disks) -> None:
     box = sim.box
     states = list(deformable.shear(sim, 1.3, 13, tolerance=1e-3))
     assert all(not state.stalled for state in states)

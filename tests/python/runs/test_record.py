@@ -22,23 +22,22 @@ def test_saved_state_goes_on_as_it_was(state: deformable.State, tmp_path: Path) 
     assert again.residual == pytest.approx(state.residual, abs=1e-7)
 
 
-def test_tilted_sector_packing_goes_on(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "law",
+    [
+        deformable.Sector(kP=2.0),
+        deformable.Ring(kA=(2.0, float("inf")), kP=(float("inf"), 3.0), skin=0.05),
+    ],
+)
+def test_tilted_packings_and_species_go_on(
+    law: deformable.Sector | deformable.Ring, tmp_path: Path
+) -> None:
     jammed = deformable.jam(deformable.bidisperse(12, tilt=-0.4, aspect=1.3, seed=2))
-    with deformable.Simulation(jammed.at(0.86), deformable.Sector(kP=2.0)) as sim:
+    with deformable.Simulation(jammed.at(0.86), law) as sim:
         state = sim.state()
     state.save(tmp_path)
     with deformable.Run(tmp_path).simulation() as sim:
-        assert sim.law == deformable.Sector(kP=2.0)
-        assert sim.state().energy == pytest.approx(state.energy, rel=1e-12)
-
-
-def test_species_keep_their_stiffness(jammed: deformable.Packing, tmp_path: Path) -> None:
-    ring = deformable.Ring(kA=(2.0, float("inf")), kP=(float("inf"), 3.0), skin=0.05)
-    with deformable.Simulation(jammed.at(0.86), ring) as sim:
-        state = sim.state()
-    state.save(tmp_path)
-    with deformable.Run(tmp_path).simulation() as sim:
-        assert sim.law == ring
+        assert sim.law == law
         assert sim.state().energy == pytest.approx(state.energy, rel=1e-12)
 
 
@@ -71,10 +70,7 @@ def test_mdanalysis_reads_the_trajectory(tilt: float, tmp_path: Path) -> None:
         steps = deformable.compress(sim, strain=0.02, steps=2)
         states = list(deformable.record(steps, tmp_path))
     universe = mdanalysis.Universe(
-        str(tmp_path / "trajectory.lammpstrj"),
-        format="LAMMPSDUMP",
-        additional_columns=True,
-        dt=1.0,
+        str(tmp_path / "trajectory.lammpstrj"), format="LAMMPSDUMP", additional_columns=True, dt=1.0
     )
     assert len(universe.trajectory) == 2
     for frame, state in zip(universe.trajectory, states, strict=True):

@@ -186,11 +186,7 @@ def test_other_suffixes_are_refused(state: deformable.State, tmp_path: Path) -> 
     ],
 )
 def test_missing_packages_are_named(
-    package: str,
-    extra: str,
-    method: str,
-    state: deformable.State,
-    monkeypatch: pytest.MonkeyPatch,
+    package: str, extra: str, method: str, state: deformable.State, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     way_out = rf"^this needs {package}: pip install 'lammps-deformable\[{extra}\]'$"

@@ -127,10 +127,7 @@ def test_tables_come_back_as_they_were(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("text", "word"),
-    [
-        ("law,number\ndisk,many\n", "'many'"),
-        ("law,number,seed\nradical,8,1\n", "'onset_pressure'"),
-    ],
+    [("law,number\ndisk,many\n", "'many'"), ("law,number,seed\nradical,8,1\n", "'onset_pressure'")],
 )
 def test_other_tables_are_refused(text: str, word: str, tmp_path: Path) -> None:
     (tmp_path / "table.csv").write_text(text)
