@@ -1,6 +1,6 @@
 """Memory per particle and time per particle-step from ten thousand to a million particles.
 
-    python benchmarks/large.py [--out benchmarks/results/large.json]
+    python benchmarks/large.py [--largest 100000] [--out benchmarks/results/large.json]
 
 Runs `examples/large`: 1, 10 and 100 copies of its cell of 1e4 particles are compressed by 1 % and
 then move at constant energy. Soft disks of LAMMPS (`disk`) move at the same positions; the growth
@@ -14,6 +14,7 @@ bytes of the processes, beyond those of the smallest run.
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import os
 import re
@@ -32,17 +33,12 @@ ROOT = Path(__file__).parents[1]
 BIN = Path(sys.executable).parent
 CELL = 10_000
 COPIES = ((1, 1), (5, 2), (10, 10))
-# law, ranks, repeats of each size; steps of strain, force calls in each, time steps
-CASES = (
-    ("disk", 1, (5, 3, 1), {"motion": 100}),
-    ("radical", 1, (5, 3, 1), {"steps": 2, "calls": 50, "motion": 100}),
-    ("disk", 2, (5, 3, 1), {"motion": 100}),
-    ("radical", 2, (5, 3, 1), {"steps": 2, "calls": 50, "motion": 100}),
-    ("balanced", 1, (3, 2, 1), {"steps": 2, "calls": 50, "motion": 100}),
-    ("balanced", 2, (3, 2, 1), {"steps": 2, "calls": 50, "motion": 100}),
-    ("curved", 1, (3, 2), {"steps": 2, "calls": 50, "motion": 100}),
-)
-LAWS = ("disk", "radical", "balanced", "curved")
+SIZES = [CELL * nx * ny for nx, ny in COPIES]
+RANKS = (1, 2)
+# repeats of each size
+REPEATS = {"disk": (5, 3, 1), "radical": (5, 3, 1), "balanced": (3, 2, 1), "curved": (3, 2, 1)}
+# time steps; steps of strain and force calls in each, which disks have none of
+MOTION, COMPRESSION = {"motion": 100}, {"steps": 2, "calls": 50}
 
 DISKS = """
 units lj
@@ -111,9 +107,9 @@ def run(
     }
 
 
-def measure(
-    folder: Path, law: str, ranks: int, repeats: tuple[int, ...], length: dict[str, int]
-) -> list[Any]:
+def measure(folder: Path, law: str, ranks: int, largest: int) -> list[Any]:
+    repeats = REPEATS[law][: 1 + SIZES.index(largest)]
+    length = MOTION if law == "disk" else COMPRESSION | MOTION
     samples: list[list[dict[str, float]]] = [[] for _ in COPIES]
     for turn in range(max(repeats)):
         for size, copies in enumerate(COPIES):
@@ -150,7 +146,8 @@ def measure(
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=ROOT / "benchmarks/results/large.json")
-    parser.add_argument("--laws", nargs="+", choices=LAWS, default=LAWS)
+    parser.add_argument("--laws", nargs="+", choices=REPEATS, default=list(REPEATS))
+    parser.add_argument("--largest", type=int, choices=SIZES, default=SIZES[-1])
     options = parser.parse_args()
     rows = []
     with tempfile.TemporaryDirectory() as name:
@@ -158,11 +155,11 @@ def main() -> None:
         shutil.copytree(ROOT / "potentials", Path(name, "potentials"))
         Path(folder, "in.disks").write_text(DISKS)
         lammps(folder, 1, "-in", "in.cell", "-var", "particles", str(CELL))
-        for case in CASES:
-            if case[0] in options.laws:
-                rows += measure(folder, *case)
+        for law, ranks in itertools.product(options.laws, RANKS):
+            rows += measure(folder, law, ranks, options.largest)
     result = {
-        "command": f"python benchmarks/large.py --laws {' '.join(options.laws)}",
+        "command": f"python benchmarks/large.py --laws {' '.join(options.laws)} "
+        f"--largest {options.largest}",
         "date": date.today().isoformat(),
         "machine": machine()["processor"],
         "rows": rows,
