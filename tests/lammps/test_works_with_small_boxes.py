@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from contact_rows import of_compute_pair
 from laws import EXACT, laws
 from parallel import finished
 from scene import SPECIES, Scene
@@ -32,12 +33,15 @@ def test_same_as_four_cells(law, shape, length):
     """Energy, forces and stress of images are those of particles of their own.
 
     Beyond confluence lines that tilt differently in the four cells may take less energy: whether
-    they leave the symmetric state, which is a saddle then, depends on the last digits.
+    they leave the symmetric state, which is a saddle then, depends on the last digits. They may not
+    come to balance either: the energy is off by the square of what is left.
     """
-    one, four = (cells(law, length, shape, copies).evaluate() for copies in (1, 2))
+    scenes = [cells(law, length, shape, copies) for copies in (1, 2)]
+    one, four = (scene.evaluate() for scene in scenes)
     assert (one.energy > 0) == (length < 1)
     if law == "curved" and length < 0.9:
-        assert 0 < four.energy <= 4 * one.energy * (1 + 1e-11)
+        imbalance = of_compute_pair(scenes[1])[1]
+        assert 0 < four.energy <= 4 * one.energy * (1 + 1e-11 + 10 * imbalance**2)
         return
     assert four.energy == pytest.approx(4 * one.energy, rel=1e-11)
     atol = 1e-11 * max(np.abs(one.virial).max(), 1e-20)
