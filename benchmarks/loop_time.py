@@ -8,6 +8,8 @@ core: in slow motion (temperature 1e-7, time step 0.05) and in a fast one (1e-5)
 turns in one process, and the results are medians of processor time, so that the ratios are right on
 a busy machine too. The sections are LAMMPS' own breakdown. Ring laws have reach 0.1. Each law runs
 at the levels of SIMD instructions that `--simd` names; the first one is this processor's default.
+`bytes` is the memory that LAMMPS and its styles allocate; at the end comes what each particle takes
+of it, by its growth from the smallest to the largest packing.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ import argparse
 import itertools
 import json
 import os
+import re
 import statistics
 import tempfile
 from datetime import date
@@ -93,7 +96,7 @@ def run(
     simd: str = LEVELS[0],
     motion: str = "slow",
 ) -> dict[str, float]:
-    """Seconds per particle-step of a short NVE run, in all and by LAMMPS' sections."""
+    """Seconds per particle-step of a short NVE run, in all and by LAMMPS' sections, and bytes."""
     os.environ["DEFORMABLE_SIMD"] = simd
     log = data.with_name("log.run")
     lmp = start()
@@ -103,7 +106,11 @@ def run(
         f"fix nve all nve\ntimestep {TIMESTEP!r}\nthermo 0\nrun 50"
     )
     steps = max(LEAST_STEPS, particle_steps // lmp.get_natoms())
-    return timed_run(lmp, steps, log, BREAKDOWN)
+    seconds = timed_run(lmp, steps, log, BREAKDOWN)
+    (megabytes,) = re.findall(
+        r"^Per MPI rank memory .* \| (\S+) Mbytes", log.read_text(), re.MULTILINE
+    )
+    return seconds | {"bytes": float(megabytes) * 2**20}
 
 
 def profile(law: str, motion: str) -> None:
@@ -145,8 +152,9 @@ def measure(
                     "ns_by_section": {
                         key: 1e9 * statistics.median(r[key] for r in runs)
                         for key in runs[0]
-                        if key != "loop"
+                        if key not in ("loop", "bytes")
                     },
+                    "bytes": statistics.median(r["bytes"] for r in runs),
                 }
                 rows.append(row)
                 print(
@@ -156,6 +164,16 @@ def measure(
                     flush=True,
                 )
     return rows
+
+
+def print_memory(rows: list[dict]) -> None:
+    """Bytes of a particle, by the growth from the smallest to the largest packing."""
+    for motion, law in dict.fromkeys((row["motion"], row["law"]) for row in rows):
+        of_law = [row for row in rows if (row["motion"], row["law"]) == (motion, law)]
+        few, many = (pick(of_law, key=lambda row: row["n"]) for pick in (min, max))
+        if few["n"] < many["n"]:
+            each = (many["bytes"] - few["bytes"]) / (many["n"] - few["n"])
+            print(f"{motion} {law:8s} {each:6.0f} bytes per particle")
 
 
 def main() -> None:
@@ -174,6 +192,7 @@ def main() -> None:
     if options.law:
         return profile(options.law, options.motion)
     rows = measure(options.repeats, options.sizes, options.laws, options.simd, options.steps)
+    print_memory(rows)
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.write_text(
         json.dumps(

@@ -1,6 +1,7 @@
 """Does FIRE relax every packing of the ring laws, and in how many steps? Does another minimizer?
 
-    python benchmarks/relaxation.py [--minimizer cg] [--out benchmarks/results/relaxation.json]
+    python benchmarks/relaxation.py [--out benchmarks/results/relaxation.json]
+    python benchmarks/relaxation.py --minimizer cg [--dmax 0.001] --out ...
 
 Bidisperse packings of several sizes, size ratios and box shapes are jammed as soft disks and
 compressed in steps to 5 % beyond jamming. Each state is relaxed until no force exceeds 1e-6 of the
@@ -36,7 +37,7 @@ MINIMIZERS = {"fire": 1.0, "cg": 1e12}
 
 
 def measure(
-    law: str, number: int, seed: int, shape: dict[str, float], minimizer: str
+    law: str, number: int, seed: int, shape: dict[str, float], minimizer: str, dmax: float | None
 ) -> list[dict[str, Any]]:
     """The relaxed states of one packing, from the onset of jamming on."""
     jammed = deformable.jam(deformable.bidisperse(number, seed=seed, **shape))
@@ -45,6 +46,8 @@ def measure(
         jammed, deformable.Ring(kA=MINIMIZERS[minimizer], contact=law)
     ) as sim:
         sim.lmp.command(f"min_style {minimizer}")
+        if dmax:
+            sim.lmp.command(f"min_modify dmax {dmax!r}")
         box = sim.box
         for strain in STRAINS:
             sim.deform(box * (1.0 - strain))
@@ -84,6 +87,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=HERE / "results" / "relaxation.json")
     parser.add_argument("--minimizer", choices=MINIMIZERS, default="fire")
+    parser.add_argument("--dmax", type=float, help="of LAMMPS' min_modify: longest step")
     parser.add_argument("--numbers", nargs="+", type=int, default=NUMBERS, help="of particles")
     options = parser.parse_args()
     warnings.simplefilter("ignore", UserWarning)  # the rows have what they report
@@ -92,7 +96,7 @@ def main() -> None:
     for number, seed, shape in itertools.product(options.numbers, SEEDS, SHAPES):
         seconds = {}
         for law in LAWS:
-            these = measure(law, number, seed, shape, options.minimizer)
+            these = measure(law, number, seed, shape, options.minimizer, options.dmax)
             rows += these
             seconds[law] = sum(row["seconds"] for row in these)
         for law, found in ratios.items():
@@ -112,6 +116,7 @@ def main() -> None:
     print("processor time over that of radical:", times)
     result = {
         "command": f"python benchmarks/relaxation.py --minimizer {options.minimizer} "
+        f"{f'--dmax {options.dmax} ' if options.dmax else ''}"
         f"--numbers {' '.join(map(str, options.numbers))}",
         "machine": machine()["processor"],
         "tolerance": TOLERANCE,
