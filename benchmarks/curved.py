@@ -13,7 +13,7 @@ balanced ones, of a time step at constant energy and of compressions from jammin
 take turns in one process. `energy`: the standard deviation of the total energy of `curved` in runs
 at constant energy, over the kinetic part, against the time step, and its growth in four times the
 time: a drift would grow fourfold. `drift`: the trend of the total energy in a million steps of 16
-particles, the mean over eight runs and its error.
+particles, the mean over eight or `--runs` runs and its error.
 """
 
 from __future__ import annotations
@@ -186,9 +186,9 @@ def energy() -> list[dict[str, Any]]:
     return rows
 
 
-def drift() -> list[dict[str, Any]]:
+def drift(runs: int = 8) -> list[dict[str, Any]]:
     """Trends of the total energy over the kinetic one, of runs with other velocities."""
-    rows, dt, samples, seeds = [], 0.1, 500, range(1, 9)
+    rows, dt, samples, seeds = [], 0.1, 500, range(1, runs + 1)
     for phi, contact in itertools.product((0.80, 0.88, 0.92), LAWS):
         packing = deformable.jam(deformable.bidisperse(16, seed=1)).at(phi)
         trends = []
@@ -229,12 +229,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=HERE / "results" / "curved.json")
     parser.add_argument("--parts", default=",".join(PARTS), help="only these; others stay")
+    parser.add_argument("--runs", type=int, default=8, help="of drift, for each packing and law")
     options = parser.parse_args()
     warnings.simplefilter("ignore", UserWarning)  # the rows have what they report
     result = json.loads(options.out.read_text()) if options.out.exists() else {}
     options.out.parent.mkdir(parents=True, exist_ok=True)
     for part in options.parts.split(","):
-        result[part] = PARTS[part]()
+        result[part] = drift(options.runs) if part == "drift" else PARTS[part]()
         result |= {"command": "python benchmarks/curved.py", "machine": machine()}
         options.out.write_text(json.dumps(result, indent=1) + "\n")
 
