@@ -29,7 +29,6 @@ struct RingArrays {
   double *expansion;
   float *mixed, *rate;
   const double *tension, *skin;    // also null where no ring has any
-  const double *film_tension;      // T of the rings, for films that stick; null where none does
   double scale;    // compliances are in units of it, for the range of single precision
 };
 
@@ -44,8 +43,13 @@ struct ContactArrays {
   double *slope;          // of the outline
   float *share;           // v
   float *green;
-  double *film[4];    // FilmTerms; null where no film sticks
   double *scratch;    // for the rings that have more contacts than any kernel knows, aligned
+};
+
+// What films that stick do to rings: T of each, and FilmTerms of each contact (contact_film.h).
+struct StickArrays {
+  const double *tension;    // null: no film sticks
+  double *terms[4];
 };
 
 // Corrections of forces, by contact: the weight w, what is left of r, the direction d, the step so far, and the product
@@ -68,6 +72,7 @@ struct RingBatches {
   RingArrays rings;
   ContactArrays contacts;
   CorrectionArrays corrections;
+  StickArrays films;
 };
 
 // Pairs as ForceSolver sees them. Numbers in single precision are in units in which nothing is large or small:

@@ -18,7 +18,7 @@ DEFORMABLE_LANE_FUNCTION RingArrays rings_of(RingArrays r, int ring)
 {
   const auto move = [ring](auto &...p) DEFORMABLE_LANE_LAMBDA { ((p ? p += ring : p), ...); };
   move(r.radius, r.kA, r.pressure, r.work, r.total, r.per_pressure, r.square);
-  move(r.kP, r.expansion, r.mixed, r.rate, r.tension, r.skin, r.film_tension);
+  move(r.kP, r.expansion, r.mixed, r.rate, r.tension, r.skin);
   return r;
 }
 
@@ -28,8 +28,6 @@ DEFORMABLE_LANE_FUNCTION ContactArrays contacts_of(ContactArrays c, int contact,
   for (double **p : {&c.indentation, &c.slope}) *p += contact;
   for (float **p : {&c.compliance, &c.share}) *p += contact;
   c.green += green;
-  for (double *&term : c.film)
-    if (term) term += contact;
   return c;
 }
 
@@ -120,30 +118,41 @@ DEFORMABLE_LANE_FUNCTION void bend_contacts(int n, const double *bend, const int
   for (int m = 0; m < n; ++m) product[m] += load.shift;
 }
 
+// Those of the rings and contacts that these arrays have moved to.
+DEFORMABLE_LANE_FUNCTION StickArrays films_of(const RingBatches &b, const ContactArrays &c,
+                                              const RingArrays &r)
+{
+  StickArrays films = b.films;
+  films.tension += r.radius - b.rings.radius;
+  for (double *&term : films.terms) term += c.seat - b.contacts.seat;
+  return films;
+}
+
 // The same of contacts that stick (contact_film.h).
-DEFORMABLE_LANE_FUNCTION void stick_contacts(int n, const ContactArrays &c, Lanes tension,
+DEFORMABLE_LANE_FUNCTION void stick_contacts(int n, const StickArrays &films, Lanes tension,
                                              const Lanes *force, Lanes *product, Lanes &work,
                                              Lanes &total)
 {
   Lanes perimeter = Lanes{}, linear = Lanes{}, square = Lanes{};
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    perimeter += load<Lanes>(c.film[0] + m * LANES);
-    linear += force[m] * load<Lanes>(c.film[1] + m * LANES);
-    square += load<Lanes>(c.film[2] + m * LANES);
+    perimeter += load<Lanes>(films.terms[0] + m * LANES);
+    linear += force[m] * load<Lanes>(films.terms[1] + m * LANES);
+    square += load<Lanes>(films.terms[2] + m * LANES);
   }
   const Lanes per_pi = perimeter * (1.0 / PI);
   work += tension * (tension * (square + perimeter * per_pi) + (linear + total * per_pi));
   total += 2.0 * perimeter * tension;
 #pragma GCC unroll 8
-  for (int m = 0; m < n; ++m) product[m] += tension * (per_pi + load<Lanes>(c.film[3] + m * LANES));
+  for (int m = 0; m < n; ++m)
+    product[m] += tension * (per_pi + load<Lanes>(films.terms[3] + m * LANES));
 }
 
 // Shapes from forces and their sums with G.
-template <bool SOFT>
+template <bool SOFT, bool STICK>
 DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const double *bend, const Lanes *force,
                                             Lanes *product, const ContactArrays &c,
-                                            const RingArrays &rings)
+                                            const RingArrays &rings, const StickArrays &films)
 {
   Lanes work = Lanes{}, total = Lanes{};
 #pragma GCC unroll 8
@@ -154,9 +163,9 @@ DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const double *bend, const Lan
   work *= 0.5;
   if (bend) bend_contacts(n, bend, c.seat, force, product, work, total);
   Lanes size = total;    // of the sum of lengths, a scale
-  if (rings.film_tension) {
-    const Lanes tension = load<Lanes>(rings.film_tension);
-    stick_contacts(n, c, tension, force, product, work, total);
+  if constexpr (STICK) {
+    const Lanes tension = load<Lanes>(films.tension);
+    stick_contacts(n, films, tension, force, product, work, total);
     size = magnitude(total) + tension;
   }
   store(rings.work, work);
@@ -190,9 +199,10 @@ DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const double *bend, const Lan
 }
 
 // Shapes the rings for the forces of their pairs.
-template <int SIZE, bool SOFT>
+template <int SIZE, bool SOFT, bool STICK = false>
 DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int contacts,
-                                          const ContactArrays &c, const RingArrays &rings)
+                                          const ContactArrays &c, const RingArrays &rings,
+                                          const StickArrays &films = {})
 {
   const int n = SIZE > 0 ? SIZE : contacts;
   OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
@@ -206,7 +216,7 @@ DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int conta
         product[m] += between * force[k];
         product[k] += between * force[m];
       });
-  return finish_shapes<SOFT>(n, pairs.bend, force, product, c, rings);
+  return finish_shapes<SOFT, STICK>(n, pairs.bend, force, product, c, rings, films);
 }
 
 // Shapes the rings anew after their forces have changed a little, in the same directions, with the last G in single
@@ -235,7 +245,7 @@ DEFORMABLE_LANE_FUNCTION bool adapt_lanes(const double *forces, const float *cha
       product[k] += between * change[m];
     }
   }
-  return finish_shapes<SOFT>(n, nullptr, force, product, c, rings);
+  return finish_shapes<SOFT, false>(n, nullptr, force, product, c, rings, {});
 }
 
 // The slope of the outline at each contact, sum_k L_k G'(theta_c - theta_k); -f_c times that is dU/dtheta_c.
@@ -243,7 +253,7 @@ DEFORMABLE_LANE_FUNCTION bool adapt_lanes(const double *forces, const float *cha
 template <int SIZE>
 DEFORMABLE_LANE_FUNCTION void slope_lanes(const PairDirections &pairs, int contacts,
                                           const ContactArrays &c, const RingArrays &rings,
-                                          const OutlineArrays &outline)
+                                          const OutlineArrays &outline, const StickArrays &films)
 {
   const int n = SIZE > 0 ? SIZE : contacts;
   OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
@@ -267,8 +277,8 @@ DEFORMABLE_LANE_FUNCTION void slope_lanes(const PairDirections &pairs, int conta
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
     Lanes inward = load<Lanes>(c.indentation + m * LANES) + delta;    // (GL)_c
-    if (rings.film_tension)
-      inward -= load<Lanes>(rings.film_tension) * per_p * load<Lanes>(c.film[3] + m * LANES);
+    if (films.tension)
+      inward -= load<Lanes>(films.tension) * per_p * load<Lanes>(films.terms[3] + m * LANES);
     store(outline.slope_rate + m * LANES, slope_rate(lengths, Lanes{}, inward, force[m] * per_p));
     store(outline.per_pressure + m * LANES, per_p);
     store(outline.free_radius + m * LANES, Q);
@@ -296,19 +306,22 @@ DEFORMABLE_LANE_FUNCTION void for_all(const RingBatches &b, Kernel &&kernel)
     }
 }
 
-template <bool SOFT> static bool shape_all(RingBatches b, PairDirections pairs)
+template <bool SOFT, bool STICK> static bool shape_all(RingBatches b, PairDirections pairs)
 {
   bool exist = true;
   for_all(b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
                  DEFORMABLE_LANE_LAMBDA {
-                   exist &= shape_lanes<decltype(size)::value, SOFT>(pairs, n, c, r);
+                   StickArrays films = {};
+                   if constexpr (STICK) films = films_of(b, c, r);
+                   exist &= shape_lanes<decltype(size)::value, SOFT, STICK>(pairs, n, c, r, films);
                  });
   return exist;
 }
 
 static bool shape_rings(RingBatches b, PairDirections pairs)
 {
-  return b.soft ? shape_all<true>(b, pairs) : shape_all<false>(b, pairs);
+  if (b.films.tension && b.soft) return shape_all<true, true>(b, pairs);
+  return b.soft ? shape_all<true, false>(b, pairs) : shape_all<false, false>(b, pairs);
 }
 
 template <bool SOFT>
@@ -336,7 +349,8 @@ static void slopes_of_rings(RingBatches b, PairDirections pairs, OutlineArrays o
         if (outline.slope_rate)
           for (double **p : {&of_batch.slope_rate, &of_batch.per_pressure, &of_batch.free_radius})
             *p += c.seat - b.contacts.seat;
-        slope_lanes<decltype(size)::value>(pairs, n, c, r, of_batch);
+        slope_lanes<decltype(size)::value>(pairs, n, c, r, of_batch,
+                                           b.films.tension ? films_of(b, c, r) : StickArrays{});
       });
 }
 

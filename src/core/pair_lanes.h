@@ -155,9 +155,7 @@ static void extrapolate(PairArrays p, Extrapolation by, int begin, int end)
     const T most = larger(KINK * magnitude(bend), zero + by.smooth);
     const T curve = select(magnitude(twist) > most, zero, by.bend * bend + by.twist * twist);
     const T change = -(by.slope * last + curve);
-    const T past = load<T>(p.past + k);
-    const T next = select(past == UNKNOWN_FORCE, zero, past + change * p.unit);
-    store(p.force + k, larger(next, least_force<T>(p, k)));
+    store(p.force + k, larger(load<T>(p.past + k) + change * p.unit, least_force<T>(p, k)));
     store(p.earlier[1] + k, last);
     store(p.earlier[2] + k, second);
   });

@@ -98,7 +98,7 @@ struct Batch {
   ContactArrays contacts(int w)
   {
     return contacts_of({seat.data(), indentation.data(), compliance.data(), slope.data(),
-                        share.data(), green.data(), {}, scratch},
+                        share.data(), green.data(), scratch},
                        w, w);
   }
   CorrectionArrays corrections(int w)
@@ -112,7 +112,7 @@ struct Batch {
     return rings_of({radius.data(), kA.data(), ring[0].data(), ring[2].data(), ring[3].data(),
                      ring[4].data(), response[1].data(), kP.data(), ring[1].data(),
                      response[0].data(), response[2].data(), is_tense ? tension.data() : nullptr,
-                     skin.data(), nullptr, 0.25},
+                     skin.data(), 0.25},
                     w);
   }
 };
@@ -157,7 +157,7 @@ void check(int n, std::mt19937 &random, Tensions tensions, bool curved)
   require_equal(curvature.total(), curvatures, size, "curvature", n);
   for (int w = 0; w < LANES; w += W)
     slope_lanes<SIZE>(pairs, n, b.contacts(w), b.rings(w),
-                      {&b.rate[w], &b.per_pressure[w], &b.free_radius[w]});
+                      {&b.rate[w], &b.per_pressure[w], &b.free_radius[w]}, {});
   for (const bool slopes : {false, true}) {
     for (int w = 0; w < LANES; ++w) {
       std::vector<double> f(n), x(n), t(n), gf(n, 0.0), gx(n, 0.0), slope(n, 0.0);

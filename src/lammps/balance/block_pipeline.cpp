@@ -38,6 +38,9 @@ void BlockPipeline::make_room()
 void BlockPipeline::extrapolate(const deformable::Extrapolation &by)
 {
   kernels.extrapolate(arrays(), by, 0, pairs->size);
+  if (!pairs->sticks) return;
+  for (int k = 0; k < pairs->size; ++k)
+    if (pairs->past[k] == deformable::UNKNOWN_FORCE) pairs->force[k] = 0.0;
 }
 
 void BlockPipeline::start_from_nothing()

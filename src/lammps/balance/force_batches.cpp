@@ -140,18 +140,13 @@ deformable::RingBatches ForceBatches::arrays()
            per_pressure.data(), square.data(), soft ? kP.data() : nullptr,
            soft ? expansion.data() : nullptr, soft ? mixed.data() : nullptr,
            soft ? rate.data() : nullptr, tense ? tension.data() : nullptr,
-           skin.empty() ? nullptr : skin.data(),
-           film_tension.empty() ? nullptr : film_tension.data(), scale},
-          {seat.data(),
-           indentation.data(),
-           compliance.data(),
-           slope.data(),
-           share.data(),
-           green.data(),
-           {film[0].data(), film[1].data(), film[2].data(), film[3].data()},
-           aligned},
+           skin.empty() ? nullptr : skin.data(), scale},
+          {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(),
+           green.data(), aligned},
           {partner.data(), none(), weight.data(), left.data(), direction.data(), step.data(),
-           products(), products(), none() + 1}};
+           products(), products(), none() + 1},
+          {film_tension.empty() ? nullptr : film_tension.data(),
+           {film[0].data(), film[1].data(), film[2].data(), film[3].data()}}};
 }
 
 double ForceBatches::bytes() const
