@@ -1,6 +1,6 @@
 #include "arguments.h"
 
-#include "trigonometry.h"
+#include "parameter_rules.h"
 
 #include <cmath>
 
@@ -23,6 +23,19 @@ std::vector<double> deformable::vector_of(const std::string &name, nb::handle gi
       refuse(name + "[" + std::to_string(k) + "] is " + std::to_string(values.data()[k]) +
              ": it must be finite");
   return {values.data(), values.data() + values.size()};
+}
+
+std::vector<double> deformable::contact_angles_of(nb::handle given, std::size_t contacts)
+{
+  std::vector<double> angles(contacts, 0.0);
+  if (!given.is_none()) angles = vector_of("contact_angle", given);
+  if (angles.size() != contacts)
+    refuse("contact_angle must have the length of angle, " + std::to_string(contacts) + ", not " +
+           std::to_string(angles.size()));
+  for (const double angle : angles)
+    if (!(angle >= 0.0 && angle < PI))
+      refuse("contact_angle must lie between 0 and pi, not " + shown_number(angle));
+  return angles;
 }
 
 void deformable::require_positive(const std::string &name, double value)

@@ -46,6 +46,9 @@ template <class Value> Vector per_contact(std::size_t contacts, Value &&value)
 // A vector of finite numbers, from anything that numpy converts to one.
 std::vector<double> vector_of(const std::string &name, nb::handle given);
 
+// Angles at which an outline meets its contacts, 0 if not given.
+std::vector<double> contact_angles_of(nb::handle given, std::size_t contacts);
+
 void require_positive(const std::string &name, double value);
 
 // The contacts of a call, checked, and their memory.

@@ -43,23 +43,26 @@ Points outline_points(const std::string &law, double radius, nb::handle angle,
 }
 
 Points curved_points(double radius, nb::handle angles, nb::handle lengths, nb::handle half_angles,
-                     int points, bool same_area)
+                     int points, bool same_area, nb::handle contact_angles)
 {
   require_fine(points);
   require_positive("radius", radius);
   const std::vector<double> angle = vector_of("angle", angles),
                             length = vector_of("length", lengths),
                             half_angle = vector_of("half_angle", half_angles);
+  const std::vector<double> contact_angle = contact_angles_of(contact_angles, angle.size());
   if (angle.size() != length.size() || angle.size() != half_angle.size())
     refuse("angle, length and half_angle must have the same length");
   std::vector<CurvedContact> contacts;
   for (std::size_t c = 0; c < angle.size(); ++c) {
-    if (length[c] < 0.0)
+    const bool is_film = contact_angle[c] > 0.0;
+    if (length[c] < 0.0 && !is_film)
       refuse("length: lengths must not be negative, not " + shown_number(length[c]));
     if (!(std::fabs(half_angle[c]) < 0.5 * PI))
       refuse("half_angle: must lie between -pi/2 and pi/2, not " + shown_number(half_angle[c]));
-    if (length[c] > 0.0)
-      contacts.push_back({std::remainder(angle[c], 2.0 * PI), length[c], half_angle[c]});
+    if (length[c] > 0.0 || is_film)
+      contacts.push_back(
+          {std::remainder(angle[c], 2.0 * PI), length[c], half_angle[c], contact_angle[c]});
   }
   Outline outline = {same_area};
   curved_outline(radius, std::move(contacts), points, outline);
@@ -156,12 +159,12 @@ repeated; every point is exact, the ends of the contacts among them. `points` se
 turn is divided. With `same_area` the points between contacts lie a little outside, so that the polygon
 has the area of the outline, 2e-4 more for 180 points. Parameters and errors as for the law.)");
   m.def("curved_outline", &curved_points, "radius"_a, "angle"_a, "length"_a, "half_angle"_a,
-        "points"_a = 180, "same_area"_a = false,
+        "points"_a = 180, "same_area"_a = false, "contact_angle"_a = nb::none(),
         R"(The outline of a ring whose contacts are arcs.
 
 As `outline`, from what `forced_ring` gives: its `support_radius` [length], and the `contact_length` L [length],
-direction and half angle [rad] of each contact. Raises ValueError for a negative length, or a half angle of a
-quarter turn and more.)");
+direction and half angle [rad] of each contact, and the angle at which the outline meets it, 0 if omitted [rad].
+Raises ValueError for a negative length without such an angle, or a half angle of a quarter turn and more.)");
   m.def("sector_arcs", &arcs_of, "radius"_a, "angle"_a, "indentation"_a, "closed"_a = true,
         R"(The arcs of `sector`, one a sector, by rising angle.
 

@@ -64,4 +64,17 @@ It must be from 0 to below the radius; without a radius, 0 or positive and finit
       R"(The problem of valid stiffnesses and a skin for the sector law, or None.
 
 One of kA and kP must be inf, the skin and the tension 0.)");
+  m.def(
+      "invalid_adhesion", [](double adhesion) { return or_none(invalid_adhesion(adhesion)); },
+      "adhesion"_a,
+      R"(The problem of this adhesion in a phrase that names its value, or None: it must be 0 or positive and finite.)");
+  m.def(
+      "invalid_for_adhesion",
+      [](double adhesion, double kA, double kP, double skin, double tension) {
+        return or_none(invalid_for_adhesion(adhesion, {kA, kP, tension}, skin));
+      },
+      "adhesion"_a, "kA"_a, "kP"_a, "skin"_a = 0.0, "tension"_a = 0.0,
+      R"(The problem of valid stiffnesses and a skin for a particle of this adhesion, or None.
+
+Its tension must be above half of the adhesion, kP finite, the skin 0.)");
 }
