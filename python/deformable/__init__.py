@@ -34,13 +34,13 @@ if TYPE_CHECKING:
     from .model.packing import Packing as Packing
     from .model.packing import bidisperse as bidisperse
     from .model.packing import polydisperse as polydisperse
+    from .model.polygon_walls import Walls as Walls
     from .model.polygons import PolygonModel as PolygonModel
     from .model.walls import Circle as Circle
     from .model.walls import Disk as Disk
     from .model.walls import Plane as Plane
     from .model.walls import Polygon as Polygon
     from .model.walls import Segment as Segment
-    from .model.walls import Walls as Walls
     from .model.walls import rectangle as rectangle
     from .protocols.compression import compress as compress
     from .protocols.jamming import jam as jam
@@ -95,7 +95,7 @@ _HOMES = {
     "State": "state.state",
     "UnjammedWarning": "common.errors",
     "UnsavedWarning": "common.errors",
-    "Walls": "model.walls",
+    "Walls": "model.polygon_walls",
     "bidisperse": "model.packing",
     "bulk_modulus": "protocols.moduli",
     "compare": "studies.comparison",

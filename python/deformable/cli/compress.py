@@ -82,6 +82,13 @@ def compress_command(
             "finite kP; droplets have --kA inf --kP 0 --tension 1."
         ),
     ] = 0.0,
+    adhesion: Annotated[
+        float,
+        typer.Option(
+            help="With --law curved: energy gained for each unit of length of a film between two "
+            "particles [energy/length], below twice the tension."
+        ),
+    ] = 0.0,
     reach: Annotated[
         float | None,
         typer.Option(

@@ -35,6 +35,7 @@ class Settings:
     kA: float
     kP: float
     tension: float
+    adhesion: float
     reach: float | None
 
     strain: float
@@ -62,7 +63,14 @@ class Settings:
         law = LAWS[self.law]
         if isinstance(law, Ring):
             reach = law.reach if self.reach is None else self.reach
-            return replace(law, kA=self.kA, kP=self.kP, tension=self.tension, reach=reach)
+            return replace(
+                law,
+                kA=self.kA,
+                kP=self.kP,
+                tension=self.tension,
+                adhesion=self.adhesion,
+                reach=reach,
+            )
         return replace(law, kA=self.kA, kP=self.kP)
 
 
@@ -79,6 +87,8 @@ def check_together(settings: Settings, given: Mapping[str, Any]) -> None:
         raise ParameterError("--reach is an option of ring laws: leave it out with --law sector")
     if settings.law == "sector" and "tension" in given:
         raise ParameterError("--tension is an option of ring laws: leave it out with --law sector")
+    if settings.law == "sector" and "adhesion" in given:
+        raise ParameterError("--adhesion is an option of --law curved: leave it out")
 
 
 def check_same(folder: Path, given: Mapping[str, Any]) -> None:

@@ -21,8 +21,8 @@ from ..io.lammps_commands import (
 )
 from ..model.lattice import cartesian
 from ..model.packing import Packing
+from ..model.polygon_walls import Walls
 from ..model.polygons import PolygonModel
-from ..model.walls import Walls
 from ..state.polygon_state import PolygonContacts, PolygonState, steiner_point, sum_contacts
 from .followed import refuse_other, refuse_other_types, setup
 from .lammps import Engine, communicator, gather, local_array, run, shared_file, silent_lammps

@@ -10,8 +10,8 @@ from ..core import unit_vectors
 from ..io.data_file import data_file
 from ..model.lattice import cartesian, fractional
 from ..model.packing import Packing
+from ..model.polygon_walls import Walls
 from ..model.polygons import PolygonModel, Polygons
-from ..model.walls import Walls
 
 
 def undeformed(packing: Packing, polygons: Polygons) -> list[NDArray[np.float64]]:

@@ -12,14 +12,16 @@ from numpy.typing import NDArray
 from ..common.errors import LammpsError
 from ..common.validate import expect, positive, zero_or_more
 from ..core import dot
+from ..io.films import film_commands
 from ..io.lammps_commands import law_commands, pair_style, species_file
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing, shown_box
 from ..model.room import check_centers, check_fit
+from ..model.sticking import check_sticky_walls, sticks
 from ..model.timestep import STIFFNESS_PER_PRESSURE
 from ..model.walls import Wall, as_walls
-from ..state.contact_table import ROWS, contact_table
-from ..state.state import State
+from ..state.contact_table import ROWS, attached, contact_table
+from ..state.state import State, parts
 from .followed import has_other_fixes, refuse_forces_of_motion, refuse_other, setup, unsaved
 from .lammps import (
     Engine,
@@ -89,7 +91,7 @@ class Simulation(Engine):
     Every rank of an MPI run must make the same calls, and gets the same values.
 
     Args:
-        packing: where particles start, e.g. from `jam`.
+        packing: where particles start, e.g. from `jam`; or a state, see `restart`.
         law: contact law, `Ring` or `Sector`.
         comm: communicator that shares the work; all ranks if not given. With `MPI.COMM_SELF` every
             rank runs a simulation of its own, the fast way for many small packings.
@@ -114,20 +116,20 @@ class Simulation(Engine):
 
     def __init__(
         self,
-        packing: Packing,
+        packing: Packing | State,
         law: Law,
         comm: MPI.Comm | None = None,
         walls: Wall | Sequence[Wall] | None = None,
     ) -> None:
-        expect("packing", packing, Packing)
+        expect("packing", packing, Packing, State)
         expect("law", law, Ring, Sector)
         self.law, self.comm = law, communicator(comm)
-        packing = self.comm.bcast(packing)  # packings of different machines may differ
+        packing, state = parts(self.comm.bcast(packing))  # those of other machines may differ
         if walls is not None:
             packing = replace(packing, walls=as_walls(walls))
         self._rigid_phi = np.inf
         self._start: Packing | None = packing
-        self._open(packing)
+        self._open(packing, state)
 
     @property
     def walls(self) -> tuple[Wall, ...]:
@@ -149,31 +151,33 @@ class Simulation(Engine):
 
         Args:
             packing: that of a state of this simulation, or another one: particles may be added,
-                removed or have other radii. They are at rest, and time and strain begin anew; those
-                of a state go on, with its velocities.
+                removed or have other radii. They are at rest, stick where their circles overlap,
+                and time and strain begin anew. Those of a state go on, with velocities and films.
         """
         expect("packing", packing, Packing, State)
-        state = packing if isinstance(packing, State) else None
-        packing = packing.packing if isinstance(packing, State) else packing
+        packing, state = parts(packing)
         species_file(self.law, packing.radii)  # or fail before the old LAMMPS is gone
         close_lammps(self.lmp)
         self._start = self._start and packing
-        self._open(packing)
-        if state:
-            place_velocities(self.lmp, state.velocities)
-            self.time, self.strain = state.time, state.strain
+        self._open(packing, state)
 
-    def _open(self, packing: Packing) -> None:
-        law, self.time, self.strain = self.law, 0.0, None
+    def _open(self, packing: Packing, state: State | None) -> None:
+        law = self.law
+        self.time, self.strain = (state.time, state.strain) if state else (0.0, None)
         self._species, self._radii = packing.species, packing.radii
         species = species_file(law, self._radii)  # or fail before LAMMPS is open
         self._check_walls(packing.walls, packing.box)
         check_centers(packing.walls, packing.box, packing.positions)
+        check_sticky_walls(packing, law)
         self._walls = packing.walls
         self.lmp = open_lammps(packing, self.comm)
         with shared_file(self.comm, species) as file:
             run(self.lmp, law_commands(packing, law, file))
         place_walls(self.lmp, packing.walls)
+        films = state.films_at(packing.walls) if state else None
+        run(self.lmp, film_commands(law, packing.walls, films))
+        if state:
+            place_velocities(self.lmp, state.velocities)
         stress_of = virial_command("pair fix" if packing.walls else "pair")
         run(self.lmp, stress_of + _COMPUTES.format(style=pair_style(law)) + _THERMO)
         self._setup = setup(self.lmp)
@@ -282,7 +286,7 @@ class Simulation(Engine):
         radius = radius - self.law.species_parameters(self._radii).skin[species]
         strain = 1.0 - area / (np.pi * radius**2) + perimeter / (2.0 * np.pi * radius) - 1.0
         self._largest_pressure = float(pressure.max())
-        self._loose = bool(strain.max() <= _ROUND)
+        self._loose = bool(np.abs(strain).max() <= _ROUND)
         total, number = dot(pressure, length), float(max(contacts.sum(), 1.0))
         mean = self._single_contact_force if self._loose else total / number
         largest = largest_force(self.lmp)  # all contacts together bear less than another force
@@ -297,6 +301,8 @@ class Simulation(Engine):
                 f"the contacts of atom {n + 1} leave it no area, but {area[n]:.3g}{WAY_OUT}"
             )
         positions = gather(self.lmp, "x", 3)[:, :2]
+        told = self.lmp.numpy.extract_compute("deformable_beyond", 0, 1)
+        rows = np.concatenate(self.comm.allgather(self._contact_rows))
         packing = Packing(
             positions, self._species, self._radii, self.box, self._particle_radii, self._walls
         )
@@ -312,13 +318,15 @@ class Simulation(Engine):
             stress=stress(self.lmp, packing.area if packing.walls else None),
             residual=forces.residual,
             stalled=stalled,
-            beyond=round(self.lmp.numpy.extract_compute("deformable_beyond", 0, 1)[0]),
+            beyond=round(told[0]),
             velocities=gather(self.lmp, "v", 3)[:, :2],
             time=self.time,
             strain=self.strain,
-            contact_table=contact_table(self._contact_rows, packing, self.comm),
+            contact_table=contact_table(rows, packing),
             root=self.comm.rank == 0,
             wall_forces=wall_forces(self.lmp, self._walls),
+            films=attached(rows) if sticks(self.law, self._walls) else None,
+            lost_energy=float(told[5]) if len(told) > 5 else 0.0,
             unsaved=unsaved(self.lmp, self._setup),
         )
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..model.packing import Packing
+from .films import Films, film_lines, films_in
 from .lammps_commands import atom_style
 
 
@@ -20,11 +21,13 @@ class Motion(NamedTuple):
         velocities: of the particles, shape (N, 2) [length/time].
         time: of the motion so far [time].
         strain: shear strain so far; None without shear.
+        films: those that there are, see `films.py`; None if nothing sticks.
     """
 
     velocities: NDArray[np.float64]
     time: float = 0.0
     strain: float | None = None
+    films: Films | None = None
 
 
 def data_file(
@@ -82,7 +85,7 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
     """A packing as a LAMMPS data file.
 
     Its title has the time and the strain where these are not 0, and the number of recorded frames,
-    if given.
+    if given. Films are comments at its end.
     """
     style = atom_style(packing)
     title = f"LAMMPS data file by lammps-deformable, units lj, atom_style {style}, two-dimensional"
@@ -94,7 +97,7 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
         title += f", time {motion.time!r}"
     if motion.strain is not None:
         title += f", strain {motion.strain!r}"
-    return data_file(
+    text = data_file(
         title if frames is None else f"{title}, {frames} frames",
         style,
         packing.box,
@@ -104,6 +107,7 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
         origin=packing.origin.tolist() if packing.walls else (0, 0),
         velocities=motion.velocities if motion.velocities.any() else None,
     )
+    return text + film_lines(motion.films)
 
 
 def packing_in(text: str, radii: list[float]) -> Packing:
@@ -159,4 +163,9 @@ def motion_in(text: str, number: int) -> Motion:
         if sorted(ids) != list(range(1, number + 1)):
             raise ValueError(f"it has velocities of {len(ids)} of {number} atoms")
         velocities[ids.astype(np.int64) - 1] = np.column_stack(columns)
-    return Motion(velocities, float(time[1]) if time else 0.0, float(strain[1]) if strain else None)
+    return Motion(
+        velocities,
+        float(time[1]) if time else 0.0,
+        float(strain[1]) if strain else None,
+        films_in(text),
+    )

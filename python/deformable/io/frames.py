@@ -111,8 +111,9 @@ def keep_frames(folder: Path, first: int) -> None:
 def append_setup(folder: Path, number: int, setup: Mapping[str, Any]) -> None:
     """Append what a frame is made of besides its particles, if the frame before had another."""
     line = json.dumps({"frame": number} | dict(setup)) + "\n"
-    setups = setups_in(folder)
-    if not setups or json.loads(line) != setup_of(setups, number) | {"frame": number}:
+    # the last one is that of the frame before, as `keep_frames` has cut what came later
+    last = _setups(folder / SETUPS, slice(-1, None))
+    if not last or json.loads(line) != last[0] | {"frame": number}:
         _append(folder / SETUPS, line)
 
 
@@ -136,8 +137,11 @@ def setups_in(folder: Path) -> list[dict[str, Any]]:
     Raises:
         FileError: the file is damaged.
     """
-    path = folder / SETUPS
-    lines = path.read_text().split("\n")[:-1] if path.exists() else []
+    return _setups(folder / SETUPS, slice(None))
+
+
+def _setups(path: Path, which: slice) -> list[dict[str, Any]]:
+    lines = path.read_text().split("\n")[:-1][which] if path.exists() else []
     with reading(path):
         setups = [dict(json.loads(line)) for line in lines]
         return [setup | {"frame": int(setup["frame"])} for setup in setups]

@@ -7,11 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.adhesion import matrix_of
 from ..model.laws import Law, Ring
 from ..model.packing import Packing
+from ..model.polygon_walls import Walls
 from ..model.polygons import PolygonModel
 from ..model.room import closed
-from ..model.walls import Polygon, Wall, Walls
+from ..model.walls import Polygon, Wall
 
 SETUP = """
 units lj
@@ -65,6 +67,7 @@ def wall_commands(walls: Sequence[Wall]) -> str:
     for n, wall in enumerate(walls, start=1):
         count = f"{len(wall.corners)} " if isinstance(wall, Polygon) else ""
         words = f"{wall.kind} {count}" + " ".join(f"{value:.17g}" for value in wall.values)
+        words += f" adhesion {wall.adhesion!r}" * (wall.adhesion > 0.0)
         name = WALL.format(n)
         lines += [f"fix {name} all deformable/wall {words}", f"fix_modify {name} virial yes"]
     return "\n".join(lines) + "\n" * bool(lines)
@@ -99,6 +102,13 @@ def species_file(law: Law, radii: Sequence[float] | NDArray[np.float64]) -> str:
     for n, (*values, tension) in enumerate(columns.tolist(), start=1):
         words = [f"s{n}", *map(repr, values)]
         lines.append(" ".join(words + ["tension", repr(tension)] * (tension != 0.0)))
+    if isinstance(law, Ring) and law.sticks:
+        matrix = matrix_of(law.adhesion, len(radii)).tolist()
+        lines += [
+            f"adhesion s{i + 1} s{j + 1} {matrix[i][j]!r}"
+            for i, j in zip(*np.triu_indices(len(radii)), strict=True)
+            if matrix[i][j] > 0.0
+        ]
     return "\n".join(lines) + "\n"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..model.laws import Law
 from ..model.packing import Packing
+from .films import Films, film_commands
 from .lammps_commands import SETUP, atom_style, boundary, law_commands, wall_commands
 from .run_folder import DATA, SCRIPT, SPECIES
 
@@ -32,7 +33,14 @@ run 0
 """
 
 
-def script(packing: Packing, law: Law, timestep: float, moving: float, moves: bool = False) -> str:
+def script(
+    packing: Packing,
+    law: Law,
+    timestep: float,
+    moving: float,
+    moves: bool = False,
+    films: Films | None = None,
+) -> str:
     """Text of a LAMMPS script that reads a saved packing and evaluates it.
 
     Args:
@@ -41,8 +49,10 @@ def script(packing: Packing, law: Law, timestep: float, moving: float, moves: bo
         timestep: of a minimization [time].
         moving: time step of a motion at the temperature `TEMPERATURE` [time].
         moves: whether the saved particles have velocities.
+        films: that there are, if particles stick.
     """
     commands = law_commands(packing, law, SPECIES) + wall_commands(packing.walls)
+    commands += film_commands(law, packing.walls, films)
     commands += f"timestep {timestep!r}\n"
     setup = SETUP.format(style=atom_style(packing), boundary=boundary(packing.walls))
     velocity = "" if moves else f"# velocity all create {TEMPERATURE!r} 12345\n"

@@ -16,6 +16,7 @@ from ..model.laws import LAWS, Law
 from ..model.packing import Packing
 from ..model.walls import KINDS, Wall
 from .data_file import Motion, motion_in, packing_file, packing_in
+from .films import Films, as_films
 from .lammps_commands import species_file
 from .lammps_script import script
 from .run_folder import DATA, SCRIPT, SPECIES, SUMMARY, refuse
@@ -52,23 +53,26 @@ def save(
     }
     write_whole(folder / SPECIES, species_file(law, packing.radii))
     moves = bool(motion.velocities.any())
-    write_whole(folder / SCRIPT, script(packing, law, *timesteps, moves=moves))
+    write_whole(folder / SCRIPT, script(packing, law, *timesteps, moves, motion.films))
     write_whole(folder / SUMMARY, json.dumps(summary, indent=2, default=str) + "\n")
     # last: it completes the state
     write_whole(folder / DATA, packing_file(packing, motion, frames))
 
 
-def setup(packing: Packing, law: Law) -> dict[str, Any]:
-    """What a state is made of besides its particles: the law, the radii of species, the walls."""
+def setup(packing: Packing, law: Law, films: Films | None = None) -> dict[str, Any]:
+    """What a state is made of besides its particles: law, radii of species, walls, and films."""
     settings = {name: _strict(value) for name, value in asdict(law).items() if name != "contact"}
     return {
         "law": {"name": law.name} | settings,
         "radii": packing.radii.tolist(),
         "walls": [{"shape": wall.kind, **asdict(wall)} for wall in packing.walls],
+        **({} if films is None else {"films": films.tolist()}),
     }
 
 
-def read_setup(saved: Mapping[str, Any]) -> tuple[Law, list[float], tuple[Wall, ...]]:
+def read_setup(
+    saved: Mapping[str, Any],
+) -> tuple[Law, list[float], tuple[Wall, ...], Films | None]:
     """The inverse of `setup`.
 
     Raises:
@@ -79,7 +83,8 @@ def read_setup(saved: Mapping[str, Any]) -> tuple[Law, list[float], tuple[Wall, 
     if name not in LAWS:
         raise ValueError(f"there is no law {name!r}")
     law = replace(LAWS[name], **{key: _setting(value) for key, value in settings.items()})
-    return law, saved["radii"], tuple(_wall(**each) for each in saved.get("walls", []))
+    walls = tuple(_wall(**each) for each in saved.get("walls", []))
+    return law, saved["radii"], walls, as_films(saved.get("films"))
 
 
 def _strict(value: Any) -> Any:
@@ -138,7 +143,7 @@ def read(folder: Path) -> tuple[Packing, Law]:
     """
     summary = summary_in(refuse(folder, but="compression"))
     with reading(folder / SUMMARY):
-        law, radii, walls = read_setup(summary)
+        law, radii, walls, _ = read_setup(summary)
     with reading(folder / DATA):
         packing = packing_in(_text(folder / DATA, folder), radii)
         return (replace(packing, walls=walls) if walls else packing), law

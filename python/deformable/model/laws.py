@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, fields
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import core
 from ..common.errors import ParameterError
 from ..common.validate import positive, shown
+from .adhesion import Adhesion, adhesion_of, check_adhesion, matrix_of
 
 # A ring of constant perimeter bulges by (pi/2 - 1) R at most, when it is pressed flat. A reach f
 # finds the lines of much smaller neighbors up to (1 + f + 1/(1 + f)) R/2, so that 1.8 is enough.
@@ -66,6 +67,12 @@ class Ring:
             may be 0. The last term of U is the pressure tension/R of a free particle, so that it
             is at rest with the radius R. With kP the perimeter alone would shrink to
             P0 - tension/kP.
+        adhesion: energy w that two particles gain for each unit of length of the film between them
+            [energy/length], with `curved` contacts: a number for all pairs, or a symmetric matrix,
+            a row for each species. Outlines of the tension T meet a film at the angle theta,
+            cos theta = 1 - w/(2T) between equals. Particles attach where they touch, and let go
+            where their film has no length left. w is below twice the weaker tension; both have a
+            tension, a finite kP and no skin.
         contact: the contact lines. `balanced`: straight, perpendicular to the line of centers,
             where the forces of both sides are equal. `curved`: arcs between particles of unequal
             pressure, whose torques are balanced too; at rest this is the exact shape of slipping
@@ -78,7 +85,8 @@ class Ring:
 
     Raises:
         ParameterError: a stiffness is not positive, both are infinite, the reach is not in
-            (0, 3], a skin or a tension is negative, or there is a tension beside kP = inf.
+            (0, 3], a skin or a tension is negative, or there is a tension beside kP = inf; or an
+            adhesion is negative, or too large for a tension, or contacts are not `curved`.
 
     Source: docs/theory.md.
     """
@@ -90,6 +98,7 @@ class Ring:
     skin: float | Sequence[float] = 0.0
     contact: str = "balanced"
     tension: float | Sequence[float] = 0.0
+    adhesion: Adhesion = 0.0
 
     def __post_init__(self) -> None:
         if not isinstance(self.contact, str) or self.contact not in _REACH:
@@ -116,6 +125,8 @@ class Ring:
             _refuse(core.invalid_stiffness(*stiffnesses))
         for thickness in skin:
             _refuse(core.invalid_skin(thickness))
+        object.__setattr__(self, "adhesion", adhesion_of(self.adhesion))
+        check_adhesion(self.adhesion, self.contact, kA, kP, skin, tension)
 
     def __repr__(self) -> str:
         return _call(self)
@@ -123,6 +134,11 @@ class Ring:
     @property
     def _parameters(self) -> list[float | Sequence[float]]:
         return [getattr(self, name) for name in SpeciesParameters._fields]
+
+    @property
+    def sticks(self) -> bool:
+        """Whether any particles have an adhesion."""
+        return bool(np.max(self.adhesion) > 0.0)
 
     @property
     def name(self) -> str:
@@ -141,6 +157,7 @@ class Ring:
                 radius, or a particle would collapse by its tension.
         """
         found = [per_species(values, len(radii)) for values in self._parameters]
+        matrix_of(self.adhesion, len(radii))
         for kA, kP, skin, tension, radius in zip(*found, radii, strict=True):
             _refuse(core.invalid_skin(skin, radius))
             _refuse(core.unstable_radius(radius - skin, kA, kP, tension))
@@ -157,6 +174,7 @@ class Ring:
         same_area: bool = False,
         force: ArrayLike = (),
         half_angle: ArrayLike = (),
+        contact_angle: ArrayLike | None = None,
     ) -> NDArray[np.float64]:
         """Outline of a particle about its center, a closed polygon of shape (m, 2) [length].
 
@@ -170,14 +188,17 @@ class Ring:
             same_area: move points between contacts a little outward, see `core.outline`.
             force: of each contact, if they are curved, shape (z,) [energy/length].
             half_angle: of each contact, likewise, shape (z,) [rad].
+            contact_angle: of each contact, likewise, shape (z,) [rad].
         """
         a = np.asarray(indentation, dtype=np.float64)
         kA, kP, skin, tension = (_at(values, species) for values in self._parameters)
         if self.contact == "curved":
-            ring = core.forced_ring(radius, angle, force, kA, kP, skin, tension, half_angle)
-            whole = ring.support_radius + skin - inset
+            ring = core.forced_ring(
+                radius, angle, force, kA, kP, skin, tension, half_angle, contact_angle
+            )
+            whole, length = ring.support_radius + skin - inset, ring.contact_length
             return core.curved_outline(
-                whole, angle, ring.contact_length, half_angle, points, same_area
+                whole, angle, length, half_angle, points, same_area, contact_angle
             )
         expansion = 0.0
         if math.isfinite(kP):  # the radius changes, and with it all indentations
@@ -202,6 +223,8 @@ class Sector:
     Raises:
         ParameterError: a value is not positive, or both or none of the two are infinite.
     """
+
+    sticks: ClassVar[bool] = False
 
     kA: float = math.nan
     kP: float = math.inf

@@ -1,4 +1,4 @@
-"""Walls: containers (plane, circle), obstacles (disk, segment, polygon), flat ones around a ring.
+"""Walls: containers (plane, circle) and obstacles (disk, segment, polygon).
 
 Containers and obstacles have the names and the numbers of `fix deformable/wall`.
 """
@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import ClassVar, TypeVar, Union
+from typing import Any, ClassVar, TypeVar, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import ParameterError
 from ..common.validate import numbers, positive, shown
-from ..core import unit_vectors
+from .adhesion import wall_adhesion
 
 Point = tuple[float, float]
 R = TypeVar("R", bound="_Round")
@@ -27,6 +27,8 @@ class Plane:
     Attributes:
         point: any point of the wall (x, y) [length].
         normal: direction from the wall to the particles (x, y), of any length.
+        adhesion: energy that a particle gains for each unit of length of its film with the wall
+            [energy/length], see `Ring`.
 
     Raises:
         ParameterError: a value is not finite, or the normal is (0, 0).
@@ -36,8 +38,10 @@ class Plane:
 
     point: Point
     normal: Point
+    adhesion: float = 0.0
 
     def __post_init__(self) -> None:
+        _set_adhesion(self)
         _set_points(self, "point", "normal")
         if self.normal == (0.0, 0.0):
             raise ParameterError("normal of a plane must have a direction, not (0, 0)")
@@ -49,7 +53,8 @@ class Plane:
 
     def stretched(self, x: float, y: float) -> Plane:
         """The plane after the coordinates are multiplied by x and y."""
-        return Plane(_scaled(self.point, x, y), (self.normal[0] * y, self.normal[1] * x))
+        normal = self.normal[0] * y, self.normal[1] * x
+        return replace(self, point=_scaled(self.point, x, y), normal=normal)
 
 
 @dataclass(frozen=True)
@@ -58,8 +63,10 @@ class _Round:
 
     center: Point
     radius: float
+    adhesion: float = 0.0
 
     def __post_init__(self) -> None:
+        _set_adhesion(self)
         _set_points(self, "center")
         object.__setattr__(self, "radius", positive(f"radius of a {self.kind}", self.radius))
 
@@ -90,6 +97,8 @@ class Circle(_Round):
     Attributes:
         center: (x, y) [length].
         radius: [length].
+        adhesion: energy that a particle gains for each unit of length of its film with the wall
+            [energy/length], see `Ring`.
 
     Raises:
         ParameterError: a value is not finite, or the radius is not positive.
@@ -105,6 +114,8 @@ class Disk(_Round):
     Attributes:
         center: (x, y) [length].
         radius: [length].
+        adhesion: energy that a particle gains for each unit of length of its film with the wall
+            [energy/length], see `Ring`.
 
     Raises:
         ParameterError: a value is not finite, or the radius is not positive.
@@ -147,6 +158,8 @@ class Segment(_Cornered):
     Attributes:
         start: one end (x, y) [length].
         end: the other one.
+        adhesion: energy that a particle gains for each unit of length of its film with the wall
+            [energy/length], see `Ring`.
 
     Raises:
         ParameterError: a value is not finite, or both ends are the same point.
@@ -156,8 +169,10 @@ class Segment(_Cornered):
 
     start: Point
     end: Point
+    adhesion: float = 0.0
 
     def __post_init__(self) -> None:
+        _set_adhesion(self)
         _set_points(self, "start", "end")
         self._check()
 
@@ -173,7 +188,7 @@ class Segment(_Cornered):
 
     def stretched(self, x: float, y: float) -> Segment:
         """The segment after the coordinates are multiplied by x and y."""
-        return Segment(_scaled(self.start, x, y), _scaled(self.end, x, y))
+        return replace(self, start=_scaled(self.start, x, y), end=_scaled(self.end, x, y))
 
 
 @dataclass(frozen=True)
@@ -182,6 +197,8 @@ class Polygon(_Cornered):
 
     Attributes:
         corners: in the order around it, in either direction, shape (n, 2), n >= 3 [length].
+        adhesion: energy that a particle gains for each unit of length of its film with the wall
+            [energy/length], see `Ring`.
 
     Raises:
         ParameterError: a value is not finite, there are too few corners, or it is not convex.
@@ -190,8 +207,10 @@ class Polygon(_Cornered):
     kind = "polygon"
 
     corners: tuple[Point, ...]
+    adhesion: float = 0.0
 
     def __post_init__(self) -> None:
+        _set_adhesion(self)
         given = numbers("corners of a polygon", self.corners)
         if given.ndim != 2 or given.shape[1] != 2 or len(given) < 3:
             raise ParameterError(
@@ -208,7 +227,7 @@ class Polygon(_Cornered):
 
     def stretched(self, x: float, y: float) -> Polygon:
         """The polygon after the coordinates are multiplied by x and y."""
-        return Polygon(tuple(_scaled(corner, x, y) for corner in self.corners))
+        return replace(self, corners=tuple(_scaled(corner, x, y) for corner in self.corners))
 
 
 Wall = Union[Plane, Circle, Disk, Segment, Polygon]  # noqa: UP007  of Python 3.10 at run time
@@ -216,7 +235,7 @@ KINDS: dict[str, type[Wall]] = {each.kind: each for each in (Plane, Circle, Disk
 
 
 def rectangle(
-    width: float, height: float, corner: ArrayLike = (0.0, 0.0)
+    width: float, height: float, corner: ArrayLike = (0.0, 0.0), adhesion: float = 0.0
 ) -> tuple[Plane, Plane, Plane, Plane]:
     """Four planes around particles: left, right, lower and upper side of a rectangular container.
 
@@ -226,17 +245,18 @@ def rectangle(
         width: along x [length].
         height: along y [length].
         corner: the lower left one (x, y) [length].
+        adhesion: of all four [energy/length].
 
     Raises:
-        ParameterError: a length is not positive, or the corner is no point.
+        ParameterError: a length is not positive, the corner is no point, or the adhesion negative.
     """
     width, height = positive("width", width), positive("height", height)
     x, y = _point("corner", corner)
     return (
-        Plane((x, y), (1.0, 0.0)),
-        Plane((x + width, y), (-1.0, 0.0)),
-        Plane((x, y), (0.0, 1.0)),
-        Plane((x, y + height), (0.0, -1.0)),
+        Plane((x, y), (1.0, 0.0), adhesion),
+        Plane((x + width, y), (-1.0, 0.0), adhesion),
+        Plane((x, y), (0.0, 1.0), adhesion),
+        Plane((x, y + height), (0.0, -1.0), adhesion),
     )
 
 
@@ -280,63 +300,9 @@ def _set_points(shape: Wall | _Round, *names: str) -> None:
         object.__setattr__(shape, name, point)
 
 
+def _set_adhesion(shape: Any) -> None:
+    object.__setattr__(shape, "adhesion", wall_adhesion(shape.kind, shape.adhesion))
+
+
 def _scaled(point: Point, x: float, y: float) -> Point:
     return point[0] * x, point[1] * y
-
-
-@dataclass(frozen=True, eq=False)
-class Walls:
-    """A convex polygon around the origin, for `PolygonSimulation` and `squeeze`.
-
-    `planes` are the same sides for a `Packing`.
-
-    Attributes:
-        angle: directions from the origin to the sides, increasing, shape (n,), n >= 3 [rad].
-        height: distance of each side from the origin, shape (n,) [length].
-        stick: beads that touch a side keep their place along it; otherwise they slip.
-
-    Raises:
-        ParameterError: the sides do not close a polygon around the origin.
-    """
-
-    angle: NDArray[np.float64]
-    height: NDArray[np.float64]
-    stick: bool = False
-
-    def __post_init__(self) -> None:
-        angle, height = (numbers(f"{n} of walls", getattr(self, n)) for n in ("angle", "height"))
-        if angle.ndim != 1 or len(angle) < 3 or not _turns_once(angle):
-            raise ParameterError(
-                "angles of walls must increase through one turn, by less than half a turn from one "
-                f"to the next, not {angle.tolist()}"
-            )
-        if height.shape != angle.shape or not (height > 0.0).all():
-            raise ParameterError(
-                f"heights of walls must be {len(angle)} positive numbers, not {height.tolist()}"
-            )
-        for name, array in (("angle", angle), ("height", height)):
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
-
-    @property
-    def normal(self) -> NDArray[np.float64]:
-        """Outward normals, shape (n, 2)."""
-        return unit_vectors(self.angle)
-
-    @property
-    def planes(self) -> tuple[Plane, ...]:
-        """The sides as walls of a `Packing`."""
-        return tuple(
-            Plane(tuple(height * normal), tuple(-normal))
-            for height, normal in zip(self.height, self.normal, strict=True)
-        )
-
-    def distances_from(self, center: ArrayLike) -> NDArray[np.float64]:
-        """Distance of each side from a point, negative beyond the side, shape (n,) [length]."""
-        return self.height - np.sum(self.normal * np.asarray(center), axis=1)
-
-
-def _turns_once(angle: NDArray[np.float64]) -> bool:
-    """Whether directions increase through one turn, by less than half a turn each."""
-    turns = np.diff(angle, append=angle[:1] + 2.0 * np.pi)
-    return bool(((turns > 0.0) & (turns < np.pi)).all())

@@ -25,6 +25,8 @@ from ..engine.shared_disks import relax_on_ranks
 from ..engine.simulation import Simulation
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing
+from ..model.sticking import refuse_adhesion
+from ..state.disk_state import DiskState
 from ..state.state import State
 
 # Pressure of soft disks up to which a packing counts as loose while it is compressed, and step of
@@ -114,13 +116,14 @@ def jam(
         StalledWarning: relaxations stalled, as with the sector law.
 
     Raises:
-        ParameterError: the start is rigid already, or a value is out of range.
+        ParameterError: the start is rigid already, a value is out of range, or particles stick.
 
     Source: O'Hern, Silbert, Liu, Nagel, Phys. Rev. E 68, 011306 (2003).
     """
     expect("packing", packing, Packing)
     if law is not None:
         expect("law", law, Ring, Sector)
+        refuse_adhesion(law, packing.walls, ", whose packings have no pressure at an onset")
     positive("pressure", pressure)
     positive("step", step)
     positive("tolerance", tolerance)
@@ -300,9 +303,11 @@ def natural_pressure(packing: Packing, law: Law | None) -> float:
     return float(np.mean(stiffness + tension / r0))
 
 
-def simulate(packing: Packing, law: Law | None) -> Disks | Simulation:
+def simulate(start: Packing | State | DiskState, law: Law | None) -> Disks | Simulation:
     """A simulation of a contact law, or of soft disks, on this rank alone."""
-    return Disks(packing) if law is None else Simulation(packing, law, MPI.COMM_SELF)
+    if law is None or isinstance(start, DiskState):
+        return Disks(start if isinstance(start, Packing) else start.packing)
+    return Simulation(start, law, MPI.COMM_SELF)
 
 
 def _relaxed(

@@ -101,7 +101,7 @@ def _modulus(
     for halving in range(_HALVINGS + 1):
         stresses, stalled = [], False
         for sign in (1.0, -1.0):
-            with simulate(state.packing, state.law) as sim:
+            with simulate(state, state.law) as sim:
                 sim.deform(deformed(sim.box, sign * strain))
                 relaxed = sim.relax(tolerance)
             stresses.append(component(relaxed.stress))

@@ -17,9 +17,11 @@ from ..common.errors import ParameterError
 from ..common.files import make_folder
 from ..common.steps import Steps
 from ..common.validate import expect, positive
+from ..engine.lammps import run
 from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
 from ..io import frames
+from ..io.films import Films, memory_commands
 from ..io.run_folder import DATA, refuse
 from ..io.store import setup
 from ..model.packing import Packing
@@ -202,17 +204,23 @@ def _begun(
             pass
     elif start.root:
         start.save(folder, parameters, frames=first)
-    yield from steps_of(sim, start.packing, folder, parameters, done=0)
+    yield from steps_of(sim, start.packing, start.films, folder, parameters, done=0)
 
 
 def steps_of(
-    sim: Simulation, packing: Packing, folder: Path, parameters: Mapping[str, Any], done: int
+    sim: Simulation,
+    packing: Packing,
+    films: Films | None,
+    folder: Path,
+    parameters: Mapping[str, Any],
+    done: int,
 ) -> Iterator[State]:
     """The steps that are missing, each written and started from a new LAMMPS."""
     start = parameters["start"]
     protocol = (parameters["strain"], parameters["steps"], done, parameters["tolerance"])
     time, strain = sim.time, sim.strain
     sim.restart(packing)
+    run(sim.lmp, "\n".join(memory_commands(films)))
     sim.time, sim.strain = time, strain
     if parameters.get("protocol") == "shear":
         states = shear_steps(sim, start.get("strain") or 0.0, *protocol)
@@ -239,7 +247,7 @@ def write(
                 if frames.frames_in(folder) > 0 == first:  # another run is replaced
                     (folder / DATA).unlink(missing_ok=True)
                 frames.keep_frames(folder, first)
-            frames.append_setup(folder, number, setup(state.packing, state.law))
+            frames.append_setup(folder, number, setup(state.packing, state.law, state.films))
             values, numbers = state.particle_values(), state.numbers()
             frames.append_frame(folder, number, state.packing, values, numbers)
             state.save(folder, parameters, frames=number + 1)

@@ -28,10 +28,11 @@ from ..common.files import reading
 from ..common.progress import progress
 from ..common.steps import Steps
 from ..common.validate import expect
-from ..engine.lammps import communicator, place_velocities
+from ..engine.lammps import communicator, place_velocities, run
 from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
 from ..io import frames
+from ..io.films import memory_commands
 from ..io.run_folder import refuse
 from ..io.store import read, read_motion, read_setup, summary_in
 from ..protocols.shear import check_shear
@@ -115,13 +116,14 @@ class Run:
         with progress("replaying", unit="state", total=len(numbers)) as bar:
             for number in numbers:
                 with reading(f"frame {number} of {self.folder / frames.TRAJECTORY}"):
-                    law, radii, walls = read_setup(frames.setup_of(setups, number))
+                    law, radii, walls, films = read_setup(frames.setup_of(setups, number))
                     if number >= len(texts):
                         raise LookupError("it is missing")
                     packing, velocities = frames.read_frame(texts[number], radii)
                     packing = replace(packing, walls=walls)
                     time, strain = clock[number] if number < len(clock) else (0.0, None)
                 with Simulation(packing, law) as sim:
+                    run(sim.lmp, "\n".join(memory_commands(films)))
                     yield replace(sim.state(), velocities=velocities, time=time, strain=strain)
                 bar.update()
 
@@ -133,7 +135,7 @@ class Run:
     def simulation(self, comm: MPI.Comm | None = None) -> Simulation:
         """A simulation of the last state: the same particles, box and law.
 
-        Velocities, time and shear strain go on from those of the state.
+        Velocities, films, time and shear strain go on from those of the state.
 
         Args:
             comm: as for `Simulation`.
@@ -143,6 +145,7 @@ class Run:
         motion = read_motion(self.folder, len(packing))
         sim = Simulation(packing, law, comm)
         place_velocities(sim.lmp, motion.velocities)
+        run(sim.lmp, "\n".join(memory_commands(motion.films)))
         sim.time, sim.strain = motion.time, motion.strain
         return sim
 
@@ -200,6 +203,7 @@ class Run:
         """
         communicator(comm).barrier()  # rank 0 may still be writing
         packing, _ = read(self.folder)
+        films = read_motion(self.folder, len(packing)).films
         parameters, done = self.parameters, self.steps_done
         if done is None:
             raise FileError(
@@ -213,7 +217,7 @@ class Run:
         sim = self.simulation(comm)
         if done > 0:
             sim.relax(np.finfo(float).max)  # relaxed already: this only finds whether it is rigid
-        return Steps("Run.resume", steps_of(sim, packing, self.folder, parameters, done))
+        return Steps("Run.resume", steps_of(sim, packing, films, self.folder, parameters, done))
 
     @property
     def steps_done(self) -> int | None:

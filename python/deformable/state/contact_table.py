@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..model.packing import Packing
@@ -25,6 +24,8 @@ COLUMNS = np.dtype(
         ("tilt", float),  # of the line: angle less the direction from i to j [rad]
         ("half_angle", float),  # of the line, an arc: positive where it is convex for i [rad]
         ("force_vector", float, 2),  # on i by the contact; their sum is the force on i
+        ("contact_angle", float),  # at which the outline of i meets the film, 0 without [rad]
+        ("attached", bool),  # whether it sticks: its force may be negative
     ]
 )
 
@@ -32,28 +33,27 @@ COLUMNS = np.dtype(
 ROWS = (
     *("i", "j", "indentation", "length", "force", "x", "y"),
     *("angle", "distance", "tilt", "half_angle", "fx", "fy"),
+    *("contact_angle", "attached"),
 )
 
 ContactTable = NDArray[np.void]
 
 
-def contact_table(rows: NDArray[np.float64], packing: Packing, comm: MPI.Comm) -> ContactTable:
-    """All contacts, sorted by (i, j, image), the same on every rank.
+def contact_table(rows: NDArray[np.float64], packing: Packing) -> ContactTable:
+    """All contacts, sorted by (i, j, image).
 
     Args:
-        rows: of compute deformable/contact on this rank, shape (M, len(ROWS)).
+        rows: of compute deformable/contact on all ranks, shape (M, len(ROWS)).
         packing: centers and box at the same time.
-        comm: of the ranks with the other rows.
 
     Returns:
         Structured array of `COLUMNS`, with both sides of each pair. A side without force has no row
         in LAMMPS; here it has one with length and force 0, and the rest of the overlap.
     """
-    rows = np.concatenate(comm.allgather(rows))
     told = dict(zip(ROWS, rows.T, strict=True))
     table = np.zeros(len(rows), COLUMNS)
     table["i"], table["j"] = told["i"] - 1, told["j"] - 1
-    for name in ("indentation", "length", "force", "angle", "distance", "tilt", "half_angle"):
+    for name in set(ROWS) & set(COLUMNS.names or ()) - {"i", "j"}:
         table[name] = told[name]
     table["position"] = np.column_stack([told["x"], told["y"]])
     table["force_vector"] = np.column_stack([told["fx"], told["fy"]])
@@ -72,6 +72,14 @@ def contact_table(rows: NDArray[np.float64], packing: Packing, comm: MPI.Comm) -
     other = _order(table["j"][pair], table["i"][pair], -table["image"][pair])
     table["force_vector"][pair] -= both[other]
     return table
+
+
+def attached(rows: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The contacts that stick, sorted, see `io.films`: a wall has its code in place of an ID."""
+    told = dict(zip(ROWS, rows.astype(np.int64).T, strict=True))
+    partner = np.where(told["attached"] < 0, told["attached"], told["j"])
+    first = (told["attached"] < 0) | (told["attached"] > 0) & (told["i"] <= told["j"])
+    return np.unique(np.column_stack([told["i"], partner])[first], axis=0)
 
 
 def _order(i: NDArray[np.int64], j: NDArray[np.int64], image: NDArray[np.int64]) -> NDArray[Any]:

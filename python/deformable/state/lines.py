@@ -13,6 +13,7 @@ from ..common.factored import factored
 from ..core import RingBlocks, curved_blocks, ring_blocks
 from ..model.laws import Law, Ring
 from ..model.packing import Packing
+from ..model.sticking import refuse_adhesion
 from .contact_table import ContactTable
 from .hessian import Hessian
 from .sides import Sides, bearing, between, by_centers, by_strains, joined, with_walls
@@ -139,8 +140,10 @@ def lines_of(packing: Packing, law: Law, table: ContactTable, rattlers: bool = T
         rattlers: False leaves out the contacts of rattlers, see `DiskState.hessian`.
 
     Raises:
-        ParameterError: the law is `Sector`, or a line is held at the largest tilt or curvature.
+        ParameterError: the law is `Sector`, particles stick, or a line is held at the largest tilt
+            or curvature.
     """
+    refuse_adhesion(law, packing.walls, ", and second derivatives of films are not known")
     if not isinstance(law, Ring):
         raise ParameterError(
             "second derivatives need a ring law: the energy of the law sector jumps where contacts "

@@ -34,12 +34,15 @@ _ROUND = {"shape_parameter": 1.0}
 # particles so wide times sqrt(N), about a tenth of a particle.
 _WIDEST, _WIDEST_OF_MANY = 3.0, 36.0
 
+# Colors of contacts that push, and of those that pull.
+_PUSH, _PULL = "orangered", "magenta"
+
 # Values that differ by less than this part of them are equal up to rounding.
 _EQUAL = 1e-12
 
-# Points of an outline closer to a contact line than this, over R, lie on it: rounding is less, and
-# an arc has left the line within 1e-4 R.
-_ON_LINE = 1e-9
+# Points of an outline closer to the chord of a contact than this, over R, are its ends: forces are
+# balanced to 1e-8, and an arc has left the line within 1e-4 R.
+_ON_LINE = 1e-7
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,7 @@ def scale(
     begin = _ROUND.get(color_by, 0.0)
     low = min(begin, *(each.min() for each in values))
     high = max(begin, *(each.max() for each in values))
-    force = max(each.max(initial=0.0) for each in forces)
+    force = max(np.abs(each).max(initial=0.0) for each in forces)
     if high - low <= _EQUAL * max(abs(low), abs(high)):
         high = low
     widest = min(_WIDEST, _WIDEST_OF_MANY / np.sqrt(len(values[0])))
@@ -119,8 +122,8 @@ def draw(
         title: of the picture.
         on: scale of colors and forces.
         ax: axes to draw into; a new figure without.
-        flat: draw the contacts, the straight parts of either outline, on top.
-        forces: draw the force chains on top.
+        flat: draw the contacts, the common parts of two outlines, on top.
+        forces: draw the force chains on top, those that pull in magenta.
         cmap: name of one of matplotlib's color maps.
         colorbar: draw a bar of the colors beside the axes.
 
@@ -138,7 +141,7 @@ def draw(
     frame = Polygon(corners, closed=True, fill=False, edgecolor="0.25", linewidth=1.0, zorder=3)
     ax.add_patch(frame)
 
-    images, colors, flats, halves, widths = [], [], [], [], []
+    images, colors, flats, halves, pushes = [], [], [], [], []
     to_fraction = np.linalg.inv(box)
     pressed = _flats(outlines, packing.radius, contacts) if flat else [[]] * len(values)
     for outline, value, pressed_here, center, table in zip(
@@ -160,7 +163,7 @@ def draw(
                 flats += [flat - shift for flat in pressed_here]
                 if forces:  # each particle draws the half within its outline
                     halves += [np.array([center, end]) - shift for end in table["position"]]
-                    widths += (on.widest * table["force"] / on.force).tolist()
+                    pushes += (on.widest * table["force"] / on.force).tolist()
     particles = PolyCollection(
         images, array=np.array(colors), cmap=cmap, edgecolors="0.2", linewidths=0.6
     )
@@ -179,7 +182,11 @@ def draw(
         *(
             [
                 LineCollection(
-                    halves, colors="orangered", linewidths=widths, capstyle="round", alpha=0.6
+                    halves,
+                    colors=[_PUSH if push >= 0.0 else _PULL for push in pushes],
+                    linewidths=np.abs(pushes),
+                    capstyle="round",
+                    alpha=0.6,
                 )
             ]
             * forces
@@ -224,18 +231,18 @@ def _flats(
     radii: NDArray[np.float64],
     contacts: Sequence[ContactTable],
 ) -> list[list[NDArray[np.float64]]]:
-    """The straight parts of each outline at its contacts, arrays of two ends (2, 2)."""
-    flats = []
+    """The part of each outline at its contacts, a straight line or an arc, arrays (m, 2)."""
+    flats: list[list[NDArray[np.float64]]] = []
     for outline, radius, table in zip(outlines, radii, contacts, strict=True):
         table = table[table["length"] > 0.0]
         out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
-        beyond = np.sum(table["position"] * out, axis=1) - outline @ out.T
+        half = 0.5 * table["length"] * np.sinc(table["half_angle"] / np.pi)  # of the chord
+        height = np.sum(table["position"] * out, axis=1) - half * np.tan(0.5 * table["half_angle"])
+        inward = height - outline @ out.T
         along = outline @ (out[:, ::-1] * [-1.0, 1.0]).T
-        on = [np.flatnonzero(column <= _ON_LINE * radius) for column in beyond.T]
-        flats.append(
-            [
-                outline[points[[column[points].argmin(), column[points].argmax()]]]
-                for points, column in zip(on, along.T, strict=True)
-            ]
-        )
+        flats.append([])
+        for off, place in zip(np.abs(inward).T, along.T, strict=True):
+            if (on := np.flatnonzero(off <= _ON_LINE * radius)).size:
+                begin, end = on[place[on].argmin()], on[place[on].argmax()]
+                flats[-1].append(np.roll(outline, -begin, 0)[: (end - begin) % len(outline) + 1])
     return flats

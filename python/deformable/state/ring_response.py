@@ -24,8 +24,8 @@ class RingResponse(LinearResponse):
         """Second derivatives of the energy of the ring laws, see `DiskState.hessian`.
 
         Raises:
-            ParameterError: the law is `Sector`, walls were given to `lmp`, or a line is held at
-                the largest tilt.
+            ParameterError: the law is `Sector`, particles stick, walls were given to `lmp`, or a
+                line is held at the largest tilt.
         """
         if self.unsaved:
             raise ParameterError(

@@ -14,16 +14,19 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError, UnsavedWarning
 from ..common.optional import optional
-from ..common.validate import count, expect, numbers, shown, whole
+from ..common.validate import expect, shown, whole
 from ..io.data_file import Motion
+from ..io.films import Films
 from ..io.lammps_script import TEMPERATURE
 from ..io.store import save
 from ..model.laws import Law
 from ..model.packing import Packing
 from ..model.timestep import accurate_step
+from ..model.walls import Wall
 from .contact_network import ContactNetwork
 from .contact_table import ContactTable
 from .exports import Exports
+from .parallels import Parallels
 from .ring_response import RingResponse
 
 if TYPE_CHECKING:
@@ -36,7 +39,7 @@ _VALUES = ("area_deficit", "particle_pressure", "rattlers", "shape_parameter")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class State(ContactNetwork, RingResponse, Exports):
+class State(ContactNetwork, RingResponse, Parallels, Exports):
     """A snapshot, the same on every rank. Particles are numbered from 0.
 
     Attributes:
@@ -57,13 +60,17 @@ class State(ContactNetwork, RingResponse, Exports):
         velocities: of the centers, zero after a relaxation, shape (N, 2) [length/time].
         contact_table: active contacts, with a row for each side, sorted by (i, j, image):
             structured array with the fields i, j (-1 for a wall), image (2,), angle, distance,
-            indentation, length, force, position (2,), tilt, half_angle, force_vector (2,), see
-            `contact_table.COLUMNS`.
+            indentation, length, force, position (2,), tilt, half_angle, force_vector (2,),
+            contact_angle, attached, see `contact_table.COLUMNS`.
         root: whether this process writes files (rank 0 of the run).
         time: of all calls of `move` so far, 0 without motion [time].
         strain: shear strain of all calls of `shear` so far; None before the first one.
         wall_forces: force of the particles on each of `packing.walls`, shape (number of walls, 2)
             [energy/length].
+        films: contacts that stick, with IDs from 1 as in LAMMPS, see `io.films`, shape (M, 2); None
+            without adhesion.
+        lost_energy: what particles that stick have lost in all calls of `move` of the simulation,
+            where they have attached and let go: with it their energy is conserved [energy].
         unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
             pairs; empty without.
     """
@@ -86,6 +93,8 @@ class State(ContactNetwork, RingResponse, Exports):
     time: float = 0.0
     strain: float | None = None
     wall_forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
+    films: Films | None = None
+    lost_energy: float = 0.0
     unsaved: str = ""
 
     def __post_init__(self) -> None:
@@ -137,6 +146,16 @@ class State(ContactNetwork, RingResponse, Exports):
     def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         return self.contact_table["i"], self.contact_table["j"]
 
+    def films_at(self, walls: tuple[Wall, ...]) -> Films | None:
+        """`films` between walls in the place of the present ones, of which they know the numbers.
+
+        Films of walls are left out if the kinds of the walls are others.
+        """
+        same = [wall.kind for wall in walls] == [wall.kind for wall in self.packing.walls]
+        if self.films is None or same:
+            return self.films
+        return self.films[self.films[:, 1] > 0]
+
     @cached_property
     def outlines(self) -> list[NDArray[np.float64]]:
         """Outline of each particle, closed polygons of its area, of shape (m, 2) [length].
@@ -145,53 +164,6 @@ class State(ContactNetwork, RingResponse, Exports):
         """
         outlines = self.parallels(same_area=True)
         return [x + line for x, line in zip(self.packing.positions, outlines, strict=True)]
-
-    def parallels(
-        self,
-        inset: NDArray[np.float64] | None = None,
-        points: int = 180,
-        same_area: bool = False,
-    ) -> list[NDArray[np.float64]]:
-        """Lines parallel to the outlines, about each particle's center, arrays (m, 2) [length].
-
-        Args:
-            inset: distance inward from each outline, shape (N,) [length]; 0 if not given.
-            points: number of points on a whole turn.
-            same_area: move points between contacts a little outward, see `core.outline`.
-
-        Raises:
-            ParameterError: a value is out of range.
-        """
-        inset = np.zeros(len(self.packing)) if inset is None else numbers("inset", inset)
-        if inset.shape != (len(self.packing),):
-            raise ParameterError(f"inset must have shape ({len(self.packing)},), not {inset.shape}")
-        count("points", points)
-        lines = ("force", "half_angle") if self.law.name == "curved" else ()
-        return [
-            self.law.outline(
-                kind,
-                radius,
-                rows["angle"],
-                rows["indentation"],
-                distance,
-                points,
-                same_area,
-                **{name: rows[name] for name in lines},
-            )
-            for kind, radius, distance, rows in zip(
-                self.packing.species,
-                self.packing.radius,
-                inset,
-                self.contact_tables,
-                strict=True,
-            )
-        ]
-
-    @cached_property
-    def contact_tables(self) -> list[ContactTable]:
-        """The rows of `contact_table` of each particle."""
-        first = np.searchsorted(self.contact_table["i"], np.arange(1, len(self.packing)))
-        return np.split(self.contact_table, first)
 
     def plot(
         self,
@@ -212,9 +184,9 @@ class State(ContactNetwork, RingResponse, Exports):
             ax: axes to draw into; a new figure if not given.
             color_by: name of an attribute with one number for each particle, e.g. `area_deficit`,
                 or of a column of the trajectory, e.g. `pressure`.
-            contacts: draw the contacts, the straight parts of both outlines.
+            contacts: draw the contacts, the straight or curved parts that outlines share.
             forces: draw the force chains: lines between centers, with widths proportional to the
-                forces.
+                forces; those of films that pull are magenta.
             scale: of colors and forces, to use one for several pictures, see `plot.scale`.
             cmap: name of one of matplotlib's color maps.
             vmin: value of the first color; that of `scale` if not given.
@@ -303,7 +275,7 @@ class State(ContactNetwork, RingResponse, Exports):
                 accurate_step(packing, law, pressure, now),
                 accurate_step(packing, law, pressure, max(now, TEMPERATURE)),
             )
-            motion = Motion(self.velocities, self.time, self.strain)
+            motion = Motion(self.velocities, self.time, self.strain, self.films)
             save(folder, packing, law, steps, self.numbers(), motion, parameters, frames)
 
     def numbers(self) -> dict[str, Any]:
@@ -348,3 +320,8 @@ class State(ContactNetwork, RingResponse, Exports):
     def step_limits(self) -> tuple[Packing, Law, float, float]:
         """The arguments of `longest_step` and `accurate_step`."""
         return self.packing, self.law, float(self.particle_pressure.max()), self.temperature
+
+
+def parts(given: Packing | State) -> tuple[Packing, State | None]:
+    """The packing, and the state if it is one."""
+    return (given.packing, given) if isinstance(given, State) else (given, None)

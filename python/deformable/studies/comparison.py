@@ -14,6 +14,7 @@ from ..common.validate import expect
 from ..core import norm
 from ..engine.simulation import Simulation
 from ..model.laws import Law
+from ..model.sticking import refuse_adhesion
 from ..state.polygon_state import PolygonState
 from ..state.state import State
 from .shape_error import shape_error
@@ -65,10 +66,11 @@ def predict(reference: PolygonState, law: Law, comm: MPI.Comm | None = None) -> 
     Their radii are the effective ones of the polygons, `Polygons.effective_radius`.
 
     Raises:
-        ParameterError: an argument is of another kind.
+        ParameterError: an argument is of another kind, or particles stick.
         LammpsError: see `Simulation.relax`.
     """
     expect("reference", reference, PolygonState)
+    refuse_adhesion(law, (), ", and polygons have none")
     packing = replace(reference.packing, radii=reference.polygons.effective_radius)
     with Simulation(packing, law, comm) as sim:
         return sim.state()

@@ -14,7 +14,7 @@ def test_summary_has_law_parameters_and_versions(state: deformable.State, tmp_pa
     text = (tmp_path / "summary.json").read_text()
     summary = json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
     assert summary["state"]["phi"] == state.phi
-    settings = {"kA": 2.0, "reach": 0.6, "kP": "inf", "skin": 0.0, "tension": 0.0}
+    settings = {"kA": 2.0, "reach": 0.6, "kP": "inf", "skin": 0.0, "tension": 0.0, "adhesion": 0.0}
     assert summary["law"] == {"name": "balanced"} | settings
     assert summary["parameters"] == {"seed": 3, "kP": "inf"}
     assert {"deformable", "lammps", "numpy", "python", "mpi"} <= summary["versions"].keys()

@@ -19,8 +19,8 @@ from ...common.validate import expect, numbers, positive
 from ...engine.polygon_simulation import PolygonSimulation
 from ...model.laws import Ring
 from ...model.packing import Packing
+from ...model.polygon_walls import Walls
 from ...model.polygons import PolygonModel
-from ...model.walls import Walls
 from ...state.polygon_state import PolygonState
 from ..shape_error import deviation
 

@@ -1,0 +1,223 @@
+"""Droplets that stick: their states and outlines, and what is attached."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import deformable
+import numpy as np
+import pytest
+from mpi4py import MPI
+from shapely.geometry import Polygon
+
+W = 0.3
+STRETCHED = 2.2  # beyond touch; the film of two droplets lets go at 2.287
+
+
+def droplets(adhesion: Any = W, **settings: Any) -> deformable.Ring:
+    given: dict[str, Any] = {"kA": math.inf, "kP": 0.0, "tension": 1.0}
+    return deformable.Ring(contact="curved", adhesion=adhesion, **(given | settings))
+
+
+def pair(distance: float, second: float = 1.0, walls: Any = ()) -> deformable.Packing:
+    x = np.array([[2.0, 2.0], [2.0 + distance, 2.0]])
+    box, radii = np.diag([8.0, 4.0]), np.array([1.0, second])
+    return deformable.Packing(x, np.array([0, 1]), radii, box, walls=tuple(walls))
+
+
+def place(sim: deformable.Simulation, distance: float) -> deformable.State:
+    """The state with the second particle at this distance from the first one."""
+    sim.lmp.command(f"set atom 2 x {2.0 + distance!r}")
+    return sim.state()
+
+
+@pytest.fixture(scope="module")
+def stretched() -> deformable.State:
+    with deformable.Simulation(pair(1.99), droplets(), MPI.COMM_SELF) as sim:
+        sim.state()
+        return place(sim, STRETCHED)
+
+
+# radius of the second one, distance and energy at rest, of the double bubble (docs/theory.md)
+REST = [(1.0, 1.7297244740, -0.215946968797), (1.4, 2.0849686005, -0.251651222926)]
+
+
+@pytest.mark.parametrize(("second", "distance", "energy"), REST)
+def test_doublet(second: float, distance: float, energy: float) -> None:
+    with deformable.Simulation(pair(0.95 * (1 + second), second), droplets()) as sim:
+        state = sim.relax()
+    assert not state.stalled
+    assert state.energy == pytest.approx(energy, abs=1e-10)
+    apart = np.subtract(*state.packing.positions)
+    assert np.hypot(*apart) == pytest.approx(distance, abs=1e-5)
+    table = state.contact_table
+    assert table["attached"].tolist() == [True, True]
+    np.testing.assert_allclose(np.cos(table["contact_angle"]), 1 - W / 2, rtol=1e-9)
+    assert state.films is not None
+    assert state.films.tolist() == [[1, 2]]
+    one, other = map(Polygon, state.outlines)
+    for outline, area in zip((one, other), state.area, strict=True):
+        assert outline.area == pytest.approx(area, rel=1e-5)
+    # they share the film: its ends, and what lies between
+    assert one.intersection(other).area < 1e-6
+    shared = [p for p in state.outlines[0] if np.hypot(*(p - state.outlines[1]).T).min() < 1e-5]
+    height = np.ptp(shared, axis=0)[1]
+    bend = abs(table["half_angle"][0])
+    assert height == pytest.approx(table["length"][0] * np.sinc(bend / np.pi), rel=1e-4)
+
+
+def test_outlines_away_from_rest(stretched: deformable.State) -> None:
+    """The centers are held: outlines still share the ends of their film, and push nothing."""
+    one, other = stretched.outlines
+    shared = [p for p in one if np.hypot(*(p - other).T).min() < 1e-7]
+    assert len(shared) == 2
+    assert (stretched.contact_table["force"] < -0.5).all()
+
+
+@pytest.mark.parametrize("law", [droplets(0.2), droplets([[0.2, 0.1], [0.1, 0.15]], kP=0.3)])
+def test_packing(law: deformable.Ring) -> None:
+    """A floc of unequal droplets: areas of outlines, and forces that pull."""
+    jammed = deformable.jam(deformable.bidisperse(12, seed=2))
+    with deformable.Simulation(jammed, law, MPI.COMM_SELF) as sim:
+        sim.deform(sim.box * 0.99)
+        state = sim.relax()
+    assert state.residual <= 1e-6
+    assert (state.contact_table["force"] < 0).any()
+    areas = [Polygon(outline).area for outline in state.outlines]
+    np.testing.assert_allclose(areas, state.area, rtol=1e-4)
+    overlap = sum(
+        Polygon(state.outlines[row["i"]])
+        .intersection(Polygon(state.outlines[row["j"]] + row["image"] @ state.packing.box))
+        .area
+        for row in state.contact_table
+    )
+    assert overlap < 1e-4 * sum(areas)
+
+
+def test_picture(stretched: deformable.State) -> None:
+    """Contacts and forces of films are drawn, those that pull in another color."""
+    pytest.importorskip("matplotlib")
+    axes = stretched.plot(contacts=True, forces=True)
+    films, forces = axes.collections[-2:]
+    ends = np.array([film[[0, -1]] for film in films.get_segments()])
+    length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    np.testing.assert_allclose(length, stretched.contact_table["length"], rtol=1e-6)
+    assert (np.array(forces.get_linewidths()) > 0).all()
+    assert len({tuple(color) for color in forces.get_colors()}) == 1
+    axes.figure.clear()
+
+
+def test_memory(stretched: deformable.State, tmp_path: Path) -> None:
+    """Positions do not tell whether a pair is attached; a state does, and its files."""
+    assert stretched.energy > 0.005
+    stretched.save(tmp_path / "stretched")
+    with deformable.Run(tmp_path / "stretched").simulation(MPI.COMM_SELF) as sim:
+        assert sim.state().energy == pytest.approx(stretched.energy, rel=1e-12)
+        assert place(sim, 2.5).energy == 0.0  # it has let go
+        free = place(sim, STRETCHED)
+    assert free.energy == 0.0
+    assert free.films is not None
+    assert free.films.shape == (0, 2)
+    free.save(tmp_path / "free")
+    with deformable.Run(tmp_path / "free").simulation(MPI.COMM_SELF) as sim:
+        assert sim.state().energy == 0.0
+
+
+def test_free_circles_that_overlap(tmp_path: Path) -> None:
+    """None attached is a memory too: without one, they would attach."""
+    with deformable.Simulation(pair(1.99), droplets(0.0), MPI.COMM_SELF) as sim:
+        free = sim.state()
+    assert free.films is None
+    assert "attached" not in (free.save(tmp_path), (tmp_path / "packing.data").read_text())[1]
+
+
+def test_a_simulation_of_a_state(stretched: deformable.State) -> None:
+    with deformable.Simulation(stretched, stretched.law, MPI.COMM_SELF) as sim:
+        assert sim.state().energy == pytest.approx(stretched.energy, rel=1e-12)
+        sim.restart(stretched.packing)
+        assert sim.state().energy == 0.0
+        sim.restart(stretched)
+        assert sim.state().energy == pytest.approx(stretched.energy, rel=1e-12)
+
+
+def test_script(stretched: deformable.State, tmp_path: Path) -> None:
+    """LAMMPS by itself attaches the same pairs."""
+    stretched.save(tmp_path)
+    script = (tmp_path / "in.lammps").read_text().splitlines()
+    first = script.index("fix_modify deformable_films attached none")
+    assert script[first + 1] == "fix_modify deformable_films attached 1 2"
+    assert first < script.index("run 0")
+
+
+@pytest.mark.parametrize("adhesion", [0.0, 0.1])
+def test_walls(adhesion: float, tmp_path: Path) -> None:
+    """A droplet on a wall, alone: Young's angle; and pulled off by a part."""
+    walls = deformable.rectangle(8, 4, adhesion=0.4)
+    start = pair(4.0, walls=walls)
+    law = droplets(adhesion)
+    with deformable.Simulation(start, law, MPI.COMM_SELF) as sim:
+        sim.lmp.command("set atom 1 x 0.99")
+        state = sim.relax()
+        (row,) = state.contact_table
+        assert (row["j"], row["attached"]) == (-1, True)
+        assert np.cos(row["contact_angle"]) == pytest.approx(1 - 0.4, rel=1e-9)
+        # the cap of a circle that meets the wall at this angle
+        angle = np.pi - np.arccos(0.6)
+        q = np.sqrt(np.pi / (angle - np.sin(angle) * np.cos(angle)))
+        film = 2 * q * np.sin(angle)
+        assert row["length"] == pytest.approx(film, rel=1e-6)
+        energy = 2 * q * angle + 0.6 * film - 2 * np.pi
+        assert state.energy == pytest.approx(energy, abs=1e-9)
+        assert Polygon(state.outlines[0]).area == pytest.approx(np.pi, rel=1e-5)
+        sim.lmp.command("set atom 1 x 1.005")
+        off = sim.state()
+        sim.restart(off.packing)
+        assert sim.state().energy == 0.0  # the circle does not reach the wall
+    assert off.contact_table["force"] < 0
+    off.save(tmp_path)
+    with deformable.Run(tmp_path).simulation(MPI.COMM_SELF) as sim:
+        again = sim.state()
+    assert again.energy == pytest.approx(off.energy, rel=1e-12)
+    assert again.packing.walls == walls
+    # walls that have moved hold on; the first one of other walls has no film
+    moved = deformable.rectangle(8, 4, (1e-3, 0.0), adhesion=0.4)
+    left, right, low, high = deformable.rectangle(8, 3, (0.0, 0.997), adhesion=0.4)
+    more = low, left, right, high, deformable.Disk((4.0, 2.0), 0.1)
+    for others, holds in ((moved, True), (more, False)):
+        with deformable.Simulation(off, law, MPI.COMM_SELF, walls=others) as sim:
+            films = sim.state().films
+        assert films is not None
+        assert len(films) == holds
+
+
+def test_what_refuses() -> None:
+    """One line each."""
+    with deformable.Simulation(pair(1.8), droplets(), MPI.COMM_SELF) as sim:
+        state = sim.relax()
+    sticky = deformable.rectangle(8, 4, adhesion=0.1)
+    for call in (
+        lambda: deformable.jam(pair(3.0), droplets()),
+        lambda: deformable.jam(pair(3.0, walls=sticky), droplets(0.0)),
+        state.hessian,
+        state.elastic_moduli,
+        state.modes,
+        lambda: deformable.polish(state),
+        lambda: state.parallels(np.full(2, 0.1)),
+    ):
+        with pytest.raises(deformable.ParameterError, match="particles have an adhesion") as error:
+            call()
+        assert "\n" not in str(error.value)
+
+
+def test_lost_energy() -> None:
+    """Two droplets meet: what they lose as they attach completes the balance of energy."""
+    with deformable.Simulation(pair(2.02), droplets(), MPI.COMM_SELF) as sim:
+        sim.lmp.command("set atom 2 vx -0.1")
+        start = sim.state()
+        *_, end = deformable.move(sim, steps=400, timestep=0.01)
+    assert start.lost_energy == start.energy == 0.0
+    assert end.films is not None
+    assert len(end.films) == 1
+    assert end.lost_energy > 0.01
+    whole = end.energy + end.kinetic_energy + end.lost_energy
+    assert whole == pytest.approx(start.kinetic_energy, abs=1e-3 * end.lost_energy)
