@@ -73,7 +73,7 @@ _PATIENCE = 60_000
 
 # A start is rigid if its forces on particles are at most this part of those of contacts; in loose
 # packings that overlap both are alike. Rounding of phi.
-_BALANCED, _ROUNDING = 0.1, 1e-12
+_BALANCED, _ROUNDING, _UNBALANCED = 0.1, 1e-12, 0.01
 
 # Set anew before each state: the energy of a state must not depend on the thermo output of a user.
 _THERMO = thermo_commands("c_deformable_energy c_deformable_beyond[1]").strip()
@@ -239,9 +239,8 @@ class Simulation(Engine):
             force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
             command = minimize_command(float(force), iterations)
             run_forces(self.lmp, f"timestep {timestep!r}\n{command}", self._walls)
-            # forces balance no better than contacts, whose imbalance some laws tell
-            told = self.lmp.numpy.extract_compute("deformable_beyond", 0, 1)
-            return left if len(told) > 3 and told[3] > tolerance else iterations
+            # forces balance no better than contacts
+            return left if self._imbalance > tolerance else iterations
 
         forces = minimize_until_relaxed(
             self._evaluate(minimum_contact_force),
@@ -252,13 +251,20 @@ class Simulation(Engine):
             indicator=lambda forces: forces.largest,
         )
         run(self.lmp, "velocity all set 0 0 0")  # FIRE leaves velocities
-        state = self._snapshot(forces, stalled=forces.residual > tolerance)
+        unbalanced = self._imbalance > max(tolerance, _UNBALANCED)  # forces say nothing then
+        state = self._snapshot(forces, stalled=forces.residual > tolerance or unbalanced)
         warn_of(state, tolerance, unjammed=self._unjammed(state.packing.phi))
         return state
 
     def state(self) -> State:
         """The present state, not relaxed."""
         return self._snapshot(self._evaluate(), stalled=False)
+
+    @property
+    def _imbalance(self) -> float:
+        """Of the contacts, over the largest force; 0 of a law that does not tell."""
+        told = self.lmp.numpy.extract_compute("deformable_beyond", 0, 1)
+        return float(told[3]) if len(told) > 3 else 0.0
 
     def _evaluate(self, minimum_contact_force: float = 0.0) -> Forces:
         """Bring forces and results of the particles up to date; returns the forces."""

@@ -239,6 +239,7 @@ BalancedForces::Ring BalancedForces::ring(int i) const
     }
     arc_radius = batches.free_radius(ring) - std::hypot(mx, my) * batches.per_pressure[ring] / PI;
   }
+  if (films) arc_radius = std::min(arc_radius, batches.free_radius(ring) * films->free_arc(i));
   double energy = energy_of(ring, loaded);
   for (int m = 0; m < n && films; ++m) {
     const int seat = batches.seat[batches.contact(ring, m)];

@@ -77,7 +77,8 @@ class BalancedForces : protected Pointers {
   // The rings whose smallest radius of curvature may be negative.
   const std::vector<int> &crowded_rings() const { return crowded; }
 
-  // Of ring i. The radius of curvature is the smallest one if that is negative, otherwise a lower bound.
+  // Of ring i. The radius of curvature is the smallest one if that is negative, otherwise a lower bound; also negative
+  // where films leave no free outline between them.
   struct Ring {
     deformable::Energy energy;
     double expansion, arc_radius;

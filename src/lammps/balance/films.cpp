@@ -3,6 +3,7 @@
 #include "contact_film.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 using namespace LAMMPS_NS;
@@ -169,4 +170,28 @@ double Films::energy() const
     if (k < pairs->remote) sum += energy(k, 1);
   }
   return sum;
+}
+
+double Films::free_arc(int i) const
+{
+  const NearPairs &p = *pairs;
+  std::vector<std::array<double, 2>> ends;    // direction of each contact, and alpha
+  for (int m = 0; m < batches->count[i]; ++m) {
+    const int seat = batches->seat[batches->contact(batches->place[i], m)];
+    const int k = seat >> 1, side = seat & 1;
+    if (!p.attached[k] && !(p.force[k] > 0.0)) continue;
+    const double u = side == 0 ? p.bend[k] : -p.bend[k];
+    ends.push_back(
+        {p.angle[k] + side * PI, 2.0 * (std::atan(p.film_angle[side][k]) + std::atan(u))});
+    if (ends.back()[0] > PI) ends.back()[0] -= 2.0 * PI;
+  }
+  if (ends.empty()) return 2.0 * PI;
+  std::sort(ends.begin(), ends.end());
+  double least = 2.0 * PI;
+  for (std::size_t m = 0; m < ends.size(); ++m) {
+    const std::size_t next = m + 1 < ends.size() ? m + 1 : 0;
+    const double turn = ends[next][0] - ends[m][0] + (next == 0 ? 2.0 * PI : 0.0);
+    least = std::min(least, turn - ends[m][1] - ends[next][1]);
+  }
+  return least;
 }

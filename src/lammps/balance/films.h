@@ -46,6 +46,9 @@ class Films {
 
   double energy() const;    // of all rings of this rank
 
+  // The shortest free arc between two contacts of a particle, an angle: negative where its films leave none.
+  double free_arc(int i) const;
+
  private:
   const deformable::ForceKernels &kernels;
   NearPairs *pairs = nullptr;

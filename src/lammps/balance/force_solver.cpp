@@ -100,7 +100,7 @@ bool ForceSolver::solve()
     if (now.of_lines < 0.0) now.of_lines = lines->imbalance();
     lines->remember();
   }
-  imbalance = now.worst() > 0.0 ? now.worst() / now.force : 0.0;
+  imbalance = !now.exists ? 1.0 : now.worst() > 0.0 ? now.worst() / now.force : 0.0;
   return now.exists && now.worst() <= limit(now);
 }
 
@@ -201,8 +201,8 @@ Evaluation ForceSolver::correct(const Evaluation &from)
   lines->take();
   Evaluation now = pipeline.evaluate();
   now.slope = stepped.slope;
-  // lines alone seldom make it worse: iterations may diverge slowly
-  if (now.imbalance > from.imbalance) pipeline.corrector.doubt_bounds();
+  // between films lines alone seldom make it worse: iterations may diverge slowly
+  if (lines->films && now.imbalance > from.imbalance) pipeline.corrector.doubt_bounds();
   return line_search(now, NO_WORSE * std::max(from.imbalance, of_lines));
 }
 
