@@ -10,6 +10,7 @@
 #include "force_kernels.h"
 #include "lane_geometry.h"
 #include "pressure_lanes.h"
+#include "stick_lanes.h"
 
 namespace deformable::DEFORMABLE_LEVEL {
 
@@ -116,36 +117,6 @@ DEFORMABLE_LANE_FUNCTION void bend_contacts(int n, const double *bend, const int
   total = load.total;
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) product[m] += load.shift;
-}
-
-// Those of the rings and contacts that these arrays have moved to.
-DEFORMABLE_LANE_FUNCTION StickArrays films_of(const RingBatches &b, const ContactArrays &c,
-                                              const RingArrays &r)
-{
-  StickArrays films = b.films;
-  films.tension += r.radius - b.rings.radius;
-  for (double *&term : films.terms) term += c.seat - b.contacts.seat;
-  return films;
-}
-
-// The same of contacts that stick (contact_film.h).
-DEFORMABLE_LANE_FUNCTION void stick_contacts(int n, const StickArrays &films, Lanes tension,
-                                             const Lanes *force, Lanes *product, Lanes &work,
-                                             Lanes &total)
-{
-  Lanes perimeter = Lanes{}, linear = Lanes{}, square = Lanes{};
-#pragma GCC unroll 8
-  for (int m = 0; m < n; ++m) {
-    perimeter += load<Lanes>(films.terms[0] + m * LANES);
-    linear += force[m] * load<Lanes>(films.terms[1] + m * LANES);
-    square += load<Lanes>(films.terms[2] + m * LANES);
-  }
-  const Lanes per_pi = perimeter * (1.0 / PI);
-  work += tension * (tension * (square + perimeter * per_pi) + (linear + total * per_pi));
-  total += 2.0 * perimeter * tension;
-#pragma GCC unroll 8
-  for (int m = 0; m < n; ++m)
-    product[m] += tension * (per_pi + load<Lanes>(films.terms[3] + m * LANES));
 }
 
 // Shapes from forces and their sums with G.

@@ -100,6 +100,7 @@ static Residuals find_residuals(PairArrays p, int begin, int end)
     const T size = select(magnitude(r) < INFINITE, magnitude(r), zero + INFINITE);    // also nan
     most = larger(most, select((f > 0.0) | (r > 0.0) | (size == INFINITE), size, zero));
     largest = larger(largest, f);
+    if (p.least) largest = larger(largest, zero - least_force<T>(p, k) * per_unit);
     norm2 += part * r * r;
     weights += part;
   };

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from contact_rows import CONTACTS, contacts
+from derivatives import assert_forces
 from laws import EXACT
 from scene import Scene, polygon_walls
 from scipy.optimize import fsolve
@@ -133,3 +134,21 @@ def test_a_droplet_between_walls(n, a, w, energy, force, length, pressure, tmp_p
     np.testing.assert_allclose(seen["length"], length, rtol=1e-10)
     assert state.shape["pressure"] == pytest.approx([pressure], rel=1e-11)
     assert (seen["attached"] < 0).all()
+
+
+# the circles of all three pairs overlap by 0.05
+THREE = np.array([[0, 0], [2.15, 0.0], [0.8936, 1.6199]])
+
+
+@pytest.mark.parametrize("kind", ["inf 0", "20 0.5"])
+def test_forces_before_and_after_films_go(kind, tmp_path):
+    """Minus the gradient of the energy: touching, stretched, and where one pair has let go."""
+    scene = droplets(THREE, tmp_path, 0.3, (1.0, 1.2, 0.9), kind=kind, commands=CONTACTS)
+    attached = []
+    for stretch in (1.0, 1.04, 1.3):
+        scene.energy(stretch * THREE)
+        # energies are known to 1e-12 of the pull that tears films off
+        assert_forces(scene, stretch * THREE, 1e-5)
+        attached.append(len(contacts(scene)["attached"]))
+    assert attached[0] == attached[1] == 6
+    assert attached[2] == 0

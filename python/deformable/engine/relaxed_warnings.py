@@ -27,9 +27,11 @@ def warn_of(state: State, tolerance: float, unjammed: bool) -> None:
             stacklevel=4,
         )
     if state.stalled:
+        why = "the contacts do not balance, so that forces are not known"
+        if state.residual > tolerance:
+            why = largest_force_told(state.residual, "the mean contact force", tolerance)
         warnings.warn(
-            f"relaxation stalled at phi = {state.phi:.5f}: "
-            + largest_force_told(state.residual, "the mean contact force", tolerance),
+            f"relaxation stalled at phi = {state.phi:.5f}: {why}",
             StalledWarning,
             stacklevel=4,
         )

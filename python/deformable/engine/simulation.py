@@ -67,15 +67,13 @@ _ITERATIONS = 2000
 # indentation of 1e-7 R: the energy of a loose packing only tends to zero.
 _ROUND = 1e-14
 
-# Iterations without halving the largest force after which a relaxation counts as stalled. Its ratio
-# to the mean force may stay the same in a packing that loosens.
+# Iterations without halving the largest force after which a relaxation counts as stalled.
 _PATIENCE = 60_000
 
-# A start is rigid if its forces on particles are at most this part of those of contacts; in loose
-# packings that overlap both are alike. Rounding of phi.
+# Forces over those of contacts of a rigid start; rounding of phi; imbalance of contacts at most.
 _BALANCED, _ROUNDING, _UNBALANCED = 0.1, 1e-12, 0.01
 
-# Set anew before each state: the energy of a state must not depend on the thermo output of a user.
+# Set anew before each state: its energy must not depend on the thermo output of a user.
 _THERMO = thermo_commands("c_deformable_energy c_deformable_beyond[1]").strip()
 
 # Energy and stress of the contacts alone: forces that a user adds have no place in a saved state.
@@ -83,6 +81,7 @@ _COMPUTES = """
 compute deformable_energy all pe pair
 compute deformable_beyond all pair {style}
 """
+_BEYOND, _IMBALANCE, _LOST = 0, 3, 5
 
 
 class Simulation(Engine):
@@ -217,7 +216,7 @@ class Simulation(Engine):
         Warns:
             UnjammedWarning: a packing that was rigid has become loose without expanding. The one at
                 the start counts as rigid if its forces balance, by the law or as soft disks.
-            StalledWarning: the forces stopped falling (the energy of `Sector` jumps).
+            StalledWarning: forces stopped falling, or contacts far beyond the model do not balance.
             BeyondModelWarning: outlines have a negative radius of curvature, e.g. past confluence.
 
         Source: FIRE: Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006), in the form of Guenole et
@@ -239,8 +238,7 @@ class Simulation(Engine):
             force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
             command = minimize_command(float(force), iterations)
             run_forces(self.lmp, f"timestep {timestep!r}\n{command}", self._walls)
-            # forces balance no better than contacts
-            return left if self._imbalance > tolerance else iterations
+            return left if self._told(_IMBALANCE) > tolerance else iterations
 
         forces = minimize_until_relaxed(
             self._evaluate(minimum_contact_force),
@@ -251,7 +249,7 @@ class Simulation(Engine):
             indicator=lambda forces: forces.largest,
         )
         run(self.lmp, "velocity all set 0 0 0")  # FIRE leaves velocities
-        unbalanced = self._imbalance > max(tolerance, _UNBALANCED)  # forces say nothing then
+        unbalanced = self._told(_IMBALANCE) > max(tolerance, _UNBALANCED)  # forces say nothing then
         state = self._snapshot(forces, stalled=forces.residual > tolerance or unbalanced)
         warn_of(state, tolerance, unjammed=self._unjammed(state.packing.phi))
         return state
@@ -260,11 +258,10 @@ class Simulation(Engine):
         """The present state, not relaxed."""
         return self._snapshot(self._evaluate(), stalled=False)
 
-    @property
-    def _imbalance(self) -> float:
-        """Of the contacts, over the largest force; 0 of a law that does not tell."""
+    def _told(self, n: int) -> float:
+        """What the pair style tells beside its energy; 0 of a law that does not."""
         told = self.lmp.numpy.extract_compute("deformable_beyond", 0, 1)
-        return float(told[3]) if len(told) > 3 else 0.0
+        return float(told[n]) if n < len(told) else 0.0
 
     def _evaluate(self, minimum_contact_force: float = 0.0) -> Forces:
         """Bring forces and results of the particles up to date; returns the forces."""
@@ -307,7 +304,6 @@ class Simulation(Engine):
                 f"the contacts of atom {n + 1} leave it no area, but {area[n]:.3g}{WAY_OUT}"
             )
         positions = gather(self.lmp, "x", 3)[:, :2]
-        told = self.lmp.numpy.extract_compute("deformable_beyond", 0, 1)
         rows = np.concatenate(self.comm.allgather(self._contact_rows))
         packing = Packing(
             positions, self._species, self._radii, self.box, self._particle_radii, self._walls
@@ -324,7 +320,7 @@ class Simulation(Engine):
             stress=stress(self.lmp, packing.area if packing.walls else None),
             residual=forces.residual,
             stalled=stalled,
-            beyond=round(told[0]),
+            beyond=round(self._told(_BEYOND)),
             velocities=gather(self.lmp, "v", 3)[:, :2],
             time=self.time,
             strain=self.strain,
@@ -332,7 +328,7 @@ class Simulation(Engine):
             root=self.comm.rank == 0,
             wall_forces=wall_forces(self.lmp, self._walls),
             films=attached(rows) if sticks(self.law, self._walls) else None,
-            lost_energy=float(told[5]) if len(told) > 5 else 0.0,
+            lost_energy=self._told(_LOST),
             unsaved=unsaved(self.lmp, self._setup),
         )
 

@@ -58,12 +58,13 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list,
       near.locate(p);
       continue;
     }
-    if (films && is_balanced && changes < MOST_CHANGES && films->would_change()) {
+    // forces that do not balance may be those of films that should have gone
+    if (films && changes < MOST_CHANGES && films->would_change(is_balanced)) {
       if (changes++ == 0) {
         before = total_energy();
         before_change();
       }
-      films->change();
+      films->change(is_balanced);
       solver.begin_again();
       continue;
     }

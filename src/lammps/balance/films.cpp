@@ -115,25 +115,26 @@ void Films::take()
   limited = count(0, p.remote) + 0.5 * count(p.remote, p.wall) + count(p.wall, p.size);
 }
 
-bool Films::would_change(int k) const
+bool Films::would_change(int k, bool may_attach) const
 {
   const NearPairs &p = *pairs;
   const bool bears = p.force[k] > p.least[k];
-  return p.sticking[k] > 0.0 && bears != (p.attached[k] != 0) && !(bears && has_let_go[k]);
+  return p.sticking[k] > 0.0 && bears != (p.attached[k] != 0) &&
+         !(bears && (has_let_go[k] || !may_attach));
 }
 
-bool Films::would_change() const
+bool Films::would_change(bool may_attach) const
 {
   bool any = false;
-  for (int k = 0; k < pairs->size && !any; ++k) any = would_change(k);
+  for (int k = 0; k < pairs->size && !any; ++k) any = would_change(k, may_attach);
   return remote->largest(any ? 1.0 : 0.0) > 0.0;
 }
 
-void Films::change()
+void Films::change(bool may_attach)
 {
   NearPairs &p = *pairs;
   for (int k = 0; k < p.size; ++k) {
-    if (!would_change(k)) continue;
+    if (!would_change(k, may_attach)) continue;
     has_let_go[k] = p.attached[k];
     p.attached[k] = !p.attached[k];
     p.least[k] = least_until_taken(k);

@@ -36,9 +36,9 @@ class Films {
   double find(const deformable::OutlineArrays &, double *next_bend, double part);
   void take();
 
-  // Pairs that touch attach, pairs whose film has no length let go, of balanced forces. Whether any would, on all ranks.
-  bool would_change() const;
-  void change();
+  // Pairs whose film has no length let go, and pairs that touch attach, if they may. Whether any would, on all ranks.
+  bool would_change(bool may_attach) const;
+  void change(bool may_attach);
 
   // -w times the film of a pair: the part of one ring, by its side; and the length of the film as that ring sees it.
   double energy(int k, int side) const;
@@ -57,7 +57,7 @@ class Films {
   std::vector<double> next_angle[2], next_pull;
   std::vector<char> has_let_go;    // in this call: such pairs stay free until the next one
   deformable::FilmArrays arrays(const deformable::OutlineArrays &, double *next_bend, double part);
-  bool would_change(int k) const;
+  bool would_change(int k, bool may_attach) const;
   int ring_of(int k, int side) const;
   void agree();
   // The first forces of a solution continue the last ones, whose least force is not known any more.

@@ -40,3 +40,14 @@ def test_stalled_simulations_tell_more_than_the_tolerance(
         monkeypatch.setattr(module, "minimize_until_relaxed", lambda *_, **__: Forces(1.002e-6, 1))
         with pytest.warns(deformable.StalledWarning, match=r"is 1\.002e-06 of .*, not 1e-06$"):
             sim.relax(1e-6)
+
+
+def test_contacts_that_do_not_balance_are_not_relaxed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever their forces on particles are."""
+    packing = deformable.push_off(deformable.bidisperse(6, phi=0.5, seed=1))
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        module = sys.modules[type(sim).__module__]
+        monkeypatch.setattr(module, "minimize_until_relaxed", lambda *_, **__: Forces(0.0, 1))
+        monkeypatch.setattr(sim, "_told", lambda n: 0.02 if n == 3 else 0.0)
+        with pytest.warns(deformable.StalledWarning, match="the contacts do not balance"):
+            assert sim.relax(1e-6).stalled
