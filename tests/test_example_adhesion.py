@@ -1,0 +1,59 @@
+"""Recipes with adhesion: the physics that their pages claim."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_example_materials import part_of
+from test_example_scripts import EXAMPLES, text
+
+
+def check_flocs(printed: str) -> None:
+    number = r"(\d[\d.]*)"
+    pattern = (
+        rf"^adhesion {number}  binding {number}  films {number}  floc {number}  angle {number}  "
+        rf"outlines {number} to {number} at {number} of {number} ends$"
+    )
+    w, binding, films, floc, theta, least, most, found, ends = np.array(
+        re.findall(pattern, printed, re.M), float
+    ).T
+    assert len(w) >= 3
+    # all to the last digit that is printed
+    assert theta == pytest.approx(np.degrees(np.arccos(1 - w / 2)), abs=6e-4)
+    # fits to relaxed outlines, whose points are exact to a square of their distance, 1e-3
+    assert least == pytest.approx(theta, abs=0.02)
+    assert most == pytest.approx(theta, abs=0.02)
+    assert (found >= 0.5 * ends).all()
+    assert (found > 10).all()
+    # binding energy ~ w theta ~ w^1.5 where w is small
+    steepness = np.diff(np.log(binding)) / np.diff(np.log(w))
+    assert steepness == pytest.approx(1.5, abs=0.1)
+    assert films[0] < 0.6 * films[-1]
+    assert floc[0] < 0.3 * floc[-1]
+    assert films[-1] < 6
+
+
+def test_flocs(tmp_path: Path) -> None:
+    """Outlines meet at the angle of the adhesion, and flocs of larger adhesion are larger."""
+    pytest.importorskip("matplotlib")
+    folder = EXAMPLES / "flocs"
+    check_flocs((folder / "flocs.log").read_text())
+    smaller = {"ADHESIONS": (0.01, 0.05, 0.15), "NUMBER": 40, "STEPS": 4000}
+    part_of(folder / "flocs.py", tmp_path, **smaller)
+    check_flocs(text("python", "flocs.py", cwd=tmp_path))
+    assert (tmp_path / "flocs.png").stat().st_size > 10_000
+
+
+def test_page_of_flocs_has_the_numbers_of_its_log() -> None:
+    folder = EXAMPLES / "flocs"
+    rows = re.findall(
+        r"^adhesion (\S+)  binding (\S+)  films (\S+)  floc (\S+)  angle (\S+) ",
+        (folder / "flocs.log").read_text(),
+        re.M,
+    )
+    expected = [(w, theta, binding, films, floc) for w, binding, films, floc, theta in rows]
+    page = (folder / "README.md").read_text()
+    assert re.findall(r"^\| (\S+) \| (\S+) \| (\S+) \| (\S+) \| (\S+) \|$", page, re.M) == (
+        expected
+    )
