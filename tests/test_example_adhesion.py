@@ -57,3 +57,50 @@ def test_page_of_flocs_has_the_numbers_of_its_log() -> None:
     assert re.findall(r"^\| (\S+) \| (\S+) \| (\S+) \| (\S+) \| (\S+) \|$", page, re.M) == (
         expected
     )
+
+
+def check_aggregate(printed: str, seeds: int) -> None:
+    rows = re.findall(r"^seed \S+  axes (\S+) to (\S+)  cells (\S+) of (\S+)$", printed, re.M)
+    first, last, cells, number = np.array(rows, float).T
+    assert len(first) == seeds
+    # three rows of ten: axes of 10 and of 3 rows at sqrt(3/4) of their distance, seen as points
+    long, short = (10**2 - 1) / 12 + 1 / 18, 0.75 * (3**2 - 1) / 12
+    assert first == pytest.approx(np.sqrt(long / short), rel=0.02)
+    assert last.mean() < 0.75 * first.mean()
+    assert (cells > 0.2 * number).all()
+    pulls = re.findall(
+        r"^adhesion (\S+)  at rest (\S+)  let go at (\S+)  force (\S+)  2 T sin theta (\S+)$",
+        printed,
+        re.M,
+    )
+    w, rest, apart, force, exact = np.array(pulls, float).T
+    assert (np.diff(rest) < 0).all()
+    theta = np.arccos(1 - w / 2)
+    assert exact == pytest.approx(2 * np.sin(theta), abs=1e-4)
+    # the last step that holds is less than a step of 0.002 from the end; stiffness is below 2 T/R
+    assert (force < exact + 1e-4).all()
+    assert (force > exact - 2 * 0.002).all()
+    ends = dict(zip(w, apart, strict=True))
+    for adhesion, end in ((0.1, 2.2360), (0.3, 2.2872)):
+        assert end - 0.0021 < ends[adhesion] < end + 0.0001
+
+
+def test_aggregate(tmp_path: Path) -> None:
+    """A strip of cells rounds up, and a film bears 2 T sin theta before it lets go."""
+    pytest.importorskip("matplotlib")
+    folder = EXAMPLES / "aggregate"
+    check_aggregate((folder / "aggregate.log").read_text(), 5)
+    part_of(folder / "aggregate.py", tmp_path, SEEDS=(1, 2))
+    check_aggregate(text("python", "aggregate.py", cwd=tmp_path), 2)
+    assert (tmp_path / "aggregate.png").stat().st_size > 10_000
+
+
+def test_page_of_aggregate_has_the_numbers_of_its_log() -> None:
+    folder = EXAMPLES / "aggregate"
+    log, page = ((folder / name).read_text() for name in ("aggregate.log", "README.md"))
+    rows = re.findall(r"^seed (\S+)  axes (\S+) to (\S+)  cells (\S+) ", log, re.M)
+    assert re.findall(r"^\| (\d\S*) \| (\S+) \| (\S+) \| (\S+) \|$", page, re.M) == rows
+    pattern = r"^adhesion (\S+)  at rest (\S+)  let go at (\S+)  force (\S+)  2 T sin theta (\S+)$"
+    rows = re.findall(pattern, log, re.M)
+    found = re.findall(r"^\| (\d\S*) \| (\S+) \| (\S+) \| (\S+) \| (\S+) \|$", page, re.M)
+    assert found == rows
