@@ -104,3 +104,40 @@ def test_page_of_aggregate_has_the_numbers_of_its_log() -> None:
     rows = re.findall(pattern, log, re.M)
     found = re.findall(r"^\| (\d\S*) \| (\S+) \| (\S+) \| (\S+) \| (\S+) \|$", page, re.M)
     assert found == rows
+
+
+SORTED = (
+    r"^(\w+) +seed (\S+)  unlike films (\S+) to (\S+)  distances (\S+) and (\S+)$"  # of each run
+)
+
+
+def check_sorting(printed: str, seeds: int) -> None:
+    rows: dict[str, list[list[float]]] = {}
+    for name, *values in re.findall(SORTED, printed, re.M):
+        rows.setdefault(name, []).append([float(value) for value in values])
+    unequal, equal = (np.array(rows[name]).T for name in ("unequal", "equal"))
+    assert unequal.shape == equal.shape == (5, seeds)
+    _, _, later, cohesive, weak = unequal
+    assert (later < 0.42).all()
+    assert (cohesive < weak).all()
+    _, _, later, cohesive, weak = equal
+    # half of all pairs are unlike; a run of some hundred films that hardly change tells that to 0.1
+    assert later == pytest.approx(0.5, abs=0.12)
+    assert abs(np.mean(cohesive - weak)) < 0.8 * np.mean(unequal[4] - unequal[3])
+
+
+def test_sorting(tmp_path: Path) -> None:
+    """Cells of larger adhesion end inside; with equal adhesions neither kind does."""
+    pytest.importorskip("matplotlib")
+    folder = EXAMPLES / "sorting"
+    check_sorting((folder / "sorting.log").read_text(), 3)
+    part_of(folder / "sorting.py", tmp_path, **{"SEEDS": (1, 2), "ROUNDS, STEPS": (20, 1000)})
+    check_sorting(text("python", "sorting.py", cwd=tmp_path), 2)
+    assert (tmp_path / "sorting.png").stat().st_size > 10_000
+
+
+def test_page_of_sorting_has_the_numbers_of_its_log() -> None:
+    folder = EXAMPLES / "sorting"
+    log, page = ((folder / name).read_text() for name in ("sorting.log", "README.md"))
+    found = re.findall(r"^\| (\w+) \| (\d) \| (\S+) \| (\S+) \| (\S+) \| (\S+) \|$", page, re.M)
+    assert found == re.findall(SORTED, log, re.M)
