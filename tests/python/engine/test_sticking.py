@@ -221,3 +221,11 @@ def test_lost_energy() -> None:
     assert end.lost_energy > 0.01
     whole = end.energy + end.kinetic_energy + end.lost_energy
     assert whole == pytest.approx(start.kinetic_energy, abs=1e-3 * end.lost_energy)
+
+
+@pytest.mark.parametrize(("kA", "kP", "w"), [(20.0, 0.0, 0.2), (20.0, 0.0, 0.3), (10.0, 0.1, 0.3)])
+def test_last_film_lets_go(kA: float, kP: float, w: float) -> None:
+    """Also of cells, whose tensions are known to rounding, where no other contact bears a force."""
+    with deformable.Simulation(pair(1.99), droplets(w, kA=kA, kP=kP)) as sim:
+        assert place(sim, STRETCHED).contact_table["attached"].all()
+        assert len(place(sim, 2.31).contact_table) == 0
