@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from laws import LAWS, laws
+from laws import LAWS, balanced_laws, laws
 from scene import Scene
 
 STYLES = {law: style if law == "sector" else f"{style} reach 2" for law, style in LAWS.items()}
@@ -49,3 +49,12 @@ def test_unfix_of_walls_before_a_run_without_setup(law):
     scene = Scene(x, ["small"] * 2, ROOM, STYLES[law], commands=commands)
     scene.run("fix move all nve\nfix plane all enforce2d\nrun 2\nunfix walls\nrun 5 pre no")
     assert scene.energy() == 0.0
+
+
+@balanced_laws
+def test_positions_that_are_no_numbers(law):
+    scene = Scene([[0.0, 0.0], [0.9, 0.0]], ["small", "small"], ROOM, LAWS[law])
+    scene.energy()
+    scene.x = np.array([[0.0, 0.0], [np.nan, 0.0]])
+    with pytest.raises(Exception, match=r"positions of atoms 1 and 2 are no numbers"):
+        scene.run("run 1 pre no")

@@ -231,6 +231,12 @@ void PairDeformable::check_lines(const BlockParticle &p)
 
 void PairDeformable::refuse_behind_center(int i, int j, double dx, double dy)
 {
+  if (!std::isfinite(dx + dy))
+    error->one(
+        FLERR,
+        "The positions of atoms {} and {} are no numbers any more: the motion before was too "
+        "fast for its timestep, or beyond the model. Use a smaller timestep",
+        atom->tag[i], atom->tag[j]);
   error->one(
       FLERR,
       "The contact line of atoms {} and {} does not lie well in front of the center of atom {}: "
