@@ -36,6 +36,15 @@ class Again(Scene):
         self.run("thermo_modify norm no")
 
 
+def test_a_thousand_neighbor_lists(tmp_path):
+    """A doublet that swings beyond the distance of touch and back."""
+    scene, energy = stretched(tmp_path, commands=CONTACTS)
+    scene.run("fix move all nve\nneigh_modify every 1 delay 0 check no\ntimestep 0.02\nrun 1000")
+    assert (contacts(scene)["attached"] == 1).all()
+    kinetic = 0.5 * np.sum(scene.gather("v", 3) ** 2)
+    assert scene.energy() + kinetic == pytest.approx(energy, abs=1e-4)
+
+
 def test_restart_file(tmp_path):
     scene, energy = stretched(tmp_path)
     scene.run(f"write_restart {tmp_path / 'restart'}")
