@@ -22,9 +22,9 @@ struct ForcedRing {
 
 // The load of a ring whose outline meets films at these angles, see contact_film.h, by its load without them; `product` gets
 // p (a + delta) of each contact.
-RingLoad film_load(const CurvedLoad<double> &without, const std::vector<double> &force,
-                   const std::vector<double> &contact_angle, const std::vector<double> &u, double T,
-                   std::vector<double> &product)
+RingLoad load_with_films(const CurvedLoad<double> &without, const std::vector<double> &force,
+                         const std::vector<double> &contact_angle, const std::vector<double> &u,
+                         double T, std::vector<double> &product)
 {
   double perimeter = 0.0, linear = 0.0, square = 0.0;
   std::vector<double> depth;
@@ -37,10 +37,10 @@ RingLoad film_load(const CurvedLoad<double> &without, const std::vector<double> 
     square += terms.square;
     depth.push_back(terms.depth);
   }
-  const double per_pi = perimeter / PI;
-  for (std::size_t c = 0; c < force.size(); ++c) product[c] += T * (depth[c] + per_pi);
-  return {without.work + T * (T * (square + perimeter * per_pi) + linear + without.total * per_pi),
-          without.total + 2.0 * T * perimeter};
+  const CurvedLoad<double> load =
+      film_load(without.work, without.total, T, perimeter, linear, square);
+  for (std::size_t c = 0; c < force.size(); ++c) product[c] += T * depth[c] + load.shift;
+  return {load.work, load.total};
 }
 
 ForcedRing forced_ring(double radius, nb::handle angles, nb::handle forces, double kA, double kP,
@@ -92,7 +92,7 @@ ForcedRing forced_ring(double radius, nb::handle angles, nb::handle forces, doub
   for (int n = 0; n == 0 || (n < 200 && std::fabs(T - before) > 1e-15 * T); ++n) {
     if (sticks) {
       green_force = sums.product;
-      result.load = film_load(sums.load, force, contact_angle, u, T, green_force);
+      result.load = load_with_films(sums.load, force, contact_angle, u, T, green_force);
     }
     if (!find_pressure(result.radius, result.stiffness, result.load, result.ring))
       refuse("force: no ring of this stiffness bears these forces");

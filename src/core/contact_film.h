@@ -12,8 +12,8 @@ namespace deformable {
 //   T_i cos theta_i + T_j cos theta_j = T_i + T_j - w,   T_i sin theta_i = T_j sin theta_j,
 // which exists for w below twice the smaller tension. A wall is a partner of infinite tension: cos theta = 1 - w/T.
 
-// No outline meets a film at a larger angle, 2.65 rad; this is tan(theta/2) then.
-constexpr double LARGEST_FILM_ANGLE = 4.0;
+// No film has a larger adhesion, over the weaker tension: angles are held there.
+constexpr double LARGEST_ADHESION = 1.96;
 
 // A ring sees the film as an arc of half angle b (contact_curve.h) and its free outline goes on to alpha = theta + b. With
 // L = f/p, q = T/p and half the chord s = L/2 + q sin alpha,
@@ -22,7 +22,8 @@ constexpr double LARGEST_FILM_ANGLE = 4.0;
 // so that P p and A p^2 are polynomials in T. They are those of a ring without angles for the total force and the work
 //   F'' = F' + 2 T Y,   Q'' = Q' + T^2 (sum square + Y^2/pi) + T (sum f linear + F' Y/pi),   Y = sum perimeter,
 // with F' and Q' of contact_curve.h and the tension T = gamma + kP (P - P0). The middle of the film is closer to the center
-// by q (depth + Y/pi) than that of the ring without angles, by which a_c is larger. All terms vanish with theta. T is double, or a vector of doubles.
+// by q (depth + Y/pi) than that of the ring without angles, by which a_c is larger. All terms vanish with theta. T is double,
+// or a vector of doubles.
 template <class T> struct FilmTerms {
   T perimeter;    // (sin alpha) b/sin b - alpha
   T linear;       // (b/sin b)(1 - cos theta) + sin theta (sin b - b cos b)/sin^2 b
@@ -45,6 +46,16 @@ DEFORMABLE_INLINE FilmTerms<T> film_terms(T t, T u, Angle &&angle)
   terms.square = terms.perimeter + terms.linear * (sine * cos_b + cosine * sin_b);
   terms.depth = versine + u * sine;
   return terms;
+}
+
+// Q'', F'' and T Y/pi, from the load without angles and the sums over the contacts.
+template <class T>
+DEFORMABLE_INLINE CurvedLoad<T> film_load(T work, T total, T tension, T perimeter, T linear,
+                                          T square)
+{
+  const T per_pi = perimeter * (1.0 / PI);
+  return {work + tension * (tension * (square + perimeter * per_pi) + (linear + total * per_pi)),
+          total + 2.0 * perimeter * tension, tension * per_pi};
 }
 
 // Half of the film's chord, of a contact of the length L.

@@ -8,16 +8,6 @@
 
 namespace deformable::DEFORMABLE_LEVEL {
 
-// tan^2(theta/2) from its numerator and denominator; where no triangle exists, that of the largest angle.
-template <class T> DEFORMABLE_LANE_FUNCTION T film_angle(T above, T below)
-{
-  constexpr double MOST = LARGEST_FILM_ANGLE * LARGEST_FILM_ANGLE;
-  const T one = T{} + 1.0;
-  const T most = MOST * below;
-  return root(select((above >= 0.0) & (above < most), above, one * MOST) /
-              select((above >= 0.0) & (above < most), below, one));
-}
-
 // With Tf = T_i + T_j - w:  tan^2(theta_i/2) = w (2 T_j - w)/[(2 T_i - w)(2 Tf + w)],
 //   (2 Tf T sin theta)^2 = w (2 T_i - w)(2 T_j - w)(2 Tf + w);  of a wall  w/(2 T - w)  and  w (2 T - w).
 // The bend has
@@ -27,11 +17,9 @@ template <class T> DEFORMABLE_LANE_FUNCTION T film_angle(T above, T below)
 static double find_films(FilmArrays p, int begin, int end)
 {
   constexpr double NOTHING = 1e-280;
-  Lanes worst = Lanes{};
-  double last_worst = 0.0;
   const auto look = [&](auto kind, int k, auto &worst) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
-    const T zero = T{}, w = load<T>(p.adhesion + k);
+    const T zero = T{}, stated = load<T>(p.adhesion + k);
     const auto of = [&](const double *x, const int *side) DEFORMABLE_LANE_LAMBDA {
       return gather<T>(x, [&](int lane) DEFORMABLE_LANE_LAMBDA { return side[k + lane]; });
     };
@@ -39,10 +27,11 @@ static double find_films(FilmArrays p, int begin, int end)
     const T per_pi = of(p.outline.per_pressure, p.first),
             per_pj = of(p.outline.per_pressure, p.second);
     const T Ti = qi / larger(per_pi, zero + NOTHING), Tj = qj / larger(per_pj, zero + NOTHING);
+    const T w = smaller(stated, LARGEST_ADHESION * smaller(Ti, Tj));
     const T two_i = 2.0 * Ti - w, two_j = 2.0 * Tj - w, film = Ti + Tj - w, all = 2.0 * film + w;
-    const T ti = select(w > 0.0, film_angle(w * two_j, two_i * all), zero),
-            tj = select(w > 0.0, film_angle(w * two_i, two_j * all), zero);
-    const T pull2 = larger(w * (two_i * two_j) * all, zero);
+    const T ti = select(w > 0.0, root(w * two_j / (two_i * all)), zero),
+            tj = select(w > 0.0, root(w * two_i / (two_j * all)), zero);
+    const T pull2 = w * (two_i * two_j) * all;
     store(p.next_angle[0] + k, ti);
     store(p.next_angle[1] + k, tj);
     store(p.next_pull + k, select(w > 0.0, 0.5 * root(pull2) / film, zero));
@@ -64,25 +53,20 @@ static double find_films(FilmArrays p, int begin, int end)
     worst = larger(worst, off / (GREEN_AT_ZERO * larger(per_pi + per_pj, zero + NOTHING)));
   };
   const int middle = p.wall < end ? larger(p.wall, begin) : end;
-  for_pairs(begin, middle, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
-    if constexpr (sizeof(kind) == sizeof(Lanes))
-      look(kind, k, worst);
-    else
-      look(kind, k, last_worst);
-  });
-  for (int w = 0; w < W; ++w) last_worst = larger(last_worst, worst[w]);
+  double worst = largest_of(begin, middle, look);
   for (int k = middle; k < end; ++k) {
-    const double w = p.adhesion[k], per_p = p.outline.per_pressure[p.first[k]];
+    const double per_p = p.outline.per_pressure[p.first[k]];
     const double q = p.outline.free_radius[p.first[k]], tension = q / larger(per_p, NOTHING);
-    const double t = w > 0.0 ? film_angle(w, 2.0 * tension - w) : 0.0, per = 1.0 / (1.0 + t * t);
+    const double w = smaller(p.adhesion[k], LARGEST_ADHESION * tension);
+    const double t = w > 0.0 ? root(w / (2.0 * tension - w)) : 0.0, per = 1.0 / (1.0 + t * t);
     const double change = magnitude(t - p.angle[0][k]);
     p.next_angle[0][k] = t;
     p.next_angle[1][k] = p.next_bend[k] = 0.0;
-    p.next_pull[k] = root(larger(w * (2.0 * tension - w), 0.0));
-    last_worst = larger(last_worst, 4.0 * change * q * t * per * per /
-                                        (GREEN_AT_ZERO * larger(per_p, NOTHING)));
+    p.next_pull[k] = w > 0.0 ? root(w * (2.0 * tension - w)) : 0.0;
+    worst =
+        larger(worst, 4.0 * change * q * t * per * per / (GREEN_AT_ZERO * larger(per_p, NOTHING)));
   }
-  return last_worst;
+  return worst;
 }
 
 static void take_films(FilmArrays p, int begin, int end)

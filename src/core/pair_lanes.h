@@ -204,6 +204,21 @@ template <class T> DEFORMABLE_LANE_FUNCTION T within(T x, double most)
   return smaller(larger(x, T{} - most), T{} + most);
 }
 
+// The largest number that look(kind, k, worst) finds; kind is Lanes or double.
+template <class Look> DEFORMABLE_LANE_FUNCTION double largest_of(int begin, int end, Look &&look)
+{
+  Lanes worst = Lanes{};
+  double largest = 0.0;
+  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    if constexpr (sizeof(kind) == sizeof(Lanes))
+      look(kind, k, worst);
+    else
+      look(kind, k, largest);
+  });
+  for (int w = 0; w < W; ++w) largest = larger(largest, worst[w]);
+  return largest;
+}
+
 // What is left of the balance of a line, as a force. Of its torque d sin(tilt) - t_i - t_j, over d, nothing if the line is
 // at an end of the range and would tilt further. Of its curvature, what the change of the half angle b would do to the
 // overlap, f (1/p_i - 1/p_j) db/4, over the compliances G(0)/p of both rings. The part of the stiffness against tilts
@@ -211,8 +226,6 @@ template <class T> DEFORMABLE_LANE_FUNCTION T within(T x, double most)
 static double find_lines(LineArrays p, int begin, int end)
 {
   constexpr double STABLE = 0.3, NOTHING = 1e-280;
-  Lanes worst = Lanes{};
-  double last_worst = 0.0;
   const auto look = [&](auto kind, int k, auto &worst) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
     const T force = load<T>(p.force + k), sine = load<T>(p.sine + k), zero = T{};
@@ -238,14 +251,7 @@ static double find_lines(LineArrays p, int begin, int end)
     worst = larger(worst, magnitude(force) *
                               larger(of_tilt, magnitude(part * change) * (0.5 / GREEN_AT_ZERO)));
   };
-  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
-    if constexpr (sizeof(kind) == sizeof(Lanes))
-      look(kind, k, worst);
-    else
-      look(kind, k, last_worst);
-  });
-  for (int w = 0; w < W; ++w) last_worst = larger(last_worst, worst[w]);
-  return last_worst;
+  return largest_of(begin, end, look);
 }
 
 static void take_lines(LineArrays p, int begin, int end)

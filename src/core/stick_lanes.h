@@ -3,6 +3,7 @@
 #ifndef DEFORMABLE_STICK_LANES_H
 #define DEFORMABLE_STICK_LANES_H
 
+#include "contact_film.h"
 #include "force_kernels.h"
 #include "lanes.h"
 
@@ -30,12 +31,12 @@ DEFORMABLE_LANE_FUNCTION void stick_contacts(int n, const StickArrays &films, La
     linear += force[m] * load<Lanes>(films.terms[1] + m * LANES);
     square += load<Lanes>(films.terms[2] + m * LANES);
   }
-  const Lanes per_pi = perimeter * (1.0 / PI);
-  work += tension * (tension * (square + perimeter * per_pi) + (linear + total * per_pi));
-  total += 2.0 * perimeter * tension;
+  const CurvedLoad<Lanes> loaded = film_load(work, total, tension, perimeter, linear, square);
+  work = loaded.work;
+  total = loaded.total;
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m)
-    product[m] += tension * (per_pi + load<Lanes>(films.terms[3] + m * LANES));
+    product[m] += loaded.shift + tension * load<Lanes>(films.terms[3] + m * LANES);
 }
 
 }    // namespace deformable::DEFORMABLE_LEVEL

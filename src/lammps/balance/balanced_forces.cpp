@@ -65,6 +65,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list,
         before_change();
       }
       films->change(is_balanced);
+      near.store_films(p);    // for lists that are made anew in this call, too
       solver.begin_again();
       continue;
     }
@@ -73,7 +74,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list,
   }
   if (near.pairs.curved && new_list && !warned_limited) warn_limited();
   lost = changes > 0 ? before - total_energy() : 0.0;
-  if (films && (new_list || begins_to_stick || changes > 0)) near.store_films(p);
+  if (films && (new_list || begins_to_stick)) near.store_films(p);
   return -1;
 }
 

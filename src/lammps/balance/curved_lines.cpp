@@ -127,14 +127,26 @@ void CurvedLines::remember()
       p.past_bend[n][k] = next_bend[k];
     }
   }
-  const auto count = [&p](int begin, int end) {
+  const auto count = [&](int begin, int end) {
     int found = 0;
     for (int k = begin; k < end; ++k)
-      found += (p.force[k] > 0.0 || (p.sticks && p.attached[k])) &&
-               (std::fabs(p.tilt[k]) >= LARGEST_SINE || std::fabs(p.bend[k]) >= LARGEST_BEND);
+      found += ((p.force[k] > 0.0 || (p.sticks && p.attached[k])) &&
+                (std::fabs(p.tilt[k]) >= LARGEST_SINE || std::fabs(p.bend[k]) >= LARGEST_BEND)) ||
+               (p.sticks && p.attached[k] && is_held(k));
     return found;
   };
   limited = count(0, p.remote) + 0.5 * count(p.remote, p.wall);
+  if (p.sticks) limited += count(p.wall, p.size);
+}
+
+// Whether the tensions leave no triangle, so that the angle of the film is held.
+bool CurvedLines::is_held(int k) const
+{
+  const NearPairs &p = *pairs;
+  const auto tension = [this](int c) { return free_radius[c] / per_pressure[c]; };
+  const double first = tension(p.side[0][k]);
+  const double weaker = k < p.wall ? std::min(first, tension(p.side[1][k])) : first;
+  return p.adhesion[k] > deformable::LARGEST_ADHESION * weaker;
 }
 
 // The chords s of both sides are the same where the bend is right, and the energy is stationary with a multiplier m of

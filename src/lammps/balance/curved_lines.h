@@ -69,6 +69,7 @@ class CurvedLines {
   std::vector<double> next_sine, next_bend;                     // see LineArrays
   std::vector<double> slope_rate, per_pressure, free_radius;    // see OutlineArrays
   double part = 1.0, last_imbalance = 0.0;
+  bool is_held(int k) const;
   deformable::OutlineArrays outline();
   deformable::LineArrays arrays();
 };

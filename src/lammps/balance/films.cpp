@@ -106,13 +106,6 @@ void Films::take()
     if (batches->particle[ring] >= 0)
       batches->film_tension[ring] +=
           PART * (batches->tension_of(static_cast<int>(ring)) - batches->film_tension[ring]);
-  const auto count = [&p](int begin, int end) {
-    int found = 0;
-    for (int k = begin; k < end; ++k)
-      found += std::max(p.film_angle[0][k], p.film_angle[1][k]) >= LARGEST_FILM_ANGLE;
-    return found;
-  };
-  limited = count(0, p.remote) + 0.5 * count(p.remote, p.wall) + count(p.wall, p.size);
 }
 
 bool Films::would_change(int k, bool may_attach) const

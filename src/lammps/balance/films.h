@@ -22,8 +22,6 @@ class Films {
  public:
   explicit Films(const deformable::ForceKernels &kernels) : kernels(kernels) {}
 
-  double limited = 0.0;    // films at the largest angle, as of the last step
-
   void arrange(ForceBatches &, NearPairs &, RemoteSides &);    // contacts are new
 
   // A new force call.
