@@ -152,3 +152,12 @@ def test_forces_before_and_after_films_go(kind, tmp_path):
         attached.append(len(contacts(scene)["attached"]))
     assert attached[0] == attached[1] == 6
     assert attached[2] == 0
+
+
+def test_a_film_near_the_limit_is_held_and_counted(tmp_path):
+    """w = 1.99 T would leave 1 % of the tension to the film's own: the angle is that of 1.96 T."""
+    for w, held in ((1.9, 0), (1.99, 1)):
+        scene = doublet(0.3, tmp_path, w, commands=CONTACTS)  # nearly merged
+        angle = contacts(scene)["contact_angle"]
+        np.testing.assert_allclose(np.cos(angle), 1 - 0.5 * min(w, 1.96), rtol=0, atol=1e-12)
+        assert scene.vector("pair", 6)[4] == held
