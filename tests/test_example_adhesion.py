@@ -141,3 +141,60 @@ def test_page_of_sorting_has_the_numbers_of_its_log() -> None:
     log, page = ((folder / name).read_text() for name in ("sorting.log", "README.md"))
     found = re.findall(r"^\| (\w+) \| (\d) \| (\S+) \| (\S+) \| (\S+) \| (\S+) \|$", page, re.M)
     assert found == re.findall(SORTED, log, re.M)
+
+
+WORK = (
+    r"^adhesion (\S+)  seed (\S+)  work (\S+)  energy (\S+)  lost (\S+)  "
+    r"elastic steps (\S+)  work (\S+)  off by (\S+)$"  # of each gel
+)
+GEL = r"^adhesion (\S+)  films (.+)  modulus (.+)  stress (.+) at (.+)  attach (\S+)  let go (\S+)$"
+
+
+def check_gel(printed: str, seeds: int, shears: int) -> None:
+    w, _, work, energy, lost, elastic, held, off = np.array(
+        re.findall(WORK, printed, re.M), float
+    ).T
+    assert len(w) == seeds * len(set(w)) > 0
+    assert work == pytest.approx(energy + lost, abs=2e-4)
+    assert (lost > 0.01 * work).all()
+    assert ((elastic > 0.3 * shears) & (elastic < shears)).all()
+    assert (held > 0).all()
+    # means over steps of 0.01, a tenth or less of the strain over which the modulus changes; where
+    # a floppy gel begins to bear stress, less
+    assert np.median(off) < 1e-3
+    assert (off < 0.05).all()
+    (loose,) = re.findall(r"^no adhesion  stress (\S+)$", printed, re.M)
+    assert float(loose) < 1e-6
+    rows = re.findall(GEL, printed, re.M)
+    films, modulus, stress = (
+        np.array([row[n].split(" ± ")[0] for row in rows], float) for n in (1, 2, 3)
+    )
+    assert (stress > 0.01).all()
+    assert (np.diff(stress) > 0).all()
+    # smooth particles need about four contacts each; a single small gel may have a negative modulus
+    assert (np.abs(modulus[films < 3.7]) < 0.01).all()
+    assert (np.abs(modulus[films > 3.7]) > 0.01).all()
+    assert (films < 6).all()
+
+
+def test_gel(tmp_path: Path) -> None:
+    """Droplets that stick bear shear, where smooth ones flow; work is energy but for events."""
+    pytest.importorskip("matplotlib")
+    folder = EXAMPLES / "gel"
+    check_gel((folder / "gel.log").read_text(), 4, 100)
+    smaller = {"ADHESIONS": (0.02, 0.1), "SHOWN": 0.1, "SEEDS": (1, 2), "NUMBER": 40}
+    shorter = {"STEPS, TIMESTEP": (4000, 0.02), "STRAIN, SHEARS": (0.5, 50)}
+    part_of(folder / "gel.py", tmp_path, **smaller, **shorter)
+    check_gel(text("python", "gel.py", cwd=tmp_path), 2, 50)
+    assert (tmp_path / "gel.png").stat().st_size > 10_000
+
+
+def test_page_of_gel_has_the_numbers_of_its_log() -> None:
+    folder = EXAMPLES / "gel"
+    log, page = ((folder / name).read_text() for name in ("gel.log", "README.md"))
+    found = re.findall(r"^\| (\d\S*)" + 6 * r" \| (.+)" + r" \|$", page, re.M)
+    assert found == re.findall(GEL, log, re.M)
+    rows = re.findall(WORK, log, re.M)
+    steps, off = (sorted((row[n] for row in rows), key=float) for n in (5, 7))
+    assert f"the {steps[0]} to {steps[-1]} steps" in page
+    assert f"differ by {off[0]} to {off[-1]} of it" in page
