@@ -49,7 +49,7 @@ def shear_modulus(
     halved until two values agree. `state.elastic_moduli` has the limit of small strains at once.
 
     Args:
-        state: of a `Simulation` or of `Disks`, relaxed, with a pressure above zero.
+        state: of a `Simulation` or of `Disks`, relaxed, with a pressure above zero or with films.
         strain: the first one. Contacts change at strains of some part of phi - phi_J, so that a
             hundredth of that is a good start.
         tolerance: of the relaxations: their largest force over the mean contact force. Forces that
@@ -97,7 +97,7 @@ def _modulus(
     """Half the difference of a component of stress at two opposite strains, over the strain."""
     expect("state", state, State, DiskState)
     positive("strain", strain)
-    before, zero = np.inf, _AGREEMENT * state.pressure
+    before, zero = np.inf, _AGREEMENT * abs(state.pressure)
     for halving in range(_HALVINGS + 1):
         stresses, stalled = [], False
         for sign in (1.0, -1.0):
