@@ -181,6 +181,7 @@ def test_other_suffixes_are_refused(state: deformable.State, tmp_path: Path) -> 
     ("package", "extra", "method"),
     [
         ("freud", "freud", "to_freud"),
+        ("networkx", "networkx", "graph"),
         ("pandas", "pandas", "to_pandas"),
         ("matplotlib", "plot", "plot"),
     ],
