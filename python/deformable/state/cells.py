@@ -47,7 +47,7 @@ def cells_of(packing: Packing) -> Cells:
     spacing = float(np.sqrt(np.prod(packing.box.diagonal()) / len(packing)))
     reach = _FIRST * max(2.0 * float(radius.max()), spacing)
     while True:
-        i, side, direction, ends = _sides_within(packing, reach)
+        i, direction, ends = _sides_within(packing, reach)
         # the nearest line that a neighbor beyond the reach may have
         beyond = np.full(len(packing), reach), radius, np.full(len(packing), radius.max())
         line = radius - contact_line(*beyond)
@@ -56,21 +56,19 @@ def cells_of(packing: Packing) -> Cells:
         reach *= _FURTHER
     corners = np.split(ends[:, 0], np.searchsorted(i, np.arange(1, len(packing))))
     if packing.walls:
-        return _between_walls(packing, corners, i[side], direction[side], ends[side])
+        return _between_walls(packing, corners, i, direction, ends)
     area = np.array([_area(polygon) for polygon in corners])
     length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
-    return Cells(area, i[side], direction[side], length[side])
+    return Cells(area, i, direction, length)
 
 
-def _sides_within(
-    packing: Packing, reach: float
-) -> tuple[Integers, NDArray[np.bool_], Floats, Floats]:
+def _sides_within(packing: Packing, reach: float) -> tuple[Integers, Floats, Floats]:
     """Sides of the cells of neighbors up to a distance.
 
     Returns:
-        Of each side, those of a cell counterclockwise: the particle, whether there is a neighbor on
-        the other side and not an end of the box, the direction to it, and both corners as vectors
-        from the particle, shape (M, 2, 2) [length]. A cell without an end has a side of nan.
+        Of each side, those of a cell counterclockwise: the particle, the direction to it, and both
+        corners as vectors from the particle, shape (M, 2, 2) [length]. A cell without an end has
+        sides of nan. At walls cells go on to a box around the room.
     """
     radius = packing.radius
     i, j, shift = pairs_within(packing, reach)
@@ -85,9 +83,8 @@ def _sides_within(
     for n, part in enumerate(np.split(order, first)):
         normal = np.concatenate([vector[part] / distance[part, None], normals])
         height = np.append(offset[part], levels - normals @ packing.positions[n])
-        side = np.arange(len(normal)) < len(part)
         turn = np.argsort(np.arctan2(normal[:, 1], normal[:, 0]))
-        normal, height, side = normal[turn], height[turn], side[turn]
+        normal, height = normal[turn], height[turn]
         try:
             ends = polygon_edges(normal[:, 0], normal[:, 1], height).reshape(-1, 2, 2)
         except ValueError:  # no cell is left between larger particles
@@ -96,9 +93,9 @@ def _sides_within(
         if np.sum(kept) < 3:
             kept, ends = np.ones_like(kept), np.full_like(ends, np.nan)
         particle = np.full(len(normal), n)
-        found.append((particle[kept], side[kept], normal[kept], ends[kept]))
-    owner, beside, direction, corners = map(np.concatenate, zip(*found, strict=True))
-    return owner, beside, direction, corners
+        found.append((particle[kept], normal[kept], ends[kept]))
+    owner, direction, corners = map(np.concatenate, zip(*found, strict=True))
+    return owner, direction, corners
 
 
 def _ends_of_room(packing: Packing) -> tuple[Floats, Floats]:

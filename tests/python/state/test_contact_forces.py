@@ -66,15 +66,38 @@ def test_stresses_of_disks(walls: tuple) -> None:
         assert np.abs(total(state) - state.stress).max() < 1e-12 * np.abs(state.stress).max()
 
 
-def test_each_particle_by_a_loop() -> None:
-    """The contact of a straight law acts at the point that the table has."""
-    state = pressed(Ring())
+@pytest.mark.parametrize("contact", ["balanced", "curved"])
+def test_each_particle_by_a_loop(contact: str) -> None:
+    """Forces act where contact lines cross the lines of centers."""
+    state = pressed(Ring(kA=[1.0, 0.3], contact=contact))
     for n, rows in enumerate(state.contact_tables):
-        moment = np.zeros((2, 2))
+        center, moment = state.packing.positions[n], np.zeros((2, 2))
         for row in rows:
-            moment -= np.outer(row["position"] - state.packing.positions[n], row["force_vector"])
+            across = np.array([np.cos(row["angle"]), np.sin(row["angle"])])
+            other = state.packing.positions[row["j"]] + row["image"] @ state.packing.box
+            along = (other - center) / np.linalg.norm(other - center)
+            part = (row["position"] - center) @ across / (along @ across)
+            moment -= np.outer(part * along, row["force_vector"])
         expected = 0.5 * (moment + moment.T) / state.area[n]
         assert state.particle_stress[n] == pytest.approx(expected, rel=1e-8, abs=1e-13)
+
+
+def test_two_disks() -> None:
+    """They touch in the middle of their overlap."""
+    pair = deformable.Packing([[1.0, 1.0], [2.1, 1.0]], [0, 1], [0.5, 0.8], np.diag([5.0, 5.0]))
+    with deformable.Disks(pair) as disks:
+        state = disks.state()
+    lever, area = np.array([0.5 - 0.1, 0.8 - 0.1]), np.pi * np.array([0.5, 0.8]) ** 2
+    assert state.particle_stress[:, 0, 0] == pytest.approx(lever * 0.2 / area)
+    assert np.abs(state.particle_stress[:, :, 1]).max() == 0.0
+
+
+def test_particles_that_touch_their_own_images() -> None:
+    row = crystal(0.02, 1, 2)
+    with deformable.Disks(row) as disks, deformable.Simulation(row, Ring()) as sim:
+        for state in (disks.state(), sim.state()):
+            assert state._contact_forces.i.tolist().count(0) == 5
+            assert total(state) == pytest.approx(state.stress, rel=1e-10, abs=1e-15)
 
 
 def test_droplets_have_their_pressure_less_that_of_their_tension() -> None:
