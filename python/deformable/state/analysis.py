@@ -136,9 +136,11 @@ class Analysis(ABC):
 
         The sides of cells are the radical axes of the undeformed circles, so that particles of all
         sizes are within their cells. Cells end at walls, and pass through a `Segment`. Weighted by
-        the areas of cells, `filled_area / local_phi`, the mean is `phi`.
+        the areas of cells, `filled_area / local_phi`, the mean is `phi`. It is infinite of a
+        particle within a larger one, which leaves it no cell.
         """
-        return self.filled_area / self._cells.area
+        with np.errstate(divide="ignore"):
+            return self.filled_area / self._cells.area
 
     def hexatic(self, k: int = 6) -> NDArray[np.complex128]:
         """Bond-orientational order of each particle, shape (N,).
