@@ -82,6 +82,8 @@ def table(folder: Path, states: Iterable[State], columns: Mapping[str, Column]) 
                 f"lambda state: state.arc_radius.min(), not {shown(column)}"
             )
     found = pandas.read_csv(recorded(folder, SERIES), index_col="frame")
+    for name in columns.keys() & {"frame", *found.columns}:
+        raise ParameterError(f"each table has a column {name}: give yours another name")
     found = found[found.index < frames_in(folder)]
     if not columns:
         return found

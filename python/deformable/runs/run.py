@@ -248,7 +248,7 @@ class Run:
                 evaluated again for them.
 
         Raises:
-            ParameterError: a column is no function.
+            ParameterError: a column is no function, or has the name of another.
             ImportError: pandas is missing (`pip install 'lammps-deformable[pandas]'`).
         """
         return analysis.table(self.folder, self, columns)

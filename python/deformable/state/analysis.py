@@ -195,7 +195,8 @@ class Analysis(ABC):
         The box is two-dimensional and has its center at the origin, so that the points are moved.
         It is twice as long along directions that walls close, because freud finds no neighbors in
         boxes that are not periodic; walls themselves are left out. freud's densities count the
-        empty part: `radial_distribution` does not.
+        empty part: `radial_distribution` does not. Import freud before `deformable` to call
+        `freud.locality.Voronoi`, which crashes on the Voro++ of LAMMPS.
 
         Raises:
             ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).

@@ -78,12 +78,13 @@ def test_frames_that_are_not_complete_are_left_out(
 
 def test_table(run: tuple[Path, list[deformable.State]]) -> None:
     pytest.importorskip("pandas")
-    table = deformable.Run(run[0]).table()
-    assert table.index.tolist() == [0, 1, 2]
-    for name, value in run[1][1].numbers().items():
+    recorded = deformable.Run(run[0])
+    table, states = recorded.table(), list(recorded)
+    assert table.index.tolist() == list(range(len(states)))
+    for name, value in run[1][-1].numbers().items():
         expected = np.nan if value is None else value
-        assert table.loc[1, name] == pytest.approx(expected, rel=1e-14, nan_ok=True)
-    shapes = [state.shape_parameter.mean() for state in run[1]]
+        assert table[name].iloc[-1] == pytest.approx(expected, rel=1e-14, nan_ok=True)
+    shapes = [state.shape_parameter.mean() for state in states]
     assert table["shape_parameter"].tolist() == pytest.approx(shapes)
 
 
@@ -91,21 +92,20 @@ def test_columns_of_a_table(run: tuple[Path, list[deformable.State]], tmp_path: 
     """Of the frames that are complete: a killed run may have more rows."""
     pytest.importorskip("pandas")
     shutil.copytree(run[0], tmp_path, dirs_exist_ok=True)
-    rows = (tmp_path / "series.csv").read_text().splitlines()
-    further = rows[-1].replace("2,", "3,", 1)
-    (tmp_path / "series.csv").write_text("\n".join([*rows, further]) + "\n")
-    found = deformable.Run(tmp_path).table(
+    recorded = deformable.Run(tmp_path)
+    states = list(recorded)
+    (tmp_path / "series.csv").open("a").write(f"{len(states)},16,1.0\n")
+    found = recorded.table(
         smallest=lambda state: state.arc_radius.min(), name=lambda state: type(state).__name__
     )
-    assert found.index.tolist() == [0, 1, 2]
-    assert found["smallest"].tolist() == [
-        pytest.approx(state.arc_radius.min(), rel=1e-9) for state in run[1]
-    ]
+    assert len(recorded.table()) == len(found) == len(states)
+    assert found["smallest"].tolist() == [state.arc_radius.min() for state in states]
     assert set(found["name"]) == {"State"}
-    assert found["phi"].tolist() == deformable.Run(run[0]).table()["phi"].tolist()
     told = "column low must be a function of a state, such as .*, not 'pressure'"
     with pytest.raises(deformable.ParameterError, match=told):
-        deformable.Run(tmp_path).table(low="pressure")
+        recorded.table(low="pressure")
+    with pytest.raises(deformable.ParameterError, match="each table has a column phi"):
+        recorded.table(phi=lambda state: state.packing.phi)
 
 
 def test_export_of_a_run(run: tuple[Path, list[deformable.State]], tmp_path: Path) -> None:

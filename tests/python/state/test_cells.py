@@ -2,11 +2,13 @@
 
 from dataclasses import replace
 from itertools import product
+from pathlib import Path
 
 import deformable
 import numpy as np
 import pytest
 from crystal import crystal
+from programs import output
 from scipy.spatial import ConvexHull, Voronoi
 
 WALLS = {
@@ -92,6 +94,27 @@ def test_equal_particles_as_in_scipy(tilt: float) -> None:
                     psi[n] += length * np.exp(1j * k * np.arctan2(y, x))
                     total[n] += length
         assert state.hexatic(k) == pytest.approx(psi / total, abs=1e-9)
+
+
+def test_equal_particles_as_in_freud(tmp_path: Path) -> None:
+    """Which has to be imported first: LAMMPS brings another Voro++."""
+    pytest.importorskip("freud")
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import freud\n"
+        "import deformable\n"
+        "import numpy as np\n"
+        "packing = deformable.bidisperse(40, radii=(0.5, 0.5), phi=0.6, tilt=0.4, seed=3)\n"
+        "with deformable.Disks(deformable.push_off(packing)) as disks:\n"
+        "    state = disks.state()\n"
+        "cells = freud.locality.Voronoi().compute(state.to_freud())\n"
+        "order = freud.order.Hexatic(6, weighted=True).compute(state.to_freud(), cells.nlist)\n"
+        "print(np.abs(cells.volumes * state.local_phi / state.filled_area - 1.0).max())\n"
+        "print(np.abs(order.particle_order - state.hexatic()).max())\n"
+    )
+    area, psi = map(float, output("python", script, cwd=tmp_path).split())
+    assert area < 1e-5  # freud's centers have single precision
+    assert psi < 1e-4
 
 
 def test_hexatic_order_of_lattices() -> None:
