@@ -81,22 +81,28 @@ def test_between_walls_nothing_is_across() -> None:
         state_of(across).displacements(packing)
 
 
+@pytest.mark.parametrize("flow", ["", "fix flow all deform 1 xy erate 0.01 remap x flip yes"])
 @pytest.mark.parametrize("tilt", [0.0, 0.4])
-def test_images_of_lammps(tilt: float) -> None:
-    """A fluid that drifts over several boxes."""
+def test_images_of_lammps(tilt: float, flow: str) -> None:
+    """A fluid that drifts over several boxes, also in one that is sheared and flips."""
     fluid = deformable.push_off(deformable.bidisperse(16, phi=0.7, tilt=tilt, seed=2))
+    states, expected, images = [], [], []
     with deformable.Simulation(fluid, deformable.Ring()) as sim:
-        sim.lmp.command("velocity all create 1e-4 1")
-        sim.lmp.command("velocity all set 0.1 0.07 0 sum yes")
-        states, images = [], []
-        for state in deformable.move(sim, 800, every=40):
-            states.append(state)
+        sim.lmp.commands_string(
+            "velocity all create 1e-4 1\n"
+            "velocity all set 0.1 0.07 0 sum yes\n"
+            f"fix motion all nve\nfix plane all enforce2d\n{flow}\ntimestep 0.2"
+        )
+        for _ in range(21):
+            states.append(sim.state())
             images.append(np.array(sim.lmp.gather("image", 0, 3)).reshape(-1, 3)[:, :2])
-    places = deformable.unwrapped(states)
-    expected = [s.packing.positions + n @ fluid.box for s, n in zip(states, images, strict=True)]
-    assert np.abs(images).max() >= 2
-    start = expected[0] - places[0]
-    assert places + start == pytest.approx(np.array(expected), abs=1e-10)
+            expected.append(states[-1].packing.positions + images[-1] @ sim.box)
+            sim.lmp.command("run 50 post no")
+    assert np.abs(images[-1]).max() >= 2
+    tilts = [state.packing.box[1, 0] for state in states]
+    assert (min(np.diff(tilts)) < 0.0) == bool(flow)
+    assert not images[0].any()
+    assert deformable.unwrapped(states) == pytest.approx(np.array(expected), abs=1e-10)
 
 
 @pytest.mark.parametrize(
