@@ -129,6 +129,7 @@ def test_the_api_has_every_public_name_once():
     results = {
         "state.elastic.ElasticModuli",
         "state.hessian.Hessian",
+        "state.local_strain.LocalStrain",
         "state.modes.Modes",
         "state.secondary.SecondaryOutlines",
         "studies.paper.single.Squeezed",

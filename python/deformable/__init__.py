@@ -58,6 +58,7 @@ if TYPE_CHECKING:
     from .runs.recording import shear_in as shear_in
     from .runs.run import Run as Run
     from .state.disk_state import DiskState as DiskState
+    from .state.displacements import unwrapped as unwrapped
     from .state.polygon_state import PolygonState as PolygonState
     from .state.secondary import resolve_secondary as resolve_secondary
     from .state.state import State as State
@@ -117,6 +118,7 @@ _HOMES = {
     "shear_in": "runs.recording",
     "shear_modulus": "protocols.moduli",
     "squeeze": "studies.paper.single",
+    "unwrapped": "state.displacements",
 }
 
 __all__ = list(_HOMES)

@@ -29,3 +29,19 @@ def fractional(positions: Floats, box: Floats) -> Floats:
     (lx, _), (xy, ly) = box.tolist()
     g = positions[..., 1] / ly
     return np.stack([(positions[..., 0] - g * xy) / lx, g], axis=-1)
+
+
+def nearest_image(vectors: Floats, box: Floats, shut: tuple[bool, bool]) -> Floats:
+    """Vectors between images that are nearest along y, and then along x, shape (n, 2) [length].
+
+    Args:
+        vectors: between any images, shape (n, 2) [length].
+        box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
+        shut: whether walls close the directions x and y, which then have no images.
+    """
+    (lx, _), (xy, ly) = box.tolist()
+    x, y = vectors.T
+    up = 0.0 if shut[1] else np.rint(y / ly)
+    x, y = x - up * xy, y - up * ly
+    across = 0.0 if shut[0] else np.rint(x / lx)
+    return np.column_stack([x - across * lx, y])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -13,6 +14,18 @@ from .room import closed
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+
+
+def pairs_within(packing: Packing, distance: float) -> tuple[Integers, Integers, Floats]:
+    """Pairs of centers that are nearer than a distance, as `near_pairs`, with all images.
+
+    Args:
+        packing: gives centers and box, and the directions that walls close.
+        distance: [length].
+    """
+    points = np.zeros(len(packing), dtype=np.int64)
+    radii = np.array([0.5 * distance])
+    return near_pairs(replace(packing, species=points, radii=radii, particle_radii=None), 0.0)
 
 
 def near_pairs(packing: Packing, skin: float) -> tuple[Integers, Integers, Floats]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,7 @@ import numpy as np
 from ..common.errors import FileError, ParameterError
 from ..common.files import write_whole
 from ..common.optional import optional
-from ..common.validate import expect
+from ..common.validate import expect, shown
 from ..io.frames import check_frames, clock_of, frames_in, recorded, series_in
 from ..io.outlines import collection
 from ..io.run_folder import SERIES, TRAJECTORY
@@ -21,6 +21,8 @@ from ..state.state import State
 
 if TYPE_CHECKING:
     from MDAnalysis import Universe
+
+Column = Callable[[State], Any]
 
 
 def universe(folder: Path) -> Universe:
@@ -70,10 +72,24 @@ def _clock(times: list[float]) -> tuple[float, float]:
     return 0.0, 1.0
 
 
-def series(folder: Path) -> Any:
-    """The series of a recorded run as a DataFrame of pandas, see `Run.series`."""
+def table(folder: Path, states: Iterable[State], columns: Mapping[str, Column]) -> Any:
+    """The numbers of a recorded run as a DataFrame of pandas, see `Run.table`."""
     pandas = optional("pandas", "pandas")
-    return pandas.read_csv(recorded(folder, SERIES), index_col="frame")
+    for name, column in columns.items():
+        if not callable(column):
+            raise ParameterError(
+                f"column {name} must be a function of a state, such as "
+                f"lambda state: state.arc_radius.min(), not {shown(column)}"
+            )
+    found = pandas.read_csv(recorded(folder, SERIES), index_col="frame")
+    for name in columns.keys() & {"frame", *found.columns}:
+        raise ParameterError(f"each table has a column {name}: give yours another name")
+    found = found[found.index < frames_in(folder)]
+    if not columns:
+        return found
+    check_frames(folder)
+    rows = [{name: column(state) for name, column in columns.items()} for state in states]
+    return found.assign(**pandas.DataFrame(rows, index=found.index, columns=list(columns)))
 
 
 def export(states: Iterable[State], path: str | Path) -> None:

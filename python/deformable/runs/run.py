@@ -15,7 +15,7 @@ frames. Frames beyond it are removed when the run goes on.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
@@ -233,13 +233,25 @@ class Run:
         """Write the outlines of the states for ParaView and OVITO, see `deformable.export`."""
         analysis.export(self, path)
 
-    def series(self) -> Any:
+    def table(self, **columns: Callable[[State], Any]) -> Any:
         """The numbers of the states as a DataFrame of pandas, with the frames as index.
 
+            run.table()[["phi", "pressure"]]
+            run.table(order=lambda state: abs(state.hexatic()).mean())
+
+        It has the box, `strain`, `phi`, `pressure`, `shear_stress`, `energy`, `temperature`,
+        `time`, `coordination`, the numbers of `rattlers` and of particles `beyond` the model, the
+        mean `shape_parameter`, `residual` and `stalled`, as they were recorded.
+
+        Args:
+            columns: further ones: functions that return a number for a state. The states are
+                evaluated again for them.
+
         Raises:
+            ParameterError: a column is no function, or has the name of another.
             ImportError: pandas is missing (`pip install 'lammps-deformable[pandas]'`).
         """
-        return analysis.series(self.folder)
+        return analysis.table(self.folder, self, columns)
 
     def universe(self) -> Universe:
         """A Universe of MDAnalysis.

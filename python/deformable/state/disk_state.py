@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from ..core import disk_blocks
 from ..model.neighbors import near_pairs
 from ..model.packing import Packing
+from .analysis import Analysis
+from .contact_forces import ContactForces
 from .contact_network import ContactNetwork
 from .hessian import Hessian
 from .linear_response import LinearResponse
@@ -20,7 +22,7 @@ _POINTS = 60
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DiskState(ContactNetwork, LinearResponse):
+class DiskState(ContactNetwork, LinearResponse, Analysis):
     """A snapshot of soft disks of contact stiffness k. Particles are numbered from 0.
 
     Attributes:
@@ -50,6 +52,11 @@ class DiskState(ContactNetwork, LinearResponse):
     def phi(self) -> float:
         """Packing fraction, sum pi R^2 / `packing.area`; overlaps count twice."""
         return self.packing.phi
+
+    @property
+    def filled_area(self) -> NDArray[np.float64]:
+        """pi R^2 of each particle, shape (N,) [length^2]."""
+        return np.pi * self.packing.radius**2
 
     @property
     def pressure(self) -> float:
@@ -98,6 +105,14 @@ class DiskState(ContactNetwork, LinearResponse):
         both = np.append(overlap, overlap[:count])
         kept = bearing(np.append(sides.i, j), np.append(sides.j, i), both, len(packing))
         return sides, contact, kept[: len(contact)]
+
+    @property
+    def _contact_forces(self) -> ContactForces:
+        sides, contact, _ = self._overlaps()
+        overlap, wall = contact - sides.distance, sides.j < 0
+        part = np.where(wall, 1.0, (self.packing.radius[sides.i] - 0.5 * overlap) / sides.distance)
+        force = -(overlap / sides.distance)[:, None] * sides.vector
+        return ContactForces(sides.i, sides.j, sides.vector, part, force)
 
     @property
     def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

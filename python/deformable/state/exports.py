@@ -1,4 +1,4 @@
-"""States for other programs: MDAnalysis, freud, pandas, ParaView, OVITO, notebooks."""
+"""States for other programs: MDAnalysis, pandas, ParaView, OVITO, notebooks."""
 
 from __future__ import annotations
 
@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.optional import optional
-from ..common.validate import count, expect, positive, shown
+from ..common.validate import expect, shown
 from ..io.outlines import write_outlines
 from ..model.packing import Packing
-from ..model.room import closed
 from .contact_table import ContactTable
 
 if TYPE_CHECKING:
@@ -47,7 +46,6 @@ class _Snapshot(Protocol):
     @property
     def pressure(self) -> float: ...
     def particle_values(self) -> dict[str, NDArray[Any]]: ...
-    def to_freud(self) -> tuple[Any, NDArray[np.float64]]: ...
     def plot(self, ax: Axes | None = None) -> Axes: ...
 
 
@@ -77,52 +75,6 @@ class Exports:
         frame.velocities = in_space(self.velocities)
         frame.data.update(self.particle_values())
         return universe
-
-    def to_freud(self: _Snapshot) -> tuple[Any, NDArray[np.float64]]:
-        """Box and points as freud takes them, (freud.box.Box, array of shape (N, 3)).
-
-            freud.order.Hexatic().compute(state.to_freud())
-
-        The box is two-dimensional and has its center at the origin, so that the points are moved.
-        It is twice as long along directions that walls close, because freud finds no neighbors in
-        boxes that are not periodic; walls themselves are left out. freud's densities count the
-        empty part: `radial_distribution` does not.
-
-        Raises:
-            ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
-        """
-        freud = optional("freud", "freud")
-        (lx, _), (xy, ly) = self.packing.box.tolist()
-        empty = np.where(closed(self.packing.walls), 2.0, 1.0)
-        box = freud.box.Box(lx * empty[0], ly * empty[1], xy=xy / ly, is2D=True)
-        center = self.packing.origin + self.packing.box.sum(axis=0) / 2.0
-        return box, box.wrap(in_space(self.packing.positions - center))
-
-    def radial_distribution(
-        self: _Snapshot, r_max: float, bins: int = 100
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The radial distribution function g(r) of the centers, by freud.
-
-        Between walls the number of pairs is compared with that of centers at random places, no
-        nearer to the walls than the nearest center is: g tends to 1 there too.
-
-        Args:
-            r_max: largest distance, below half of the box; between walls below their distance
-                [length].
-            bins: number of intervals of the distance.
-
-        Returns:
-            Distances r, the middles of the intervals [length], and g, both of shape (bins,).
-
-        Raises:
-            ParameterError: a value is out of range.
-            ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
-        """
-        r_max, bins = positive("r_max", r_max), count("bins", bins)
-        optional("freud", "freud")
-        from .radial_distribution import radial_distribution
-
-        return radial_distribution(self.packing, self.to_freud(), r_max, bins)
 
     def to_pandas(self: _Snapshot, table: str = "particles") -> Any:
         """A DataFrame of pandas.

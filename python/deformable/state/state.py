@@ -23,6 +23,8 @@ from ..model.laws import Law
 from ..model.packing import Packing
 from ..model.timestep import accurate_step
 from ..model.walls import Wall
+from .analysis import Analysis
+from .contact_forces import ContactForces, forces_of_table
 from .contact_network import ContactNetwork
 from .contact_table import ContactTable
 from .exports import Exports
@@ -39,7 +41,7 @@ _VALUES = ("area_deficit", "particle_pressure", "rattlers", "shape_parameter")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class State(ContactNetwork, RingResponse, Parallels, Exports):
+class State(ContactNetwork, RingResponse, Parallels, Analysis, Exports):
     """A snapshot, the same on every rank. Particles are numbered from 0.
 
     Attributes:
@@ -104,9 +106,12 @@ class State(ContactNetwork, RingResponse, Parallels, Exports):
     @property
     def phi(self) -> float:
         """Packing fraction: deformed areas, skins included, over the area that walls leave free."""
-        skin = self._skin
-        filled = self.area + skin * self.perimeter + np.pi * skin**2
-        return float(np.sum(filled) / self.packing.area)
+        return float(np.sum(self.filled_area) / self.packing.area)
+
+    @property
+    def filled_area(self) -> NDArray[np.float64]:
+        """Area of each particle with its skin, shape (N,) [length^2]."""
+        return self.area + self._skin * self.perimeter + np.pi * self._skin**2
 
     @property
     def pressure(self) -> float:
@@ -145,6 +150,10 @@ class State(ContactNetwork, RingResponse, Parallels, Exports):
     @property
     def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         return self.contact_table["i"], self.contact_table["j"]
+
+    @property
+    def _contact_forces(self) -> ContactForces:
+        return forces_of_table(self.packing, self.contact_table)
 
     def films_at(self, walls: tuple[Wall, ...]) -> Films | None:
         """`films` between walls in the place of the present ones, of which they know the numbers.
@@ -298,6 +307,7 @@ class State(ContactNetwork, RingResponse, Parallels, Exports):
             "time": self.time,
             "coordination": self.coordination,
             "rattlers": int(np.sum(self.rattlers)),
+            "shape_parameter": float(np.mean(self.shape_parameter)),
             "beyond": self.beyond,
             "residual": self.residual,
             "stalled": self.stalled,

@@ -76,13 +76,36 @@ def test_frames_that_are_not_complete_are_left_out(
         assert each.trajectory[-1].time == pytest.approx(run[1][-1].time)
 
 
-def test_series(run: tuple[Path, list[deformable.State]]) -> None:
+def test_table(run: tuple[Path, list[deformable.State]]) -> None:
     pytest.importorskip("pandas")
-    table = deformable.Run(run[0]).series()
-    assert table.index.tolist() == [0, 1, 2]
-    for name, value in run[1][1].numbers().items():
+    recorded = deformable.Run(run[0])
+    table, states = recorded.table(), list(recorded)
+    assert table.index.tolist() == list(range(len(states)))
+    for name, value in run[1][-1].numbers().items():
         expected = np.nan if value is None else value
-        assert table.loc[1, name] == pytest.approx(expected, rel=1e-14, nan_ok=True)
+        assert table[name].iloc[-1] == pytest.approx(expected, rel=1e-14, nan_ok=True)
+    shapes = [state.shape_parameter.mean() for state in states]
+    assert table["shape_parameter"].tolist() == pytest.approx(shapes)
+
+
+def test_columns_of_a_table(run: tuple[Path, list[deformable.State]], tmp_path: Path) -> None:
+    """Of the frames that are complete: a killed run may have more rows."""
+    pytest.importorskip("pandas")
+    shutil.copytree(run[0], tmp_path, dirs_exist_ok=True)
+    recorded = deformable.Run(tmp_path)
+    states = list(recorded)
+    (tmp_path / "series.csv").open("a").write(f"{len(states)},16,1.0\n")
+    found = recorded.table(
+        smallest=lambda state: state.arc_radius.min(), name=lambda state: type(state).__name__
+    )
+    assert len(recorded.table()) == len(found) == len(states)
+    assert found["smallest"].tolist() == [state.arc_radius.min() for state in states]
+    assert set(found["name"]) == {"State"}
+    told = "column low must be a function of a state, such as .*, not 'pressure'"
+    with pytest.raises(deformable.ParameterError, match=told):
+        recorded.table(low="pressure")
+    with pytest.raises(deformable.ParameterError, match="each table has a column phi"):
+        recorded.table(phi=lambda state: state.packing.phi)
 
 
 def test_export_of_a_run(run: tuple[Path, list[deformable.State]], tmp_path: Path) -> None:
@@ -116,7 +139,7 @@ def test_refusals(state: deformable.State, tmp_path: Path) -> None:
             deformable.export(*arguments)
     assert not list(tmp_path.iterdir())
     nowhere = deformable.Run("nowhere")
-    for read in (nowhere.universe, nowhere.series, nowhere.__iter__, nowhere.__len__):
+    for read in (nowhere.universe, nowhere.table, nowhere.__iter__, nowhere.__len__):
         with pytest.raises(deformable.FileError, match="'nowhere'"):
             read()
     with pytest.raises(deformable.ParameterError, match=r"folder .* not 3"):

@@ -166,6 +166,7 @@ def test_geojson(moving: deformable.State, tmp_path: Path) -> None:
     skin = moving.law.skin
     filled = moving.area + skin * moving.perimeter + np.pi * skin**2
     assert areas == pytest.approx(filled, rel=3e-4)
+    assert moving.filled_area == pytest.approx(filled, rel=1e-14)
     for n, feature in enumerate(found["features"]):
         assert feature["properties"]["id"] == n + 1
         assert feature["properties"]["pressure"] == moving.particle_pressure[n]
@@ -181,6 +182,7 @@ def test_other_suffixes_are_refused(state: deformable.State, tmp_path: Path) -> 
     ("package", "extra", "method"),
     [
         ("freud", "freud", "to_freud"),
+        ("networkx", "networkx", "graph"),
         ("pandas", "pandas", "to_pandas"),
         ("matplotlib", "plot", "plot"),
     ],

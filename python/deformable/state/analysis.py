@@ -1,0 +1,235 @@
+"""What one asks of a packing: motion between two states, stress, contacts, and order."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.optional import optional
+from ..common.validate import count, positive
+from ..model.packing import Packing
+from ..model.room import closed
+from . import contact_forces, displacements, local_strain
+from .cells import Cells, cells_of
+from .displacements import Snapshot
+from .exports import in_space
+from .local_strain import LocalStrain
+from .structure_factor import structure_factor
+
+
+class Analysis(ABC):
+    """Analysis of a state, alone or together with an earlier one."""
+
+    packing: Packing
+
+    @property
+    @abstractmethod
+    def rattlers(self) -> NDArray[np.bool_]:
+        """Which particles are rattlers."""
+
+    @property
+    @abstractmethod
+    def filled_area(self) -> NDArray[np.float64]:
+        """Area of each particle."""
+
+    @property
+    @abstractmethod
+    def _contact_forces(self) -> contact_forces.ContactForces:
+        """All contacts."""
+
+    @cached_property
+    def particle_stress(self) -> NDArray[np.float64]:
+        """Pressure tensor of each particle, compression positive, (N, 2, 2) [energy/length^2].
+
+        It is the mean stress in a particle under the forces F of its contacts, which act where
+        their lines cross the lines of centers, at x from its center:
+
+            stress = -sum x F / filled_area        (symmetric part)
+
+        The sum of stress times `filled_area` over the particles is `stress` times `packing.area`.
+        Between walls that holds for the trace, the pressure. A wall also exerts a torque on a
+        particle, which `stress` has in its other components, and this tensor does not.
+
+        Source: mean stress by Love and Weber; Bagi, Mech. Mater. 22, 165 (1996).
+        """
+        return contact_forces.particle_stress(self._contact_forces, self.filled_area)
+
+    def graph(self) -> Any:
+        """The contacts as a graph of networkx, a `MultiGraph` with particles as nodes.
+
+            networkx.number_connected_components(state.graph())
+
+        Nodes are numbered as particles, and have `x`, `y`, `radius`, `species` and `rattler`. Each
+        active contact is an edge, with the `force` along the line of centers, positive where it
+        pushes [energy/length], the `distance` of the centers and the vector (`dx`, `dy`) from the
+        lower to the higher number [length]. Two particles may touch through several images. The
+        node -1 stands for all walls, and is there if a particle touches one.
+
+        Raises:
+            ImportError: networkx is missing (`pip install 'lammps-deformable[networkx]'`).
+        """
+        return contact_forces.graph(self.packing, self._contact_forces, self.rattlers)
+
+    def displacements(self, before: Snapshot | Packing) -> NDArray[np.float64]:
+        """Displacements of the particles since an earlier state, shape (N, 2) [length].
+
+        Particles may have crossed the boundaries of the box. Each is followed by the image that is
+        nearest to where the strain of the box alone would have brought it: in a box of the lengths
+        lx and ly it may move by up to lx/2 and ly/2 beside that. Of boxes whose tilts differ by
+        their width, the one is meant that the `strain` of both states leads to or, if that is
+        None, the one with the tilt nearest to the earlier one.
+
+        Args:
+            before: state or packing of the same particles.
+
+        Raises:
+            ParameterError: `before` has another number of particles, or walls that close other
+                directions.
+        """
+        return displacements.displacements(before, self)
+
+    def nonaffine(self, before: Snapshot | Packing) -> NDArray[np.float64]:
+        """`displacements` without the strain of the box, shape (N, 2) [length].
+
+        Without them the centers would keep their places in units of the lattice vectors.
+        """
+        return displacements.nonaffine(before, self)
+
+    def local_strain(self, before: Snapshot | Packing, r_max: float | None = None) -> LocalStrain:
+        """Strain around each particle since an earlier state, and D^2_min.
+
+            gradient, d2min, neighbors = state.local_strain(before)
+
+        With vectors v to its neighbors before, and v' now, the displacement gradient G of a
+        particle minimizes
+
+            D^2 = sum |v' - v - G v|^2
+
+        Args:
+            before: state or packing of the same particles, see `displacements`.
+            r_max: distance of neighbors in the earlier state; 3 times the mean radius if not given
+                [length].
+
+        Returns:
+            Tuple `gradient`, `d2min`, `neighbors`; its `strain` is the symmetric part.
+
+        Raises:
+            ParameterError: a value is out of range, or see `displacements`.
+
+        Source: Falk and Langer, Phys. Rev. E 57, 7192 (1998).
+        """
+        start = displacements.packing_of("before", before)
+        r_max = local_strain.usual_distance(start) if r_max is None else positive("r_max", r_max)
+        return local_strain.local_strain(before, self, r_max)
+
+    @cached_property
+    def _cells(self) -> Cells:
+        return cells_of(self.packing)
+
+    @cached_property
+    def local_phi(self) -> NDArray[np.float64]:
+        """Packing fraction in the Voronoi cell of each particle, shape (N,).
+
+        The sides of cells are the radical axes of the undeformed circles, so that particles of all
+        sizes are within their cells. Cells end at walls, and pass through a `Segment`. Weighted by
+        the areas of cells, `filled_area / local_phi`, the mean is `phi`. It is infinite of a
+        particle within a larger one, which leaves it no cell.
+        """
+        with np.errstate(divide="ignore"):
+            return self.filled_area / self._cells.area
+
+    def hexatic(self, k: int = 6) -> NDArray[np.complex128]:
+        """Bond-orientational order of each particle, shape (N,).
+
+            psi_k = sum l exp(i k theta) / sum l
+
+        over its neighbors, in the directions theta, with l the lengths of the sides of its Voronoi
+        cell, see `local_phi`. So it does not jump where neighbors change. |psi_6| is 1 on a
+        triangular lattice. The sides at walls do not count; psi is nan without neighbors.
+
+        Args:
+            k: number of directions, 4 for square order.
+
+        Raises:
+            ParameterError: k is no whole number above 0.
+
+        Source: Mickel et al., J. Chem. Phys. 138, 044501 (2013).
+        """
+        cells, number = self._cells, len(self.packing)
+        x, y = cells.direction.T
+        order = np.zeros(number, dtype=np.complex128)
+        np.add.at(order, cells.i, cells.length * (x + 1j * y) ** count("k", k))
+        total = np.bincount(cells.i, cells.length, minlength=number)
+        return np.divide(order, total, out=np.full(number, np.nan + 0j), where=total > 0.0)
+
+    def structure_factor(
+        self, k_max: float, bins: int = 100
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The static structure factor S(k) of the centers.
+
+        The mean of |sum exp(i k r)|^2 / N over the wave vectors k of the periodic box with a length
+        in each interval, k = 0 left out.
+
+        Args:
+            k_max: largest wave number [1/length].
+            bins: number of intervals of the wave number.
+
+        Returns:
+            Wave numbers k, the middles of the intervals [1/length], and S, both of shape (bins,);
+            S is nan where the box has no wave vectors.
+
+        Raises:
+            ParameterError: a value is out of range, or walls close a direction.
+        """
+        return structure_factor(self.packing, positive("k_max", k_max), count("bins", bins))
+
+    def to_freud(self) -> tuple[Any, NDArray[np.float64]]:
+        """Box and points as freud takes them, (freud.box.Box, array of shape (N, 3)).
+
+            freud.order.Hexatic().compute(state.to_freud())
+
+        The box is two-dimensional and has its center at the origin, so that the points are moved.
+        It is twice as long along directions that walls close, because freud finds no neighbors in
+        boxes that are not periodic; walls themselves are left out. freud's densities count the
+        empty part: `radial_distribution` does not. Import freud before `deformable` to call
+        `freud.locality.Voronoi`, which crashes on the Voro++ of LAMMPS.
+
+        Raises:
+            ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
+        """
+        freud = optional("freud", "freud")
+        (lx, _), (xy, ly) = self.packing.box.tolist()
+        empty = np.where(closed(self.packing.walls), 2.0, 1.0)
+        box = freud.box.Box(lx * empty[0], ly * empty[1], xy=xy / ly, is2D=True)
+        center = self.packing.origin + self.packing.box.sum(axis=0) / 2.0
+        return box, box.wrap(in_space(self.packing.positions - center))
+
+    def radial_distribution(
+        self, r_max: float, bins: int = 100
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The radial distribution function g(r) of the centers, by freud.
+
+        Between walls the number of pairs is compared with that of centers at random places, no
+        nearer to the walls than the nearest center is: g tends to 1 there too.
+
+        Args:
+            r_max: largest distance, below half of the box; between walls below their distance
+                [length].
+            bins: number of intervals of the distance.
+
+        Returns:
+            Distances r, the middles of the intervals [length], and g, both of shape (bins,).
+
+        Raises:
+            ParameterError: a value is out of range.
+            ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
+        """
+        r_max, bins = positive("r_max", r_max), count("bins", bins)
+        optional("freud", "freud")
+        from .radial_distribution import radial_distribution
+
+        return radial_distribution(self.packing, self.to_freud(), r_max, bins)

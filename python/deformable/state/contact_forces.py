@@ -1,0 +1,84 @@
+"""Forces of all contacts of a state: the stress of each particle, and a graph of networkx."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.optional import optional
+from ..core import unit_vectors
+from ..model.packing import Packing
+from .contact_table import ContactTable
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+class ContactForces(NamedTuple):
+    """All active contacts, each once.
+
+    Attributes:
+        i: a particle, shape (M,).
+        j: the other one, not below i; -1 for a wall, shape (M,).
+        vector: from the center of i to that of j, or to the point of the wall, shape (M, 2)
+            [length].
+        part: of the vector that is within i: up to the contact line, 1 for a wall, shape (M,).
+        force: on i, shape (M, 2) [energy/length].
+    """
+
+    i: Integers
+    j: Integers
+    vector: Floats
+    part: Floats
+    force: Floats
+
+
+def forces_of_table(packing: Packing, table: ContactTable) -> ContactForces:
+    """Those of a `State`."""
+    image = table["image"]
+    forward = (image[:, 0] > 0) | ((image[:, 0] == 0) & (image[:, 1] > 0))
+    i, j = table["i"], table["j"]
+    rows = table[(i < j) | (j < 0) | ((i == j) & forward)]
+    i, j = rows["i"], rows["j"]
+    within = (packing.radius[i] - rows["indentation"]) / np.cos(rows["tilt"])
+    return ContactForces(
+        i=i,
+        j=j,
+        vector=rows["distance"][:, None] * unit_vectors(rows["angle"] - rows["tilt"]),
+        part=np.where(j < 0, 1.0, within / rows["distance"]),
+        force=rows["force_vector"],
+    )
+
+
+def particle_stress(contacts: ContactForces, area: Floats) -> Floats:
+    """See `Analysis.particle_stress`.
+
+    Args:
+        contacts: of the state.
+        area: of each particle, shape (N,) [length^2].
+    """
+    moment = -contacts.vector[:, :, None] * contacts.force[:, None, :]
+    moment = 0.5 * (moment + np.swapaxes(moment, 1, 2))
+    pair, part = contacts.j >= 0, contacts.part[:, None, None]
+    total = np.zeros((len(area), 2, 2))
+    np.add.at(total, contacts.i, part * moment)
+    np.add.at(total, contacts.j[pair], ((1.0 - part) * moment)[pair])
+    return total / area[:, None, None]
+
+
+def graph(packing: Packing, contacts: ContactForces, rattlers: NDArray[np.bool_]) -> Any:
+    """See `Analysis.graph`."""
+    networkx = optional("networkx", "networkx")
+    found = networkx.MultiGraph()
+    names = ("x", "y", "radius", "species", "rattler")
+    columns = (*packing.positions.T, packing.radius, packing.species, rattlers)
+    for n, values in enumerate(zip(*(column.tolist() for column in columns), strict=True)):
+        found.add_node(n, **dict(zip(names, values, strict=True)))
+    distance = np.hypot(*contacts.vector.T)
+    push = -np.sum(contacts.force * contacts.vector, axis=1) / distance
+    rows = (contacts.i, contacts.j, push, distance, *contacts.vector.T)
+    for i, j, force, length, dx, dy in zip(*(row.tolist() for row in rows), strict=True):
+        found.add_edge(i, j, force=force, distance=length, dx=dx, dy=dy)
+    return found

@@ -1,0 +1,103 @@
+"""How far particles have moved between two states: periodic images, and boxes that changed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import ParameterError
+from ..common.validate import shown
+from ..model.lattice import cartesian, fractional, nearest_image
+from ..model.packing import Packing
+from ..model.room import closed
+
+Floats = NDArray[np.float64]
+
+
+class Snapshot(Protocol):
+    """A state of any kind."""
+
+    @property
+    def packing(self) -> Packing: ...
+
+
+def packing_of(name: str, given: Any) -> Packing:
+    """The packing of a state, or the packing itself."""
+    packing = given if isinstance(given, Packing) else getattr(given, "packing", None)
+    if not isinstance(packing, Packing):
+        raise ParameterError(f"{name} must be a state or a Packing, not {shown(given)}")
+    return packing
+
+
+def affine(before: Snapshot | Packing, now: Snapshot, points: Floats) -> Floats:
+    """Points that follow the box from a state to a later one, shape (n, 2) [length].
+
+    Boxes whose tilts differ by their width have the same images. Of the boxes that are equivalent
+    to that of the later state it is the one that its `strain` leads to or, if that is None, the
+    one whose tilt is nearest.
+    """
+    old, new = packing_of("before", before).box, packing_of("now", now).box
+    strain = getattr(now, "strain", None)
+    added = 0.0 if strain is None else strain - (getattr(before, "strain", None) or 0.0)
+    (lx, _), (xy, ly) = new.tolist()
+    expected = (old[1, 0] / old[1, 1] + added) * ly
+    box = np.array([[lx, 0.0], [xy + np.rint((expected - xy) / lx) * lx, ly]])
+    return cartesian(fractional(points, old), box)
+
+
+def nonaffine(before: Snapshot | Packing, now: Snapshot) -> Floats:
+    """See `Analysis.nonaffine`."""
+    old, new = packing_of("before", before), packing_of("now", now)
+    if len(old) != len(new):
+        raise ParameterError(
+            f"before has {len(old)} particles and this state {len(new)}: particles can only be "
+            "followed between states with the same ones"
+        )
+    if closed(old.walls) != closed(new.walls):
+        raise ParameterError(
+            "before and this state are between other walls, which close other directions"
+        )
+    moved = new.positions - affine(before, now, old.positions)
+    return nearest_image(moved, new.box, closed(new.walls))
+
+
+def displacements(before: Snapshot | Packing, now: Snapshot) -> Floats:
+    """See `Analysis.displacements`."""
+    moved = nonaffine(before, now)
+    start = packing_of("before", before).positions
+    return affine(before, now, start) - start + moved
+
+
+def unwrapped(states: Iterable[Snapshot]) -> Floats:
+    """Positions of particles that are followed across the boundaries of the box.
+
+        positions = deformable.unwrapped(deformable.Run("run"))
+
+    Positions go on from those of the first state. From each state to the next particles move with
+    the box, and by at most half of it beside that, see `State.nonaffine`: a trajectory needs
+    enough states.
+
+    Args:
+        states: of the same particles, one after the other: a `Run`, or states of `compress`,
+            `shear`, `move`.
+
+    Returns:
+        Shape (number of states, N, 2) [length].
+
+    Raises:
+        ParameterError: there are no states, or one has other numbers of particles.
+    """
+    found: list[Floats] = []
+    former: Snapshot | None = None
+    for state in states:
+        if former is None:
+            found.append(packing_of("a state", state).positions)
+        else:
+            found.append(affine(former, state, found[-1]) + nonaffine(former, state))
+        former = state
+    if not found:
+        raise ParameterError("unwrapped positions need at least one state")
+    return np.array(found)

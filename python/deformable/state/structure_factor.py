@@ -1,0 +1,44 @@
+"""The static structure factor of centers in a periodic box."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import ParameterError
+from ..model.lattice import fractional
+from ..model.packing import Packing
+from ..model.room import closed
+
+Floats = NDArray[np.float64]
+
+# Particles whose phases are in memory at a time.
+_BLOCK = 4096
+
+
+def structure_factor(packing: Packing, k_max: float, bins: int) -> tuple[Floats, Floats]:
+    """See `Analysis.structure_factor`.
+
+    freud has this sum in three dimensions only.
+    """
+    if any(closed(packing.walls)):
+        raise ParameterError(
+            "the structure factor needs a periodic box: a container has no wave vectors of its own"
+        )
+    fractions = fractional(packing.positions, packing.box)
+    # k = 2 pi (h, m) B^-T, and h = k.a / 2 pi is below k_max |a| / 2 pi
+    most_h, most_m = (k_max * np.hypot(*packing.box.T) / (2.0 * np.pi)).astype(int).tolist()
+    h, m = np.arange(most_h + 1), np.arange(-most_m, most_m + 1)
+    total = np.zeros((len(h), len(m)), dtype=complex)
+    for first in range(0, len(packing), _BLOCK):
+        a, b = fractions[first : first + _BLOCK].T
+        total += np.exp(2.0j * np.pi * np.outer(h, a)) @ np.exp(2.0j * np.pi * np.outer(b, m))
+    power = np.abs(total) ** 2 / len(packing)
+    grid = np.stack(np.meshgrid(h, m, indexing="ij"), axis=-1)
+    k = np.hypot(*np.moveaxis(2.0 * np.pi * grid @ np.linalg.inv(packing.box).T, -1, 0))
+    # k and -k are one wave, and k = 0 is none
+    kept = (k <= k_max) & ((grid[..., 0] > 0) | (grid[..., 1] > 0))
+    edges = np.linspace(0.0, k_max, bins + 1)
+    count, summed = (np.histogram(k[kept], edges, weights=each)[0] for each in (None, power[kept]))
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    return middle, np.where(count > 0, summed / np.maximum(count, 1), np.nan)

@@ -1,0 +1,179 @@
+"""Stress of each particle against the stress of all, Laplace's law and LAMMPS; the graph."""
+
+import math
+
+import deformable
+import numpy as np
+import pytest
+from crystal import crystal
+from deformable import Ring, Sector
+
+DROPLET = {"kA": math.inf, "kP": 0.0, "tension": 1.0}
+LAWS = {
+    "balanced": Ring(),
+    "curved": Ring(contact="curved"),
+    "radical": Ring(contact="radical"),
+    "skin": Ring(kP=0.3, skin=0.03, contact="curved"),
+    "two stiffnesses": Ring(kA=[1.0, 0.3], contact="curved"),
+    "droplets": Ring(**DROPLET),
+    "films": Ring(**DROPLET, contact="curved", adhesion=0.1),
+    "sector": Sector(),
+}
+laws = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+CONTAINERS = {
+    "rectangle": deformable.rectangle(8, 7),
+    "channel": deformable.rectangle(8, 7)[2:],
+    "circle": (deformable.Circle((1.0, 2.0), 4.5), deformable.Disk((1.0, 2.0), 0.6)),
+    "obstacles": (deformable.Disk((2.0, 3.0), 0.8), deformable.Segment((5.0, 2.0), (6.0, 4.0))),
+}
+containers = pytest.mark.parametrize("walls", CONTAINERS.values(), ids=CONTAINERS)
+
+
+def pressed(law: Ring | Sector, walls: tuple = ()) -> deformable.State:
+    """A packing whose forces do not balance."""
+    packing = deformable.bidisperse(24, seed=3, tilt=0.0 if walls else 0.3)
+    packing = packing.between(walls) if walls else packing
+    with deformable.Simulation(deformable.push_off(packing.at(0.86)), law) as sim:
+        return sim.state()
+
+
+def total(state: deformable.State | deformable.DiskState) -> np.ndarray:
+    return np.einsum("n,nab->ab", state.filled_area, state.particle_stress) / state.packing.area
+
+
+@laws
+def test_stresses_sum_to_that_of_the_packing(law: Ring | Sector) -> None:
+    state = pressed(law)
+    assert np.array_equal(state.particle_stress, np.swapaxes(state.particle_stress, 1, 2))
+    assert np.abs(total(state) - state.stress).max() < 1e-12 * np.abs(state.stress).max()
+
+
+@containers
+def test_pressures_sum_between_walls(walls: tuple) -> None:
+    for law in (Ring(), Ring(contact="curved"), Sector()):
+        state = pressed(law, walls)
+        assert -1 in state.contact_table["j"]
+        assert np.trace(total(state)) == pytest.approx(2.0 * state.pressure, rel=1e-12)
+
+
+@containers
+def test_stresses_of_disks(walls: tuple) -> None:
+    """Those of walls too: they exert no torque on a disk."""
+    packing = deformable.push_off(deformable.bidisperse(24, seed=3).between(walls).at(0.86))
+    for here in (packing, deformable.jam(deformable.bidisperse(24, seed=3)).at(0.9)):
+        with deformable.Disks(here) as disks:
+            state = disks.state()
+        assert np.abs(total(state) - state.stress).max() < 1e-12 * np.abs(state.stress).max()
+
+
+@pytest.mark.parametrize("contact", ["balanced", "curved"])
+def test_each_particle_by_a_loop(contact: str) -> None:
+    """Forces act where contact lines cross the lines of centers."""
+    state = pressed(Ring(kA=[1.0, 0.3], contact=contact))
+    for n, rows in enumerate(state.contact_tables):
+        center, moment = state.packing.positions[n], np.zeros((2, 2))
+        for row in rows:
+            across = np.array([np.cos(row["angle"]), np.sin(row["angle"])])
+            other = state.packing.positions[row["j"]] + row["image"] @ state.packing.box
+            along = (other - center) / np.linalg.norm(other - center)
+            part = (row["position"] - center) @ across / (along @ across)
+            moment -= np.outer(part * along, row["force_vector"])
+        expected = 0.5 * (moment + moment.T) / state.area[n]
+        assert state.particle_stress[n] == pytest.approx(expected, rel=1e-8, abs=1e-13)
+
+
+def test_two_disks() -> None:
+    """They touch in the middle of their overlap."""
+    pair = deformable.Packing([[1.0, 1.0], [2.1, 1.0]], [0, 1], [0.5, 0.8], np.diag([5.0, 5.0]))
+    with deformable.Disks(pair) as disks:
+        state = disks.state()
+    lever, area = np.array([0.5 - 0.1, 0.8 - 0.1]), np.pi * np.array([0.5, 0.8]) ** 2
+    assert state.particle_stress[:, 0, 0] == pytest.approx(lever * 0.2 / area)
+    assert np.abs(state.particle_stress[:, :, 1]).max() == 0.0
+
+
+def test_particles_that_touch_their_own_images() -> None:
+    row = crystal(0.02, 1, 2)
+    with deformable.Disks(row) as disks, deformable.Simulation(row, Ring()) as sim:
+        for state in (disks.state(), sim.state()):
+            assert state._contact_forces.i.tolist().count(0) == 5
+            assert total(state) == pytest.approx(state.stress, rel=1e-10, abs=1e-15)
+
+
+def test_droplets_have_their_pressure_less_that_of_their_tension() -> None:
+    """The mean stress in a droplet and its surface: p - T P / 2A."""
+    state = pressed(LAWS["droplets"])
+    expected = state.particle_pressure - 1.0 * state.perimeter / (2.0 * state.area)
+    pressure = np.trace(state.particle_stress, axis1=1, axis2=2) / 2.0
+    assert pressure == pytest.approx(expected, rel=1e-7)
+
+
+def test_equal_particles_as_in_lammps() -> None:
+    """compute stress/atom halves each pair, as do radical axes of equal circles."""
+    equal = deformable.push_off(deformable.bidisperse(24, radii=(0.5, 0.5), phi=0.9, seed=3))
+    with deformable.Simulation(equal, Ring(contact="radical")) as sim:
+        state = sim.state()
+        sim.lmp.commands_string(
+            "compute s all stress/atom NULL pair\n"
+            "compute t all reduce sum c_s[1]\n"
+            "thermo_style custom step c_t\n"
+            "run 0 post no"
+        )
+        found = -np.array(sim.lmp.gather("c_s", 1, 6)).reshape(-1, 6)
+    moment = state.filled_area[:, None, None] * state.particle_stress
+    assert moment[:, 0, 0] == pytest.approx(found[:, 0], rel=1e-9)
+    assert moment[:, 1, 1] == pytest.approx(found[:, 1], rel=1e-9)
+
+
+def test_the_graph_has_the_contacts() -> None:
+    networkx = pytest.importorskip("networkx")
+    with deformable.Simulation(deformable.jam(deformable.bidisperse(32, seed=3)), Ring()) as sim:
+        *_, state = deformable.compress(sim, strain=0.02, steps=2)
+    graph, table = state.graph(), state.contact_table
+    assert graph.number_of_edges() == len(table) // 2
+    assert [degree for _, degree in graph.degree()] == state.contacts.tolist()
+    for i, j, values in graph.edges(data=True):
+        assert i < j
+        (row,) = table[(table["i"] == i) & (table["j"] == j)]
+        out = np.array([np.cos(row["angle"]), np.sin(row["angle"])])
+        assert values["distance"] == pytest.approx(row["distance"])
+        assert [values["dx"], values["dy"]] == pytest.approx(row["distance"] * out)
+        assert values["force"] == pytest.approx(-row["force_vector"] @ out, rel=1e-8)
+    nodes = dict(graph.nodes(data=True))
+    assert [nodes[n]["rattler"] for n in range(32)] == state.rattlers.tolist()
+    assert [nodes[n]["radius"] for n in range(32)] == state.packing.radius.tolist()
+    largest = max(networkx.connected_components(graph), key=len)
+    assert largest >= set(np.flatnonzero(~state.rattlers).tolist())
+    assert len(list(networkx.generate_graphml(graph))) > 32  # values that files can hold
+
+
+def test_forces_in_the_graph_of_disks_balance() -> None:
+    pytest.importorskip("networkx")
+    walls = deformable.rectangle(8, 7)
+    packing = deformable.push_off(deformable.bidisperse(24, seed=3).between(walls).at(0.9))
+    with deformable.Disks(packing) as disks:
+        state = disks.relax(1e-9)
+    graph = state.graph()
+    assert graph.number_of_edges() == len(state.pairs) + len(state.wall_pairs)
+    force = np.zeros((24, 2))
+    for i, j, values in graph.edges(data=True):
+        push = values["force"] * np.array([values["dx"], values["dy"]]) / values["distance"]
+        i, j = (j, i) if i < 0 else (i, j)
+        assert values["force"] > 0.0
+        force[i] -= push
+        if j >= 0:
+            force[j] += push
+    assert np.abs(force).max() < 1e-8 * state.pressure
+    assert len(graph) == 25
+    assert graph.degree(-1) == len(state.wall_pairs)
+
+
+def test_two_particles_touch_through_several_images() -> None:
+    pytest.importorskip("networkx")
+    with deformable.Disks(crystal(0.01, 2, 2)) as disks:
+        state = disks.state()
+    graph = state.graph()
+    assert graph.number_of_edges() == 12
+    assert graph.number_of_edges(0, 1) == 2
+    assert {degree for _, degree in graph.degree()} == {6}
+    assert [values["force"] for *_, values in graph.edges(data=True)] == pytest.approx([0.01] * 12)

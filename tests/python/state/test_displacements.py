@@ -1,0 +1,128 @@
+"""Particles that are followed: over boundaries, in boxes that change, and as LAMMPS counts them."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import deformable
+import numpy as np
+import pytest
+
+Points = np.ndarray
+
+
+def state_of(packing: deformable.Packing) -> deformable.DiskState:
+    with deformable.Disks(packing) as disks:
+        return disks.state()
+
+
+def moved(
+    packing: deformable.Packing, box: list[list[float]], step: Points, images: Points
+) -> deformable.Packing:
+    """The packing after the strain of its box, steps of the particles, and jumps to images."""
+    box = np.array(box)
+    fractions = packing.positions @ np.linalg.inv(packing.box)
+    places = fractions @ box + step + images @ box
+    return replace(packing, positions=places, box=box)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.4, -7.3])
+@pytest.mark.parametrize("flips", [0, 1, -3])
+def test_steps_come_back(tilt: float, flips: int) -> None:
+    """Beside a strain, in any images, and in an equivalent box."""
+    rng = np.random.default_rng(1)
+    packing = deformable.bidisperse(30, phi=0.3, tilt=tilt, aspect=1.4, seed=1)
+    (lx, _), (xy, ly) = packing.box.tolist()
+    step = rng.uniform(-0.49, 0.49, (30, 2)) * [1.1 * lx, 0.9 * ly]
+    box = [[1.1 * lx, 0.0], [xy * 0.9 + 0.1 * lx, 0.9 * ly]]
+    images = rng.integers(-3, 4, (30, 2))
+    now = moved(packing, box, step, images)
+    now = replace(now, box=now.box + np.array([[0.0, 0.0], [flips * 1.1 * lx, 0.0]]))
+    start, end = state_of(packing), state_of(now)
+    assert end.nonaffine(start) == pytest.approx(step, abs=1e-11)
+    strained = packing.positions @ np.linalg.inv(packing.box) @ np.array(box)
+    expected = strained + step - packing.positions
+    assert end.displacements(start) == pytest.approx(expected, abs=1e-11)
+    assert end.displacements(packing) == pytest.approx(end.displacements(start), abs=1e-12)
+    assert deformable.unwrapped([start, end])[1] == pytest.approx(strained + step, abs=1e-11)
+
+
+def test_a_shear_is_told_by_the_strain() -> None:
+    """Twice around, so that the box at the end is that of the start: at once, and step by step."""
+    packing = deformable.jam(deformable.bidisperse(16, seed=1))
+    with deformable.Disks(packing.at(packing.phi + 0.02)) as disks:
+        start = disks.relax(1e-2)
+        sides = start.packing.box.diagonal()
+        strain = float(2.0 * sides[0] / sides[1])
+        states = [start, *deformable.shear(disks, strain, steps=40, tolerance=1e-2)]
+    end = states[-1]
+    assert end.packing.box == pytest.approx(start.packing.box, abs=1e-9)
+    first, *_, last = deformable.unwrapped(states)
+    beside = last - first - np.outer(first[:, 1], [strain, 0.0])
+    near = (np.abs(beside) < 0.499 * sides).all(axis=1)
+    assert near.any()
+    assert end.nonaffine(start)[near] == pytest.approx(beside[near], abs=1e-9)
+    assert end.displacements(start)[near] == pytest.approx((last - first)[near], abs=1e-9)
+
+
+def test_between_walls_nothing_is_across() -> None:
+    walls = deformable.rectangle(8.0, 6.0, corner=(-2.0, 1.0))
+    packing = deformable.bidisperse(12, seed=1).between(walls)
+    middle = np.array([2.0, 4.0])
+    away = replace(packing, positions=2.0 * middle - packing.positions)
+    expected = away.positions - packing.positions
+    assert np.abs(expected).max() > 4.0
+    assert state_of(away).nonaffine(packing) == pytest.approx(expected, abs=1e-13)
+    channel = packing.between(walls[2:])
+    across = replace(channel, positions=channel.positions + np.array([8.5, 0.0]))
+    assert state_of(across).nonaffine(channel) == pytest.approx(
+        np.tile([0.5, 0.0], (12, 1)), abs=1e-12
+    )
+    with pytest.raises(deformable.ParameterError, match="walls, which close other directions"):
+        state_of(across).displacements(packing)
+
+
+@pytest.mark.parametrize("flow", ["", "fix flow all deform 1 xy erate 0.01 remap x flip yes"])
+@pytest.mark.parametrize("tilt", [0.0, 0.4])
+def test_images_of_lammps(tilt: float, flow: str) -> None:
+    """A fluid that drifts over several boxes, also in one that is sheared and flips."""
+    fluid = deformable.push_off(deformable.bidisperse(16, phi=0.7, tilt=tilt, seed=2))
+    states, expected, images = [], [], []
+    with deformable.Simulation(fluid, deformable.Ring()) as sim:
+        sim.lmp.commands_string(
+            "velocity all create 1e-4 1\n"
+            "velocity all set 0.1 0.07 0 sum yes\n"
+            f"fix motion all nve\nfix plane all enforce2d\n{flow}\ntimestep 0.2"
+        )
+        for _ in range(21):
+            states.append(sim.state())
+            images.append(np.array(sim.lmp.gather("image", 0, 3)).reshape(-1, 3)[:, :2])
+            expected.append(states[-1].packing.positions + images[-1] @ sim.box)
+            sim.lmp.command("run 50 post no")
+    assert np.abs(images[-1]).max() >= 2
+    tilts = [state.packing.box[1, 0] for state in states]
+    assert (min(np.diff(tilts)) < 0.0) == bool(flow)
+    assert not images[0].any()
+    assert deformable.unwrapped(states) == pytest.approx(np.array(expected), abs=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("before", "told"),
+    [
+        (lambda packing: deformable.bidisperse(16), "before has 16 particles and this state 30"),
+        (lambda packing: 3, "before must be a state or a Packing, not 3"),
+        (lambda packing: packing.positions, "before must be a state or a Packing, not "),
+    ],
+)
+def test_refusals(before: Callable[[deformable.Packing], object], told: str) -> None:
+    packing = deformable.bidisperse(30, phi=0.3)
+    state, other = state_of(packing), before(packing)
+    for method in (state.displacements, state.nonaffine, state.local_strain):
+        with pytest.raises(deformable.ParameterError, match=told):
+            method(other)
+    with pytest.raises(deformable.ParameterError, match=r"at least one state"):
+        deformable.unwrapped([])
+    with pytest.raises(deformable.ParameterError, match=r"a state must be .* not 3"):
+        deformable.unwrapped([3])
+    for given in (0.0, -1.0, "near"):
+        with pytest.raises(deformable.ParameterError, match="r_max"):
+            state.local_strain(state, r_max=given)

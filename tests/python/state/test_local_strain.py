@@ -1,0 +1,77 @@
+"""D^2_min and local strain against a loop, and in a homogeneous strain."""
+
+from dataclasses import replace
+
+import deformable
+import numpy as np
+import pytest
+
+
+def fit(old: np.ndarray, new: np.ndarray) -> tuple[np.ndarray, float]:
+    """Gradient and D^2_min of vectors by least squares."""
+    solution, *_ = np.linalg.lstsq(old, new, rcond=None)
+    return solution.T - np.eye(2), float(np.sum((new - old @ solution) ** 2))
+
+
+@pytest.mark.parametrize("r_max", [None, 2.3])
+def test_as_a_loop(state: deformable.State, r_max: float | None) -> None:
+    before = state
+    with deformable.Simulation(before, before.law) as sim:
+        *_, now = deformable.shear(sim, strain=0.08, steps=2, tolerance=1e-3)
+    found = now.local_strain(before, r_max)
+    gradient, d2min, neighbors = found
+    reach = 3.0 * before.packing.radius.mean() if r_max is None else r_max
+    old, new = before.packing, now.packing
+    places = old.positions + now.displacements(before)
+    for n in range(len(old)):
+        rows = []
+        for m in range(len(old)):
+            for a in range(-2, 3):
+                for b in range(-2, 3):
+                    v = old.positions[m] + (a, b) @ old.box - old.positions[n]
+                    w = places[m] + (a, b) @ new.box - places[n]
+                    if 0.0 < np.hypot(*v) < reach:
+                        rows.append((v, w))
+        expected, left = fit(*np.array(rows).swapaxes(0, 1))
+        assert neighbors[n] == len(rows)
+        assert gradient[n] == pytest.approx(expected, abs=1e-10)
+        assert d2min[n] == pytest.approx(left, rel=1e-8)
+    assert d2min.max() > 1e-3
+    assert np.array_equal(found.strain, (gradient + gradient.transpose(0, 2, 1)) / 2.0)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.6])
+def test_a_homogeneous_strain_comes_back(tilt: float) -> None:
+    packing = deformable.bidisperse(40, phi=0.8, tilt=tilt, seed=1)
+    gradient = np.array([[0.03, 0.2], [0.0, -0.05]])
+    box = packing.box @ (np.eye(2) + gradient).T
+    with deformable.Disks(packing) as disks:
+        before = disks.state()
+        disks.deform(box)
+        now = disks.state()
+    found = now.local_strain(before)
+    assert found.neighbors.min() >= 2
+    assert found.gradient == pytest.approx(np.broadcast_to(gradient, (40, 2, 2)), abs=1e-11)
+    assert found.d2min.max() < 1e-22
+    assert found.strain[0] == pytest.approx(np.array([[0.03, 0.1], [0.1, -0.05]]), abs=1e-11)
+
+
+def test_a_rotation_is_no_strain_and_leaves_nothing() -> None:
+    walls = deformable.Circle((0.0, 0.0), 8.0)
+    packing = deformable.bidisperse(40, seed=1).between(walls)
+    angle = 0.3
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    with deformable.Disks(replace(packing, positions=packing.positions @ turn.T)) as disks:
+        found = disks.state().local_strain(packing, r_max=6.0)
+    assert found.gradient == pytest.approx(np.broadcast_to(turn - np.eye(2), (40, 2, 2)), abs=1e-11)
+    assert found.d2min.max() < 1e-22
+
+
+def test_too_few_neighbors_tell_no_strain() -> None:
+    places = [[1.0, 1.0], [2.0, 1.0], [3.0, 1.0], [5.0, 1.0]]
+    row = deformable.Packing(places, [0] * 4, [0.5], np.diag([9.0, 9.0]))
+    with deformable.Disks(row) as disks:
+        found = disks.state().local_strain(row, r_max=1.5)
+    assert found.neighbors.tolist() == [1, 2, 1, 0]
+    assert np.isnan(found.gradient).all()
+    assert np.isnan(found.d2min).all()

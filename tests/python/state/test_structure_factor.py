@@ -1,0 +1,56 @@
+"""S(k) against a sum over pairs of particles, and the peak of a lattice."""
+
+import deformable
+import numpy as np
+import pytest
+from crystal import crystal
+
+
+def state_of(packing: deformable.Packing) -> deformable.DiskState:
+    with deformable.Disks(packing) as disks:
+        return disks.state()
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.6, -1.3])
+def test_as_a_sum_over_pairs(tilt: float) -> None:
+    packing = deformable.bidisperse(10, phi=0.5, tilt=tilt, aspect=1.5, seed=4)
+    k, s = state_of(packing).structure_factor(k_max=6.0, bins=12)
+    waves = 2.0 * np.pi * np.linalg.inv(packing.box).T  # rows, a_i b_j = 2 pi delta_ij
+    found: list[list[float]] = [[] for _ in range(12)]
+    apart = packing.positions[:, None] - packing.positions
+    for h in range(-40, 41):
+        for m in range(-40, 41):
+            wave = h * waves[0] + m * waves[1]
+            length = float(np.hypot(*wave))
+            if 0.0 < length < 6.0:
+                found[int(length / 0.5)].append(float(np.cos(apart @ wave).sum()) / 10)
+    assert k == pytest.approx(0.25 + 0.5 * np.arange(12))
+    for each, values in zip(s, found, strict=True):
+        assert each == pytest.approx(np.mean(values) if values else np.nan, nan_ok=True)
+
+
+def test_the_peak_of_a_lattice() -> None:
+    state = state_of(crystal(0.01, 8, 8))
+    peak = 4.0 * np.pi / (np.sqrt(3.0) * 0.99)
+    k, s = state.structure_factor(k_max=1.2 * peak, bins=600)
+    at = np.nanargmax(s)
+    assert abs(k[at] - peak) < 0.6 * peak / 500
+    # other waves are in the interval beside the six, and some intervals have none
+    assert s[at] > 10.0
+    assert np.nansum(s < 1e-9) > 50
+    assert np.isnan(s[0])
+
+
+def test_refusals() -> None:
+    state = state_of(deformable.bidisperse(10))
+    for arguments, told in (((0.0,), "k_max"), ((5.0, 0), "bins"), (("far",), "k_max")):
+        with pytest.raises(deformable.ParameterError, match=told):
+            state.structure_factor(*arguments)
+    walls = deformable.rectangle(8.0, 8.0)
+    for each in (walls, walls[:2]):
+        walled = state_of(deformable.bidisperse(10).between(each))
+        with pytest.raises(deformable.ParameterError, match="needs a periodic box"):
+            walled.structure_factor(5.0)
+    post = deformable.Disk((3.0, 3.0), 0.5)
+    around = state_of(deformable.bidisperse(20, phi=0.2).between(post))
+    assert np.isfinite(around.structure_factor(5.0, 2)[1]).all()
