@@ -21,6 +21,7 @@ from ..model.room import Distances, check_fit
 from ..model.walls import Wall
 from ..state.disk_state import DiskState
 from .followed import refuse_other, setup
+from .free_box import check_free, relax_free_box
 from .lammps import Engine, gather, local_array, open_lammps, run
 from .relaxation import (
     TOLERANCE,
@@ -132,16 +133,27 @@ class Disks(Engine):
         xy = float(np.sum(lever[..., 0] * forces[..., 1]))
         self.lmp.fix_external_set_virial_global("deformable_walls", [xx, yy, 0.0, xy, 0.0, 0.0])
 
-    def relax(self, tolerance: float = TOLERANCE, minimum_contact_force: float = 0.0) -> DiskState:
+    def relax(
+        self,
+        tolerance: float = TOLERANCE,
+        minimum_contact_force: float = 0.0,
+        pressure: float | None = None,
+        box: str = "size",
+    ) -> DiskState:
         """Minimize the energy by FIRE until no force exceeds a part of the mean contact force.
 
         Args:
             tolerance: largest force on a particle over the mean contact force.
             minimum_contact_force: replaces the mean contact force, if not 0: a loose packing has
                 none [k length].
+            pressure: of the state; the box is free to reach it, to 1e-6 [k].
+            box: what is free at a pressure, see `Simulation.relax`.
 
         Returns:
             The relaxed state; its `stalled` is true if the tolerance was not reached.
+
+        Raises:
+            ParameterError: a value is out of range, or the pressure cannot be reached.
 
         Warns:
             StalledWarning: the tolerance was not reached, e.g. in very large packings at onset.
@@ -150,6 +162,10 @@ class Disks(Engine):
         """
         positive("tolerance", tolerance)
         minimum_contact_force = zero_or_more("minimum_contact_force", minimum_contact_force)
+        check_free(box, self._walls, pressure)
+        if pressure is not None:
+            least = max(minimum_contact_force, pressure * float(self._radius.min()))
+            return relax_free_box(self, pressure, box, lambda: self.relax(tolerance, least))
         if minimum_contact_force == 0.0:
             forces = self._evaluate_now()  # the scale of forces is in the contacts
         else:

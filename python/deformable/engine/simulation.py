@@ -20,15 +20,15 @@ from ..model.room import check_centers, check_fit
 from ..model.sticking import check_sticky_walls, sticks
 from ..model.timestep import STIFFNESS_PER_PRESSURE
 from ..model.walls import Wall, as_walls
-from ..state.contact_table import ROWS, attached, contact_table
+from ..state.contact_table import attached, contact_table
 from ..state.state import State, parts
 from .followed import has_other_fixes, refuse_forces_of_motion, refuse_other, setup, unsaved
+from .free_box import check_free, relax_free_box
 from .lammps import (
     Engine,
     close_lammps,
     communicator,
     gather,
-    local_array,
     open_lammps,
     place_velocities,
     place_walls,
@@ -37,6 +37,7 @@ from .lammps import (
     wall_forces,
 )
 from .pair_errors import WAY_OUT, run_forces
+from .pair_results import evaluate
 from .relaxation import (
     TOLERANCE,
     Forces,
@@ -49,11 +50,6 @@ from .relaxation import (
 )
 from .relaxed_disks import relax_in_box
 from .relaxed_warnings import warn_of
-
-# Results of the pair style for each particle, which fix pair makes available. It reads them once in
-# a time step, but a run of no steps does not advance the step. So each evaluation defines the fix
-# anew, and removes it again: it would slow down minimizations and runs.
-_RESULTS = ("area", "perimeter", "contacts", "pressure", "arc_radius", "contact_length")
 
 # FIRE starts from this part of 1/sqrt(p), p the largest pressure in a particle (mass 1), and may
 # stretch it tenfold. Measured, N = 40 and 128: 0.03 is the fastest, 0.04 three times slower.
@@ -180,10 +176,11 @@ class Simulation(Engine):
         stress_of = virial_command("pair fix" if packing.walls else "pair")
         run(self.lmp, stress_of + _COMPUTES.format(style=pair_style(law)) + _THERMO)
         self._setup = setup(self.lmp)
-        smallest, self._largest_radius = float(packing.radius.min()), float(packing.radius.max())
-        stiffness = law.single_contact_stiffness(smallest)
+        self._smallest_radius = float(packing.radius.min())
+        self._largest_radius = float(packing.radius.max())
+        stiffness = law.single_contact_stiffness(self._smallest_radius)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
-        self._single_contact_force = stiffness * smallest
+        self._single_contact_force = stiffness * self._smallest_radius
 
     def _check_walls(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
         reach = 1.0 + (self.law.reach if isinstance(self.law, Ring) else 0.0)
@@ -195,7 +192,13 @@ class Simulation(Engine):
             place_walls(self.lmp, walls, former=self._walls)
         self._walls = walls
 
-    def relax(self, tolerance: float = TOLERANCE, minimum_contact_force: float = 0.0) -> State:
+    def relax(
+        self,
+        tolerance: float = TOLERANCE,
+        minimum_contact_force: float = 0.0,
+        pressure: float | None = None,
+        box: str = "size",
+    ) -> State:
         """Minimize the energy by FIRE until no force exceeds a part of the mean contact force.
 
         Forces of a user's fixes count that act in minimizations too, such as *fix addforce*.
@@ -204,11 +207,15 @@ class Simulation(Engine):
             tolerance: largest force on a particle over the mean contact force.
             minimum_contact_force: replaces the mean contact force where that is smaller, as in a
                 loose packing [energy/length].
+            pressure: of the state; the box is free to reach it, to 1e-6 [energy/length^2].
+            box: what is free at a pressure: the `size` of the box alone, both `sides`, or the
+                `shape`, which ends without shear stress.
 
         Returns:
             The relaxed state; its `stalled` is true if the tolerance was not reached.
 
         Raises:
+            ParameterError: a value is out of range, or the pressure cannot be reached.
             LammpsError: LAMMPS gave up, e.g. because a contact line is behind a center; a particle
                 has no area left; or LAMMPS was given commands that states cannot follow, or a fix
                 whose forces act in motion only, such as *fix gravity*.
@@ -225,15 +232,19 @@ class Simulation(Engine):
         positive("tolerance", tolerance)
         minimum_contact_force = zero_or_more("minimum_contact_force", minimum_contact_force)
         refuse_forces_of_motion(self.lmp)
-        pressure, iterations = np.inf, _ITERATIONS
+        check_free(box, self._walls, pressure)
+        if pressure is not None:
+            least = max(minimum_contact_force, pressure * self._smallest_radius)
+            return relax_free_box(self, pressure, box, lambda: self.relax(tolerance, least))
+        highest, iterations = np.inf, _ITERATIONS
 
         def minimize(forces: Forces, left: int) -> int:
-            nonlocal pressure, iterations
-            before, pressure = pressure, self._largest_pressure
-            iterations = _ITERATIONS if pressure < 0.5 * before else 2 * iterations
+            nonlocal highest, iterations
+            before, highest = highest, self._largest_pressure
+            iterations = _ITERATIONS if highest < 0.5 * before else 2 * iterations
             # the force of a user's fix takes the place of pressures, as long as particles fall
             others_pressure = self._other_forces and forces.largest / self._largest_radius
-            stiffest = max(pressure, self._single_contact_pressure, others_pressure)
+            stiffest = max(highest, self._single_contact_pressure, others_pressure)
             timestep = float(_TIMESTEP / np.sqrt(stiffest))
             force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
             command = minimize_command(float(force), iterations)
@@ -268,20 +279,8 @@ class Simulation(Engine):
         refuse_other(self.lmp, self._setup)
         # commands given to `lmp` may have changed the particles
         self._species = species = gather(self.lmp, "type", 1).astype(np.int64) - 1
-        results = " ".join(f"{name} 0" for name in _RESULTS)
-        run(
-            self.lmp,
-            f"{_THERMO}\n"
-            f"fix deformable_results all pair 1 {pair_style(self.law)} {results}\n"
-            "compute deformable_rows all deformable/contact",
-        )
-        try:
-            run_forces(self.lmp, "run 0 post no", self._walls)
-            self._results = gather(self.lmp, "f_deformable_results", len(_RESULTS))
-            self._contact_rows = local_array(self.lmp, "deformable_rows", len(ROWS))
-        finally:
-            run(self.lmp, "unfix deformable_results\nuncompute deformable_rows")
-
+        style = pair_style(self.law)
+        self._results, self._contact_rows = evaluate(self.lmp, style, _THERMO, self._walls)
         area, perimeter, contacts, pressure, _, length = self._results.T
         by_particle = self.lmp.extract_setting("radius_flag")
         self._particle_radii = gather(self.lmp, "radius", 1) if by_particle else None

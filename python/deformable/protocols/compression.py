@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
-from typing import Protocol, TypeVar
+from collections.abc import Callable, Iterator
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,25 +13,14 @@ from ..common.errors import ParameterError, UnjammedWarning
 from ..common.progress import progress
 from ..common.ranks import world
 from ..common.steps import Steps
-from ..common.validate import count, expect, finite
+from ..common.validate import count, expect, finite, positive
+from ..engine.box_search import REACHED, Relaxed, reach, told_at_the_end
 from ..engine.disks import Disks
 from ..engine.polygon_simulation import PolygonSimulation
 from ..engine.simulation import Simulation
 
-
-class Snapshot(Protocol):
-    """A state whose numbers are shown, and that may have come apart."""
-
-    @property
-    def phi(self) -> float: ...
-    @property
-    def pressure(self) -> float: ...
-    @property
-    def coordination(self) -> float: ...
-
-
-S = TypeVar("S", bound=Snapshot)
-S_co = TypeVar("S_co", bound=Snapshot, covariant=True)
+S = TypeVar("S", bound=Relaxed)
+S_co = TypeVar("S_co", bound=Relaxed, covariant=True)
 
 
 class Compressible(Protocol[S_co]):
@@ -40,35 +29,77 @@ class Compressible(Protocol[S_co]):
     @property
     def box(self) -> NDArray[np.float64]: ...
     def deform(self, box: NDArray[np.float64]) -> None: ...
-    def relax(self, tolerance: float = ...) -> S_co: ...
+
+    # its arguments are checked by each simulation
+    @property
+    def relax(self) -> Callable[..., S_co]: ...
 
 
 def compress(
-    sim: Compressible[S], strain: float, steps: int, tolerance: float | None = None
+    sim: Compressible[S],
+    strain: float | None = None,
+    steps: int = 10,
+    tolerance: float | None = None,
+    phi: float | None = None,
+    pressure: float | None = None,
 ) -> Iterator[S]:
     """Compress isotropically in equal steps, relaxing after each one.
 
-    After step n the box lengths are those at the call times 1 - strain n / steps. Walls are scaled
-    with the box.
+    Give one of strain, phi and pressure. After step n of a strain the box lengths are those at the
+    call times 1 - strain n / steps. With a phi or a pressure its value after step n lies n / steps
+    of the way from that of the relaxed start to the target; a packing that is loose has none, and
+    is compressed until it has. Such a step takes some four relaxations. Walls are scaled with the
+    box.
 
     Args:
         sim: a `Simulation`, `Disks` or a `PolygonSimulation`; it ends in the last state.
         strain: total linear strain, not 0, below 1; negative expands.
         steps: number of steps.
         tolerance: of each relaxation; by default that of `sim.relax`.
+        phi: packing fraction of the last state, `state.phi`, reached to 1e-9 of it; that of
+            deformable particles is below 1.
+        pressure: of the last state, reached to 1e-6 of it [energy/length^2]; not with polygons.
 
     Yields:
         The relaxed state after each step. A step is done when its state is asked for.
 
     Raises:
-        ParameterError: a value is out of range.
+        ParameterError: a value is out of range, or the start has the target already; or it cannot
+            be reached, and the message has what was.
 
     Warns:
         UnjammedWarning: an expansion has taken the packing apart; once, after the first such step.
     """
     expect("sim", sim, Simulation, Disks, PolygonSimulation)
-    check_strain_and_steps(strain, steps)
-    return Steps("compress", remaining_steps(sim, sim.box, strain, int(steps), 0, tolerance))
+    name, target = check_target(sim, steps, strain=strain, phi=phi, pressure=pressure)
+    if name == "strain":
+        return Steps("compress", remaining_steps(sim, sim.box, target, int(steps), 0, tolerance))
+    return Steps("compress", _towards(sim, name, target, int(steps), tolerance))
+
+
+def check_target(sim: Any, steps: int, **targets: float | None) -> tuple[str, float]:
+    """The one target that is given, and its name.
+
+    Raises:
+        ParameterError: none or several are given, or one that no packing has.
+    """
+    count("steps", steps)
+    given = {name: value for name, value in targets.items() if value is not None}
+    if len(given) != 1:
+        raise ParameterError(
+            f"give one of {', '.join(targets)}, not {' and '.join(given) or 'none of them'}"
+        )
+    ((name, target),) = given.items()
+    if name == "strain":
+        check_strain_and_steps(target, steps)
+        return name, float(target)
+    if name == "pressure" and isinstance(sim, PolygonSimulation):
+        raise ParameterError("polygons have no target pressure: give strain or phi")
+    if positive(name, target) >= 1.0 and name == "phi" and not isinstance(sim, Disks):
+        raise ParameterError(
+            f"phi must be below 1, where particles that deform fill the whole area, not {target}"
+        )
+    return name, float(target)
 
 
 def check_strain_and_steps(strain: float, steps: int) -> None:
@@ -89,11 +120,66 @@ def remaining_steps(
     tolerance: float | None,
 ) -> Iterator[S]:
     """The remaining steps of a compression that started at this box, after the steps done."""
-    apart = strain > 0.0  # then `relax` warns if a packing becomes loose
+
+    def step(n: int) -> S:
+        sim.deform(box * (1.0 - strain * n / steps))
+        return sim.relax(**_given(tolerance))
+
+    return _stepped(step, steps, done, expands=strain < 0.0)
+
+
+def _given(tolerance: float | None) -> dict[str, Any]:
+    """Arguments of `relax`, which has a tolerance of its own."""
+    return {} if tolerance is None else {"tolerance": tolerance}
+
+
+def _towards(
+    sim: Compressible[S], name: str, target: float, steps: int, tolerance: float | None
+) -> Iterator[S]:
+    """The steps to a phi or pressure from that of the relaxed start."""
+    start = getattr(sim.relax(**_given(tolerance)), name)
+    yield from steps_towards(sim, name, start, target, steps, 0, tolerance)
+
+
+def steps_towards(
+    sim: Compressible[S],
+    name: str,
+    start: float,
+    target: float,
+    steps: int,
+    done: int,
+    tolerance: float | None,
+) -> Iterator[S]:
+    """The remaining steps from a phi or pressure to a target, after the steps done.
+
+    Raises:
+        ParameterError: both are the same.
+    """
+    start = max(start, 0.0)
+    if abs(target - start) <= REACHED[name] * target:
+        raise ParameterError(
+            f"the packing has {name} = {start:.10g} already, as asked for: relax the simulation "
+            "instead"
+        )
+    given = _given(tolerance)
+
+    def step(n: int) -> S:
+        goal = start + (target - start) * n / steps if n < steps else target
+        if name == "pressure":
+            return sim.relax(pressure=goal, **given)
+        return told_at_the_end(
+            lambda relax: reach(sim, name, goal, relax), lambda: sim.relax(**given), stacklevel=5
+        )
+
+    return _stepped(step, steps, done, expands=target < start)
+
+
+def _stepped(step: Callable[[int], S], steps: int, done: int, expands: bool) -> Iterator[S]:
+    """The states after the steps that remain."""
+    apart = not expands  # then `relax` warns if a packing becomes loose
     with progress("compressing", unit="step", total=steps, initial=done) as bar:
         for n in range(done + 1, steps + 1):
-            sim.deform(box * (1.0 - strain * n / steps))
-            state = sim.relax() if tolerance is None else sim.relax(tolerance)
+            state = step(n)
             bar.set_postfix(phi=f"{state.phi:.4f}", pressure=f"{state.pressure:.3g}")
             bar.update()
             if not (apart or state.coordination):

@@ -13,6 +13,7 @@ from ..common.errors import ParameterError, StalledWarning, UnjammedWarning
 from ..common.progress import progress
 from ..common.validate import expect, positive
 from ..engine.disks import Disks, separated
+from ..engine.free_box import check_free
 from ..engine.relaxed_disks import (
     HUGE,
     RelaxedDisks,
@@ -24,10 +25,12 @@ from ..engine.relaxed_disks import (
 from ..engine.shared_disks import relax_on_ranks
 from ..engine.simulation import Simulation
 from ..model.laws import Law, Ring, Sector
+from ..model.onset import excess_phi, natural_pressure, pressure_above_onset
 from ..model.packing import Packing
 from ..model.sticking import refuse_adhesion
 from ..state.disk_state import DiskState
 from ..state.state import State
+from .stabilized import stabilized
 
 # Pressure of soft disks up to which a packing counts as loose while it is compressed, and step of
 # packing fraction at which that ends. From there on the pressure falls.
@@ -52,13 +55,12 @@ _PATIENCE, _LONGEST, _BACK = 1000, 30_000, 4
 # The pressure of the packing lies between the threshold and twice that.
 _ABOVE = 1.4
 
-# Pressures in natural units over x = phi - phi_J: 0.4 x for disks, x for droplets, 5 x^3 for
-# rings.
-_DISKS, _DROPLETS, _RINGS = 0.4, 1.0, 5.0
-
 # Factors of the tolerance in stages of a relaxation. The energy only falls: a packing that is loose
 # after one stage needs no other one. This saves time, because forces fall slowly.
 _STAGES = (1000.0, 100.0, 10.0, 1.0)
+
+# Pressure of soft disks where a free shape of the box begins.
+_STABILIZED = 1e-3
 
 # Pressure of soft disks for `push_off`. It ends at forces of 1e-3 of this pressure times the
 # smallest radius, far below those of disks at random positions.
@@ -82,6 +84,7 @@ def jam(
     step: float = 0.02,
     tolerance: float = 1e-3,
     comm: MPI.Comm | None = None,
+    box: str = "size",
 ) -> Packing:
     """Compress particles from a loose start to the onset of rigidity.
 
@@ -108,6 +111,11 @@ def jam(
             count contacts, because the weakest ones have small forces. Take 0.1 for 30 000 disks
             and more: below 0.01 they may take hours.
         comm: ranks that share the work; all of them call `jam` with the same packing.
+        box: what is free beside the centers. By its `size` alone a box keeps a shear stress, and
+            many packings would yield if its shape were free. With `shape`, or `sides` for both
+            lengths, the stress is `pressure` in all free directions, to 1e-6, and the shear stress
+            is zero: the packing is stable against shear. The forces are then relaxed to 1e-6, which
+            takes about a hundred relaxations: for some thousand particles at most.
 
     Returns:
         The jammed packing; phi is about 0.84 for an equal mixture of sizes 1 : 1.4.
@@ -116,9 +124,11 @@ def jam(
         StalledWarning: relaxations stalled, as with the sector law.
 
     Raises:
-        ParameterError: the start is rigid already, a value is out of range, or particles stick.
+        ParameterError: the start is rigid already, a value is out of range, or particles stick;
+            or the box of walls has no free shape.
 
-    Source: O'Hern, Silbert, Liu, Nagel, Phys. Rev. E 68, 011306 (2003).
+    Source: O'Hern, Silbert, Liu, Nagel, Phys. Rev. E 68, 011306 (2003); stable against shear:
+    Dagois-Bohy et al., Phys. Rev. Lett. 109, 095703 (2012).
     """
     expect("packing", packing, Packing)
     if law is not None:
@@ -127,12 +137,19 @@ def jam(
     positive("pressure", pressure)
     positive("step", step)
     positive("tolerance", tolerance)
+    check_free(box, packing.walls, pressure)
     with progress("jamming", unit="iteration") as bar:
-        if law is None:
+        if box != "size":
+            start = _jammed_disks(packing, _STABILIZED, step, _PART, bar, comm).packing
+            bar.set_description_str(f"jamming, free {box} at {pressure:.1e}", refresh=False)
+            free = stabilized(start, law, pressure, tolerance, box, comm)
+            jammed, stalled, residual = free.packing, free.stalled, free.residual
+        elif law is None:
             disks = _jammed_disks(packing, _ABOVE * pressure, step, tolerance / _ABOVE, bar, comm)
             jammed, stalled, residual = disks.packing, disks.stalled, disks.residual
         else:
-            near = _DISKS * _excess_phi(_ABOVE * pressure, packing, law)
+            excess = excess_phi(_ABOVE * pressure, packing, law)
+            near = pressure_above_onset(excess, packing, None)
             start = _jammed_disks(packing, near, step, _PART, bar, comm).packing
             state = _jammed_particles(start, law, pressure, tolerance, bar, comm or MPI.COMM_SELF)
             jammed, stalled, residual = state.packing, state.stalled, state.residual
@@ -223,12 +240,12 @@ def _jammed_particles(
 ) -> State:
     """Deformable particles with a pressure in the window of `jam`, from a packing near by.
 
-    phi follows the pressure as `_excess_phi` has it. A packing that rearranges has another phi_J:
+    phi follows the pressure as `excess_phi` has it. A packing that rearranges has another phi_J:
     where phi has gone too far, the next step is at most half as long, otherwise at most twice as
     long. A packing that is still loose after a step gets one twice as long, up to 0.0025.
     """
     unit = natural_pressure(packing, law)
-    target, longest, last = _excess_phi(_ABOVE * pressure, packing, law), np.inf, 0.0
+    target, longest, last = excess_phi(_ABOVE * pressure, packing, law), np.inf, 0.0
     stalls = 0
     bar.set_description_str(f"jamming, particles to {pressure:.1e}", refresh=False)
     while True:
@@ -241,19 +258,13 @@ def _jammed_particles(
         at_rest = rigid and not state.stalled
         if stalls == _STALLS or (at_rest and (found <= 2.0 * pressure or longest < _SMALLEST_STEP)):
             return state
-        change = target - _excess_phi(found, packing, law)
+        change = target - excess_phi(found, packing, law)
         if last:
             longest = abs(last) * (2.0 if change * last > 0.0 else 0.5)
         if found < _NOTHING * pressure:
             change = max(change, min(2.0 * last, _FINEST))
         last = float(np.clip(change, -longest, longest))
         packing = state.packing.at(state.packing.phi + last)
-
-
-def _excess_phi(p: float, packing: Packing, law: Law) -> float:
-    """phi - phi_J at a pressure in natural units: p = 5 x^3 of rings, p = x of droplets."""
-    droplets = bool(np.all(law.species_parameters(packing.radii).tension > 0.0))
-    return p / _DROPLETS if droplets else (max(p, 0.0) / _RINGS) ** (1.0 / 3.0)
 
 
 def push_off(packing: Packing) -> Packing:
@@ -284,23 +295,6 @@ def push_off(packing: Packing) -> Packing:
             stacklevel=2,
         )
     return pushed.packing
-
-
-def natural_pressure(packing: Packing, law: Law | None) -> float:
-    """The unit of pressure of a contact law [energy/length^2].
-
-        <kA R0^2 kP / (kA R0^2 + kP) + tension/R0>
-
-    is the mean over deformable particles, with their mean radius R0: kA R0^2 if the perimeter is
-    conserved, kP if the area is, tension/R0 of droplets. For soft disks it is their stiffness, 1.
-    """
-    if law is None:
-        return 1.0
-    r0 = float(packing.radius.mean())
-    kA, kP, _, tension = law.species_parameters(packing.radii).of(packing.species)
-    compliance = 1.0 / (kA * r0**2) + 1.0 / np.where(kP > 0.0, kP, np.inf)
-    stiffness = np.where(kP > 0.0, 1.0 / np.where(compliance > 0.0, compliance, 1.0), 0.0)
-    return float(np.mean(stiffness + tension / r0))
 
 
 def simulate(start: Packing | State | DiskState, law: Law | None) -> Disks | Simulation:

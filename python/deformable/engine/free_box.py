@@ -1,0 +1,189 @@
+"""Relaxation at a pressure: the box may change its size, its sides, or its shape too."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import LammpsError, ParameterError
+from ..common.validate import positive, shown
+from ..model.onset import excess_phi, natural_pressure
+from ..model.walls import Wall
+from .box_search import REACHED, Relaxed, Scalable, reach, told_at_the_end
+
+Floats = NDArray[np.float64]
+
+# What is free: e_xx and e_yy together, each by itself, and with the shear e_xy along x.
+FREE = {"size": 1, "sides": 2, "shape": 3}
+
+# Relaxations of one search. Ten to twenty are usual, more where a packing rearranges.
+_RELAXATIONS = 400
+
+# A step ends where the slope along it has fallen to this part, or has become as steep again; it is
+# shortened so many times at most, as a packing that rearranges has no slope to find.
+_FLAT, _SHORTER = 0.5, 6
+
+# A packing whose pressure falls below this part of the one applied has rearranged.
+_LOST = 0.5
+
+# Pairs of strain and stress with less curvature than this part are none of a stable packing.
+_CURVED = 1e-3
+
+
+class Stressed(Relaxed, Protocol):
+    """A relaxed state with its stress."""
+
+    @property
+    def stress(self) -> Floats: ...
+
+
+S = TypeVar("S", bound=Stressed)
+
+
+def check_free(box: str, walls: tuple[Wall, ...], pressure: float | None) -> None:
+    """Refuse what cannot be free, and a pressure that cannot be.
+
+    Raises:
+        ParameterError: there is no such name, or walls cannot follow; or the pressure is missing
+            or not above 0.
+    """
+    if pressure is not None:
+        positive("pressure", pressure)
+    if not isinstance(box, str) or box not in FREE:
+        raise ParameterError(f"box must be size, sides or shape, not {shown(box)}")
+    if pressure is None and box != "size":
+        raise ParameterError(f"box='{box}' needs a pressure to relax at: give pressure too")
+    if walls and box != "size":
+        raise ParameterError(
+            f"box='{box}' is not for walls, and there are {len(walls)}, the first a "
+            f"{walls[0].kind}: take box='size', which scales them with the box"
+        )
+
+
+def relax_free_box(sim: Scalable, pressure: float, box: str, relax: Callable[[], S]) -> S:
+    """Relax centers and box at a pressure p: the enthalpy E + p A is least.
+
+    A strain e of the box changes it by -A (stress - p 1) : e. The size is scaled first, see
+    `reach`. Then the BFGS method finds the strains at which the stress of the relaxed packing is p
+    in all free directions. Where a packing rearranges, its enthalpy falls, and the search goes on.
+
+    Args:
+        sim: ends in the state that is returned.
+        pressure: p, above 0 [energy/length^2].
+        box: what is free, see `check_free`.
+        relax: relaxes `sim` in its box.
+
+    Raises:
+        ParameterError: it cannot be reached; the message has what was.
+
+    Source: BFGS: Nocedal, Wright, Numerical Optimization (2006), chapter 6.
+    """
+
+    def search(relax: Callable[[], S]) -> S:
+        state = reach(sim, "pressure", pressure, relax)
+        return state if box == "size" else _stress_free(sim, pressure, FREE[box], relax, state)
+
+    return told_at_the_end(search, relax, stacklevel=4)
+
+
+def _stress_free(sim: Scalable, pressure: float, free: int, relax: Callable[[], S], state: S) -> S:
+    """A state whose stress is the pressure in all free directions, from one at this pressure."""
+    relaxations = 0
+
+    def strained(strain: Floats) -> S:
+        nonlocal relaxations
+        relaxations += 1
+        try:
+            sim.deform(sim.box @ _deformation(strain))
+            return relax()
+        except LammpsError as error:
+            raise _unreached(state, pressure, free, str(error)) from None
+
+    inverse, longest = _first_inverse(state, pressure, free)
+    slopes = _slopes(state, pressure, free)
+    while np.abs(slopes).max() > REACHED["pressure"]:
+        if relaxations > _RELAXATIONS:
+            why = f"{_RELAXATIONS} relaxations were not enough"
+            raise _unreached(state, pressure, free, why)
+        step = -_times(inverse, slopes)
+        length = _length(step)
+        step *= min(1.0, longest / length)
+        before, steep, done = slopes, float(np.sum(slopes * step)), 0.0
+        part = 1.0
+        for _ in range(_SHORTER):
+            state = strained((part - done) * step)
+            slopes, done = _slopes(state, pressure, free), part
+            along = float(np.sum(slopes * step))
+            if along <= _FLAT * abs(steep):
+                break
+            part = done * abs(steep) / (abs(steep) + along)
+        length = done * _length(step)
+        longest = 2.0 * length if done == 1.0 else length
+        inverse = _updated(inverse, done * step, slopes - before)
+        if state.pressure < _LOST * pressure:
+            state = reach(sim, "pressure", pressure, relax)
+            slopes = _slopes(state, pressure, free)
+    return state
+
+
+def _slopes(state: Stressed, pressure: float, free: int) -> Floats:
+    """Derivatives of the enthalpy by the free strains, over p A, shape (free,)."""
+    excess = state.stress / pressure - np.eye(2)
+    return -np.array([excess[0, 0], excess[1, 1], excess[0, 1]])[:free]
+
+
+def _deformation(strain: Floats) -> Floats:
+    """The matrix that a box, with vectors as rows, is multiplied by from the right."""
+    xx, yy, xy = [*strain.tolist(), 0.0][:3]
+    return np.array([[1.0 + xx, 0.0], [xy, 1.0 + yy]])
+
+
+def _first_inverse(state: Any, pressure: float, free: int) -> tuple[Floats, float]:
+    """A first inverse of the second derivatives of the enthalpy over p A, and a first step.
+
+    At x = phi - phi_J a packing has about K = p phi/x and G = K sqrt(x). Contacts change at strains
+    of about x.
+
+    Source: O'Hern, Silbert, Liu, Nagel, Phys. Rev. E 68, 011306 (2003).
+    """
+    packing, law = state.packing, state.law
+    x = excess_phi(pressure / natural_pressure(packing, law), packing, law)
+    bulk = state.phi / x
+    shear = bulk * float(np.sqrt(x))
+    size, pure, simple = np.array([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.0, 2.0]])
+    inverse = np.outer(size, size) / bulk
+    inverse += (np.outer(pure, pure) + np.outer(simple, simple)) / shear
+    return inverse[:free, :free] / 4.0, x
+
+
+def _updated(inverse: Floats, step: Floats, change: Floats) -> Floats:
+    """The inverse of second derivatives after a step has changed the slopes, by BFGS."""
+    curvature = float(np.sum(step * change))
+    if curvature <= _CURVED * _length(step) * _length(change):
+        return inverse
+    moved = _times(inverse, change)
+    both = np.outer(step, moved) + np.outer(moved, step)
+    stretch = 1.0 + float(np.sum(change * moved)) / curvature
+    updated: Floats = inverse + (stretch * np.outer(step, step) - both) / curvature
+    return updated
+
+
+def _times(matrix: Floats, vector: Floats) -> Floats:
+    """Their product, by sums that have the same digits on every processor."""
+    product: Floats = np.sum(matrix * vector, axis=1)
+    return product
+
+
+def _length(vector: Floats) -> float:
+    return float(np.sqrt(np.sum(vector * vector)))
+
+
+def _unreached(state: Stressed, pressure: float, free: int, why: str) -> ParameterError:
+    excess = float(np.abs(_slopes(state, pressure, free)).max())
+    return ParameterError(
+        f"pressure = {pressure:.10g} was not reached in all free directions of the box, the "
+        f"largest difference is {excess:.2g} of it at phi = {state.phi:.6f}: {why}"
+    )

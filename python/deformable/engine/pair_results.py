@@ -1,0 +1,52 @@
+"""What a pair style computes for each particle, and its contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.walls import Wall
+from ..state.contact_table import ROWS
+from .lammps import gather, local_array, run
+from .pair_errors import run_forces
+
+if TYPE_CHECKING:
+    from lammps import lammps
+
+# Results of the pair style for each particle, which fix pair makes available. It reads them once in
+# a time step, but a run of no steps does not advance the step. So each evaluation defines the fix
+# anew, and removes it again: it would slow down minimizations and runs.
+_RESULTS = ("area", "perimeter", "contacts", "pressure", "arc_radius", "contact_length")
+
+
+def evaluate(
+    lmp: lammps, style: str, thermo: str, walls: Sequence[Wall]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Evaluate forces at the present positions.
+
+    Args:
+        lmp: with this pair style.
+        style: of the pairs.
+        thermo: commands that name what LAMMPS evaluates too.
+        walls: around the particles.
+
+    Returns:
+        Area, perimeter, number of contacts, pressure, arc radius and contact length of all
+        particles, shape (N, 6), and the rows of the contacts on this rank, shape (M, len(ROWS)).
+    """
+    results = " ".join(f"{name} 0" for name in _RESULTS)
+    run(
+        lmp,
+        f"{thermo}\n"
+        f"fix deformable_results all pair 1 {style} {results}\n"
+        "compute deformable_rows all deformable/contact",
+    )
+    try:
+        run_forces(lmp, "run 0 post no", walls)
+        of_particles = gather(lmp, "f_deformable_results", len(_RESULTS))
+        return of_particles, local_array(lmp, "deformable_rows", len(ROWS))
+    finally:
+        run(lmp, "unfix deformable_results\nuncompute deformable_rows")
