@@ -20,7 +20,7 @@ from ..engine.simulation import Simulation
 from ..io.run_folder import refuse
 from ..model.laws import LAWS
 from ..protocols.jamming import jam
-from ..runs.recording import compress_in, protocol_of
+from ..runs.recording import compress_in, compression
 from ..runs.run import Run
 from ..state.state import State
 from .options import Overwrite, Resume, Tolerance, choice_option, is_given
@@ -97,8 +97,23 @@ def compress_command(
         ),
     ] = None,
     strain: Annotated[
-        float, typer.Option(help="Linear strain of all steps together; negative expands.")
-    ] = 0.01,
+        float | None,
+        typer.Option(
+            help="Linear strain of all steps together; negative expands. 0.01 if neither this nor "
+            "--phi nor --pressure is given.",
+            show_default=False,
+        ),
+    ] = None,
+    phi: Annotated[
+        float | None,
+        typer.Option(help="Compress or expand to this packing fraction.", show_default=False),
+    ] = None,
+    pressure: Annotated[
+        float | None,
+        typer.Option(
+            help="Compress or expand to this pressure [energy/length^2].", show_default=False
+        ),
+    ] = None,
     steps: Annotated[int, typer.Option(help="Number of steps.")] = 10,
     tolerance: Tolerance = TOLERANCE,
     out: Annotated[str, typer.Option(metavar="PATH", help="Output folder.")] = "compress",
@@ -125,7 +140,7 @@ def compress_command(
         states = Run(folder).resume()
     elif append:
         check_same(folder, {name: given[name] for name in given if name not in PROTOCOL})
-        states = Run(folder).compress(strain, steps, tolerance)
+        states = Run(folder).compress(steps=steps, tolerance=tolerance, **settings.target)
     else:
         check_together(settings, given)
         states = _begin(folder, settings, overwrite)
@@ -147,11 +162,18 @@ def _settings(context: typer.Context) -> tuple[Settings, dict[str, Any]]:
 def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[State]:
     """Jam a packing and compress it; errors of the settings come before any work."""
     began = time.perf_counter()
-    protocol_of("compression", settings.strain, settings.steps, settings.tolerance)
+    compression(settings.steps, settings.tolerance, **settings.target)
     start, law = settings.random_start(), settings.contact_law()
     if MPI.COMM_WORLD.rank == 0:
         make_folder(folder)
     packing = jam(start)
     print_once(f"jammed at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
-    protocol = (settings.strain, settings.steps, settings.tolerance)
-    return compress_in(Simulation(packing, law), folder, *protocol, asdict(settings), overwrite)
+    return compress_in(
+        Simulation(packing, law),
+        folder,
+        steps=settings.steps,
+        tolerance=settings.tolerance,
+        parameters=asdict(settings),
+        overwrite=overwrite,
+        **settings.target,
+    )

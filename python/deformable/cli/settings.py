@@ -16,7 +16,11 @@ from ..model.laws import LAWS, Law, Ring
 from ..model.packing import Packing, bidisperse, polydisperse
 from ..runs.run import Run
 
-PROTOCOL = ("strain", "steps", "tolerance")
+TARGETS = ("strain", "phi", "pressure")
+PROTOCOL = (*TARGETS, "steps", "tolerance")
+
+# Strain of a compression that has no target.
+_STRAIN = 0.01
 
 
 @dataclass(frozen=True)
@@ -38,9 +42,17 @@ class Settings:
     adhesion: float
     reach: float | None
 
-    strain: float
+    strain: float | None
+    phi: float | None
+    pressure: float | None
     steps: int
     tolerance: float
+
+    @property
+    def target(self) -> dict[str, Any]:
+        """What `compress` is asked for."""
+        given = {name: getattr(self, name) for name in TARGETS}
+        return {"strain": _STRAIN} if set(given.values()) == {None} else given
 
     def random_start(self) -> Packing:
         """The packing before it is jammed."""

@@ -16,7 +16,8 @@ from ..model.packing import Packing
 # A target is reached when the value differs by at most this part.
 REACHED = {"phi": 1e-9, "pressure": 1e-6}
 
-# Relaxations of one search, of which some four to eight are needed; those in a row that may stall.
+# Relaxations of one search, of which some four to eight are needed; those near the target that may
+# stall in a row.
 _RELAXATIONS, _STALLS = 100, 5
 
 # Step of packing fraction at most: longer ones may lead to overlaps that no outlines have.
@@ -77,9 +78,9 @@ def reach(sim: Scalable, name: str, target: float, relax: Callable[[], S]) -> S:
         found = getattr(state, name)
         if abs(found - target) <= REACHED[name] * target:
             return state
-        stalls = stalls + 1 if state.stalled else 0
+        stalls = stalls + 1 if state.stalled and abs(last) < _LONGEST else 0
         if stalls == _STALLS:
-            why = f"{_STALLS} relaxations in a row stalled, take a larger tolerance"
+            why = f"{_STALLS} relaxations in a row stalled: take a larger tolerance, or a strain"
             raise _unreached(name, target, state, why)
         change = (goal - y) / slope
         if name == "pressure" and found <= 0.0:

@@ -97,7 +97,7 @@ def _stress_free(sim: Scalable, pressure: float, free: int, relax: Callable[[], 
         nonlocal relaxations
         relaxations += 1
         try:
-            sim.deform(sim.box @ _deformation(strain))
+            sim.deform(_strained(sim.box, strain))
             return relax()
         except LammpsError as error:
             raise _unreached(state, pressure, free, str(error)) from None
@@ -135,10 +135,11 @@ def _slopes(state: Stressed, pressure: float, free: int) -> Floats:
     return -np.array([excess[0, 0], excess[1, 1], excess[0, 1]])[:free]
 
 
-def _deformation(strain: Floats) -> Floats:
-    """The matrix that a box, with vectors as rows, is multiplied by from the right."""
+def _strained(box: Floats, strain: Floats) -> Floats:
+    """The lattice vectors of a box after a strain of its free directions."""
     xx, yy, xy = [*strain.tolist(), 0.0][:3]
-    return np.array([[1.0 + xx, 0.0], [xy, 1.0 + yy]])
+    (lx, _), (tilt, ly) = box.tolist()
+    return np.array([[lx * (1.0 + xx), 0.0], [tilt * (1.0 + xx) + xy * ly, ly * (1.0 + yy)]])
 
 
 def _first_inverse(state: Any, pressure: float, free: int) -> tuple[Floats, float]:

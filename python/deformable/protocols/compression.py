@@ -77,8 +77,13 @@ def compress(
     return Steps("compress", _towards(sim, name, target, int(steps), tolerance))
 
 
-def check_target(sim: Any, steps: int, **targets: float | None) -> tuple[str, float]:
+def check_target(sim: object, steps: int, **targets: float | None) -> tuple[str, float]:
     """The one target that is given, and its name.
+
+    Args:
+        sim: that is compressed; a `Simulation` if None.
+        steps: number of steps.
+        targets: by name; those that are not given are None.
 
     Raises:
         ParameterError: none or several are given, or one that no packing has.
@@ -156,11 +161,7 @@ def steps_towards(
         ParameterError: both are the same.
     """
     start = max(start, 0.0)
-    if abs(target - start) <= REACHED[name] * target:
-        raise ParameterError(
-            f"the packing has {name} = {start:.10g} already, as asked for: relax the simulation "
-            "instead"
-        )
+    refuse_present(name, start, target)
     given = _given(tolerance)
 
     def step(n: int) -> S:
@@ -172,6 +173,14 @@ def steps_towards(
         )
 
     return _stepped(step, steps, done, expands=target < start)
+
+
+def refuse_present(name: str, start: float, target: float) -> None:
+    """Refuse a target that the start has already."""
+    if abs(target - start) <= REACHED[name] * target:
+        raise ParameterError(
+            f"{name} = {target:.10g} is that of the packing already: relax the simulation instead"
+        )
 
 
 def _stepped(step: Callable[[int], S], steps: int, done: int, expands: bool) -> Iterator[S]:

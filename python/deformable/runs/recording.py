@@ -25,7 +25,7 @@ from ..io.films import Films, memory_commands
 from ..io.run_folder import DATA, refuse
 from ..io.store import setup
 from ..model.packing import Packing
-from ..protocols.compression import check_strain_and_steps, remaining_steps
+from ..protocols.compression import check_target, refuse_present, remaining_steps, steps_towards
 from ..protocols.shear import check_shear, shear_steps
 from ..state.state import State
 
@@ -68,22 +68,26 @@ def record(
 def compress_in(
     sim: Simulation,
     folder: str | Path,
-    strain: float,
-    steps: int,
+    strain: float | None = None,
+    steps: int = 10,
     tolerance: float = TOLERANCE,
     parameters: Mapping[str, Any] | None = None,
     overwrite: bool = False,
+    phi: float | None = None,
+    pressure: float | None = None,
 ) -> Iterator[State]:
     """Compress as `compress`, and write as `record`, so that `Run.resume` can go on at any step.
 
     Args:
         sim: without further commands to its `lmp`, because each step starts a new LAMMPS.
         folder: made if missing.
-        strain: of all steps together, as in `compress`.
+        strain: of all steps together, as in `compress`; or phi or pressure, see there.
         steps: as in `compress`.
         tolerance: of each relaxation, see `Simulation.relax`; at most 0.01.
         parameters: anything that JSON can hold, for the summary.
         overwrite: replace the run in the folder.
+        phi: as in `compress`.
+        pressure: as in `compress`.
 
     Yields:
         The relaxed state after each step, once it is written.
@@ -92,7 +96,8 @@ def compress_in(
         ParameterError: as for `compress`, or the tolerance is too large.
         FileError: the folder holds a run and `overwrite` is not given, or it holds something else.
     """
-    return _begin_in(sim, folder, "compression", (strain, steps, tolerance), parameters, overwrite)
+    protocol = compression(steps, tolerance, strain=strain, phi=phi, pressure=pressure)
+    return _begin_in("compress_in", sim, folder, protocol, parameters, overwrite)
 
 
 def shear_in(
@@ -119,7 +124,10 @@ def shear_in(
         ParameterError: as for `shear`, or the tolerance is too large.
         FileError: as for `compress_in`.
     """
-    return _begin_in(sim, folder, "shear", (strain, steps, tolerance), parameters, overwrite)
+    expect("sim", sim, Simulation)
+    check_shear(sim, strain, steps)
+    protocol = shear_protocol(strain, steps, tolerance)
+    return _begin_in("shear_in", sim, folder, protocol, parameters, overwrite)
 
 
 def expect_states(states: Any, parameters: Any) -> None:
@@ -128,37 +136,46 @@ def expect_states(states: Any, parameters: Any) -> None:
     expect("parameters", parameters, Mapping, type(None))
 
 
-def protocol_of(kind: str, strain: float, steps: int, tolerance: float) -> dict[str, Any]:
-    """The steps of a compression or a shear, for the parameters of a run.
+def compression(steps: int, tolerance: float, **targets: float | None) -> dict[str, Any]:
+    """The steps of a compression to a strain, phi or pressure, for the parameters of a run.
 
     Raises:
         ParameterError: a value is out of range.
     """
-    if kind == "compression":
-        check_strain_and_steps(strain, steps)
+    name, target = check_target(None, steps, **targets)
+    return {name: target} | _steps(steps, tolerance)
+
+
+def shear_protocol(strain: float, steps: int, tolerance: float) -> dict[str, Any]:
+    """The steps of a shear, for the parameters of a run."""
+    return {"protocol": "shear", "strain": float(strain)} | _steps(steps, tolerance)
+
+
+def _steps(steps: int, tolerance: float) -> dict[str, Any]:
     if positive("tolerance", tolerance) > LARGEST_TOLERANCE:
         raise ParameterError(f"tolerance must be at most {LARGEST_TOLERANCE}, not {tolerance}")
-    numbers = {"strain": float(strain), "steps": int(steps), "tolerance": float(tolerance)}
-    return {"protocol": kind} | numbers if kind == "shear" else numbers
+    return {"steps": int(steps), "tolerance": float(tolerance)}
+
+
+def _target(parameters: Mapping[str, Any]) -> tuple[str, float]:
+    """The target of a protocol, and its name."""
+    names = ("strain", "phi", "pressure")
+    return next((name, parameters[name]) for name in names if parameters.get(name) is not None)
 
 
 def _begin_in(
+    name: str,
     sim: Simulation,
     folder: str | Path,
-    kind: str,
-    steps: tuple[float, int, float],
+    protocol: Mapping[str, Any],
     parameters: Mapping[str, Any] | None,
     overwrite: bool,
 ) -> Iterator[State]:
     expect("sim", sim, Simulation)
-    _ = sim.lmp  # or say that it is closed
-    if kind == "shear":
-        check_shear(sim, *steps[:2])
-    protocol = protocol_of(kind, *steps)
     sim.comm.barrier()  # rank 0 may still be writing
+    _ = sim.lmp  # or say that it is closed
     place = refuse(folder, "compression" if overwrite else None, _WAYS)
     frames.refuse_foreign(place)
-    name = "shear_in" if kind == "shear" else "compress_in"
     return begin(name, sim, place, protocol, parameters)
 
 
@@ -194,8 +211,13 @@ def _begun(
     shears, new = protocol.get("protocol") == "shear", before is None
     sim.strain = (sim.strain or 0.0) if shears else sim.strain
     start = sim.state()  # all ranks have read the folder by then
+    target, goal = _target(protocol)
+    if target != "strain":
+        start = sim.relax(protocol["tolerance"])
+        refuse_present(target, getattr(start, target), goal)
     began = {"frame": first + (shears and new), "box": start.packing.box.tolist()}
     began["strain"] = sim.strain
+    began |= {} if target == "strain" else {target: getattr(start, target)}
     parameters = {**(parameters or {}), **protocol, "start": began, **(before or {})}
     if start.root and new:
         (folder / DATA).unlink(missing_ok=True)  # no run is here until the new one is complete
@@ -217,15 +239,18 @@ def steps_of(
 ) -> Iterator[State]:
     """The steps that are missing, each written and started from a new LAMMPS."""
     start = parameters["start"]
-    protocol = (parameters["strain"], parameters["steps"], done, parameters["tolerance"])
+    target, goal = _target(parameters)
+    steps = (goal, parameters["steps"], done, parameters["tolerance"])
     time, strain = sim.time, sim.strain
     sim.restart(packing)
     run(sim.lmp, "\n".join(memory_commands(films)))
     sim.time, sim.strain = time, strain
     if parameters.get("protocol") == "shear":
-        states = shear_steps(sim, start.get("strain") or 0.0, *protocol)
+        states = shear_steps(sim, start.get("strain") or 0.0, *steps)
+    elif target == "strain":
+        states = remaining_steps(sim, np.array(start["box"]), *steps)
     else:
-        states = remaining_steps(sim, np.array(start["box"]), *protocol)
+        states = steps_towards(sim, target, start[target], *steps)
     return write(_restarting(sim, states), folder, parameters, start["frame"] + done)
 
 

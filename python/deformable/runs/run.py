@@ -38,7 +38,7 @@ from ..io.store import read, read_motion, read_setup, summary_in
 from ..protocols.shear import check_shear
 from ..state.state import State
 from . import analysis, movie
-from .recording import begin, expect_states, protocol_of, steps_of, write
+from .recording import begin, compression, expect_states, shear_protocol, steps_of, write
 
 if TYPE_CHECKING:
     from MDAnalysis import Universe
@@ -159,18 +159,21 @@ class Run:
 
     def compress(
         self,
-        strain: float,
-        steps: int,
+        strain: float | None = None,
+        steps: int = 10,
         tolerance: float = TOLERANCE,
         parameters: Mapping[str, Any] | None = None,
         comm: MPI.Comm | None = None,
+        phi: float | None = None,
+        pressure: float | None = None,
     ) -> Iterator[State]:
         """Compress the last state further: as `compress_in`, behind the states of the run.
 
         Raises:
             FileError: the run is interrupted, see `resume`, or lacks frames.
         """
-        return self._go_on("compression", (strain, steps, tolerance), parameters, comm)
+        protocol = compression(steps, tolerance, strain=strain, phi=phi, pressure=pressure)
+        return self._go_on("Run.compress", protocol, parameters, comm)
 
     def shear(
         self,
@@ -185,7 +188,8 @@ class Run:
         Raises:
             FileError: the run is interrupted, see `resume`, or lacks frames.
         """
-        return self._go_on("shear", (strain, steps, tolerance), parameters, comm)
+        protocol = shear_protocol(strain, steps, tolerance)
+        return self._go_on("Run.shear", protocol, parameters, comm)
 
     def resume(self, comm: MPI.Comm | None = None) -> Iterator[State]:
         """Finish an interrupted `compress_in` or `shear_in`, with the numbers of a whole one.
@@ -274,20 +278,19 @@ class Run:
 
     def _go_on(
         self,
-        kind: str,
-        steps: tuple[float, int, float],
+        name: str,
+        protocol: Mapping[str, Any],
         parameters: Mapping[str, Any] | None,
         comm: MPI.Comm | None,
     ) -> Iterator[State]:
         expect_states((), parameters)
-        protocol, sim = protocol_of(kind, *steps), self.simulation(comm)
-        if kind == "shear":
-            check_shear(sim, *steps[:2])
+        sim = self.simulation(comm)
+        if "protocol" in protocol:
+            check_shear(sim, protocol["strain"], protocol["steps"])
         done, whole = self.steps_done, self.parameters.get("steps", 0)
         if done is not None and done < whole:
             raise FileError(
                 f"the run in '{self.folder}' is interrupted at step {done} of {whole}: finish it "
                 "first with --resume (in Python: Run.resume)"
             )
-        name = "Run.shear" if kind == "shear" else "Run.compress"
         return begin(name, sim, self.folder, protocol, parameters, self._before(), len(self))

@@ -1,0 +1,52 @@
+"""`deformable compress` to a packing fraction or a pressure."""
+
+import csv
+import subprocess
+from pathlib import Path
+
+import deformable
+import pytest
+from programs import program
+
+SMALL = ("--number", "16", "--steps", "2")
+
+
+def compress(*options: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    result = program("deformable", "compress", *options, cwd=cwd)
+    assert "Traceback" not in result.stdout + result.stderr
+    return result
+
+
+def test_a_run_reaches_its_targets(tmp_path: Path) -> None:
+    result = compress(*SMALL, "--phi", "0.87", "--out", "run", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    result = compress("--resume", "--phi", "0.87", "--out", "run", cwd=tmp_path)
+    assert "is complete" in result.stdout
+    result = compress("--resume", "--phi", "0.9", "--out", "run", cwd=tmp_path)
+    assert "begun with --phi 0.87, not 0.9" in result.stderr
+    given = ("--append", "--pressure", "0.005", "--steps", "1", "--out", "run")
+    result = compress(*given, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    with (tmp_path / "run" / "series.csv").open() as file:
+        *_, reached, last = csv.DictReader(file)
+    assert float(reached["phi"]) == pytest.approx(0.87, rel=1e-9)
+    assert float(last["pressure"]) == pytest.approx(0.005, rel=1e-6)
+    assert deformable.Run(tmp_path / "run").parameters["pressure"] == 0.005
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--phi", "0.9", "--strain", "0.01"), "give one of strain, phi, pressure"),
+        (("--phi", "0.9", "--pressure", "1"), "give one of strain, phi, pressure"),
+        (("--phi", "1.5"), "phi must be below 1"),
+        (("--pressure", "-1"), "pressure must be a positive number, not -1.0"),
+    ],
+)
+def test_nonsense_is_one_line(options: tuple[str, ...], message: str, tmp_path: Path) -> None:
+    result = compress(*SMALL, *options, cwd=tmp_path)
+    assert result.returncode != 0
+    assert result.stderr.startswith("error: ")
+    assert message in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,223 @@
+"""Relaxation at a pressure, with a box that is free to change."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import deformable
+import numpy as np
+import pytest
+from deformable.engine import free_box
+from numpy.typing import NDArray
+
+DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
+
+# Pressures at which packings of 32 are far enough from the onset to rearrange little.
+KINDS: dict[str, tuple[deformable.Ring | None, float]] = {
+    "disks": (None, 1e-2),
+    "balanced": (deformable.Ring(), 1e-3),
+    "curved": (deformable.Ring(contact="curved"), 1e-3),
+    "radical": (deformable.Ring(contact="radical"), 1e-3),
+    "soft": (deformable.Ring(kA=1.0, kP=5.0), 1e-3),
+    "droplets": (DROPLETS, 3e-2),
+}
+every_kind = pytest.mark.parametrize(("law", "pressure"), KINDS.values(), ids=KINDS)
+
+
+def simulation(start: deformable.Packing, law: deformable.Ring | None) -> Any:
+    return deformable.Disks(start) if law is None else deformable.Simulation(start, law)
+
+
+def excess(state: Any, pressure: float) -> NDArray[np.float64]:
+    return state.stress / pressure - np.eye(2)
+
+
+@pytest.mark.parametrize("box", ["size", "sides", "shape"])
+@every_kind
+def test_the_stress_is_the_pressure_where_the_box_is_free(
+    jammed: deformable.Packing, law: deformable.Ring | None, pressure: float, box: str
+) -> None:
+    with simulation(jammed, law) as sim:
+        state = sim.relax(pressure=pressure, box=box)
+        again = sim.state()
+    assert not state.stalled
+    assert state.residual <= 1e-6
+    assert state.pressure == pytest.approx(pressure, rel=1e-6)
+    assert again.pressure == pytest.approx(pressure, rel=1e-6)
+    left = excess(state, pressure)
+    free = {"size": [np.trace(left) / 2.0], "sides": left.diagonal(), "shape": left}[box]
+    assert np.abs(free).max() <= 1e-6
+    tilt = (state.packing.box[1, 0] - jammed.box[1, 0]) / state.packing.box[1, 1]
+    aspect = state.packing.box[1, 1] / state.packing.box[0, 0]
+    assert (abs(tilt) > 1e-6) == (box == "shape")
+    assert (abs(aspect - jammed.box[1, 1] / jammed.box[0, 0]) > 1e-6) == (box != "size")
+
+
+@pytest.mark.parametrize("seed", range(1, 6))
+def test_packings_of_many_seeds_come_to_rest(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Down to a low pressure, where many contacts change on the way."""
+    count = 0
+
+    def counted(self: deformable.Disks, *given: Any, **named: Any) -> deformable.DiskState:
+        nonlocal count
+        count += "pressure" not in named
+        return relax(self, *given, **named)
+
+    relax = deformable.Disks.relax
+    monkeypatch.setattr(deformable.Disks, "relax", counted)
+    with deformable.Disks(deformable.jam(deformable.bidisperse(32, seed=seed))) as disks:
+        for pressure in (1e-2, 1e-3, 1e-4):
+            count = 0
+            state = disks.relax(pressure=pressure, box="shape")
+            assert np.abs(excess(state, pressure)).max() <= 1e-6
+            assert count < free_box._RELAXATIONS / 2
+
+
+@every_kind
+def test_the_enthalpy_is_least(
+    jammed: deformable.Packing, law: deformable.Ring | None, pressure: float
+) -> None:
+    """Any small strain of the box raises E + p A of the relaxed packing."""
+
+    def enthalpy(state: Any) -> float:
+        return float(state.energy + pressure * state.packing.area)
+
+    with simulation(jammed, law) as sim:
+        rest = sim.relax(1e-8, pressure=pressure, box="shape")
+    box, size = rest.packing.box, 1e-4
+    for xx, yy, xy in ((1, 1, 0), (1, -1, 0), (0, 0, 1), (1, 0, 1), (1, 1, -1)):
+        for sign in (size, -size):
+            strain = np.array([[1.0 + sign * xx, 0.0], [sign * xy, 1.0 + sign * yy]])
+            with simulation(rest.packing, law) as sim:
+                sim.deform(box @ strain)
+                assert enthalpy(sim.relax(1e-8)) > enthalpy(rest)
+
+
+def by_lammps(start: deformable.Packing, law: deformable.Ring | None, pressure: float) -> Any:
+    """Conjugate gradients of centers and box together, by LAMMPS' fix box/relax."""
+    free = f"x {pressure!r} y {pressure!r} xy 0.0 couple none vmax 1e-4"
+    with simulation(start, law) as sim:
+        for _ in range(20):  # its strains count from where a minimization begins
+            for command in (
+                f"fix free all box/relax {free}",
+                "min_style cg",
+                "minimize 0 1e-15 1000 10000",
+                "unfix free",
+            ):
+                sim.lmp.command(command)
+            state = sim.state()
+            if np.abs(excess(state, pressure)).max() <= 1e-6 and state.residual <= 1e-6:
+                return state
+    raise AssertionError(excess(state, pressure))
+
+
+@every_kind
+def test_fix_box_relax_comes_to_the_same_packing(
+    jammed: deformable.Packing, law: deformable.Ring | None, pressure: float
+) -> None:
+    """From a packing a strain of 1e-4 away, so that neither route leads to another one."""
+    with simulation(jammed, law) as sim:
+        rest = sim.relax(pressure=pressure, box="shape")
+    sim = simulation(rest.packing, law)
+    sim.deform(rest.packing.box @ np.array([[1.0 - 1e-4, 0.0], [2e-4, 1.0 + 5e-5]]))
+    start = sim.state().packing
+    own = sim.relax(1e-8, pressure=pressure, box="shape")
+    sim.close()
+    other = by_lammps(start, law, pressure)
+    assert np.abs(excess(rest, pressure)).max() <= 1e-6
+    # both stresses are right to 1e-6 of p, and strains to that over the moduli, which exceed p
+    assert own.packing.box == pytest.approx(other.packing.box, rel=1e-5, abs=1e-5)
+    assert own.energy == pytest.approx(other.energy, rel=1e-4)
+    assert own.coordination == other.coordination
+
+
+def test_walls_are_scaled_with_the_box() -> None:
+    scene = [*deformable.rectangle(8, 7), deformable.Disk((3, 3), 1.0)]
+    start = deformable.push_off(deformable.bidisperse(24, seed=1).between(scene).at(0.75))
+    for sim in (deformable.Simulation(start, deformable.Ring()), deformable.Disks(start)):
+        with sim:
+            state = sim.relax(1e-5, pressure=1e-3)
+            assert state.pressure == pytest.approx(1e-3, rel=1e-6)
+            scale = state.packing.box[0, 0] / start.box[0, 0]
+            assert sim.walls[-1].radius == pytest.approx(scale * start.walls[-1].radius)
+            with pytest.raises(deformable.ParameterError, match="box='shape' is not for walls"):
+                sim.relax(pressure=1e-3, box="shape")
+
+
+def test_particles_that_stick() -> None:
+    sticky = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved", adhesion=0.2)
+    start = deformable.push_off(deformable.bidisperse(16, phi=0.9, seed=1))
+    with deformable.Simulation(start, sticky) as sim:
+        state = sim.relax(1e-5, pressure=0.03, box="shape")
+    assert np.abs(excess(state, 0.03)).max() <= 1e-6
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"pressure": -1.0}, "pressure must be a positive number, not -1.0"),
+        ({"pressure": 0.0}, "pressure must be a positive number, not 0.0"),
+        ({"pressure": "high"}, "pressure must be a positive number, not 'high'"),
+        ({"pressure": 1e-3, "box": "area"}, "box must be size, sides or shape, not 'area'"),
+        ({"pressure": 1e-3, "box": np.eye(2)}, "box must be size, sides or shape"),
+        ({"box": "shape"}, "box='shape' needs a pressure"),
+    ],
+)
+@pytest.mark.parametrize("law", [None, deformable.Ring()])
+def test_nonsense_is_refused(
+    jammed: deformable.Packing, law: deformable.Ring | None, given: dict[str, Any], message: str
+) -> None:
+    with simulation(jammed, law) as sim:
+        with pytest.raises(deformable.ParameterError, match=message):
+            sim.relax(**given)
+        assert sim.box == pytest.approx(jammed.box)  # nothing has moved
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("box", ["size", "shape"])
+@pytest.mark.parametrize("law", [deformable.Ring(), DROPLETS], ids=["ring", "droplets"])
+def test_a_pressure_beyond_the_law_is_told_with_what_was_reached(
+    jammed: deformable.Packing, law: deformable.Ring, box: str
+) -> None:
+    told = r"pressure = 50 was not reached, but [\d.]+ at phi = 0\.\d+: LAMMPS: "
+    with (
+        deformable.Simulation(jammed, law) as sim,
+        pytest.raises(deformable.ParameterError, match=told),
+    ):
+        sim.relax(1e-3, pressure=50.0, box=box)
+
+
+@pytest.mark.filterwarnings("ignore::deformable.StalledWarning")
+def test_sectors_whose_energy_jumps_have_no_pressure_to_reach() -> None:
+    few = deformable.jam(deformable.bidisperse(8, seed=1))
+    with (
+        deformable.Simulation(few, deformable.Sector()) as sim,
+        pytest.raises(deformable.ParameterError, match="relaxations in a row stalled"),
+    ):
+        sim.relax(pressure=1e-3)
+
+
+def test_warnings_are_those_of_the_last_relaxation(jammed: deformable.Packing) -> None:
+    """On the way to a high pressure particles go beyond the model several times."""
+    with (
+        deformable.Simulation(jammed, deformable.Ring()) as sim,
+        pytest.warns(deformable.BeyondModelWarning) as told,
+    ):
+        state = sim.relax(pressure=0.15)
+    assert len(told) == 1
+    assert str(told[0].message).startswith(f"{state.beyond} of 32 particles")
+
+
+def test_the_first_step_is_downhill(jammed: deformable.Packing) -> None:
+    """A matrix that is not positive definite would lead to saddles."""
+    with deformable.Disks(jammed.at(jammed.phi + 0.01)) as disks:
+        state = disks.relax()
+    for free in (2, 3):
+        inverse, step = free_box._first_inverse(state, state.pressure, free)
+        assert np.linalg.eigvalsh(inverse).min() > 0.0
+        assert step > 0.0
+        strain = np.array([1e-3, -2e-3, 3e-3][:free])
+        stiffer: Callable[..., Any] = free_box._updated
+        updated = stiffer(inverse, strain, 5.0 * strain)
+        assert updated @ (5.0 * strain) == pytest.approx(strain)  # the secant condition
+        assert stiffer(inverse, strain, -strain) is inverse  # no curvature of a stable packing
