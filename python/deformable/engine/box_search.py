@@ -18,7 +18,8 @@ REACHED = {"phi": 1e-9, "pressure": 1e-6}
 
 # Relaxations of one search, of which some four to eight are needed; those near the target that may
 # stall in a row.
-_RELAXATIONS, _STALLS = 100, 5
+_RELAXATIONS, STALLS = 100, 5
+STALLED = f"{STALLS} relaxations in a row stalled: take a larger tolerance, or a strain"
 
 # Step of packing fraction at most: longer ones may lead to overlaps that no outlines have.
 _LONGEST = 0.02
@@ -79,9 +80,8 @@ def reach(sim: Scalable, name: str, target: float, relax: Callable[[], S]) -> S:
         if abs(found - target) <= REACHED[name] * target:
             return state
         stalls = stalls + 1 if state.stalled and abs(last) < _LONGEST else 0
-        if stalls == _STALLS:
-            why = f"{_STALLS} relaxations in a row stalled: take a larger tolerance, or a strain"
-            raise _unreached(name, target, state, why)
+        if stalls == STALLS:
+            raise _unreached(name, target, state, STALLED)
         change = (goal - y) / slope
         if name == "pressure" and found <= 0.0:
             change = max(goal, 2.0 * last)  # nothing tells how far the onset is

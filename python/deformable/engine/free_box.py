@@ -12,7 +12,15 @@ from ..common.errors import LammpsError, ParameterError
 from ..common.validate import positive, shown
 from ..model.onset import excess_phi, natural_pressure
 from ..model.walls import Wall
-from .box_search import REACHED, Relaxed, Scalable, reach, told_at_the_end
+from .box_search import (
+    REACHED,
+    STALLED,
+    STALLS,
+    Relaxed,
+    Scalable,
+    reach,
+    told_at_the_end,
+)
 
 Floats = NDArray[np.float64]
 
@@ -91,42 +99,62 @@ def relax_free_box(sim: Scalable, pressure: float, box: str, relax: Callable[[],
 
 def _stress_free(sim: Scalable, pressure: float, free: int, relax: Callable[[], S], state: S) -> S:
     """A state whose stress is the pressure in all free directions, from one at this pressure."""
-    relaxations = 0
+    relaxations, stalls = 0, 0
 
     def strained(strain: Floats) -> S:
-        nonlocal relaxations
-        relaxations += 1
+        nonlocal relaxations, stalls
         try:
             sim.deform(_strained(sim.box, strain))
-            return relax()
+            found = relax()
         except LammpsError as error:
             raise _unreached(state, pressure, free, str(error)) from None
+        relaxations, stalls = relaxations + 1, stalls + 1 if found.stalled else 0
+        if stalls == STALLS:
+            raise _unreached(found, pressure, free, STALLED)
+        if relaxations == _RELAXATIONS:
+            why = f"{_RELAXATIONS} relaxations were not enough"
+            raise _unreached(found, pressure, free, why)
+        return found
+
+    def slopes_of(state: S) -> Floats:
+        return _slopes(state, pressure, free)
 
     inverse, longest = _first_inverse(state, pressure, free)
-    slopes = _slopes(state, pressure, free)
+    slopes = slopes_of(state)
     while np.abs(slopes).max() > REACHED["pressure"]:
-        if relaxations > _RELAXATIONS:
-            why = f"{_RELAXATIONS} relaxations were not enough"
-            raise _unreached(state, pressure, free, why)
         step = -_times(inverse, slopes)
-        length = _length(step)
-        step *= min(1.0, longest / length)
-        before, steep, done = slopes, float(np.sum(slopes * step)), 0.0
-        part = 1.0
-        for _ in range(_SHORTER):
-            state = strained((part - done) * step)
-            slopes, done = _slopes(state, pressure, free), part
-            along = float(np.sum(slopes * step))
-            if along <= _FLAT * abs(steep):
-                break
-            part = done * abs(steep) / (abs(steep) + along)
-        length = done * _length(step)
-        longest = 2.0 * length if done == 1.0 else length
-        inverse = _updated(inverse, done * step, slopes - before)
+        step *= min(1.0, longest / _length(step))
+        state, part = _downhill(strained, slopes_of, step, float(np.sum(slopes * step)))
+        longest = (2.0 if part == 1.0 else part) * _length(step)
+        inverse = _updated(inverse, part * step, slopes_of(state) - slopes)
         if state.pressure < _LOST * pressure:
             state = reach(sim, "pressure", pressure, relax)
-            slopes = _slopes(state, pressure, free)
+        slopes = slopes_of(state)
     return state
+
+
+def _downhill(
+    strained: Callable[[Floats], S],
+    slopes_of: Callable[[S], Floats],
+    step: Floats,
+    slope: float,
+) -> tuple[S, float]:
+    """Go a step, or a part of it where the enthalpy rises again; returns the state and the part.
+
+    Args:
+        strained: the state after a further strain.
+        slopes_of: derivatives of the enthalpy in a state.
+        step: strains of the whole step.
+        slope: derivative of the enthalpy along the step at its start, below 0.
+    """
+    done, part = 0.0, 1.0
+    for _ in range(_SHORTER):
+        state = strained((part - done) * step)
+        done, along = part, float(np.sum(slopes_of(state) * step))
+        if along <= _FLAT * abs(slope):
+            break
+        part = done * slope / (slope - along)  # where a straight line between both is zero
+    return state, done
 
 
 def _slopes(state: Stressed, pressure: float, free: int) -> Floats:

@@ -187,6 +187,15 @@ def test_a_pressure_beyond_the_law_is_told_with_what_was_reached(
         sim.relax(1e-3, pressure=50.0, box=box)
 
 
+def test_a_search_that_does_not_end_is_told_with_what_was_reached(
+    jammed: deformable.Packing, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(free_box, "_RELAXATIONS", 2)
+    told = r"the largest difference is 0\.\d+ of it at phi = 0\.\d+: 2 relaxations were not"
+    with deformable.Disks(jammed) as disks, pytest.raises(deformable.ParameterError, match=told):
+        disks.relax(pressure=1e-3, box="shape")
+
+
 @pytest.mark.filterwarnings("ignore::deformable.StalledWarning")
 def test_sectors_whose_energy_jumps_have_no_pressure_to_reach() -> None:
     few = deformable.jam(deformable.bidisperse(8, seed=1))
