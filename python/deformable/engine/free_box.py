@@ -112,7 +112,7 @@ def _stress_free(sim: Scalable, pressure: float, free: int, relax: Callable[[], 
         if stalls == STALLS:
             raise _unreached(found, pressure, free, STALLED)
         if relaxations == _RELAXATIONS:
-            why = f"{_RELAXATIONS} relaxations were not enough"
+            why = f"{_RELAXATIONS} relaxations were not enough: relax at higher pressures first"
             raise _unreached(found, pressure, free, why)
         return found
 
