@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .common.errors import StalledWarning as StalledWarning
     from .common.errors import UnjammedWarning as UnjammedWarning
     from .common.errors import UnsavedWarning as UnsavedWarning
+    from .common.fits import jackknife as jackknife
     from .common.parallel import parallel_map as parallel_map
     from .engine.disks import Disks as Disks
     from .engine.polygon_simulation import PolygonSimulation as PolygonSimulation
@@ -103,6 +104,7 @@ _HOMES = {
     "compress": "protocols.compression",
     "compress_in": "runs.recording",
     "export": "runs.analysis",
+    "jackknife": "common.fits",
     "jam": "protocols.jamming",
     "move": "protocols.motion",
     "movie": "runs.movie",

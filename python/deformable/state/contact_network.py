@@ -8,9 +8,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.validate import zero_or_more
 from ..model.laws import Law
 from ..model.packing import Packing
 from ..model.room import free_motions
+from .contact_forces import ContactForces
 
 
 def without_rattlers(i: NDArray[np.int64], j: NDArray[np.int64], number: int) -> NDArray[np.bool_]:
@@ -64,16 +66,26 @@ class ContactNetwork(ABC):
     def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Particle and partner of each side of an active contact, shape (M,); -1 is a wall."""
 
+    @property
+    @abstractmethod
+    def _contact_forces(self) -> ContactForces:
+        """All active contacts, each once."""
+
     @cached_property
     def _in_network(self) -> NDArray[np.bool_]:
         """Whether each of `_contact_sides` belongs to a contact without a rattler."""
         return without_rattlers(*self._contact_sides, len(self.packing))
 
     @property
+    def network_degree(self) -> NDArray[np.int64]:
+        """Number of network contacts of each particle, 0 of rattlers, shape (N,)."""
+        particles = self._contact_sides[0][self._in_network]
+        return np.bincount(particles, minlength=len(self.packing))
+
+    @property
     def rattlers(self) -> NDArray[np.bool_]:
         """Particles with fewer than three active contacts with non-rattlers, shape (N,)."""
-        particles = self._contact_sides[0][self._in_network]
-        return np.bincount(particles, minlength=len(self.packing)) == 0
+        return self.network_degree == 0
 
     @property
     def coordination(self) -> float:
@@ -96,5 +108,40 @@ class ContactNetwork(ABC):
         wall resists: 2 without walls, 1 in a channel or a round container, else 0. The result is 0
         if all are rattlers.
         """
-        rigid = int(np.sum(~self.rattlers))
+        return self._isostatic(int(np.sum(~self.rattlers)))
+
+    def _isostatic(self, rigid: int) -> int:
         return max(2 * rigid + 1 - free_motions(self.packing.walls), 0) if rigid else 0
+
+    def excess_coordination(self, threshold: float = 0.0) -> float:
+        """z - z_iso: how many more contacts than an isostatic network a particle has.
+
+            z - z_iso = 2 (network_contacts - isostatic_contacts) / N'
+
+        for the N' particles that are no rattlers; 0 if all are. At the onset of jamming it is 0,
+        up to a few contacts.
+
+        Args:
+            threshold: contacts count from this part of the mean contact force of the network on.
+                Rattlers are then particles with fewer than three contacts that count, and so on.
+
+        Raises:
+            ParameterError: the threshold is negative or no number.
+        """
+        i, j, _, _, force = self._contact_forces
+        strength, number = np.hypot(*force.T), len(self.packing)
+        kept = _network(i, j, number)
+        if zero_or_more("threshold", threshold) > 0.0 and kept.any():
+            counts = strength >= threshold * strength[kept].mean()
+            i, j = i[counts], j[counts]
+            kept = _network(i, j, number)
+        i, j = i[kept], j[kept]
+        rigid = len(np.unique(np.append(i, j[j >= 0])))
+        return 2.0 * (len(i) - self._isostatic(rigid)) / rigid if rigid else 0.0
+
+
+def _network(i: NDArray[np.int64], j: NDArray[np.int64], number: int) -> NDArray[np.bool_]:
+    """As `without_rattlers`, of contacts that are listed once."""
+    pair = j >= 0
+    sides = np.append(i, j[pair]), np.append(j, i[pair])
+    return without_rattlers(*sides, number)[: len(i)]

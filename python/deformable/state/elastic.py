@@ -48,10 +48,18 @@ class ElasticModuli:
     def pure_shear_modulus(self) -> float:
         """Of a stretch along x and a shrinkage along y [energy/length^2].
 
-        (C_xxxx - C_xxyy - C_yyxx + C_yyyy)/4; the mean of both moduli is that of all directions.
+        (C_xxxx - C_xxyy - C_yyxx + C_yyyy)/4.
         """
         (xx_xx, xx_yy), (yy_xx, yy_yy) = np.einsum("aacc->ac", self.tensor)
         return float(xx_xx - xx_yy - yy_xx + yy_yy) / 4.0
+
+    @property
+    def mean_shear_modulus(self) -> float:
+        """Mean over all directions of shear, that of simple and pure shear [energy/length^2].
+
+        A small packing is not isotropic: its modulus varies as the sine of four times the angle.
+        """
+        return 0.5 * (self.shear_modulus + self.pure_shear_modulus)
 
     @property
     def bulk_modulus(self) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..common.fits import power_law
+from ..common.fits import jackknife, power_law
 from ..engine.disks import Disks
 from ..engine.relaxed_disks import relax_at_pressure
 from ..engine.simulation import Simulation
@@ -109,8 +109,7 @@ def _response(state: State | DiskState, unit: float) -> Row:
         "phi": state.phi,
         "pressure": state.pressure / unit,
         "excess_coordination": 2.0 * (state.network_contacts - state.isostatic_contacts) / free,
-        # the mean over all directions of shear
-        "shear_modulus": 0.5 * (moduli.shear_modulus + moduli.pure_shear_modulus) / unit,
+        "shear_modulus": moduli.mean_shear_modulus / unit,
         "bulk_modulus": moduli.bulk_modulus / unit,
         "residual": state.residual,
     }
@@ -253,16 +252,12 @@ def exponent(summary: Sequence[Row], name: str, lowest: float, highest: float) -
     return power_law(*zip(*points, strict=True))
 
 
-def _jackknife(value: Callable[[list[Row]], float], rows: list[Row]) -> tuple[float, float]:
-    """A value of all packings, and its standard error from leaving out one after another.
-
-    The error is nan where one of the values is.
-    """
+def _jackknife(value: Callable[[Sequence[Row]], float], rows: list[Row]) -> tuple[float, float]:
+    """A value of all packings, and its standard error; nan of less than three."""
     if len(rows) < 3:
         return value(rows), float("nan")
-    without = np.array([value(rows[:n] + rows[n + 1 :]) for n in range(len(rows))])
-    spread = np.mean((without - without.mean()) ** 2) * (len(rows) - 1)
-    return value(rows), float(np.sqrt(spread))
+    found, error = jackknife(value, rows)
+    return float(found), float(error)
 
 
 def figure(rows: Sequence[Row]) -> Figure:

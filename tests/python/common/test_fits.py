@@ -1,5 +1,9 @@
-"""Fits of power laws."""
+"""Fits of power laws, and errors by leaving out samples."""
 
+from collections.abc import Sequence
+
+import deformable
+import numpy as np
 import pytest
 from deformable.common.fits import power_law
 
@@ -13,3 +17,25 @@ def test_least_squares() -> None:
     """Points at log x = -1, 0, 1 and log y = 1, 0, 2: the slope is (2 - 1)/2."""
     e = 2.718281828459045
     assert power_law([1 / e, 1.0, e], [e, 1.0, e * e]) == pytest.approx(0.5, rel=1e-14)
+
+
+def test_the_jackknife_of_a_mean_is_its_standard_error() -> None:
+    values = np.random.default_rng(1).normal(size=(9, 3))
+    found, error = deformable.jackknife(lambda some: np.mean(some, axis=0), values)
+    assert found == pytest.approx(values.mean(axis=0), rel=1e-14)
+    assert error == pytest.approx(values.std(axis=0, ddof=1) / 3.0, rel=1e-12)
+
+
+def test_the_jackknife_of_a_square() -> None:
+    """Of samples 1, 2, 6: the square of their mean, 9, without each 16, 12.25 and 2.25."""
+
+    def square(some: Sequence[float]) -> float:
+        return float(np.mean(some)) ** 2
+
+    found, error = deformable.jackknife(square, [1.0, 2.0, 6.0])
+    assert (found, error) == pytest.approx((9.0, np.sqrt(2.0 * np.var([16.0, 12.25, 2.25]))))
+
+
+def test_one_sample_has_no_error() -> None:
+    with pytest.raises(deformable.ParameterError, match="at least 2 for an error, not 1"):
+        deformable.jackknife(np.mean, [1.0])

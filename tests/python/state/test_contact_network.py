@@ -1,0 +1,98 @@
+"""Degrees of the contact network, and its coordination beyond isostaticity, by loops."""
+
+from dataclasses import replace
+
+import deformable
+import numpy as np
+import pytest
+from crystal import crystal
+from deformable import Ring
+
+DROPLETS = Ring(kA=np.inf, kP=0.0, tension=1.0, contact="curved")
+
+
+@pytest.fixture(scope="module")
+def states() -> list[deformable.State | deformable.DiskState]:
+    """Droplets and disks above jamming, alone, in a rectangle and in a channel.
+
+    The last ones are not at rest: there rattlers bear forces.
+    """
+    found: list[deformable.State | deformable.DiskState] = []
+    for walls in ((), deformable.rectangle(8, 7), deformable.rectangle(8, 7)[2:]):
+        loose = deformable.bidisperse(24, seed=5)
+        loose = loose.between(walls) if walls else loose
+        pressed = deformable.push_off(loose.at(0.87))
+        with deformable.Simulation(pressed, DROPLETS) as sim, deformable.Disks(pressed) as disks:
+            found += [sim.relax(), disks.relax()]
+    dense = deformable.jam(deformable.bidisperse(24, seed=1)).at(0.95)
+    shaken = np.random.default_rng(1).normal(scale=0.03, size=dense.positions.shape)
+    moved = replace(dense, positions=dense.positions + shaken)
+    with deformable.Simulation(moved, DROPLETS) as sim, deformable.Disks(moved) as disks:
+        return [*found, sim.state(), disks.state()]
+
+
+def by_loops(
+    state: deformable.State | deformable.DiskState, threshold: float
+) -> tuple[int, np.ndarray]:
+    """Contacts and the degree of each particle, once rattlers are gone."""
+    contacts = state._contact_forces
+    all_of_them = [
+        (int(i), int(j), float(np.hypot(*force)))
+        for i, j, force in zip(contacts.i, contacts.j, contacts.force, strict=True)
+    ]
+
+    def rigid(kept: list[tuple[int, int, float]]) -> tuple[list, np.ndarray]:
+        while True:
+            degree = np.zeros(len(state.packing), int)
+            for i, j, _ in kept:
+                degree[i] += 1
+                degree[j] += j >= 0
+            held = [c for c in kept if degree[c[0]] >= 3 and (c[1] < 0 or degree[c[1]] >= 3)]
+            if len(held) == len(kept):
+                return held, degree
+            kept = held
+
+    mean = np.mean([force for *_, force in rigid(all_of_them)[0]])
+    held, degree = rigid([c for c in all_of_them if c[2] >= threshold * mean])
+    return len(held), degree
+
+
+@pytest.mark.parametrize("number", range(8))
+def test_degrees_and_excess_by_loops(states: list, number: int) -> None:
+    state = states[number]
+    contacts, degree = by_loops(state, 0.0)
+    assert degree.any()
+    assert state.network_degree.tolist() == degree.tolist()
+    assert state.network_contacts == contacts
+    assert (state.rattlers == (degree == 0)).all()
+    motions = {0: 2, 2: 1, 4: 0}[len(state.packing.walls)]
+    found = {}
+    for threshold in (0.0, 1e-3, 0.3, 1.0, 50.0):
+        contacts, degree = by_loops(state, threshold)
+        particles = int(np.sum(degree > 0))
+        expected = 2.0 * (contacts - (2 * particles + 1 - motions)) / max(particles, 1)
+        found[threshold] = state.excess_coordination(threshold)
+        assert found[threshold] == (expected if particles else 0.0), threshold
+    assert found[0.3] < found[0.0]
+    assert found[50.0] == 0.0
+
+
+def test_a_crystal_has_six_contacts_each() -> None:
+    with deformable.Simulation(crystal(0.03), Ring()) as sim:
+        state = sim.relax()
+    n = len(state.packing)
+    assert (state.network_degree == 6).all()
+    assert state.excess_coordination(0.9) == 6.0 - 2.0 * (2 * n - 1) / n
+
+
+def test_without_contacts_there_is_no_excess() -> None:
+    with deformable.Simulation(crystal(-0.03), Ring()) as sim:
+        state = sim.state()
+    assert not state.network_degree.any()
+    assert state.excess_coordination() == state.excess_coordination(0.5) == 0.0
+
+
+@pytest.mark.parametrize("threshold", [-0.1, np.nan, np.inf, "much", None])
+def test_thresholds_are_parts_of_a_force(states: list, threshold: float) -> None:
+    with pytest.raises(deformable.ParameterError, match="threshold must"):
+        states[0].excess_coordination(threshold)
