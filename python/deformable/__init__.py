@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from .engine.disks import Disks as Disks
     from .engine.polygon_simulation import PolygonSimulation as PolygonSimulation
     from .engine.simulation import Simulation as Simulation
+    from .model.crystal import triangular as triangular
     from .model.laws import Ring as Ring
     from .model.laws import Sector as Sector
     from .model.packing import Packing as Packing
@@ -120,6 +121,7 @@ _HOMES = {
     "shear_in": "runs.recording",
     "shear_modulus": "protocols.moduli",
     "squeeze": "studies.paper.single",
+    "triangular": "model.crystal",
     "unwrapped": "state.displacements",
 }
 

@@ -7,10 +7,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..common.optional import optional
-from ..common.validate import count, positive
+from ..common.validate import count, numbers, positive
 from ..model.packing import Packing
 from ..model.room import closed
 from . import contact_forces, displacements, local_strain
@@ -18,7 +18,7 @@ from .cells import Cells, cells_of
 from .displacements import Snapshot
 from .exports import in_space
 from .local_strain import LocalStrain
-from .structure_factor import structure_factor
+from .structure_factor import density_waves, structure_factor
 
 
 class Analysis(ABC):
@@ -165,6 +165,55 @@ class Analysis(ABC):
         np.add.at(order, cells.i, cells.length * (x + 1j * y) ** count("k", k))
         total = np.bincount(cells.i, cells.length, minlength=number)
         return np.divide(order, total, out=np.full(number, np.nan + 0j), where=total > 0.0)
+
+    def hexatic_correlation(
+        self, r_max: float, bins: int = 100, k: int = 6
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Correlation of the bond-orientational order over the distance, by freud.
+
+            g_k(r) = mean of Re conj(psi_k(i)) psi_k(j)
+
+        over all pairs of particles at the distance r, with psi_k of `hexatic`. On a triangular
+        lattice g_6 is 1. It tends to |mean psi_6|^2 in a crystal, falls as a power of r in a
+        hexatic phase, and exponentially in a fluid.
+
+        Args:
+            r_max: largest distance, below half of the box [length].
+            bins: number of intervals of the distance.
+            k: number of directions.
+
+        Returns:
+            Distances r, the middles of the intervals [length], and g, both of shape (bins,); g is
+            nan where no pair has such a distance.
+
+        Raises:
+            ParameterError: a value is out of range.
+            ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
+
+        Source: Nelson and Halperin, Phys. Rev. B 19, 2457 (1979).
+        """
+        r_max, bins = positive("r_max", r_max), count("bins", bins)
+        optional("freud", "freud")
+        from .radial_distribution import correlation
+
+        return correlation(self.to_freud(), self.hexatic(k), r_max, bins)
+
+    def density_waves(self, k: ArrayLike) -> NDArray[np.complex128]:
+        """Amplitudes of density waves of the centers, shape (M,).
+
+            rho_k = 1/N sum exp(i k r)
+
+        Its modulus is 1 at the reciprocal lattice of a perfect crystal, 1/sqrt(N) in disorder:
+        positional order. N |rho_k|^2 is the structure factor at k.
+
+        Args:
+            k: wave vectors of the periodic box, shape (M, 2) [1/length].
+
+        Raises:
+            ParameterError: wrong shape, or a wave that does not fit into the box, or walls close a
+                direction.
+        """
+        return density_waves(self.packing, numbers("k", k))
 
     def structure_factor(
         self, k_max: float, bins: int = 100

@@ -1,4 +1,4 @@
-"""The radial distribution function of centers, by freud, between walls too."""
+"""Functions of the distance of two centers, by freud, between walls too."""
 
 from __future__ import annotations
 
@@ -31,16 +31,40 @@ def radial_distribution(
         bins: number of intervals of the distance.
     """
     density = optional("freud", "freud").density
-    box, points = freud_system
-    try:
-        found = density.RDF(bins, r_max).compute((box, points))
-    except RuntimeError as error:
-        raise ParameterError(f"r_max = {r_max:g} is too large for the box: {error}") from None
+    box, _ = freud_system
+    found = _by_distance(density.RDF(bins, r_max), r_max, freud_system)
     r, g = np.array(found.bin_centers), np.array(found.rdf, dtype=np.float64)
     if packing.walls:
         area, inside = _room_around(packing, r)
         g *= area / (box.volume * inside)  # freud's density counts the empty part of its box
     return r, g
+
+
+def correlation(
+    freud_system: tuple[Any, Floats], values: NDArray[np.complex128], r_max: float, bins: int
+) -> tuple[Floats, Floats]:
+    """Distances r and the mean of conj(a_i) a_j over all pairs at r; nan where there are none.
+
+    Args:
+        freud_system: box and points of `State.to_freud`.
+        values: a of each particle, shape (N,); pairs with a nan are left out.
+        r_max: largest distance [length].
+        bins: number of intervals of the distance.
+    """
+    density = optional("freud", "freud").density
+    box, points = freud_system
+    known = ~np.isnan(values)
+    function = density.CorrelationFunction(bins, r_max)
+    found = _by_distance(function, r_max, (box, points[known]), values=values[known])
+    mean = np.array(found.correlation).real  # each pair counts in both orders
+    return np.array(found.bin_centers), np.where(np.array(found.bin_counts) > 0, mean, np.nan)
+
+
+def _by_distance(function: Any, r_max: float, system: tuple[Any, Floats], **values: Any) -> Any:
+    try:
+        return function.compute(system, **values)
+    except RuntimeError as error:
+        raise ParameterError(f"r_max = {r_max:g} is too large for the box: {error}") from None
 
 
 def _room_around(packing: Packing, r: Floats) -> tuple[float, Floats]:

@@ -1,4 +1,4 @@
-"""The static structure factor of centers in a periodic box."""
+"""Density waves of centers in a periodic box, and their static structure factor."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ from ..model.room import closed
 
 Floats = NDArray[np.float64]
 
+# Farthest from a whole number of periods in the box that a wave may be.
+_WHOLE = 1e-6
+
 # Particles whose phases are in memory at a time.
 _BLOCK = 4096
 
@@ -21,10 +24,7 @@ def structure_factor(packing: Packing, k_max: float, bins: int) -> tuple[Floats,
 
     freud has this sum in three dimensions only.
     """
-    if any(closed(packing.walls)):
-        raise ParameterError(
-            "the structure factor needs a periodic box: a container has no wave vectors of its own"
-        )
+    _refuse_container(packing)
     fractions = fractional(packing.positions, packing.box)
     # k = 2 pi (h, m) B^-T, and h = k.a / 2 pi is below k_max |a| / 2 pi
     most_h, most_m = (k_max * np.hypot(*packing.box.T) / (2.0 * np.pi)).astype(int).tolist()
@@ -42,3 +42,27 @@ def structure_factor(packing: Packing, k_max: float, bins: int) -> tuple[Floats,
     count, summed = (np.histogram(k[kept], edges, weights=each)[0] for each in (None, power[kept]))
     middle = 0.5 * (edges[1:] + edges[:-1])
     return middle, np.where(count > 0, summed / np.maximum(count, 1), np.nan)
+
+
+def density_waves(packing: Packing, k: Floats) -> NDArray[np.complex128]:
+    """See `Analysis.density_waves`."""
+    _refuse_container(packing)
+    if k.ndim != 2 or k.shape[1] != 2:
+        raise ParameterError(f"k must have shape (M, 2), not {k.shape}")
+    periods = k @ packing.box.T / (2.0 * np.pi)
+    off = np.abs(periods - np.rint(periods)).max(axis=1, initial=0.0)
+    if off.max(initial=0.0) > _WHOLE:
+        n = int(off.argmax())
+        nearest = 2.0 * np.pi * np.linalg.solve(packing.box, np.rint(periods[n]))
+        raise ParameterError(
+            f"k = {k[n].tolist()} is no wave vector of the box: it has {periods[n].tolist()} "
+            f"periods along its sides, not whole numbers; the nearest one is {nearest.tolist()}"
+        )
+    return np.array([np.exp(1.0j * (packing.positions @ wave)).mean() for wave in k])
+
+
+def _refuse_container(packing: Packing) -> None:
+    if any(closed(packing.walls)):
+        raise ParameterError(
+            "the structure factor needs a periodic box: a container has no wave vectors of its own"
+        )

@@ -1,8 +1,9 @@
-"""g(r) by freud, with the density of the room that centers have."""
+"""g(r) by freud, with the density of the room that centers have, and g_6(r)."""
 
 import deformable
 import numpy as np
 import pytest
+from crystal import crystal
 
 pytest.importorskip("freud")
 
@@ -34,3 +35,44 @@ def test_points_at_random_places(walls: tuple) -> None:
     pairs = number**2 / 2.0 * 2.0 * np.pi * r * 0.3 / places.area
     # 1 % for the room around the places, by random directions
     assert np.abs(g - 1.0).max() < 5.0 / np.sqrt(pairs.min()) + 0.01
+
+
+def state_of(packing: deformable.Packing) -> deformable.DiskState:
+    with deformable.Disks(packing) as disks:
+        return disks.state()
+
+
+@pytest.mark.parametrize("walls", [(), deformable.rectangle(6.0, 7.0)], ids=["periodic", "walls"])
+@pytest.mark.parametrize("k", [4, 6])
+def test_hexatic_correlation_as_a_sum_over_pairs(walls: tuple, k: int) -> None:
+    packing = deformable.bidisperse(40, phi=0.8, tilt=0.0 if walls else 0.4, seed=3)
+    state = state_of(deformable.push_off(packing.between(walls) if walls else packing))
+    r, g = state.hexatic_correlation(2.3, bins=10, k=k)
+    psi, box = state.hexatic(k), state.packing.box
+    apart = (state.packing.positions[:, None] - state.packing.positions) @ np.linalg.inv(box)
+    distance = np.linalg.norm((apart - (0.0 if walls else np.rint(apart))) @ box, axis=-1)
+    assert r == pytest.approx(0.115 + 0.23 * np.arange(10), rel=1e-5)  # freud's single precision
+    for low, each in zip(0.23 * np.arange(10), g, strict=True):
+        i, j = np.nonzero((distance > low) & (distance < low + 0.23) & ~np.eye(40, dtype=bool))
+        expected = np.mean((psi[i].conj() * psi[j]).real) if len(i) else np.nan
+        assert each == pytest.approx(expected, abs=1e-6, nan_ok=True)
+    assert np.isnan(g[0])
+
+
+def test_hexatic_correlation_of_a_lattice() -> None:
+    _, g = state_of(crystal(0.01, 8, 8)).hexatic_correlation(3.3, bins=33)
+    known = ~np.isnan(g)
+    assert 3 < known.sum() < 33
+    assert g[known] == pytest.approx(np.ones(known.sum()), abs=1e-6)
+    alone = state_of(deformable.Packing([[1.0, 1.0]], [0], [0.5], 9.0 * np.eye(2)))
+    assert np.isnan(alone.hexatic_correlation(3.0, bins=3)[1]).all()
+
+
+def test_refusals() -> None:
+    state = state_of(deformable.bidisperse(10))
+    told = (((0.0,), "r_max"), ((5.0, 0), "bins"), ((1.0, 5, 0), "k must"), ((99.0,), "too large"))
+    for arguments, message in told:
+        with pytest.raises(deformable.ParameterError, match=message):
+            state.hexatic_correlation(*arguments)
+    with pytest.raises(deformable.ParameterError, match="r_max = 99 is too large for the box"):
+        state.radial_distribution(99.0)

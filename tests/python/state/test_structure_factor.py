@@ -1,4 +1,6 @@
-"""S(k) against a sum over pairs of particles, and the peak of a lattice."""
+"""S(k) against a sum over pairs of particles, the peaks of a lattice, and density waves."""
+
+from dataclasses import replace
 
 import deformable
 import numpy as np
@@ -54,3 +56,42 @@ def test_refusals() -> None:
     post = deformable.Disk((3.0, 3.0), 0.5)
     around = state_of(deformable.bidisperse(20, phi=0.2).between(post))
     assert np.isfinite(around.structure_factor(5.0, 2)[1]).all()
+
+
+@pytest.mark.parametrize("tilt", [0.0, -1.3])
+def test_density_waves_are_those_of_the_structure_factor(tilt: float) -> None:
+    packing = deformable.bidisperse(10, phi=0.5, tilt=tilt, aspect=1.5, seed=4)
+    state = state_of(packing)
+    wave = 2.0 * np.pi * np.linalg.inv(packing.box)[:, 1]  # a row of the reciprocal lattice
+    length = float(np.hypot(*wave))
+    (_, s) = state.structure_factor(k_max=1.0001 * length, bins=20_000)
+    rho = state.density_waves([wave, -wave, 0.0 * wave])
+    assert 10.0 * abs(rho[0]) ** 2 == pytest.approx(s[-2:][~np.isnan(s[-2:])].max())
+    assert rho[1] == pytest.approx(rho[0].conjugate())
+    assert rho[2] == pytest.approx(1.0 + 0.0j)
+
+
+def test_density_waves_of_a_lattice() -> None:
+    """1 at its reciprocal lattice, with the phase of where it lies, and 0 elsewhere."""
+    lattice = crystal(0.01, 8, 8)
+    moved = replace(lattice, positions=lattice.positions + np.array([0.1, 0.2]))
+    side = 4.0 * np.pi / (np.sqrt(3.0) * 0.99)
+    peaks = side * np.array([[0.0, 1.0], [np.sqrt(0.75), 0.5]])
+    rho = state_of(moved).density_waves(peaks)
+    assert rho == pytest.approx(np.exp(1j * peaks @ [0.1, 0.2]), abs=1e-12)
+    beside = peaks + np.array([2.0 * np.pi / lattice.box[0, 0], 0.0])
+    assert np.abs(state_of(moved).density_waves(beside)).max() < 1e-12
+
+
+def test_waves_that_do_not_fit_are_refused() -> None:
+    state = state_of(deformable.bidisperse(10))
+    with pytest.raises(deformable.ParameterError, match="is no wave vector of the box") as error:
+        state.density_waves([[1.0, 0.3]])
+    nearest = eval(str(error.value).split("nearest one is ")[1])
+    assert state.density_waves([nearest]).shape == (1,)
+    for wrong in ([1.0, 0.0], np.zeros((2, 3)), "x", [[np.nan, 0.0]]):
+        with pytest.raises(deformable.ParameterError, match="k must"):
+            state.density_waves(wrong)
+    walled = state_of(deformable.bidisperse(10).between(deformable.rectangle(8.0, 8.0)))
+    with pytest.raises(deformable.ParameterError, match="needs a periodic box"):
+        walled.density_waves([[0.0, 0.0]])
