@@ -13,7 +13,8 @@ balanced ones, of a time step at constant energy and of compressions from jammin
 take turns in one process. `energy`: the standard deviation of the total energy of `curved` in runs
 at constant energy, over the kinetic part, against the time step, and its growth in four times the
 time: a drift would grow fourfold. `drift`: the trend of the total energy in a million steps of 16
-particles, the mean over eight or `--runs` runs and its error.
+particles, the mean over eight or `--runs` runs and its error. `films`: processor
+time of a step of droplets that stick over that without adhesion.
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ SKIN = 0.025
 RADII = np.array([0.5, 0.7])
 TIMESTEPS = (0.2, 0.1, 0.05)
 MOTIONS = {"slow": (1e-8, 0.1), "fast": (1e-5, 0.1), "fast, long steps": (1e-5, 0.4)}
+FILM_MOTIONS = {"slow": (1e-6, 0.05), "fast": (1e-4, 0.05)}
 
 
 def accuracy() -> list[dict[str, Any]]:
@@ -152,6 +154,34 @@ def repeated(packing: deformable.Packing, times: int) -> deformable.Packing:
     return deformable.Packing(positions, species, packing.radii, times * packing.box)
 
 
+def films(repeats: int = 3) -> list[dict[str, Any]]:
+    """Droplets of tension 1, N = 1024, from the same packing, with and without adhesion."""
+    adhesions = (0.0, 0.05, 0.2)
+
+    def droplets(w: float) -> deformable.Ring:
+        return deformable.Ring(kA=np.inf, kP=0.0, tension=1.0, contact="curved", adhesion=w)
+
+    rows = []
+    for phi, (motion, (temperature, dt)) in itertools.product((0.84, 0.9), FILM_MOTIONS.items()):
+        start = deformable.jam(deformable.bidisperse(1024, seed=1)).at(phi)
+        runs = [
+            [step(start, droplets(w), temperature, dt, 10.0, 200) for w in adhesions]
+            for _ in range(repeats)
+        ]
+        for n, w in enumerate(adhesions):
+            rows.append(
+                {
+                    "phi": phi,
+                    "motion": motion,
+                    "w": w,
+                    "ratio": statistics.median(run[n][0] / run[0][0] for run in runs),
+                    "evaluations": runs[0][n][1],
+                }
+            )
+            print("films", rows[-1], flush=True)
+    return rows
+
+
 def relaxations() -> list[dict[str, Any]]:
     rows = []
     for number in (64, 256):
@@ -222,6 +252,7 @@ PARTS = {
     "drift": drift,
     "steps": steps,
     "relaxations": relaxations,
+    "films": films,
 }
 
 

@@ -45,6 +45,25 @@ def test_a_thousand_neighbor_lists(tmp_path):
     assert scene.energy() + kinetic == pytest.approx(energy, abs=1e-4)
 
 
+@pytest.mark.parametrize("lists", ["every 1 delay 0 check no", "every 100000 delay 0 check no"])
+def test_near_pairs_found_again(lists, tmp_path):
+    """A pair attaches in flight and swings, with near pairs of many neighbor lists, or of one."""
+    scene = doublet(2.021, tmp_path, W, commands=CONTACTS)
+    scene.run(f"neighbor 1.0 bin\nneigh_modify {lists}\nfix move all nve\ntimestep 0.01")
+    scene.run("thermo_modify norm no\nset atom 1 vx 0.23\nset atom 2 vx -0.23")
+    assert scene.energy() == 0.0
+    furthest = 0.0
+    for _ in range(20):
+        scene.run("run 50")
+        kinetic = 0.5 * np.sum(scene.gather("v", 3) ** 2)
+        lost = scene.vector("pair", 6)[5]
+        energy = scene.lmp.get_thermo("pe") + kinetic + lost
+        assert energy == pytest.approx(0.23**2, abs=1e-4)
+        furthest = max(furthest, np.ptp(scene.gather("x", 3)[:, 0]))
+    assert (contacts(scene)["attached"] == 1).all()
+    assert furthest > 2.1
+
+
 def test_restart_file(tmp_path):
     scene, energy = stretched(tmp_path)
     scene.run(f"write_restart {tmp_path / 'restart'}")
