@@ -82,4 +82,4 @@ def test_what_it_says_is_so(executed, folder):
     assert float(ratio) > 1.1
     (modulus, last) = re.findall(r"shear modulus (\S+), pressure (\S+)$", text, re.M)[0]
     assert float(modulus) > float(last) > 0.0
-    assert {"run.pvd", "run_0004.vtp", "outlines.geojson"} <= {p.name for p in folder.iterdir()}
+    assert {"run.pvd", "run_0005.vtp", "outlines.geojson"} <= {p.name for p in folder.iterdir()}

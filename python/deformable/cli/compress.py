@@ -144,7 +144,7 @@ def compress_command(
     else:
         check_together(settings, given)
         states = _begin(folder, settings, overwrite)
-    done = len(Run(folder)) if resume or append else 0
+    done = max(len(Run(folder)) - 1, 0) if resume or append else 0
     last = print_states(states, done, _COLUMNS)
     if last is None:
         print_once(f"the compression in '{folder}' is complete")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -15,19 +15,28 @@ class Steps(Iterator[T]):
     Args:
         name: of the protocol.
         results: of its steps.
+        start: returns the result before the first step, for a record; it may be called once, and
+            before the first step. None if there is no such result.
 
     Warns:
         RuntimeWarning: it is thrown away before the first step.
     """
 
-    def __init__(self, name: str, results: Iterator[T]) -> None:
-        self._name, self._begun = name, False
+    def __init__(
+        self, name: str, results: Iterator[T], start: Callable[[], T] | None = None
+    ) -> None:
+        self._name, self._begun, self._start = name, False, start
         self._results: Any = results  # a generator
 
     def __next__(self) -> T:
         self._begun = True
         result: T = next(self._results)
         return result
+
+    def start(self) -> T | None:
+        """The result before the first step; None if that is over, or if there is none."""
+        begun, self._begun = self._begun, True
+        return None if begun or self._start is None else self._start()
 
     def close(self) -> None:
         """End the protocol here."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterator
+from functools import cache
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -29,6 +30,7 @@ class Compressible(Protocol[S_co]):
     @property
     def box(self) -> NDArray[np.float64]: ...
     def deform(self, box: NDArray[np.float64]) -> None: ...
+    def state(self) -> S_co: ...
 
     # its arguments are checked by each simulation
     @property
@@ -73,8 +75,10 @@ def compress(
     expect("sim", sim, Simulation, Disks, PolygonSimulation)
     name, target = check_target(sim, steps, strain=strain, phi=phi, pressure=pressure)
     if name == "strain":
-        return Steps("compress", remaining_steps(sim, sim.box, target, int(steps), 0, tolerance))
-    return Steps("compress", _towards(sim, name, target, int(steps), tolerance))
+        states = remaining_steps(sim, sim.box, target, int(steps), 0, tolerance)
+        return Steps("compress", states, sim.state)
+    start = cache(lambda: sim.relax(**_given(tolerance)))
+    return Steps("compress", _towards(sim, name, start, target, int(steps), tolerance), start)
 
 
 def check_target(sim: object, steps: int, **targets: float | None) -> tuple[str, float]:
@@ -139,11 +143,16 @@ def _given(tolerance: float | None) -> dict[str, Any]:
 
 
 def _towards(
-    sim: Compressible[S], name: str, target: float, steps: int, tolerance: float | None
+    sim: Compressible[S],
+    name: str,
+    start: Callable[[], S],
+    target: float,
+    steps: int,
+    tolerance: float | None,
 ) -> Iterator[S]:
     """The steps to a phi or pressure from that of the relaxed start."""
-    start = getattr(sim.relax(**_given(tolerance)), name)
-    yield from steps_towards(sim, name, start, target, steps, 0, tolerance)
+    begin = getattr(start(), name)
+    yield from steps_towards(sim, name, begin, target, steps, 0, tolerance)
 
 
 def steps_towards(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import cache
 
 import numpy as np
 
@@ -104,7 +105,25 @@ def move(
         )
     if seed is not None and not 0 < whole("seed", seed) < 2**31:
         raise ParameterError(f"seed must lie between 1 and 2^31 - 1, not {seed}")
-    return Steps("move", _move(sim, steps, timestep, temperature, friction, every, seed))
+    start = cache(lambda: _start(sim, temperature, friction, seed))
+    moved = _move(sim, steps, timestep, temperature, friction, every, seed, start)
+    return Steps("move", moved, start)
+
+
+def _start(sim: Simulation, temperature: float | None, friction: float, seed: int | None) -> State:
+    """The state before the first step: particles may get velocities."""
+    lmp = sim.lmp
+    if "deformable_move" in lmp.available_ids("fix"):
+        raise ParameterError(
+            "another move of this simulation has not ended: finish its loop, or close() it first"
+        )
+    # in a bath, particles keep the velocities that they have
+    at_rest = not gather(lmp, "v", 3).any()
+    if temperature is not None and lmp.get_natoms() > 1 and (at_rest or not friction):
+        of_velocities, _ = _seeds(sim, seed)
+        drawn = f"{temperature!r} {of_velocities} loop all mom yes dist gaussian"
+        run(lmp, f"velocity all create {drawn}")
+    return sim.state()
 
 
 def _move(
@@ -115,21 +134,10 @@ def _move(
     friction: float,
     every: int,
     seed: int | None,
+    start: Callable[[], State],
 ) -> Iterator[State]:
-    lmp = sim.lmp
-    if "deformable_move" in lmp.available_ids("fix"):
-        raise ParameterError(
-            "another move of this simulation has not ended: finish its loop, or close() it first"
-        )
-    of_velocities, of_noise = _seeds(sim, seed)
-    # in a bath, particles keep the velocities that they have
-    at_rest = not gather(lmp, "v", 3).any()
-    if temperature is not None and lmp.get_natoms() > 1 and (at_rest or not friction):
-        run(
-            lmp,
-            f"velocity all create {temperature!r} {of_velocities} loop all mom yes dist gaussian",
-        )
-    state = sim.state()
+    lmp, state = sim.lmp, start()
+    _, of_noise = _seeds(sim, seed)
     dt = accurate_step(*state.step_limits()) if timestep is None else timestep
     taken, before = 0, sim.time  # steps of this length, and the time before them
     bath = _BATH.format(temperature=temperature or 0.0, time=1.0 / (friction or 1.0), seed=of_noise)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -60,8 +61,9 @@ def shear(
     """
     expect("sim", sim, Simulation, Disks)
     check_shear(sim, strain, steps)
-    states = shear_steps(sim, sim.strain or 0.0, float(strain), int(steps), 0, tolerance)
-    return Steps("shear", states)
+    before = sim.strain or 0.0
+    states = shear_steps(sim, before, float(strain), int(steps), 0, tolerance)
+    return Steps("shear", states, lambda: replace(sim.state(), strain=before))
 
 
 def check_shear(sim: Simulation | Disks, strain: float, steps: int) -> None:

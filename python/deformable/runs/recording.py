@@ -1,5 +1,7 @@
 """Runs that are written as they go on.
 
+Frame 0 is the state before the first step.
+
 Each step of `compress_in` and `shear_in` starts from the packing in the folder, which has all
 digits, and from the box of the first step. So a step gives the same whether or not the same process
 computed those before it.
@@ -8,6 +10,7 @@ computed those before it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -44,16 +47,19 @@ def record(
 ) -> Iterator[State]:
     """Write each state into a folder as it comes: an interrupted run loses nothing.
 
+    Frame 0 is the state before the first step of `compress`, `shear` or `move`.
+
         for state in deformable.record(deformable.compress(sim, 0.01, 10), "run"):
             print(state.phi)
 
     Args:
-        states: e.g. from `compress`.
+        states: e.g. from `compress`; only what such a call returns, before any step, knows the
+            state before. Frame 0 of all other states is the first of them.
         folder: made if missing; a run in it is replaced. `Run.append` goes on with it.
         parameters: anything that JSON can hold, for the summary.
 
     Yields:
-        The states, unchanged.
+        The states, unchanged; without the one before the first step.
 
     Raises:
         ParameterError: these are no states, of a `Simulation`, or no parameters.
@@ -77,6 +83,9 @@ def compress_in(
     pressure: float | None = None,
 ) -> Iterator[State]:
     """Compress as `compress`, and write as `record`, so that `Run.resume` can go on at any step.
+
+    Frame 0 is the state before the first step: unrelaxed, or the relaxed start for a phi or
+    pressure.
 
     Args:
         sim: without further commands to its `lmp`, because each step starts a new LAMMPS.
@@ -215,13 +224,13 @@ def _begun(
     if target != "strain":
         start = sim.relax(protocol["tolerance"])
         refuse_present(target, getattr(start, target), goal)
-    began = {"frame": first + (shears and new), "box": start.packing.box.tolist()}
+    began = {"frame": max(first, 1), "box": start.packing.box.tolist()}
     began["strain"] = sim.strain
     began |= {} if target == "strain" else {target: getattr(start, target)}
     parameters = {**(parameters or {}), **protocol, "start": began, **(before or {})}
     if start.root and new:
         (folder / DATA).unlink(missing_ok=True)  # no run is here until the new one is complete
-    if shears and new:
+    if first == 0:
         for _ in write([start], folder, parameters, first):
             pass
     elif start.root:
@@ -263,8 +272,12 @@ def _restarting(sim: Simulation, states: Iterable[State]) -> Iterator[State]:
 def write(
     states: Iterable[State], folder: Path, parameters: Mapping[str, Any], first: int
 ) -> Iterator[State]:
-    """Write each state after the first frames of a folder; later frames are removed."""
-    for number, state in enumerate(states, start=first):
+    """Write each state after the first frames of a folder; later frames are removed.
+
+    The state before the first step becomes frame 0, and is not yielded.
+    """
+    start = states.start() if first == 0 and isinstance(states, Steps) else None
+    for number, state in enumerate(chain([start] if start else [], states), start=first):
         expect("a state that is recorded", state, State)
         if state.root:
             if number == first:
@@ -276,4 +289,5 @@ def write(
             values, numbers = state.particle_values(), state.numbers()
             frames.append_frame(folder, number, state.packing, values, numbers)
             state.save(folder, parameters, frames=number + 1)
-        yield state
+        if state is not start:
+            yield state

@@ -41,7 +41,7 @@ def test_compress_writes_everything_and_goes_further(tmp_path: Path) -> None:
     assert result.returncode == 0, result.stderr
     with (out / "series.csv").open() as file:
         phi = [float(row["phi"]) for row in csv.DictReader(file)]
-    assert len(phi) == 3
+    assert len(phi) == 4
     assert phi == sorted(phi)
     parameters = json.loads((out / "summary.json").read_text())["parameters"]
     assert parameters["before"]["seed"] == 3

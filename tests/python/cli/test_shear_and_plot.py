@@ -72,7 +72,7 @@ def test_shear_resumes(folder: Path, tmp_path: Path) -> None:
         (["shear", "--resume", "--strain", "0.3"], ["--strain 0.02", "0.3"]),
         (["shear", "run", "--resume", "--overwrite"], ["--resume", "--overwrite"]),
         (["plot", "nowhere"], ["'nowhere'"]),
-        (["plot", "run", "--frame", "2"], ["2 states", "no state 2"]),
+        (["plot", "run", "--frame", "3"], ["3 states", "no state 3"]),
         (["plot", "run", "--color-by", "beauty"], ["beauty"]),
         (["plot", "run", "--cmap", "beauty"], ["cmap", "beauty"]),
         (["plot", "run", "--vmin", "2", "--vmax", "1"], ["vmin", "2", "1"]),
@@ -127,9 +127,9 @@ def test_plot_draws_the_frame(folder: Path, tmp_path: Path) -> None:
     """The title has phi and pressure of the frame."""
     pytest.importorskip("matplotlib")
     states = list(deformable.Run(folder / "run"))
-    for frame, state in ((0, states[0]), (-1, states[1])):
+    for frame, state in ((0, states[0]), (-1, states[2])):
         name = f"{frame}.svg"
         run("plot", str(folder / "run"), "--frame", str(frame), "--out", name, cwd=tmp_path)
         assert f"{state.phi:.4f}" in (tmp_path / name).read_text()
-    (again,) = [deformable.Run(folder / "run")[-2]]
+    (again,) = [deformable.Run(folder / "run")[-3]]
     assert again.energy == states[0].energy

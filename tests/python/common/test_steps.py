@@ -43,4 +43,4 @@ def test_nothing_is_written_before_the_first_step(state: deformable.State, tmp_p
         run.shear(0.001, 2)
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
     assert len(list(run.compress(0.001, 1))) == 1
-    assert len(run) == 3
+    assert len(run) == 4

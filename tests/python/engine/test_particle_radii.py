@@ -142,8 +142,8 @@ def test_trajectory_has_the_radii(jammed: deformable.Packing, tmp_path: Path) ->
             dt=1.0,
         )
         radii = [frame.data["radius"].copy() for frame in universe.trajectory]
-    assert len(radii) == 2
-    np.testing.assert_allclose(radii, [jammed.radius] * 2, rtol=1e-12)
+    assert len(radii) == 3
+    np.testing.assert_allclose(radii, [jammed.radius] * 3, rtol=1e-12)
 
 
 def test_picture(state: deformable.State) -> None:

@@ -15,18 +15,19 @@ pytest.importorskip("MDAnalysis")
 def run(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[Path, list[deformable.State]]:
-    """A recorded motion."""
+    """A recorded motion, with the state before its first step."""
     folder = tmp_path_factory.mktemp("run")
     fluid = deformable.push_off(deformable.bidisperse(16, phi=0.7, tilt=request.param, seed=2))
     with deformable.Simulation(fluid, deformable.Ring()) as sim:
         motion = deformable.move(sim, 60, temperature=1e-5, every=20, seed=1)
-        return folder, list(deformable.record(motion, folder))
+        states = list(deformable.record(motion, folder))
+        return folder, [deformable.Run(folder)[0], *states]
 
 
 def test_universe_of_a_run(run: tuple[Path, list[deformable.State]]) -> None:
     folder, states = run
     universe = deformable.Run(folder).universe()
-    assert len(universe.trajectory) == len(states) == 3
+    assert len(universe.trajectory) == len(states) == 4
     assert np.array_equal(universe.atoms.radii, states[0].packing.radius)
     for frame, state in zip(universe.trajectory, states, strict=True):
         one = state.to_mdanalysis()
@@ -71,8 +72,8 @@ def test_frames_that_are_not_complete_are_left_out(
     (tmp_path / "trajectory.lammpstrj").write_text(text + text[: len(text) // 4])
     universe = deformable.Run(tmp_path).universe()
     for each in (universe, universe.copy()):
-        assert len(each.trajectory) == 3
-        assert len([frame.frame for frame in each.trajectory]) == 3
+        assert len(each.trajectory) == 4
+        assert len([frame.frame for frame in each.trajectory]) == 4
         assert each.trajectory[-1].time == pytest.approx(run[1][-1].time)
 
 

@@ -84,7 +84,7 @@ def test_time_goes_on_in_a_recorded_run(packing: deformable.Packing, tmp_path: P
     with deformable.Run(tmp_path).simulation() as sim:
         list(deformable.Run(tmp_path).append(deformable.move(sim, 300, 0.01)))
         assert sim.relax().time == pytest.approx(5.0)
-    expected = pytest.approx([1.0, 2.0, 3.0, 4.0, 5.0])
+    expected = pytest.approx([0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
     series = np.genfromtxt(tmp_path / "series.csv", delimiter=",", names=True)
     assert series["time"] == expected
     universe = deformable.Run(tmp_path).universe()
@@ -113,7 +113,7 @@ def test_strain_goes_on(tmp_path: Path, resumable: bool) -> None:
     with deformable.Run(tmp_path).simulation() as sim:
         *_, last = deformable.compress(sim, 0.001, 1)
         assert last.strain == pytest.approx(-0.01)
-    expected = pytest.approx([0.0] * resumable + [0.01, 0.02, 0.01, 0.0, -0.01], abs=1e-15)
+    expected = pytest.approx([0.0, 0.01, 0.02, 0.01, 0.0, -0.01], abs=1e-15)
     series = np.genfromtxt(tmp_path / "series.csv", delimiter=",", names=True)
     assert series["strain"] == expected
     assert [state.strain for state in deformable.Run(tmp_path)] == expected

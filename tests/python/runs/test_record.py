@@ -43,22 +43,23 @@ def test_tilted_packings_and_species_go_on(
 
 def test_record_writes_as_the_run_goes(jammed: deformable.Packing, tmp_path: Path) -> None:
     with deformable.Simulation(jammed, deformable.Ring()) as sim:
+        before = sim.state()
         run = deformable.record(deformable.compress(sim, strain=0.02, steps=4), tmp_path)
         first, second = next(run), next(run)  # and interrupted here
     with (tmp_path / "series.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert [float(row["phi"]) for row in rows] == [first.phi, second.phi]
+    assert [float(row["phi"]) for row in rows] == [before.phi, first.phi, second.phi]
 
     with deformable.Run(tmp_path).simulation() as sim:
         steps = deformable.compress(sim, strain=0.01, steps=1)
         (third,) = deformable.Run(tmp_path).append(steps, {"steps": 1})
     with (tmp_path / "series.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert [int(row["frame"]) for row in rows] == [0, 1, 2]
-    assert float(rows[2]["energy"]) == third.energy > second.energy
+    assert [int(row["frame"]) for row in rows] == [0, 1, 2, 3]
+    assert float(rows[3]["energy"]) == third.energy > second.energy
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["parameters"] == {"steps": 1, "before": {}}
-    assert (tmp_path / "trajectory.lammpstrj").read_text().count("ITEM: TIMESTEP") == 3
+    assert (tmp_path / "trajectory.lammpstrj").read_text().count("ITEM: TIMESTEP") == 4
 
 
 @pytest.mark.parametrize("tilt", [0.0, 0.3, -0.3])
@@ -68,11 +69,11 @@ def test_mdanalysis_reads_the_trajectory(tilt: float, tmp_path: Path) -> None:
     jammed = deformable.jam(deformable.bidisperse(16, tilt=tilt, seed=4))
     with deformable.Simulation(jammed, deformable.Ring()) as sim:
         steps = deformable.compress(sim, strain=0.02, steps=2)
-        states = list(deformable.record(steps, tmp_path))
+        states = [sim.state(), *deformable.record(steps, tmp_path)]
     universe = mdanalysis.Universe(
         str(tmp_path / "trajectory.lammpstrj"), format="LAMMPSDUMP", additional_columns=True, dt=1.0
     )
-    assert len(universe.trajectory) == 2
+    assert len(universe.trajectory) == 3
     for frame, state in zip(universe.trajectory, states, strict=True):
         assert frame.data["area"] == pytest.approx(state.area)
         assert frame.data["pressure"] == pytest.approx(state.particle_pressure, rel=1e-5)
@@ -89,11 +90,11 @@ def test_shear_stress_of_a_series_resists(tmp_path: Path) -> None:
     jammed = deformable.jam(deformable.bidisperse(16, seed=1))
     with deformable.Simulation(jammed.at(jammed.phi + 0.03), deformable.Ring()) as sim:
         start = sim.relax()
-        states = list(deformable.record(deformable.shear(sim, 1e-3, 2), tmp_path / "run"))
+        states = [start, *deformable.record(deformable.shear(sim, 1e-3, 2), tmp_path / "run")]
     with (tmp_path / "run" / "series.csv").open(newline="") as file:
         stress = [float(row["shear_stress"]) for row in csv.DictReader(file)]
-    assert stress == [-state.stress[0, 1] for state in states]
-    assert stress[1] > stress[0] > -start.stress[0, 1]
+    assert stress == pytest.approx([-state.stress[0, 1] for state in states], rel=1e-6)
+    assert stress[2] > stress[1] > stress[0]
 
 
 def test_append_cuts_off_half_a_frame(jammed: deformable.Packing, tmp_path: Path) -> None:
@@ -102,13 +103,13 @@ def test_append_cuts_off_half_a_frame(jammed: deformable.Packing, tmp_path: Path
             pass
         trajectory = tmp_path / "trajectory.lammpstrj"
         whole = trajectory.read_text()
-        trajectory.write_text(whole + whole[: len(whole) // 2])  # killed in the second frame
+        trajectory.write_text(whole + whole[: len(whole) // 2])  # killed in the third frame
         for _ in deformable.Run(tmp_path).append(deformable.compress(sim, 0.01, 1)):
             pass
     text = trajectory.read_text()
     assert text.startswith(whole)
-    assert text.count("ITEM: TIMESTEP") == 2
-    assert len(text.splitlines()) == 2 * len(whole.splitlines())
+    assert text.count("ITEM: TIMESTEP") == 3
+    assert 2 * len(text.splitlines()) == 3 * len(whole.splitlines())
 
 
 def test_append_without_a_summary_is_refused(state: deformable.State, tmp_path: Path) -> None:
@@ -134,7 +135,7 @@ def test_a_row_stands_for_a_whole_frame(
         with pytest.raises(KeyboardInterrupt):
             next(steps)
     with (tmp_path / "series.csv").open(newline="") as file:
-        assert len(list(csv.DictReader(file))) == 1
+        assert len(list(csv.DictReader(file))) == 2
 
 
 @pytest.mark.parametrize(("left", "whole"), [(0.0, 0), (0.4, 0), (0.6, 1), (0.999999, 1)])

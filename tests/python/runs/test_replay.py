@@ -101,16 +101,16 @@ def test_a_run_is_indexed(start: Packing, tmp_path: Path) -> None:
             pass
     run = deformable.Run(tmp_path)
     fractions = [state.phi for state in run]
-    assert len(run) == len(set(fractions)) == 4
-    assert [run[n].phi for n in (0, 3, -1, -4)] == [fractions[n] for n in (0, 3, -1, -4)]
+    assert len(run) == len(set(fractions)) == 5
+    assert [run[n].phi for n in (0, 4, -1, -5)] == [fractions[n] for n in (0, 4, -1, -5)]
     for part in (slice(1, 3), slice(None, None, -1), slice(9, None)):
         assert [state.phi for state in run[part]] == fractions[part]
-    for number in (4, -5):
-        with pytest.raises(IndexError, match=f"has 4 states, and no state {number}"):
+    for number in (5, -6):
+        with pytest.raises(IndexError, match=f"has 5 states, and no state {number}"):
             run[number]
     with deformable.Run(tmp_path).simulation() as sim:
         (more,) = run.append(deformable.compress(sim, 0.01, 1), {"seed": 3})
-    assert (len(run), run[-1].phi) == (5, pytest.approx(more.phi, rel=1e-12))
+    assert (len(run), run[-1].phi) == (6, pytest.approx(more.phi, rel=1e-12))
     assert run.parameters == {"seed": 3, "before": {}}
 
 

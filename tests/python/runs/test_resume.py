@@ -81,16 +81,17 @@ def uninterrupted(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
 
 
 def test_killed_again_and_again(uninterrupted: dict[str, bytes], tmp_path: Path) -> None:
-    # the four files of the start are written first, the packing last, each in two moves
-    killed("before", 8, *START, cwd=tmp_path)
+    killed("torn", 1, *START, cwd=tmp_path)  # within the line of its law and walls
+    again = (*START, "--overwrite")
+    killed("torn", 3, *again, cwd=tmp_path)  # within the row of the start
+    killed("before", 19, *again, cwd=tmp_path)  # before its packing, which is written last
     result = compress("--resume", cwd=tmp_path)  # there is no run yet
     assert (result.returncode, result.stderr.count("\n")) == (2, 1)
     assert "packing.data is missing" in result.stderr
 
-    killed("before", 10, *START, cwd=tmp_path)  # before the first frame
-    killed("torn", 1, "--resume", cwd=tmp_path)  # within the line of its law and walls
-    killed("torn", 4, "--resume", cwd=tmp_path)  # within the second
-    killed("torn", 2, "--resume", cwd=tmp_path)  # within the second row
+    killed("before", 20, *again, cwd=tmp_path)  # before the frame of the first step
+    killed("torn", 3, "--resume", cwd=tmp_path)  # within the frame of the second step
+    killed("torn", 2, "--resume", cwd=tmp_path)  # within its row
     killed("before", 23, "--resume", cwd=tmp_path)  # between summary and packing of the third step
     result = compress("--resume", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
@@ -122,7 +123,7 @@ def test_the_same_command_resumes(
     """Another option is refused, and so is going further from an interrupted run."""
     monkeypatch.chdir(tmp_path)
     law = ("--kA", "1", "--kP", "inf", "--radii", "0.5", "0.7", "--law", "balanced")
-    killed("torn", 6, *START, *law, cwd=tmp_path)
+    killed("torn", 8, *START, *law, cwd=tmp_path)
     broken = contents(tmp_path / "run")
     for option, saved, given in (
         ("--seed", "5", "2"),
@@ -170,7 +171,7 @@ def test_a_run_is_not_overwritten(uninterrupted: dict[str, bytes], tmp_path: Pat
     assert contents(folder) == uninterrupted
     result = compress("--number", "8", "--steps", "1", "--overwrite", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    assert (folder / "series.csv").read_text().count("\n") == 2
+    assert (folder / "series.csv").read_text().count("\n") == 3
     assert json.loads((folder / "summary.json").read_text())["parameters"]["number"] == 8
 
 
@@ -224,7 +225,7 @@ def test_killed_from_outside(uninterrupted: dict[str, bytes], tmp_path: Path) ->
     command = [sys.executable, "-c", "from deformable.cli.main import main; main()", "compress"]
     process = subprocess.Popen([*command, "--out", "run", *START], cwd=tmp_path)
     series = tmp_path / "run" / "series.csv"
-    while process.poll() is None and not (series.exists() and series.stat().st_size > 0):
+    while process.poll() is None and not (series.exists() and series.read_text().count("\n") > 2):
         time.sleep(0.01)
     process.kill()
     process.wait()
@@ -249,8 +250,8 @@ def test_python_resumes_what_it_began(jammed: deformable.Packing, tmp_path: Path
     assert len(states) == 2
     assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
     parameters = json.loads((tmp_path / "whole" / "summary.json").read_text())["parameters"]
-    assert parameters["start"]["frame"] == 3
-    assert parameters["before"]["start"]["frame"] == 0
+    assert parameters["start"]["frame"] == 4
+    assert parameters["before"]["start"]["frame"] == 1
 
 
 def test_a_resumed_packing_was_rigid(

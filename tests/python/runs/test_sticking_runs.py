@@ -37,7 +37,7 @@ def test_replay(start: deformable.State, tmp_path: Path) -> None:
         states = list(deformable.record(moving, tmp_path))
     assert states[-1].lost_energy > 0.0
     run = deformable.Run(tmp_path)
-    assert_same(states, list(run))
+    assert_same(states, run[1:])
     with run.simulation(MPI.COMM_SELF) as sim:
         assert_same(states[-1:], [sim.state()])
     assert any(stretched(state) for state in states)  # or positions would be enough

@@ -84,7 +84,7 @@ def test_saved_runs_are_read_back(run) -> None:
         again = sim.state()
     assert again.packing.walls == states[-1].packing.walls
     assert again.energy == pytest.approx(states[-1].energy, rel=1e-12)
-    replayed = list(deformable.Run(folder))
+    replayed = deformable.Run(folder)[1:]
     for one, other in zip(replayed, states, strict=True):
         assert one.energy == pytest.approx(other.energy, rel=1e-6)
         assert one.phi == pytest.approx(other.phi, rel=1e-12)
@@ -100,7 +100,7 @@ def test_interrupted_runs_are_resumed(run, tmp_path: Path) -> None:
         (tmp_path / file.name).write_bytes(file.read_bytes())
     middle = states[0]
     summary = json.loads((folder / "summary.json").read_text())
-    middle.save(tmp_path, summary["parameters"], frames=1)
+    middle.save(tmp_path, summary["parameters"], frames=2)
     rest = list(deformable.Run(tmp_path).resume())
     assert [state.energy for state in rest] == [state.energy for state in states[1:]]
     for name in ("packing.data", "summary.json", "in.lammps", "trajectory.lammpstrj"):

@@ -16,7 +16,7 @@ matplotlib.use("agg")
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[deformable.State]]:
-    """A recorded run: two steps of compression, then motion in a tilted box."""
+    """A recorded run: its start, two steps of compression, then motion in a tilted box."""
     folder = tmp_path_factory.mktemp("run")
     jammed = deformable.jam(deformable.bidisperse(12, tilt=0.3, seed=2))
     with (
@@ -24,7 +24,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[deformable
         deformable.Simulation(jammed, deformable.Ring(kP=2.0, skin=0.02)) as sim,
     ):
         pressed = deformable.compress(sim, strain=0.03, steps=2)
-        states = list(deformable.record(pressed, folder))
+        states = [sim.state(), *deformable.record(pressed, folder)]
         motion = deformable.move(sim, 60, temperature=1e-5, every=20, seed=1)
         states += deformable.Run(folder).append(motion)
     return folder, states
@@ -34,7 +34,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[deformable
 def test_replay_gives_the_states_again(run: tuple[Path, list[deformable.State]]) -> None:
     folder, states = run
     again = list(deformable.Run(folder))
-    assert len(again) == len(states) == 5
+    assert len(again) == len(states) == 6
     for one, other in zip(again, states, strict=True):
         assert one.phi == pytest.approx(other.phi, rel=1e-12)
         assert one.energy == pytest.approx(other.energy, rel=1e-9)
@@ -47,7 +47,7 @@ def test_replay_gives_the_states_again(run: tuple[Path, list[deformable.State]])
     ("broken", "message"),
     [
         (None, r"trajectory\.lammpstrj is missing"),
-        (lambda text: text[: len(text) - 700], "frame 4 .* cannot be read: [^;]*$"),
+        (lambda text: text[: len(text) - 700], "frame 5 .* cannot be read: [^;]*$"),
         (lambda text: text.replace("id type x y", "id type a b"), "frame 0 .* cannot be read"),
         (
             lambda text: "junk\n",
