@@ -51,6 +51,9 @@ if TYPE_CHECKING:
     from .protocols.moduli import bulk_modulus as bulk_modulus
     from .protocols.moduli import shear_modulus as shear_modulus
     from .protocols.motion import move as move
+    from .protocols.oscillation import DynamicModulus as DynamicModulus
+    from .protocols.oscillation import dynamic_modulus as dynamic_modulus
+    from .protocols.oscillation import oscillate as oscillate
     from .protocols.polish import polish as polish
     from .protocols.shear import shear as shear
     from .runs.analysis import export as export
@@ -82,6 +85,7 @@ _HOMES = {
     "Disk": "model.walls",
     "DiskState": "state.disk_state",
     "Disks": "engine.disks",
+    "DynamicModulus": "protocols.oscillation",
     "FileError": "common.errors",
     "LammpsError": "common.errors",
     "Modulus": "protocols.moduli",
@@ -104,11 +108,13 @@ _HOMES = {
     "compare": "studies.comparison",
     "compress": "protocols.compression",
     "compress_in": "runs.recording",
+    "dynamic_modulus": "protocols.oscillation",
     "export": "runs.analysis",
     "jackknife": "common.fits",
     "jam": "protocols.jamming",
     "move": "protocols.motion",
     "movie": "runs.movie",
+    "oscillate": "protocols.oscillation",
     "parallel_map": "common.parallel",
     "polish": "protocols.polish",
     "polydisperse": "model.packing",

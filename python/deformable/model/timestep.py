@@ -17,10 +17,15 @@ _STABLE = 2.0 / np.sqrt(6.0 * STIFFNESS_PER_PRESSURE)
 
 # The default is this part of the longest stable step. The kinetic energy of an oscillator is then
 # wrong by (omega dt)^2/8, which is 2 % for the stiffest one.
-_ACCURATE = 0.2
+ACCURATE = 0.2
 
 # Energy of one particle over the temperature that collisions exceed with a probability of e^-10.
 _HOT = 10.0
+
+# A contact of the indentation a has p = kA K a^2/2 and the force F = p K a, so that
+# p = _BY_FORCE (kA F^2)^(1/3). Forces on many particles add up in a contact to so many of them.
+_BY_FORCE = (1.0 / (2.0 * 15.0)) ** (1.0 / 3.0)
+_TOGETHER = 10.0
 
 # Smallest pressure that limits the step, over the stiffness: particles at rest do not move.
 _AT_REST = 1e-12
@@ -31,7 +36,7 @@ def accurate_step(packing: Packing, law: Law, pressure: float, temperature: floa
 
     Arguments as for `longest_step`.
     """
-    return _ACCURATE * longest_step(packing, law, pressure, temperature)
+    return ACCURATE * longest_step(packing, law, pressure, temperature)
 
 
 def longest_step(packing: Packing, law: Law, pressure: float, temperature: float) -> float:
@@ -55,3 +60,38 @@ def longest_step(packing: Packing, law: Law, pressure: float, temperature: float
     hot = float((tension / radius + np.sqrt(2.0 * stiffness * _HOT * temperature)).max())
     at_rest = _AT_REST * float(stiffness.max()) * float(packing.radius.min()) ** 2
     return float(_STABLE / np.sqrt(max(pressure, hot, at_rest)))
+
+
+def longest_overdamped_step(
+    packing: Packing, law: Law, pressure: float, temperature: float, friction: float
+) -> float:
+    """The longest stable time step of dr/dt = F/friction by Euler's method [time].
+
+    A mode of the stiffness k is stable up to 2 friction/k, in Verlet's method up to 2/k^(1/2). In
+    crystals this is a tenth of where it breaks down.
+
+    Args:
+        packing: the particles.
+        law: their contact law.
+        pressure: the largest pressure inside a particle [energy/length^2].
+        temperature: of the motion [energy].
+        friction: force over velocity [1/time].
+    """
+    return friction * longest_step(packing, law, pressure, temperature) ** 2 / 2.0
+
+
+def pressure_under(force: float, packing: Packing, law: Law) -> float:
+    """Pressure in particles that are driven by a force each [energy/length^2].
+
+    Args:
+        force: on a particle [energy/length].
+        packing: the particles.
+        law: their contact law.
+    """
+    if not force:
+        return 0.0
+    kA, kP, skin, tension = law.species_parameters(packing.radii).of(packing.species)
+    radius = packing.radius - skin
+    stiffness = np.minimum(kA, (kP + 2.0 * tension / radius) / radius**2)
+    pushed = _BY_FORCE * np.cbrt(stiffness * (_TOGETHER * force) ** 2)
+    return float((tension / radius + pushed).max())

@@ -12,7 +12,7 @@ from ..common.validate import expect, positive
 from ..state.disk_state import DiskState
 from ..state.state import State
 from .jamming import simulate
-from .shear import sheared
+from .tilt import sheared
 
 # Values at two strains, one twice the other, agree if they differ by at most this part of the
 # modulus or of the pressure. A modulus below this part of the pressure counts as zero.

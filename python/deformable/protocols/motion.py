@@ -1,37 +1,32 @@
-"""Motion in time: at constant energy, in a heat bath, or damped."""
+"""Motion in time: at constant energy, in a heat bath, damped, or overdamped."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import cache
 
-import numpy as np
-
-from ..common.errors import LammpsError, ParameterError
+from ..common.errors import ParameterError
 from ..common.progress import progress
 from ..common.steps import Steps
-from ..common.validate import count, expect, positive, whole, zero_or_more
+from ..common.validate import count, expect
 from ..engine.lammps import gather, run
 from ..engine.simulation import Simulation
-from ..model.laws import Sector
-from ..model.timestep import accurate_step, longest_step
 from ..state.state import State
+from .dynamics import (
+    Dynamics,
+    advance,
+    dynamics_of,
+    moving,
+    refuse_restarted,
+    refuse_second_motion,
+    seeds,
+)
 
 # Default number of steps between states.
 _EVERY = 100
 
 # The default time step becomes shorter where it is more than this part of the longest stable one.
 _ENOUGH = 0.5
-
-# The integrator of the heat bath by Gronbech-Jensen and Farago keeps positions and half-step
-# velocities of an oscillator at their temperature for any time step. Unlike fix langevin, it does
-# not draw its forces anew where a run begins. But it also moves particles along z, which matters
-# for neighbor lists in the end; so z is set to 0 after every _FLATTEN steps.
-_BATH = "fix deformable_move all gjf {temperature!r} {temperature!r} {time!r} {seed}"
-_FLATTEN = 1000
-
-# LAMMPS takes seeds up to 9e8, and adds the rank to them.
-_SEEDS = 890_000_000
 
 
 def move(
@@ -42,13 +37,19 @@ def move(
     friction: float = 0.0,
     every: int | None = None,
     seed: int | None = None,
+    inertia: bool = True,
 ) -> Iterator[State]:
     """Let particles of mass 1 move by their forces F.
 
         dv/dt = F - friction v + sqrt(2 friction temperature) noise
 
-    Without friction the energy is conserved (velocity Verlet); with friction alone the motion is
-    damped; with both the particles are in a heat bath (Langevin).
+    Without friction the energy is conserved (velocity Verlet, LAMMPS' *fix nve*); with friction
+    alone the motion is damped; with both the particles are in a heat bath (Langevin, *fix gjf*).
+    Without inertia they are overdamped, or Brownian (Euler's method, *fix brownian*),
+
+        friction dr/dt = F + sqrt(2 friction temperature) noise
+
+    and diffuse freely by <r^2> = 4 (temperature/friction) t. Then velocities are 0 in all states.
 
     Args:
         sim: of the law `Ring`; it ends in the last state.
@@ -61,12 +62,13 @@ def move(
             These are Maxwell's, with zero total momentum. A bath draws them where all particles are
             at rest, as after `relax`; others go on with the velocities that they have.
             If not given, none are drawn: the velocities are those of the simulation.
-        friction: rate at which velocities decay [1/time].
+        friction: rate at which velocities decay, or force over velocity [1/time].
         every: number of steps between states, a divisor of `steps`; if not given 100, or all steps
             if there are fewer.
         seed: of velocities and noise, together with the number of steps of LAMMPS so far: a second
             call draws others. The noise also depends on the number of ranks. If not given, none
             is ever drawn again.
+        inertia: whether particles have some; without, they need a friction.
 
     Yields:
         The state after each `every` steps, with its `velocities`, and the `time` of all calls of
@@ -83,16 +85,7 @@ def move(
     637 (1982).
     """
     expect("sim", sim, Simulation)
-    if isinstance(sim.law, Sector):
-        raise ParameterError(
-            "the energy of Sector jumps where contacts appear, so that it is not conserved in "
-            "motion: take Ring"
-        )
-    if timestep is not None:
-        timestep = positive("timestep", timestep)
-    if temperature is not None:
-        temperature = zero_or_more("temperature", temperature)
-    friction = zero_or_more("friction", friction)
+    dynamics = dynamics_of(sim, temperature, friction, inertia, timestep, seed)
     steps = count("steps", steps)
     every = min(steps, _EVERY) if every is None else count("every", every)
     if temperature and not friction and sim.lmp.get_natoms() < 2:
@@ -103,110 +96,43 @@ def move(
         raise ParameterError(
             f"steps must be a multiple of every, not {steps} and {every}: give another every"
         )
-    if seed is not None and not 0 < whole("seed", seed) < 2**31:
-        raise ParameterError(f"seed must lie between 1 and 2^31 - 1, not {seed}")
-    start = cache(lambda: _start(sim, temperature, friction, seed))
-    moved = _move(sim, steps, timestep, temperature, friction, every, seed, start)
-    return Steps("move", moved, start)
+    start = cache(lambda: _start(sim, dynamics, seed))
+    return Steps("move", _move(sim, dynamics, steps, every, seed, start), start)
 
 
-def _start(sim: Simulation, temperature: float | None, friction: float, seed: int | None) -> State:
-    """The state before the first step: particles may get velocities."""
-    lmp = sim.lmp
-    if "deformable_move" in lmp.available_ids("fix"):
-        raise ParameterError(
-            "another move of this simulation has not ended: finish its loop, or close() it first"
-        )
+def _start(sim: Simulation, dynamics: Dynamics, seed: int | None) -> State:
+    """The state before the first step: particles may get velocities, by Maxwell."""
+    refuse_second_motion(sim)
+    lmp, temperature = sim.lmp, dynamics.temperature
     # in a bath, particles keep the velocities that they have
-    at_rest = not gather(lmp, "v", 3).any()
-    if temperature is not None and lmp.get_natoms() > 1 and (at_rest or not friction):
-        of_velocities, _ = _seeds(sim, seed)
-        drawn = f"{temperature!r} {of_velocities} loop all mom yes dist gaussian"
-        run(lmp, f"velocity all create {drawn}")
+    drawn = not dynamics.friction or not gather(lmp, "v", 3).any()
+    if dynamics.inertia and temperature is not None and lmp.get_natoms() > 1 and drawn:
+        of_velocities, _ = seeds(sim, seed)
+        maxwell = f"{temperature!r} {of_velocities} loop all mom yes dist gaussian"
+        run(lmp, f"velocity all create {maxwell}")
     return sim.state()
 
 
 def _move(
     sim: Simulation,
+    dynamics: Dynamics,
     steps: int,
-    timestep: float | None,
-    temperature: float | None,
-    friction: float,
     every: int,
     seed: int | None,
     start: Callable[[], State],
 ) -> Iterator[State]:
     lmp, state = sim.lmp, start()
-    _, of_noise = _seeds(sim, seed)
-    dt = accurate_step(*state.step_limits()) if timestep is None else timestep
-    taken, before = 0, sim.time  # steps of this length, and the time before them
-    bath = _BATH.format(temperature=temperature or 0.0, time=1.0 / (friction or 1.0), seed=of_noise)
-    run(
-        lmp,
-        (bath if friction else "fix deformable_move all nve")
-        + "\nfix deformable_plane all enforce2d",
-    )
-    try:
+    _, of_noise = seeds(sim, seed)
+    dt = dynamics.timestep or dynamics.default_step(state)
+    with moving(sim, dynamics, of_noise):
         with progress("moving", unit="state", total=steps // every) as bar:
             for _ in range(0, steps, every):
-                if timestep is None and dt > _ENOUGH * longest_step(*state.step_limits()):
-                    dt, taken, before = accurate_step(*state.step_limits()), 0, sim.time
-                _check(state, dt)
-                hint = _hint(bool(temperature), None if timestep else dt)
-                first = lmp.extract_global("ntimestep")
-                try:
-                    _advance(sim, every, dt, hint)
-                finally:  # Ctrl-C may end it early
-                    taken += lmp.extract_global("ntimestep") - first
-                    sim.time = before + taken * dt
+                if not dynamics.timestep and dt > _ENOUGH * dynamics.longest_step(state):
+                    dt = dynamics.default_step(state)
+                dynamics.check(state, dt)
+                advance(sim, dynamics, every, dt)
                 state = sim.state()
                 bar.set_postfix(temperature=f"{state.temperature:.3g}")
                 bar.update()
                 yield state
-                if not sim.closed and sim.lmp is not lmp:
-                    raise LammpsError(
-                        "the simulation was restarted while its particles move: begin a new move "
-                        "after restart"
-                    )
-    finally:
-        if not sim.closed and sim.lmp is lmp:  # a caller may close it before the motion ends
-            run(lmp, "unfix deformable_move\nunfix deformable_plane")
-
-
-def _seeds(sim: Simulation, seed: int | None) -> list[int]:
-    """Two seeds for LAMMPS, others for each number of steps; without a seed others each time."""
-    entropy = sim.comm.bcast(np.random.SeedSequence(seed).entropy)
-    words = np.random.SeedSequence([entropy, sim.lmp.extract_global("ntimestep")])
-    return [1 + int(word) % _SEEDS for word in words.generate_state(2)]
-
-
-def _advance(sim: Simulation, steps: int, timestep: float, hint: str) -> None:
-    motion = f'run {steps} post no every {_FLATTEN} "set group all z 0.0"'
-    try:
-        run(sim.lmp, f"timestep {timestep!r}\n{motion}")  # `relax` between states changes it
-    except LammpsError as error:
-        raise LammpsError(f"{error}{hint}") from None
-
-
-def _hint(thermal: bool, default: float | None) -> str:
-    """What else a user may change where a motion fails; the default time step, if it is used."""
-    if thermal:
-        return "; or lower the temperature"
-    if default is None:
-        return ""
-    return f"; or give a timestep, the default of {default:.3g} is for contacts alone"
-
-
-def _check(state: State, timestep: float) -> None:
-    """Refuse a time step at which contacts are unstable."""
-    packing, law, pressure, temperature = state.step_limits()
-    longest = longest_step(packing, law, pressure, temperature)
-    if timestep > longest:
-        n = int(state.particle_pressure.argmax())
-        cause = f"particle {n}, whose pressure is {pressure:.3g}, at temperature {temperature:.3g}"
-        if longest < longest_step(packing, law, pressure, 0.0):
-            cause = f"the temperature of {temperature:.3g}, at which particles collide so hard"
-        raise ParameterError(
-            f"timestep = {timestep:g} is too long for {cause}: take at most {longest:.2g}, or "
-            "leave it out"
-        )
+                refuse_restarted(sim, lmp)

@@ -1,7 +1,8 @@
-"""Quasistatic simple shear: tilt the box a little, relax, again."""
+"""Simple shear: quasistatic, tilt the box a little, relax, again; or at a rate."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, Protocol, TypeVar
@@ -12,12 +13,13 @@ from numpy.typing import NDArray
 from ..common.errors import ParameterError
 from ..common.progress import progress
 from ..common.steps import Steps
-from ..common.validate import count, expect, finite
+from ..common.validate import count, expect, finite, positive
 from ..engine.disks import Disks
-from ..engine.lammps import run
 from ..engine.simulation import Simulation
 from ..state.disk_state import DiskState
 from ..state.state import State
+from .flow import flow, flow_command, flow_dynamics, refuse_without_flow
+from .tilt import sheared, straighten
 
 S = TypeVar("S", bound=State | DiskState)
 S_co = TypeVar("S_co", bound=State | DiskState, covariant=True)
@@ -38,31 +40,68 @@ class Shearable(Protocol[S_co]):
 
 
 def shear(
-    sim: Simulation | Disks, strain: float, steps: int, tolerance: float | None = None
+    sim: Simulation | Disks,
+    strain: float,
+    steps: int,
+    tolerance: float | None = None,
+    rate: float | None = None,
+    friction: float | None = None,
+    temperature: float | None = None,
+    timestep: float | None = None,
+    seed: int | None = None,
 ) -> Iterator[State | DiskState]:
-    """Shear in equal steps, relaxing after each one; the area of the box stays.
+    """Shear in equal steps, relaxing after each one, or at a rate; the area of the box stays.
 
     After step n the upper side of the box has moved along x by strain n / steps times its height.
     The shear stress that resists is -stress[0, 1] of the state, whose `strain` counts all calls of
     `shear` for one simulation. A box whose tilt exceeds half its width is replaced by the
     equivalent box with the smallest tilt, so that strains may be large.
 
+    With a rate particles are overdamped, with a friction against the mean flow u = (rate y, 0),
+
+        friction (dr/dt - u) = F + sqrt(2 friction temperature) noise
+
+    as bubbles in Durian's model. LAMMPS' *fix deform* with *remap x* moves the box and the
+    particles in it, *fix brownian* adds the rest. Velocities are 0 in all states.
+
     Args:
         sim: a `Simulation` or `Disks`; it ends in the last state.
         strain: total shear strain gamma; negative shears in the other direction.
-        steps: number of steps.
+        steps: number of steps, of which each yields a state.
         tolerance: of each relaxation; by default that of `sim.relax`.
+        rate: strain per time, above 0 [1/time]; if not given, the shear is quasistatic. The law is
+            `Ring` then, and the next arguments belong to it.
+        friction: force over velocity relative to the mean flow [1/time], as masses are 1.
+        temperature: of the noise [energy]; without, there is none.
+        timestep: length of a time step [time]; if not given it follows from the contacts, as in
+            `move`, and is at most 5e-4/rate.
+        seed: of the noise, as in `move`.
 
     Yields:
-        The relaxed state after each step, with its `strain`.
+        The state after each step, with its `strain`; without a rate it is relaxed, with a rate it
+        has a `time`.
 
     Raises:
-        ParameterError: a value is out of range, or the simulation has walls.
+        ParameterError: a value is out of range, or the simulation has walls; or see `move`.
+        LammpsError: see `move`.
+
+    Source: drag: Durian, Phys. Rev. Lett. 75, 4780 (1995).
     """
     expect("sim", sim, Simulation, Disks)
     check_shear(sim, strain, steps)
-    before = sim.strain or 0.0
-    states = shear_steps(sim, before, float(strain), int(steps), 0, tolerance)
+    before, strain, steps = sim.strain or 0.0, float(strain), int(steps)
+    flowing = {"friction": friction, "temperature": temperature, "timestep": timestep}
+    states: Iterator[State | DiskState]
+    if rate is None:
+        refuse_without_flow("rate", **flowing, seed=seed)
+        states = shear_steps(sim, before, strain, steps, 0, tolerance)
+    else:
+        rate = positive("rate", rate)
+        flows, dynamics = flow_dynamics(sim, **flowing, tolerance=tolerance, seed=seed)
+        course = flow_command(f"erate {math.copysign(rate, strain)!r}")
+        strains = [before + n * strain / steps for n in range(1, steps + 1)]
+        duration = abs(strain) / rate / steps
+        states = flow(flows, dynamics, rate, duration, strains, lambda _: course, seed)
     return Steps("shear", states, lambda: replace(sim.state(), strain=before))
 
 
@@ -89,24 +128,15 @@ def shear_steps(
     """The remaining steps of a shear, after the steps done and the strain before the first one."""
     with progress("shearing", unit="step", total=steps, initial=done) as bar:
         for n in range(done + 1, steps + 1):
-            straighten(sim)
-            sim.deform(sheared(sim.box, strain / steps))
-            sim.strain = before + strain * n / steps
-            state = sim.relax() if tolerance is None else sim.relax(tolerance)
+            state = sheared_state(sim, strain / steps, before + strain * n / steps, tolerance)
             bar.set_postfix(stress=f"{-state.stress[0, 1]:.3g}")
             bar.update()
             yield state
 
 
-def sheared(points: NDArray[np.float64], strain: float) -> NDArray[np.float64]:
-    """Points, or the rows of a box, after simple shear along x, shape (n, 2) [length]."""
-    x, y = points.T
-    return np.column_stack([x + strain * y, y])
-
-
-def straighten(sim: Shearable[Any]) -> None:
-    """Replace the box by the equivalent one with the smallest tilt; the particles stay."""
-    (lx, _), (xy, _) = sim.box.tolist()
-    widths = round(xy / lx)
-    if widths:
-        run(sim.lmp, f"change_box all xy final {xy - widths * lx!r} units box")
+def sheared_state(sim: Shearable[S], by: float, strain: float, tolerance: float | None) -> S:
+    """The relaxed state after a further strain, which leads to this one in all."""
+    straighten(sim)
+    sim.deform(sheared(sim.box, by))
+    sim.strain = strain
+    return sim.relax() if tolerance is None else sim.relax(tolerance)

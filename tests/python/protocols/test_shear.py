@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from crystal import RADIUS, crystal
 from deformable import core
-from deformable.protocols.shear import sheared, straighten
+from deformable.protocols.tilt import sheared, straighten
 
 
 def ring_energy(indentation: float, gamma: float, compression: float) -> float:

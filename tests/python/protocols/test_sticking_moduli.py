@@ -6,7 +6,7 @@ from collections.abc import Callable
 import deformable
 import numpy as np
 import pytest
-from deformable.protocols.shear import sheared
+from deformable.protocols.tilt import sheared
 from mpi4py import MPI
 from numpy.typing import NDArray
 

@@ -1,0 +1,208 @@
+"""How particles move in LAMMPS: the fixes that move them, and the time steps that these allow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common.errors import LammpsError, ParameterError
+from ..common.validate import positive, whole, zero_or_more
+from ..engine.lammps import run
+from ..engine.simulation import Simulation
+from ..model.laws import Sector
+from ..model.timestep import ACCURATE, longest_overdamped_step, longest_step, pressure_under
+from ..state.state import State
+
+# The integrator of the heat bath by Gronbech-Jensen and Farago keeps positions and half-step
+# velocities of an oscillator at their temperature for any time step. Unlike fix langevin, it does
+# not draw its forces anew where a run begins. But it also moves particles along z, which matters
+# for neighbor lists in the end; so z is set to 0 after every _FLATTEN steps.
+_BATH = "fix deformable_move all gjf {temperature!r} {temperature!r} {time!r} {seed}"
+_FLATTEN = 1000
+
+# dr/dt = F/friction + noise, by Euler's method. It draws the noise within a step, not at its ends.
+_BROWNIAN = "fix deformable_move all brownian {temperature!r} {seed} gamma_t {friction!r} rng {rng}"
+
+# LAMMPS takes seeds up to 9e8, and adds the rank to them.
+_SEEDS = 890_000_000
+
+
+@dataclass(frozen=True)
+class Dynamics:
+    """How particles of mass 1 move.
+
+    Attributes:
+        temperature: of the heat bath [energy]; None or 0 without.
+        friction: force over velocity [1/time].
+        inertia: whether they have some; without, they are overdamped.
+        drive: largest force that drives them, beside contacts and noise [energy/length].
+        limit: time steps must not exceed this one because of the drive [time].
+        timestep: that a user has given [time].
+    """
+
+    temperature: float | None = None
+    friction: float = 0.0
+    inertia: bool = True
+    drive: float = 0.0
+    limit: float = np.inf
+    timestep: float | None = None
+
+    def longest_step(self, state: State) -> float:
+        """The longest stable time step [time]."""
+        return self._longest(state, self.drive, self._hot(state))
+
+    def default_step(self, state: State) -> float:
+        """The time step that a user gets who gives none [time]."""
+        exact = not (self.inertia or self.temperature)  # steps change the energy of noise only
+        return min((1.0 if exact else ACCURATE) * self.longest_step(state), self.limit)
+
+    def _longest(self, state: State, drive: float, temperature: float) -> float:
+        packing, law, pressure, _ = state.step_limits()
+        pressure = max(pressure, pressure_under(drive, packing, law))
+        if self.inertia:
+            return longest_step(packing, law, pressure, temperature)
+        return longest_overdamped_step(packing, law, pressure, temperature, self.friction)
+
+    def _hot(self, state: State) -> float:
+        """The temperature of the motion [energy]."""
+        return state.temperature if self.inertia else self.temperature or 0.0
+
+    def check(self, state: State, timestep: float) -> None:
+        """Refuse a time step at which contacts are unstable."""
+        longest = self.longest_step(state)
+        if timestep <= longest:
+            return
+        pressure, temperature = float(state.particle_pressure.max()), self._hot(state)
+        n = int(state.particle_pressure.argmax())
+        cause = f"particle {n}, whose pressure is {pressure:.3g}, at temperature {temperature:.3g}"
+        if longest < self._longest(state, self.drive, 0.0):
+            cause = f"the temperature of {temperature:.3g}, at which particles collide so hard"
+        elif longest < self._longest(state, 0.0, temperature):
+            cause = f"the force of {self.drive:.3g} that drives the particles"
+        raise ParameterError(
+            f"timestep = {timestep:g} is too long for {cause}: take at most {longest:.2g}, or "
+            "leave it out"
+        )
+
+    def commands(self, seed: int) -> str:
+        """Commands that define the fixes, of which `moving` knows the IDs."""
+        temperature = self.temperature or 0.0
+        if not self.inertia:
+            rng = "gaussian" if temperature else "none"  # and it wants a temperature then too
+            mover = _BROWNIAN.format(
+                temperature=temperature or 1.0, seed=seed, friction=self.friction, rng=rng
+            )
+        elif self.friction:
+            mover = _BATH.format(temperature=temperature, time=1.0 / self.friction, seed=seed)
+        else:
+            mover = "fix deformable_move all nve"
+        return f"{mover}\nfix deformable_plane all enforce2d"
+
+
+def dynamics_of(
+    sim: Simulation,
+    temperature: float | None,
+    friction: float,
+    inertia: bool,
+    timestep: float | None,
+    seed: int | None,
+) -> Dynamics:
+    """The dynamics that a user asks for.
+
+    Raises:
+        ParameterError: the law is `Sector`, or a value is out of range.
+    """
+    if isinstance(sim.law, Sector):
+        raise ParameterError(
+            "the energy of Sector jumps where contacts appear, so that it is not conserved in "
+            "motion: take Ring"
+        )
+    if timestep is not None:
+        timestep = positive("timestep", timestep)
+    if temperature is not None:
+        temperature = zero_or_more("temperature", temperature)
+    friction = zero_or_more("friction", friction)
+    if not inertia and not friction:
+        raise ParameterError("without inertia particles need a friction above 0 to move against")
+    if seed is not None and not 0 < whole("seed", seed) < 2**31:
+        raise ParameterError(f"seed must lie between 1 and 2^31 - 1, not {seed}")
+    return Dynamics(temperature, friction, bool(inertia), timestep=timestep)
+
+
+@contextmanager
+def moving(sim: Simulation, dynamics: Dynamics, seed: int) -> Iterator[None]:
+    """The fixes of a motion, in LAMMPS until its end.
+
+    Raises:
+        ParameterError: another motion has not ended.
+    """
+    refuse_second_motion(sim)
+    lmp = sim.lmp
+    run(lmp, dynamics.commands(seed))
+    try:
+        yield
+    finally:
+        if not sim.closed and sim.lmp is lmp:  # a caller may close it before the motion ends
+            run(lmp, "unfix deformable_move\nunfix deformable_plane")
+
+
+def refuse_second_motion(sim: Simulation) -> None:
+    """Refuse to begin a motion while another one has not ended.
+
+    Raises:
+        ParameterError: there is one.
+    """
+    if "deformable_move" in sim.lmp.available_ids("fix"):
+        raise ParameterError(
+            "another move of this simulation has not ended: finish its loop, or close() it first"
+        )
+
+
+def seeds(sim: Simulation, seed: int | None) -> list[int]:
+    """Two seeds for LAMMPS, others for each number of steps; without a seed others each time."""
+    entropy = sim.comm.bcast(np.random.SeedSequence(seed).entropy)
+    words = np.random.SeedSequence([entropy, sim.lmp.extract_global("ntimestep")])
+    return [1 + int(word) % _SEEDS for word in words.generate_state(2)]
+
+
+def advance(sim: Simulation, dynamics: Dynamics, steps: int, timestep: float) -> None:
+    """Let the particles move, and count the time.
+
+    Raises:
+        LammpsError: LAMMPS gave up; with what a user may change.
+    """
+    lmp = sim.lmp
+    first = lmp.extract_global("ntimestep")
+    flat = f' every {_FLATTEN} "set group all z 0.0"' if dynamics.inertia else ""
+    try:  # `relax` between states has changed the time step
+        run(lmp, f"timestep {timestep!r}\nrun {steps} post no{flat}")
+    except LammpsError as error:
+        raise LammpsError(f"{error}{_hint(dynamics, timestep)}") from None
+    finally:  # Ctrl-C may end it early
+        sim.time += (lmp.extract_global("ntimestep") - first) * timestep
+    if not dynamics.inertia:
+        run(lmp, "velocity all set 0 0 0")  # fix brownian leaves those of its last step
+
+
+def refuse_restarted(sim: Simulation, lmp: object) -> None:
+    """Refuse to go on in another LAMMPS than before the last state.
+
+    Raises:
+        LammpsError: the simulation was restarted meanwhile.
+    """
+    if not sim.closed and sim.lmp is not lmp:
+        raise LammpsError(
+            "the simulation was restarted while its particles move: begin a new move after restart"
+        )
+
+
+def _hint(dynamics: Dynamics, timestep: float) -> str:
+    """What else a user may change where a motion fails."""
+    if dynamics.temperature:
+        return "; or lower the temperature"
+    if dynamics.timestep is not None:
+        return ""
+    return f"; or give a timestep, the default of {timestep:.3g} is for contacts alone"

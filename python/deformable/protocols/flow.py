@@ -1,0 +1,120 @@
+"""Flow at a rate: LAMMPS shears the box, and friction holds particles to the mean flow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+
+from ..common.errors import ParameterError
+from ..common.progress import progress
+from ..engine.disks import Disks
+from ..engine.lammps import run
+from ..engine.simulation import Simulation
+from ..state.state import State
+from .dynamics import Dynamics, advance, dynamics_of, moving, refuse_restarted, seeds
+from .tilt import straighten
+
+# Strain of a time step at most, as forces follow the box with a delay of one step; and strain after
+# which the time step is chosen anew.
+_OF_A_STEP, _OF_A_PIECE = 5e-4, 0.02
+
+
+def flow_dynamics(
+    sim: Simulation | Disks,
+    friction: float | None,
+    temperature: float | None,
+    timestep: float | None,
+    tolerance: float | None,
+    seed: int | None,
+) -> tuple[Simulation, Dynamics]:
+    """What flows, and overdamped motion relative to the mean flow.
+
+    Raises:
+        ParameterError: a value is out of range, the friction is missing, a tolerance is given, or
+            these are `Disks`.
+    """
+    if isinstance(sim, Disks):
+        raise ParameterError("Disks are sheared without a rate only: take Simulation and Ring")
+    if friction is None:
+        raise ParameterError("a flow needs the friction of particles against it: give friction")
+    if tolerance is not None:
+        raise ParameterError("states of a flow are not relaxed: leave tolerance out")
+    return sim, dynamics_of(sim, temperature, friction, False, timestep, seed)
+
+
+def refuse_without_flow(name: str, **given: object) -> None:
+    """Refuse what belongs to a flow, where the value of this name that makes one is missing.
+
+    Raises:
+        ParameterError: some of it is given.
+    """
+    for other, value in given.items():
+        if value is not None:
+            raise ParameterError(
+                f"{other} has no meaning without a {name}, where each state is relaxed: give a "
+                f"{name}, or leave it out"
+            )
+
+
+def flow(
+    sim: Simulation,
+    dynamics: Dynamics,
+    rate: float,
+    duration: float,
+    strains: Sequence[float],
+    course: Callable[[float], str],
+    seed: int | None,
+) -> Iterator[State]:
+    """Shear the box, and yield the state after equal times.
+
+    Args:
+        sim: ends in the last state.
+        dynamics: of the particles.
+        rate: the largest one of the flow [1/time].
+        duration: from a state to the next one [time].
+        strains: of the states.
+        course: commands for a run that begins so long after the first one, of which the last is a
+            `flow_command`.
+        seed: of the noise.
+    """
+    lmp = sim.lmp
+    _, of_noise = seeds(sim, seed)
+    with moving(sim, dynamics, of_noise):
+        state = sim.state()
+        drag = dynamics.friction * rate * 2.0 * float(state.packing.radius.max())
+        limit = min(dynamics.limit, _OF_A_STEP / rate)
+        dynamics = replace(dynamics, drive=drag, limit=limit)
+        pieces = math.ceil(rate * duration / _OF_A_PIECE)
+        with progress("shearing", unit="state", total=len(strains)) as bar:
+            for n, strain in enumerate(strains):
+                for k in range(pieces):
+                    begin = duration * (n + k / pieces)
+                    state = _piece(sim, dynamics, duration / pieces, course(begin), state)
+                sim.strain = strain
+                state = replace(state, strain=strain)
+                bar.set_postfix(stress=f"{-state.stress[0, 1]:.3g}")
+                bar.update()
+                yield state
+                refuse_restarted(sim, lmp)
+
+
+def flow_command(parameters: str) -> str:
+    """*fix deform*, which tilts the box as these parameters say, with the particles in it."""
+    return f"fix deformable_flow all deform 1 xy {parameters} remap x"
+
+
+def _piece(
+    sim: Simulation, dynamics: Dynamics, duration: float, course: str, state: State
+) -> State:
+    """The state after a flow with one time step, from the state before."""
+    steps = math.ceil(duration / (dynamics.timestep or dynamics.default_step(state)))
+    dynamics.check(state, duration / steps)
+    straighten(sim)
+    run(sim.lmp, course)
+    try:
+        advance(sim, dynamics, steps, duration / steps)
+    finally:
+        if not sim.closed:
+            run(sim.lmp, "unfix deformable_flow")
+    return sim.state()

@@ -1,0 +1,145 @@
+"""Shear at a rate: energy balance, long strains, noise, and refusals."""
+
+import deformable
+import numpy as np
+import pytest
+from deformable.protocols.shear import shear
+
+RATE, FRICTION = 1e-3, 1.0
+
+
+@pytest.fixture(scope="module")
+def rest() -> deformable.State:
+    packing = deformable.jam(deformable.bidisperse(16, seed=2))
+    with deformable.Simulation(packing.at(packing.phi + 0.08), deformable.Ring()) as sim:
+        return sim.relax(1e-9)
+
+
+def forces_on(state: deformable.State) -> np.ndarray:
+    forces = np.zeros((len(state.packing), 2))
+    np.add.at(forces, state.contact_table["i"], state.contact_table["force_vector"])
+    return forces
+
+
+def test_work_of_the_flow_is_stored_or_lost_to_friction(rest: deformable.State) -> None:
+    """dE/dt = V sigma rate - sum F^2/friction, by the trapezium rule between states."""
+    with deformable.Simulation(rest, rest.law) as sim:
+        states = list(shear(sim, 0.1, 200, rate=RATE, friction=FRICTION))
+    times = np.array([state.time for state in states])
+    assert np.diff(times) == pytest.approx(0.1 / 200 / RATE)
+    work = -np.array([state.stress[0, 1] for state in states]) * rest.packing.area * RATE
+    lost = np.array([np.sum(forces_on(state) ** 2) / FRICTION for state in states])
+    gain = np.trapezoid(work - lost, times)
+    # steps of 5e-4 of strain, of which forces know the half, over indentations of some percent
+    allowed = 0.01 * np.trapezoid(lost, times)
+    assert states[-1].energy - states[0].energy == pytest.approx(gain, abs=allowed)
+
+
+def test_slow_flow_is_quasistatic(rest: deformable.State) -> None:
+    """The stress is behind in proportion to the rate: two rates give that of the rate 0."""
+    stress = []
+    for rate in (0.0, 1e-7, 2e-7):
+        given = {"rate": rate, "friction": FRICTION} if rate else {"tolerance": 1e-9}
+        with deformable.Simulation(rest, rest.law) as sim:
+            *_, state = shear(sim, 2e-3, 2, **given)
+        assert state.strain == pytest.approx(2e-3)
+        stress.append(rest.stress[0, 1] - state.stress[0, 1])
+    still, slow, fast = stress
+    assert 2.0 * slow - fast == pytest.approx(still, rel=0.02)
+    assert slow != pytest.approx(still, rel=0.02)
+
+
+def test_long_flows_go_on_in_equivalent_boxes(rest: deformable.State) -> None:
+    """Back and forth over several flips; a far particle follows the flow."""
+    with deformable.Simulation(rest, rest.law) as sim:
+        states = [sim.state(), *shear(sim, 2.5, 10, rate=1e-2, friction=FRICTION)]
+        (lx, _), (_, ly) = rest.packing.box
+        for state in states[1:]:
+            turns = (rest.packing.box[1, 0] + state.strain * ly - state.packing.box[1, 0]) / lx
+            assert turns == pytest.approx(round(turns), abs=1e-9)
+            assert abs(state.packing.box[1, 0]) <= 0.55 * lx
+        (back,) = shear(sim, -0.5, 1, rate=1e-2, friction=FRICTION)
+        assert back.strain == pytest.approx(2.0)
+        assert back.time == pytest.approx(300.0)
+
+
+def test_free_particles_follow_the_flow_and_diffuse_in_it() -> None:
+    """dr = u dt + noise: <y^2> = 2 D t, <x^2> = 2 D t (1 + gamma^2/3), <x y> = D gamma t."""
+    x, y = np.divmod(np.arange(400), 20)
+    packing = deformable.Packing(
+        2.0 + 4.0 * np.column_stack([x, y]), [0] * 400, [0.5], 80.0 * np.eye(2)
+    )
+    temperature, strain = 1e-5, 1.0
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        (state,) = shear(
+            sim, strain, 1, rate=1e-3, friction=2.0, temperature=temperature, timestep=0.5, seed=1
+        )
+    assert not state.contacts.any()
+    mean = packing.positions + strain * packing.positions[:, 1:] * [1.0, 0.0]
+    moved = state.packing.positions - mean
+    moved = (moved @ np.linalg.inv(state.packing.box) + 0.5) % 1.0 - 0.5
+    dx, dy = (moved @ state.packing.box).T
+    spread = temperature / 2.0 * state.time  # D t
+    along = spread * (1.0 + strain**2 / 3.0)
+    error = 5.0 * np.sqrt(2.0 / 400)  # five standard errors of a mean square
+    assert np.mean(dy**2) == pytest.approx(2.0 * spread, rel=error)
+    assert np.mean(dx**2) == pytest.approx(2.0 * along, rel=error)
+    covariance = 5.0 * np.sqrt((4.0 * along * spread + (spread * strain) ** 2) / 400)
+    assert np.mean(dx * dy) == pytest.approx(spread * strain, abs=covariance)
+    assert covariance < spread * strain
+
+
+def test_recorded_flows(rest: deformable.State, tmp_path: pytest.TempPathFactory) -> None:
+    with deformable.Simulation(rest, rest.law) as sim:
+        states = list(
+            deformable.record(shear(sim, 0.02, 4, rate=RATE, friction=FRICTION), tmp_path / "run")
+        )
+    run = deformable.Run(tmp_path / "run")
+    assert [state.strain for state in run][-4:] == [state.strain for state in states]
+    assert [state.time for state in run][-4:] == [state.time for state in states]
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"rate": 0.0, "friction": 1.0}, "rate must be a positive number, not 0"),
+        ({"rate": -1e-3, "friction": 1.0}, "rate must be a positive number, not -0.001"),
+        ({"rate": 1e-3}, "a flow needs the friction"),
+        ({"rate": 1e-3, "temperature": 1e-6}, "a flow needs the friction"),
+        ({"rate": 1e-3, "friction": -1.0}, "friction must not be negative, not -1"),
+        ({"rate": 1e-3, "friction": 1.0, "temperature": -1.0}, "temperature must not be negative"),
+        ({"rate": 1e-3, "friction": 1.0, "timestep": 1e9}, "timestep = .* take at most"),
+        ({"rate": 1e-3, "friction": 1.0, "seed": 0}, "seed must lie between 1 and"),
+        ({"rate": 1e-3, "friction": 1.0, "tolerance": 1e-6}, "leave tolerance out"),
+        ({"friction": 1.0}, "friction has no meaning without a rate"),
+        ({"temperature": 1e-6}, "temperature has no meaning without a rate"),
+        ({"seed": 1}, "seed has no meaning without a rate"),
+    ],
+)
+def test_refusals(rest: deformable.State, values: dict[str, float], message: str) -> None:
+    with (
+        deformable.Simulation(rest, rest.law) as sim,
+        pytest.raises(deformable.ParameterError, match=message),
+    ):
+        list(shear(sim, 0.1, 1, **values))
+
+
+def test_refused_simulations(rest: deformable.State) -> None:
+    flow = {"rate": 1e-3, "friction": 1.0}
+    with (
+        deformable.Disks(rest.packing) as disks,
+        pytest.raises(deformable.ParameterError, match="Disks are sheared without a rate only"),
+    ):
+        shear(disks, 0.1, 1, **flow)
+    with (
+        deformable.Simulation(rest.packing, deformable.Sector()) as sim,
+        pytest.raises(deformable.ParameterError, match="energy of Sector jumps"),
+    ):
+        shear(sim, 0.1, 1, **flow)
+    walls = deformable.rectangle(10, 10)
+    inside = deformable.push_off(deformable.bidisperse(4, seed=1).between(walls))
+    with (
+        deformable.Simulation(inside, deformable.Ring()) as sim,
+        pytest.raises(deformable.ParameterError, match="walls are not sheared"),
+    ):
+        shear(sim, 0.1, 1, **flow)

@@ -1,0 +1,134 @@
+"""Oscillatory shear against linear response with a drag on the centers."""
+
+import math
+
+import deformable
+import numpy as np
+import pytest
+from deformable.protocols.oscillation import dynamic_modulus, oscillate
+
+STRAIN, FRICTION = 1e-5, 2.0
+
+# Explicit steps delay the motion of the centers by half a step, pi/4000 of the phase, and strains
+# of 1e-5 change contacts of indentations of 1e-2 by 1e-3 of themselves.
+ACCURACY = 2e-3
+
+
+@pytest.fixture(scope="module", params=["balanced", "radical"])
+def rest(request: pytest.FixtureRequest) -> deformable.State:
+    packing = deformable.jam(deformable.bidisperse(10, seed=2))
+    with deformable.Simulation(
+        packing.at(packing.phi + 0.06), deformable.Ring(contact=request.param)
+    ) as sim:
+        return deformable.polish(sim.relax())
+
+
+class Linear:
+    """friction du/dt = -(M u + B gamma); the stress is (E'' gamma + B.u)/V."""
+
+    def __init__(self, state: deformable.State) -> None:
+        hessian = state.hessian(rattlers=False)
+        n, m = hessian.size, hessian.matrix.toarray()
+        coupled = hessian.by_strain[:, 1]
+        by_lines = np.linalg.solve(m[n:, n:], np.column_stack([m[n:, :n], coupled[n:]]))
+        stiffness = m[:n, :n] - m[:n, n:] @ by_lines[:, :-1]
+        self.rate, vectors = np.linalg.eigh(stiffness)
+        self.rate /= FRICTION
+        self.weight = vectors.T @ (coupled[:n] - m[:n, n:] @ by_lines[:, -1])
+        self.area = state.packing.area
+        self.affine = (hessian.strain[1, 1] - coupled[n:] @ by_lines[:, -1]) / self.area
+
+    def stress(self, omega: float, time: np.ndarray) -> np.ndarray:
+        """Over the strain of sin(omega t), which begins at rest."""
+        t, k = time[:, None], self.rate
+        memory = k * np.sin(omega * t) + omega * (np.exp(-k * t) - np.cos(omega * t))
+        centers = memory / (k**2 + omega**2) @ self.weight**2
+        return self.affine * np.sin(omega * time) - centers / (FRICTION * self.area)
+
+    def moduli(self, omega: float) -> complex:
+        """G' + i G'' after a long time."""
+        centers = np.sum(self.weight**2 / (self.rate + 1j * omega)) / (FRICTION * self.area)
+        return complex(self.affine - centers)
+
+
+def test_slow_flow_has_the_static_modulus(rest: deformable.State) -> None:
+    """The reference of the tests below knows the modulus of linear response and of strains."""
+    linear = Linear(rest)
+    assert linear.moduli(1e-9).real == pytest.approx(rest.elastic_moduli().shear_modulus, rel=1e-6)
+    found = dynamic_modulus(rest, STRAIN, cycles=2, discarded=0, steps=8, tolerance=1e-9)
+    assert found.storage == pytest.approx(rest.elastic_moduli().shear_modulus, rel=ACCURACY)
+    assert abs(found.loss) < ACCURACY * linear.affine
+    assert found.storage_error < ACCURACY * linear.affine
+
+
+@pytest.mark.parametrize("part", [0.03, 1.0])
+def test_stress_under_an_oscillating_strain(rest: deformable.State, part: float) -> None:
+    """At frequencies of the slowest modes and of the mean one."""
+    linear = Linear(rest)
+    omega = part * linear.rate.mean()
+    period = 2.0 * math.pi / omega
+    with deformable.Simulation(rest, rest.law) as sim:
+        states = list(oscillate(sim, STRAIN, period, friction=FRICTION))
+    assert [state.time for state in states] == pytest.approx(period * np.arange(1, 41) / 40)
+    strain = np.array([state.strain for state in states])
+    assert strain == pytest.approx(STRAIN * np.sin(np.pi * np.arange(1, 41) / 20), abs=1e-20)
+    tilt = np.array([state.packing.box[1, 0] for state in states]) / rest.packing.box[1, 1]
+    assert tilt == pytest.approx(
+        strain + rest.packing.box[1, 0] / rest.packing.box[1, 1], abs=1e-14
+    )
+    stress = -np.array([state.stress[0, 1] for state in states]) + rest.stress[0, 1]
+    times = np.array([state.time for state in states])
+    expected = STRAIN * linear.stress(omega, times)
+    assert np.abs(stress - expected).max() < ACCURACY * STRAIN * linear.affine
+    assert not states[-1].velocities.any()
+
+
+def test_storage_and_loss_modulus(rest: deformable.State) -> None:
+    linear = Linear(rest)
+    omega = 0.3 * linear.rate.mean()
+    found = dynamic_modulus(
+        rest, STRAIN, 2.0 * math.pi / omega, cycles=2, discarded=2, steps=8, friction=FRICTION
+    )
+    expected = linear.moduli(omega)
+    settled = np.exp(-linear.rate[2] * 4.0 * math.pi / omega)  # slowest mode, two cycles
+    assert settled < 0.3
+    allowed = ACCURACY * linear.affine + 3.0 * np.hypot(found.storage_error, found.loss_error)
+    assert abs(found.storage + 1j * found.loss - expected) < allowed
+    assert found.loss > 0.1 * linear.affine
+    assert found.harmonics < 0.02
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"strain": 0.0}, "strain must be a positive number, not 0"),
+        ({"period": 0.0, "friction": 1.0}, "period must be a positive number, not 0"),
+        ({"period": 10.0}, "a flow needs the friction of particles against it: give friction"),
+        ({"period": 10.0, "friction": -1.0}, "friction must not be negative, not -1"),
+        ({"period": 10.0, "friction": 0.0}, "need a friction above 0"),
+        ({"friction": 1.0}, "friction has no meaning without a period"),
+        ({"temperature": 1e-6}, "temperature has no meaning without a period"),
+        ({"period": 10.0, "friction": 1.0, "tolerance": 1e-6}, "leave tolerance out"),
+        ({"steps": 4}, "steps must be at least 8 in a cycle, not 4"),
+        ({"cycles": 0}, "cycles must be at least 1, not 0"),
+    ],
+)
+def test_refusals(rest: deformable.State, values: dict[str, float], message: str) -> None:
+    with (
+        deformable.Simulation(rest, rest.law) as sim,
+        pytest.raises(deformable.ParameterError, match=message),
+    ):
+        oscillate(sim, **{"strain": STRAIN} | values)
+
+
+def test_refusals_of_moduli(rest: deformable.State) -> None:
+    with pytest.raises(deformable.ParameterError, match="cycles must be at least 2"):
+        dynamic_modulus(rest, STRAIN, cycles=1)
+    with pytest.raises(deformable.ParameterError, match="discarded must not be negative, not -1"):
+        dynamic_modulus(rest, STRAIN, discarded=-1)
+    with deformable.Disks(rest.packing) as disks:
+        with pytest.raises(deformable.ParameterError, match="Disks are sheared without a rate"):
+            oscillate(disks, STRAIN, 10.0, friction=1.0)
+        soft = disks.relax(1e-9)
+    found = dynamic_modulus(soft, STRAIN, cycles=2, discarded=0, steps=8, tolerance=1e-10)
+    assert found.storage == pytest.approx(soft.elastic_moduli().shear_modulus, rel=1e-2)
