@@ -124,15 +124,17 @@ def _move(
     lmp, state = sim.lmp, start()
     _, of_noise = seeds(sim, seed)
     dt = dynamics.timestep or dynamics.default_step(state)
-    with moving(sim, dynamics, of_noise):
-        with progress("moving", unit="state", total=steps // every) as bar:
-            for _ in range(0, steps, every):
-                if not dynamics.timestep and dt > _ENOUGH * dynamics.longest_step(state):
-                    dt = dynamics.default_step(state)
-                dynamics.check(state, dt)
-                advance(sim, dynamics, every, dt)
-                state = sim.state()
-                bar.set_postfix(temperature=f"{state.temperature:.3g}")
-                bar.update()
-                yield state
-                refuse_restarted(sim, lmp)
+    with (
+        moving(sim, dynamics, of_noise),
+        progress("moving", unit="state", total=steps // every) as bar,
+    ):
+        for _ in range(0, steps, every):
+            if not dynamics.timestep and dt > _ENOUGH * dynamics.longest_step(state):
+                dt = dynamics.default_step(state)
+            dynamics.check(state, dt)
+            advance(sim, dynamics, every, dt)
+            state = sim.state()
+            bar.set_postfix(temperature=f"{state.temperature:.3g}")
+            bar.update()
+            yield state
+            refuse_restarted(sim, lmp)
