@@ -1,87 +1,102 @@
 """An emulsion: droplets are jammed and compressed towards confluence, and measured on the way.
 
-python emulsion.py                                  eight packings of 64 droplets
-python emulsion.py --number 512 --seeds 8           the ensemble of the README
+python emulsion.py
 """
 
-import argparse
 import json
 import math
-import warnings
 
 import deformable
-import fits
+import matplotlib.pyplot as plt
 import numpy as np
 
-# Droplets keep their area and have a line tension of 1. Pressures and moduli are given in units
-# of tension/R0, with R0 the mean radius.
-DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
+# Droplets keep their area and have a line tension of 1; films between them curve as pressures say.
+DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved")
 RADII = (0.5, 0.7)
-UNIT = 1.0 / np.mean(RADII)
+UNIT = 1.0 / np.mean(RADII)  # of pressures and moduli: tension/R0, with R0 the mean radius
 
-ONSET = 1e-6  # pressure at which a packing counts as jammed: phi is 1e-6 above phi_J there
-NEAR = 1e-4 * 2.0 ** np.arange(10)  # phi - phi_J, up to 0.05
-DENSE = (0.92, 0.95, 0.97, 0.98, 0.99, 0.995)  # phi
+NUMBER, SEEDS = 64, range(1, 9)
+PHI = (0.85, 0.86, 0.88, 0.90, 0.92, 0.95, 0.97, 0.98, 0.99)
 SHOWN = 0.95  # phi of the picture
+HEADS = ("phi", "pressure", "coordination", "shear modulus", "bulk modulus", "shape")
 
 
-def measure(number, seed):
-    """One packing from its onset to phi = 0.995; lists with one number for each phi."""
-    warnings.simplefilter("ignore", deformable.UnjammedWarning)  # expected near the onset
-    loose = deformable.bidisperse(number, radii=RADII, seed=seed)
-    onset = deformable.jam(loose, DROPLETS, pressure=ONSET, tolerance=1e-6)
-    table = []
-    with deformable.Simulation(onset, DROPLETS) as sim:
-        jammed = sim.relax()
-        for phi in (*(jammed.phi + NEAR), *DENSE):
-            sim.deform(onset.at(phi).box)
-            state = sim.relax(1e-8)
-            table.append({"phi": state.phi, "excess_phi": state.phi - jammed.phi, **row(state)})
-            table[-1] |= moduli(state, 0.01 * min(state.phi - jammed.phi, 1.0 - state.phi))
-            if seed == 1 and phi == SHOWN:
-                state.save(f"packing_{number}")
-    columns = {name: [float(f"{line[name]:.6g}") for line in table] for name in table[0]}
-    more = jammed.network_contacts - jammed.isostatic_contacts
-    onset = {"phi_J": jammed.phi, "rattlers": int(jammed.rattlers.sum()), "excess_contacts": more}
-    return {"seed": seed} | onset | columns
+def measure(seed):
+    """A packing from its onset to the last phi: phi_J, and a row for each phi."""
+    loose = deformable.bidisperse(NUMBER, radii=RADII, seed=seed)
+    jammed = deformable.jam(loose, DROPLETS, tolerance=1e-6)  # 1e-6 above the onset
+    rows = []
+    with deformable.Simulation(jammed, DROPLETS) as sim:
+        for phi in PHI:
+            (state,) = deformable.compress(sim, phi=phi, steps=1)
+            moduli = state.elastic_moduli()
+            shear, bulk = moduli.mean_shear_modulus / UNIT, moduli.bulk_modulus / UNIT
+            shape = float(state.shape_parameter.mean())
+            rows.append((state.pressure / UNIT, state.coordination, shear, bulk, shape))
+            if (seed, phi) == (SEEDS[0], SHOWN):
+                state.save("packing")
+    return {"phi_J": jammed.phi, "rows": rows}
 
 
-def row(state):
-    """Pressure, contacts and shape; z - z_iso counts the contacts of droplets that bear forces."""
-    more = state.network_contacts - state.isostatic_contacts
-    return {
-        "pressure": state.pressure / UNIT,
-        "coordination": state.coordination,
-        "excess_coordination": 4.0 * more / (state.isostatic_contacts + 1),
-        "shape_parameter": state.shape_parameter.mean(),
-        "beyond": state.beyond,
-        "residual": state.residual,
-    }
+def means(packings):
+    """Means over the packings and their errors, each of shape (phi, quantities)."""
+    rows = [packing["rows"] for packing in packings]
+    return deformable.jackknife(lambda some: np.mean(some, axis=0), rows)
 
 
-def moduli(state, strain):
-    shear, bulk = deformable.shear_modulus(state, strain), deformable.bulk_modulus(state, strain)
-    return {
-        "shear_modulus": shear.value / UNIT,
-        "bulk_modulus": bulk.value / UNIT,
-        "linear": shear.linear and bulk.linear,
-    }
+def table(packings):
+    """phi_J, and the lines of the table, with errors of the last digits."""
+    onset, error = deformable.jackknife(np.mean, [packing["phi_J"] for packing in packings])
+    yield f"phi_J = {with_error(onset, error)}, {len(packings)} packings of {NUMBER} droplets"
+    yield "| " + " | ".join(HEADS) + " |"
+    yield "|" + "---|" * len(HEADS)
+    for phi, *both in zip(PHI, *means(packings), strict=True):
+        cells = (with_error(*pair) for pair in zip(*both, strict=True))
+        yield f"| {phi} | " + " | ".join(cells) + " |"
+
+
+def with_error(value, error):
+    """Both with as many decimals as the error has with two digits."""
+    if not error > 1e-9 * abs(value):
+        return f"{value:.4g}"
+    decimals = max(0, 1 - math.floor(math.log10(error)))
+    return f"{value:.{decimals}f} ± {error:.{decimals}f}"
+
+
+def princen(phi):
+    """Pressure and shear modulus of a hexagonal array of equal droplets [tension/R]."""
+    onset = np.pi / np.sqrt(12.0)
+    pressure = np.sqrt(phi / onset) * (np.sqrt((1.0 - onset) / (1.0 - phi)) - 1.0)
+    return pressure, np.sqrt(np.sqrt(3.0) / (2.0 * np.pi) * phi)
+
+
+def draw(packings, file):
+    """A packing, and pressure, contacts and moduli over phi."""
+    figure, ((one, two), (three, four)) = plt.subplots(2, 2, figsize=(9, 7.6), layout="constrained")
+    with deformable.Run("packing").simulation() as sim:
+        sim.state().plot(one)
+    (pressure, z, shear, bulk, _), errors = (each.T for each in means(packings))
+    dense = np.linspace(0.907, 0.992, 200)[1:]
+    array = {"color": "k", "ls": "--", "lw": 1, "label": "hexagonal array (Princen)"}
+    two.errorbar(PHI, pressure, errors[0], fmt="o", ms=4, label="droplets")
+    two.semilogy(dense, princen(dense)[0], **array)
+    two.set(ylabel=r"pressure [$\gamma/R_0$]", ylim=(1e-3, None))
+    three.errorbar(PHI, z, errors[1], fmt="o", ms=4)
+    three.set(ylabel="contacts of a droplet")
+    four.errorbar(PHI, bulk, errors[3], fmt="o", ms=4, label="bulk modulus")
+    four.errorbar(PHI, shear, errors[2], fmt="o", ms=4, label="shear modulus")
+    four.semilogy(dense, princen(dense)[1], **array)
+    four.set(ylabel=r"[$\gamma/R_0$]")
+    for axes in (two, three, four):
+        axes.set(xlabel=r"$\phi$")
+    two.legend(frameon=False)
+    four.legend(frameon=False)
+    figure.savefig(file, dpi=80)
 
 
 if __name__ == "__main__":
-    options = argparse.ArgumentParser()
-    options.add_argument("--number", type=int, default=64, help="droplets in a packing")
-    options.add_argument("--seeds", type=int, default=8, help="packings")
-    options.add_argument("--workers", type=int, help="packings at a time; one per core if omitted")
-    given = options.parse_args()
-    if given.seeds < 1:
-        options.error(f"--seeds must be at least 1, not {given.seeds}")
-    run = f"emulsion_{given.number}"
-    calls = [(given.number, seed) for seed in range(1, given.seeds + 1)]
-    # each packing is kept as soon as it is measured: an interrupted run goes on from there
-    packings = deformable.parallel_map(measure, calls, given.workers, keep=f"{run}_kept")
-    result = {"number": given.number, "packings": packings}
-    with open(f"{run}.json", "w") as file:
-        json.dump(result, file, separators=(",", ":"))
-    fits.show(result)
-    fits.draw(result, f"packing_{given.number}", f"{run}.png")
+    packings = deformable.parallel_map(measure, [(seed,) for seed in SEEDS])
+    with open("emulsion.json", "w") as file:
+        json.dump(packings, file, separators=(",", ":"))
+    print(*table(packings), sep="\n")
+    draw(packings, "emulsion.png")
