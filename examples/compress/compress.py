@@ -1,7 +1,6 @@
 """Compress a jammed bidisperse packing to 1 % strain, keep the run and draw it."""
 
 import deformable
-import matplotlib.pyplot as plt
 
 packing = deformable.bidisperse(128, radii=(0.5, 0.7), seed=5)
 jammed = deformable.jam(packing)
@@ -11,5 +10,4 @@ sim = deformable.Simulation(jammed, deformable.Ring(kA=1.0))
 for state in deformable.record(deformable.compress(sim, strain=0.01, steps=10), "run"):
     print(f"phi {state.phi:.5f}  pressure {state.pressure:.4e}  z {state.coordination:.3f}")
 
-state.plot()
-plt.savefig("packing.png", dpi=110)
+state.plot().figure.savefig("packing.png", dpi=110)

@@ -1,7 +1,6 @@
 """Compress a packing in a round container with pillars: the pressure, and the force on a pillar."""
 
 import deformable
-import matplotlib.pyplot as plt
 import numpy as np
 
 walls = [
@@ -23,5 +22,4 @@ for state in deformable.record(steps, "run"):
 
 left = np.linalg.norm(state.wall_forces.sum(axis=0)) / np.abs(state.wall_forces).max()
 print(f"sum of the forces on all walls, over the largest: {left:.0e}")
-state.plot(forces=True)
-plt.savefig("drum.png", dpi=80)
+state.plot(forces=True).figure.savefig("drum.png", dpi=80)

@@ -30,8 +30,8 @@ def print_states(states: Iterator[State], done: int, columns: Sequence[str]) -> 
 def draw(state: State, path: Path) -> None:
     """Draw a state on the rank that has it, if matplotlib is installed."""
     if state.root and importlib.util.find_spec("matplotlib"):
-        from matplotlib.figure import Figure
+        from ..state.plot import new_figure
 
-        figure = Figure(figsize=(6.4, 5.6), layout="constrained")
+        figure = new_figure(state.packing)
         state.plot(figure.subplots())
         figure.savefig(path, dpi=150)

@@ -15,7 +15,13 @@ from .options import refuse_ranks
 
 Recorded = Annotated[Path, typer.Argument(help="Folder of a run, e.g. of `deformable compress`.")]
 ColorBy = Annotated[str, typer.Option(help="Quantity of the particles, e.g. shape_parameter.")]
-ColorMap = Annotated[str, typer.Option(help="Color map of matplotlib.")]
+ColorMap = Annotated[
+    str | None,
+    typer.Option(
+        help="Color map of matplotlib; without, one for the signs of the values.",
+        show_default=False,
+    ),
+]
 FirstColor = Annotated[
     float | None, typer.Option(help="Value of the first color.", show_default=False)
 ]
@@ -39,7 +45,7 @@ def plot_command(
         ),
     ] = None,
     color_by: ColorBy = "particle_pressure",
-    cmap: ColorMap = "YlGnBu",
+    cmap: ColorMap = None,
     vmin: FirstColor = None,
     vmax: LastColor = None,
     title: Annotated[
@@ -53,8 +59,9 @@ def plot_command(
     optional("matplotlib", "plot")
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(6.4, 5.6), layout="constrained")
-    formats = figure.canvas.get_supported_filetypes()
+    from ..state.plot import new_figure
+
+    formats = Figure().canvas.get_supported_filetypes()
     if out.suffix.removeprefix(".") not in formats:
         raise ParameterError(f"a picture is one of .{', .'.join(formats)}, not '{out}'")
     if frame is None:
@@ -65,6 +72,7 @@ def plot_command(
             state = Run(run)[frame]
         except IndexError as error:
             raise ParameterError(str(error)) from None
+    figure = new_figure(state.packing)
     state.plot(
         figure.subplots(),
         color_by,
@@ -85,7 +93,7 @@ def movie_command(
         "movie.gif"
     ),
     color_by: ColorBy = "particle_pressure",
-    cmap: ColorMap = "YlGnBu",
+    cmap: ColorMap = None,
     vmin: FirstColor = None,
     vmax: LastColor = None,
     contacts: Contacts = False,

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+from numpy.typing import ArrayLike
+
 from ..common.errors import ParameterError
 from ..common.files import writing
 from ..common.progress import progress
 from ..common.validate import expect, shown, whole
+from ..state.scale import color_map, limited, scale
 from ..state.state import State
 
-# Pictures have 461 x 403 dots, so that a few dozen take less than a megabyte.
+# Pictures of a square box have 461 x 403 dots, so that a few dozen take less than a megabyte.
 _DOTS_PER_INCH = 72
 
 # Pictures per second: formats and viewers count in hundredths of a second.
@@ -24,13 +27,14 @@ _WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
 def movie(
     states: Iterable[State],
     path: str | Path,
-    color_by: str = "particle_pressure",
+    color_by: str | ArrayLike = "particle_pressure",
     contacts: bool = False,
     forces: bool = False,
     rate: int = 10,
-    cmap: str = "YlGnBu",
+    cmap: str | None = None,
     vmin: float | None = None,
     vmax: float | None = None,
+    label: str | None = None,
 ) -> None:
     """Draw states as a movie, all with the same scale of colors and forces.
 
@@ -44,6 +48,7 @@ def movie(
         cmap: see `State.plot`.
         vmin: value of the first color; that of the scale of all states if not given.
         vmax: value of the last color; that of the scale of all states if not given.
+        label: see `State.plot`.
 
     Raises:
         ParameterError: the format is another, ffmpeg is missing, or there are no states or no such
@@ -60,25 +65,24 @@ def movie(
         raise ParameterError(f"a movie is a .gif or an .mp4, not '{path}'")
     try:
         from matplotlib.animation import writers
-        from matplotlib.figure import Figure
     except ImportError:
         raise ImportError("movies need matplotlib: pip install lammps-deformable[plot]") from None
     if not writers.is_available(name):
         raise ParameterError(f"'{path}' needs the program ffmpeg: install it, or write a .gif")
-    from ..state.plot import known_color_map, limited, scale
+    from ..state.plot import new_figure
 
     frames = list(states)
     if not frames:
         raise ParameterError("a movie needs at least one state")
     for state in frames:
         expect("a state of a movie", state, State)
-    known_color_map(cmap)
     values = [state.values(color_by) for state in frames]
     shared = scale(values, [state.contact_table["force"] for state in frames], color_by)
     on = limited(shared, vmin, vmax)
+    color_map(cmap, on)  # or fail before the file is there
     if not frames[0].root:
         return
-    figure = Figure(figsize=(6.4, 5.6), layout="constrained")
+    figure = new_figure(frames[0].packing)
     writer = writers[name](fps=rate)
     with (
         writing(path),
@@ -87,6 +91,6 @@ def movie(
     ):
         for state in frames:
             figure.clear()
-            state.plot(figure.subplots(), color_by, contacts, forces, on, cmap)
+            state.plot(figure.subplots(), color_by, contacts, forces, on, cmap, label=label)
             writer.grab_frame()
             bar.update()

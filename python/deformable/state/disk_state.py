@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,16 +14,21 @@ from ..model.packing import Packing
 from .analysis import Analysis
 from .contact_forces import ContactForces
 from .contact_network import ContactNetwork
+from .disk_contacts import chords, halves
 from .hessian import Hessian
 from .linear_response import LinearResponse
+from .pictures import Pictures
 from .sides import Sides, bearing, between, by_centers, by_strains, joined, with_walls
+
+if TYPE_CHECKING:
+    from .plot import Halves
 
 # Points of an outline.
 _POINTS = 60
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DiskState(ContactNetwork, LinearResponse, Analysis):
+class DiskState(ContactNetwork, LinearResponse, Analysis, Pictures):
     """A snapshot of soft disks of contact stiffness k. Particles are numbered from 0.
 
     Attributes:
@@ -37,6 +43,8 @@ class DiskState(ContactNetwork, LinearResponse, Analysis):
             `packing.walls`, shape (K, 2).
         strain: shear strain of all calls of `shear`; None before the first one.
     """
+
+    _NAMES: ClassVar[tuple[str, ...]] = ("filled_area", "particle_pressure", "rattlers")
 
     packing: Packing
     law: None
@@ -62,6 +70,22 @@ class DiskState(ContactNetwork, LinearResponse, Analysis):
     def pressure(self) -> float:
         """Pressure of the packing, half the trace of `stress` [k]."""
         return float(np.trace(self.stress) / 2.0)
+
+    @property
+    def particle_pressure(self) -> NDArray[np.float64]:
+        """Pressure of each disk, half the trace of `particle_stress`, shape (N,) [k]."""
+        return np.trace(self.particle_stress, axis1=1, axis2=2) / 2.0
+
+    def particle_values(self) -> dict[str, NDArray[Any]]:
+        """Values of the disks by the names of a trajectory, arrays of shape (N,)."""
+        i, _ = self._contact_sides
+        return {
+            "radius": self.packing.radius,
+            "area": self.filled_area,
+            "pressure": self.particle_pressure,
+            "contacts": np.bincount(i, minlength=len(self.packing)),
+            "rattler": self.rattlers.astype(int),
+        }
 
     @property
     def outlines(self) -> list[NDArray[np.float64]]:
@@ -113,6 +137,12 @@ class DiskState(ContactNetwork, LinearResponse, Analysis):
         part = np.where(wall, 1.0, (self.packing.radius[sides.i] - 0.5 * overlap) / sides.distance)
         force = -(overlap / sides.distance)[:, None] * sides.vector
         return ContactForces(sides.i, sides.j, sides.vector, part, force)
+
+    def _flats(self) -> list[list[NDArray[np.float64]]]:
+        return chords(self.packing, self._contact_forces)
+
+    def _halves(self) -> list[Halves]:
+        return halves(self.packing, self._contact_forces)
 
     @property
     def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

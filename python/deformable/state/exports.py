@@ -1,11 +1,7 @@
-"""States for other programs: MDAnalysis, pandas, ParaView, OVITO, notebooks."""
+"""States for other programs: MDAnalysis, pandas, ParaView, OVITO."""
 
 from __future__ import annotations
 
-import base64
-import html
-import io
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -20,7 +16,6 @@ from ..model.packing import Packing
 from .contact_table import ContactTable
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from MDAnalysis import Universe
 
 
@@ -46,7 +41,6 @@ class _Snapshot(Protocol):
     @property
     def pressure(self) -> float: ...
     def particle_values(self) -> dict[str, NDArray[Any]]: ...
-    def plot(self, ax: Axes | None = None) -> Axes: ...
 
 
 class Exports:
@@ -122,19 +116,6 @@ class Exports:
         numbers = {"box": packing.box, "phi": self.phi, "pressure": self.pressure}
         if self.root:
             write_outlines(path, self.outlines, names | _values(self), numbers)
-
-    def _repr_html_(self: _Snapshot) -> str | None:
-        """The picture and the line of `repr`, for notebooks; None without matplotlib."""
-        if not find_spec("matplotlib"):
-            return None
-        from matplotlib.figure import Figure
-
-        figure, picture = Figure(figsize=(5.2, 4.5), layout="constrained"), io.BytesIO()
-        self.plot(figure.subplots())
-        figure.savefig(picture, format="png", dpi=80)
-        line = html.escape(repr(self).strip("<>"))
-        coded = base64.b64encode(picture.getvalue()).decode()
-        return f'<img src="data:image/png;base64,{coded}" alt="{line}"><br>{line}'
 
 
 def _values(state: _Snapshot) -> dict[str, NDArray[Any]]:

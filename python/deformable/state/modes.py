@@ -15,8 +15,8 @@ from ..common.optional import optional
 from ..common.validate import count, shown, whole
 from ..model.packing import Packing
 from ..model.room import closed
-from .contact_table import COLUMNS
 from .hessian import Hessian
+from .scale import scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -135,11 +135,11 @@ class Modes:
         from ..state import plot
 
         size = np.hypot(*vector.T)
-        part, nothing = size / size.max(), [np.empty(0, COLUMNS)] * len(size)
+        part = size / size.max()
         title = f"$\\omega$ = {self.frequencies[number]:.3g},  "
         title += f"participation {self.participation[number]:.2g}"
-        on, packing = plot.scale([part], [np.zeros(1)], _LABEL), self.packing
-        ax = plot.draw(packing, self.outlines, nothing, part, _LABEL, title, on, ax)
+        on, packing = scale([part], [np.zeros(1)], _LABEL), self.packing
+        ax = plot.draw(packing, self.outlines, part, _LABEL, title, on, ax)
         fraction = packing.positions @ np.linalg.inv(packing.box)
         cell = np.where(closed(packing.walls), 0.0, np.floor(fraction))
         places = (fraction - cell) @ packing.box

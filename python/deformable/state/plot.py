@@ -1,114 +1,70 @@
-"""The picture of a state."""
+"""The picture of a packing: outlines, walls, contacts and forces."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
-from matplotlib import colormaps
-from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.collections import Collection, LineCollection, PolyCollection
+from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from ..common.errors import ParameterError
-from ..common.validate import expect, finite, shown
+from ..common.validate import expect
 from ..model.packing import Packing
 from ..model.room import closed, container, obstacles
 from .contact_table import ContactTable
+from .scale import Scale, color_map
 
-_LABELS = {
-    "particle_pressure": "pressure in the particle",
-    "pressure": "pressure in the particle",
-    "area_deficit": "area deficit $A_0 - A$",
-    "arc_radius": "smallest radius of curvature",
-    "shape_parameter": r"shape parameter $P^2 / 4 \pi A$",
-}
+Floats = NDArray[np.float64]
 
-# Values of circles, at which scales of color begin; 0 for all others.
-_ROUND = {"shape_parameter": 1.0}
+# Where the contacts of a particle are, shape (m, 2), and their forces, shape (m,).
+Halves = tuple[Floats, Floats]
 
-# Width of the line of the largest force [points]: at most so wide, and in packings of many
-# particles so wide times sqrt(N), about a tenth of a particle.
-_WIDEST, _WIDEST_OF_MANY = 3.0, 36.0
+# Area of a picture, and its longest side and least width, if the box is long [inch].
+_AREA, _LONGEST, _NARROWEST = 25.0, 10.0, 1.6
+
+# What the title takes above, the bar of the colors at the side of a picture, or below one that is
+# wider than so many heights, and the margin [inch].
+_TITLE, _BESIDE, _BELOW, _WIDE, _MARGIN = 0.6, 1.4, 0.9, 1.5, 0.2
 
 # Colors of contacts that push, and of those that pull.
 _PUSH, _PULL = "orangered", "magenta"
-
-# Values that differ by less than this part of them are equal up to rounding.
-_EQUAL = 1e-12
 
 # Points of an outline closer to the chord of a contact than this, over R, are its ends: forces are
 # balanced to 1e-8, and an arc has left the line within 1e-4 R.
 _ON_LINE = 1e-7
 
 
-@dataclass(frozen=True)
-class Scale:
-    """Meaning of colors and widths.
-
-    Attributes:
-        low: value of the first color.
-        high: value of the last color; `low` if all values are equal.
-        force: force of the widest line.
-        widest: its width [points].
-    """
-
-    low: float
-    high: float
-    force: float
-    widest: float
+def new_figure(packing: Packing, colorbar: bool = True) -> Figure:
+    """An empty figure that is as long as the box; pyplot does not know it, so none stays open."""
+    sides = np.ptp(_frame(packing), axis=0)
+    longest = min(float(np.sqrt(_AREA * sides.max() / sides.min())), _LONGEST)
+    width, height = (sides / sides.max() * longest).tolist()
+    beside, below = (_MARGIN, _BELOW) if _is_wide(packing) else (_BESIDE, 0.0)
+    wide = max(width, _NARROWEST) + (beside if colorbar else _MARGIN)
+    size = (wide, height + _TITLE + below * colorbar)
+    return Figure(figsize=size, layout="constrained")
 
 
-def scale(
-    values: Sequence[NDArray[np.float64]], forces: Sequence[NDArray[np.float64]], color_by: str
-) -> Scale:
-    """One scale for several pictures, from the values of the particles and the forces of each."""
-    begin = _ROUND.get(color_by, 0.0)
-    low = min(begin, *(each.min() for each in values))
-    high = max(begin, *(each.max() for each in values))
-    force = max(np.abs(each).max(initial=0.0) for each in forces)
-    if high - low <= _EQUAL * max(abs(low), abs(high)):
-        high = low
-    widest = min(_WIDEST, _WIDEST_OF_MANY / np.sqrt(len(values[0])))
-    return Scale(low, high, force or 1.0, widest)
-
-
-def limited(on: Scale, vmin: float | None, vmax: float | None) -> Scale:
-    """A scale with other values of the first and last color, where these are given.
-
-    Raises:
-        ParameterError: they are no numbers, or the first is not below the second.
-    """
-    if vmin is None and vmax is None:
-        return on
-    low = on.low if vmin is None else finite("vmin", vmin)
-    high = on.high if vmax is None else finite("vmax", vmax)
-    if not low < high:
-        raise ParameterError(f"vmin must be below vmax, not {low:g} and {high:g}")
-    return replace(on, low=low, high=high)
-
-
-def known_color_map(cmap: str) -> None:
-    """Raise a ParameterError unless matplotlib has a color map of this name."""
-    if not (isinstance(cmap, str) and cmap in colormaps):
-        raise ParameterError(f"cmap must be one of matplotlib's color maps, not {shown(cmap)}")
+def _is_wide(packing: Packing) -> bool:
+    width, height = np.ptp(_frame(packing), axis=0)
+    return bool(width > _WIDE * height)
 
 
 def draw(
     packing: Packing,
-    outlines: Sequence[NDArray[np.float64]],
-    contacts: Sequence[ContactTable],
-    values: NDArray[np.float64],
-    color_by: str,
+    outlines: Sequence[Floats],
+    values: Floats,
+    label: str,
     title: str,
     on: Scale,
     ax: Axes | None = None,
-    flat: bool = False,
-    forces: bool = False,
-    cmap: str = "YlGnBu",
+    flats: Sequence[Sequence[Floats]] | None = None,
+    halves: Sequence[Halves] | None = None,
+    cmap: str | None = None,
     colorbar: bool = True,
 ) -> Axes:
     """Draw outlines and walls with all periodic images that reach into the box.
@@ -116,42 +72,38 @@ def draw(
     Args:
         packing: centers, box and walls.
         outlines: of the particles.
-        contacts: of each particle.
-        values: shown as colors, shape (N,).
-        color_by: name of the values.
+        values: shown as colors, shape (N,); a particle whose value is nan is gray.
+        label: of the values.
         title: of the picture.
         on: scale of colors and forces.
-        ax: axes to draw into; a new figure without.
-        flat: draw the contacts, the common parts of two outlines, on top.
-        forces: draw the force chains on top, those that pull in magenta.
-        cmap: name of one of matplotlib's color maps.
-        colorbar: draw a bar of the colors beside the axes.
+        ax: axes to draw into; those of a new figure without.
+        flats: contacts of each particle, lines of shape (m, 2), drawn on top [length].
+        halves: contacts of each particle and their forces, for force chains on top; those that pull
+            are magenta.
+        cmap: name of one of matplotlib's color maps; if not given, one for the signs of the values.
+        colorbar: draw a bar of the colors beside the axes, or below if the box is wide.
 
     Raises:
         ParameterError: there is no such color map.
     """
-    known_color_map(cmap)
-    if ax is None:
-        _, ax = plt.subplots(figsize=(6.4, 5.6), layout="constrained")
-    expect("ax", ax, Axes)
     expect("scale", on, Scale)
+    colors_of = color_map(cmap, on)
+    if ax is None:
+        ax = new_figure(packing, colorbar).subplots()
+    expect("ax", ax, Axes)
 
     box, shut = packing.box, closed(packing.walls)
     corners = _frame(packing)
     frame = Polygon(corners, closed=True, fill=False, edgecolor="0.25", linewidth=1.0, zorder=3)
     ax.add_patch(frame)
 
-    images, colors, flats, halves, pushes = [], [], [], [], []
+    images: list[Floats] = []
+    colors: list[float] = []
+    lines: list[Floats] = []
+    chains: list[Floats] = []
+    pushes: list[float] = []
     to_fraction = np.linalg.inv(box)
-    pressed = _flats(outlines, packing.radius, contacts) if flat else [[]] * len(values)
-    for outline, value, pressed_here, center, table in zip(
-        outlines,
-        values,
-        pressed,
-        packing.positions,
-        contacts,
-        strict=True,
-    ):
+    for n, (outline, center) in enumerate(zip(outlines, packing.positions, strict=True)):
         fraction = outline @ to_fraction
         low = np.where(shut, 0, np.floor(fraction.min(axis=0))).astype(int)
         high = np.where(shut, 0, np.floor(fraction.max(axis=0))).astype(int)
@@ -159,45 +111,36 @@ def draw(
             for b in range(low[1], high[1] + 1):
                 shift = np.array([a, b]) @ box
                 images.append(outline - shift)
-                colors.append(value)
-                flats += [flat - shift for flat in pressed_here]
-                if forces:  # each particle draws the half within its outline
-                    halves += [np.array([center, end]) - shift for end in table["position"]]
-                    pushes += (on.widest * table["force"] / on.force).tolist()
+                colors.append(values[n])
+                lines += [flat - shift for flat in flats[n]] if flats else []
+                if halves:  # each particle draws the half within its outline
+                    ends, forces = halves[n]
+                    chains += [np.array([center, end]) - shift for end in ends]
+                    pushes += (on.widest * forces / on.force).tolist()
     particles = PolyCollection(
-        images, array=np.array(colors), cmap=cmap, edgecolors="0.2", linewidths=0.6
+        images, array=np.array(colors), cmap=colors_of, edgecolors="0.2", linewidths=0.6
     )
     one_value = on.high == on.low
     particles.set_clim(on.low, on.low + 1.0 if one_value else on.high)
-    ax.add_collection(particles)  # the first of the collections, of which users make color bars
-    particles.set_clip_path(frame)
+    drawn: list[Collection] = [particles]  # the first one, of which users make color bars
     if packing.walls:
-        walls = PolyCollection(
-            _obstacles(packing), facecolors="0.75", edgecolors="0.25", linewidths=1.0, zorder=0.9
+        walls = _obstacles(packing)
+        drawn.append(PolyCollection(walls, facecolors="0.75", edgecolors="0.25", zorder=0.9))
+    if flats:
+        drawn.append(LineCollection(lines, colors="tab:red", linewidths=1.8, capstyle="butt"))
+    if halves:
+        signs = [_PUSH if push >= 0.0 else _PULL for push in pushes]
+        widths = np.abs(pushes).tolist()
+        drawn.append(
+            LineCollection(chains, colors=signs, linewidths=widths, capstyle="round", alpha=0.6)
         )
-        ax.add_collection(walls)
-        walls.set_clip_path(frame)
-    for lines in (
-        *([LineCollection(flats, colors="tab:red", linewidths=1.8, capstyle="butt")] * flat),
-        *(
-            [
-                LineCollection(
-                    halves,
-                    colors=[_PUSH if push >= 0.0 else _PULL for push in pushes],
-                    linewidths=np.abs(pushes),
-                    capstyle="round",
-                    alpha=0.6,
-                )
-            ]
-            * forces
-        ),
-    ):
-        ax.add_collection(lines)
-        lines.set_clip_path(frame)
+    for collection in drawn:
+        ax.add_collection(collection)
+        collection.set_clip_path(frame)
 
     if colorbar:
-        label = _LABELS.get(color_by, color_by)
-        bar = ax.figure.colorbar(particles, ax=ax, label=label, shrink=0.85)
+        place: dict[str, Any] = {"location": "bottom", "aspect": 40.0} if _is_wide(packing) else {}
+        bar = ax.figure.colorbar(particles, ax=ax, label=label, shrink=0.85, **place)
         if one_value:  # the first color is all there is: no numbers that no particle has
             bar.set_ticks([on.low])
     ax.set_title(title, fontsize=11)
@@ -211,14 +154,14 @@ def draw(
     return ax
 
 
-def _frame(packing: Packing) -> NDArray[np.float64]:
+def _frame(packing: Packing) -> Floats:
     """Corners of the box, or of the container, shape (n, 2) [length]."""
     if not packing.walls:
         return np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) @ packing.box
     return np.array(container(packing.walls, packing.box).exterior.coords)
 
 
-def _obstacles(packing: Packing) -> list[NDArray[np.float64]]:
+def _obstacles(packing: Packing) -> list[Floats]:
     """Corners of the obstacles that are drawn; of a segment both ends."""
     return [
         np.array(shape.coords if shape.geom_type == "LineString" else shape.exterior.coords)
@@ -226,13 +169,11 @@ def _obstacles(packing: Packing) -> list[NDArray[np.float64]]:
     ]
 
 
-def _flats(
-    outlines: Sequence[NDArray[np.float64]],
-    radii: NDArray[np.float64],
-    contacts: Sequence[ContactTable],
-) -> list[list[NDArray[np.float64]]]:
+def flats_of(
+    outlines: Sequence[Floats], radii: Floats, contacts: Sequence[ContactTable]
+) -> list[list[Floats]]:
     """The part of each outline at its contacts, a straight line or an arc, arrays (m, 2)."""
-    flats: list[list[NDArray[np.float64]]] = []
+    flats: list[list[Floats]] = []
     for outline, radius, table in zip(outlines, radii, contacts, strict=True):
         table = table[table["length"] > 0.0]
         out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])

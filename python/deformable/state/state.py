@@ -7,14 +7,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import ParameterError, UnsavedWarning
-from ..common.optional import optional
-from ..common.validate import expect, shown, whole
+from ..common.errors import UnsavedWarning
+from ..common.validate import expect, whole
 from ..io.data_file import Motion
 from ..io.films import Films
 from ..io.lammps_script import TEMPERATURE
@@ -29,19 +28,15 @@ from .contact_network import ContactNetwork
 from .contact_table import ContactTable
 from .exports import Exports
 from .parallels import Parallels
+from .pictures import Pictures
 from .ring_response import RingResponse
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from .plot import Scale
-
-# Names for colors, beside those of a trajectory.
-_VALUES = ("area_deficit", "particle_pressure", "rattlers", "shape_parameter")
+    from .plot import Halves
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class State(ContactNetwork, RingResponse, Parallels, Analysis, Exports):
+class State(ContactNetwork, RingResponse, Parallels, Analysis, Pictures, Exports):
     """A snapshot, the same on every rank. Particles are numbered from 0.
 
     Attributes:
@@ -76,6 +71,10 @@ class State(ContactNetwork, RingResponse, Parallels, Analysis, Exports):
         unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
             pairs; empty without.
     """
+
+    _NAMES: ClassVar[tuple[str, ...]] = (
+        *("area_deficit", "particle_pressure", "rattlers", "shape_parameter"),
+    )
 
     packing: Packing
     law: Law
@@ -174,78 +173,13 @@ class State(ContactNetwork, RingResponse, Parallels, Analysis, Exports):
         outlines = self.parallels(same_area=True)
         return [x + line for x, line in zip(self.packing.positions, outlines, strict=True)]
 
-    def plot(
-        self,
-        ax: Axes | None = None,
-        color_by: str = "particle_pressure",
-        contacts: bool = False,
-        forces: bool = False,
-        scale: Scale | None = None,
-        cmap: str = "YlGnBu",
-        vmin: float | None = None,
-        vmax: float | None = None,
-        title: str | None = None,
-        colorbar: bool = True,
-    ) -> Axes:
-        """Draw the outlines, colored by a value of each particle; returns the axes.
+    def _flats(self) -> list[list[NDArray[np.float64]]]:
+        from .plot import flats_of
 
-        Args:
-            ax: axes to draw into; a new figure if not given.
-            color_by: name of an attribute with one number for each particle, e.g. `area_deficit`,
-                or of a column of the trajectory, e.g. `pressure`.
-            contacts: draw the contacts, the straight or curved parts that outlines share.
-            forces: draw the force chains: lines between centers, with widths proportional to the
-                forces; those of films that pull are magenta.
-            scale: of colors and forces, to use one for several pictures, see `plot.scale`.
-            cmap: name of one of matplotlib's color maps.
-            vmin: value of the first color; that of `scale` if not given.
-            vmax: value of the last color; that of `scale` if not given.
-            title: of the picture; phi and pressure if not given.
-            colorbar: draw a bar of the colors. One bar of several pictures is
-                `figure.colorbar(axes.collections[0], ax=all_axes)`.
+        return flats_of(self.outlines, self.packing.radius, self.contact_tables)
 
-        Raises:
-            ParameterError: `color_by` is no such attribute, there is no such color map, or the
-                `vmin` is not below `vmax`.
-            ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
-        """
-        optional("matplotlib", "plot")
-        from ..state import plot
-
-        values, forces_here = self.values(color_by), self.contact_table["force"]
-        on = plot.scale([values], [forces_here], color_by) if scale is None else scale
-        return plot.draw(
-            self.packing,
-            self.outlines,
-            self.contact_tables,
-            values,
-            color_by,
-            f"$\\phi$ = {self.phi:.4f},  $p$ = {self.pressure:.3g}" if title is None else title,
-            plot.limited(on, vmin, vmax),
-            ax,
-            contacts,
-            forces,
-            cmap,
-            colorbar,
-        )
-
-    def values(self, name: str) -> NDArray[np.float64]:
-        """One number for each particle, by the name of an attribute or in a trajectory, shape (N,).
-
-        Raises:
-            ParameterError: there is no such name.
-        """
-        columns = self.particle_values()
-        if isinstance(name, str) and name in columns:
-            return np.asarray(columns[name], dtype=float)
-        values = np.asarray(getattr(self, name, None) if isinstance(name, str) else None)
-        if values.shape != (len(self.packing),) or values.dtype.kind not in "bif":
-            names = sorted({*columns, *_VALUES})
-            raise ParameterError(
-                f"color_by must name a value of each particle, such as {', '.join(names)}, not "
-                f"{shown(name)}"
-            )
-        return values.astype(float)
+    def _halves(self) -> list[Halves]:
+        return [(table["position"], table["force"]) for table in self.contact_tables]
 
     def save(
         self,

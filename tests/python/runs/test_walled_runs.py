@@ -136,7 +136,6 @@ def artists(state: deformable.State) -> tuple[int, int]:
     axes = state.plot(forces=True)
     walls = axes.collections[1].get_paths() if state.packing.walls else []
     (frame,) = axes.patches
-    matplotlib.pyplot.close(axes.figure)
     return len(walls), len(frame.get_xy())
 
 

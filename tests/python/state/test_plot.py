@@ -77,7 +77,6 @@ def test_shape_parameter(state: deformable.State) -> None:
     assert state.shape_parameter == pytest.approx(expected, rel=1e-12)
     map_ = state.plot(color_by="shape_parameter").collections[0]
     assert map_.get_clim() == pytest.approx((1.0, expected.max()))
-    matplotlib.pyplot.close("all")
 
 
 def test_force_chains_are_as_wide_as_their_forces(state: deformable.State) -> None:
@@ -92,18 +91,16 @@ def test_force_chains_are_as_wide_as_their_forces(state: deformable.State) -> No
     force = table["force"] / table["force"].max()
     assert found == set(zip(height.round(9), force.round(9), strict=True))
     assert len(halves) >= len(table)
-    matplotlib.pyplot.close("all")
 
 
 def test_force_chains_do_not_hide_the_particles(state: deformable.State) -> None:
     """At most 3 points wide; narrower where particles are many and small."""
-    from deformable.state.plot import scale
+    from deformable.state.scale import scale
 
     widths = [scale([np.ones(count)], [np.ones(3)], "area").widest for count in (4, 128, 1152)]
     assert widths[0] == widths[1] == 3.0
     assert widths[2] == pytest.approx(widths[1] / 3.0, rel=0.1)
     assert state.plot(forces=True).collections[1].get_alpha() < 1.0
-    matplotlib.pyplot.close("all")
 
 
 @pytest.mark.parametrize(("color_by", "value"), [("particle_pressure", 0.0), ("contacts", 0.0)])
@@ -119,7 +116,6 @@ def test_unloaded_packings_have_one_color_and_one_tick(color_by: str, value: flo
     bar = ax.collections[0].colorbar
     assert bar.get_ticks().tolist() == [value]
     assert ax.collections[0].norm(value) == 0.0
-    matplotlib.pyplot.close("all")
 
 
 def test_pictures_with_one_bar(state: deformable.State) -> None:

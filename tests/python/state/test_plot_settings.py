@@ -19,7 +19,6 @@ def test_settings_of_a_picture(state: deformable.State) -> None:
     widths = [max(ax.collections[1].get_linewidths()) for ax in (axes, state.plot(forces=True))]
     assert widths[0] == widths[1]
     assert state.plot(title="").get_title() == ""
-    matplotlib.pyplot.close("all")
 
 
 @pytest.mark.parametrize(
@@ -38,4 +37,3 @@ def test_other_settings_are_refused(
 ) -> None:
     with pytest.raises(deformable.ParameterError, match=words):
         state.plot(**settings)
-    matplotlib.pyplot.close("all")

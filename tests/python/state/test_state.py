@@ -126,7 +126,6 @@ def test_plot_draws_every_particle(state: deformable.State) -> None:
     assert state.plot(ax=axes) is axes
     with pytest.raises(deformable.ParameterError, match="'beauty'"):
         state.plot(color_by="beauty")
-    matplotlib.pyplot.close("all")
 
 
 @pytest.mark.parametrize(
@@ -160,4 +159,3 @@ def test_plot_draws_every_contact(
     assert nearest.max() < rounding
     assert np.abs(length[:, None] - expected).min(axis=1).max() < rounding
     assert len(state.plot().collections) == 1
-    matplotlib.pyplot.close("all")

@@ -1,0 +1,187 @@
+"""Pictures of a state, of deformable particles or of soft disks."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+from abc import ABC, abstractmethod
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..common.errors import ParameterError
+from ..common.optional import optional
+from ..common.validate import expect, shown
+from ..model.packing import Packing
+from . import scale as scales
+from .scale import Scale, limited
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .plot import Halves
+
+Floats = NDArray[np.float64]
+
+# Names at the bar of the colors.
+_LABELS = {
+    "particle_pressure": "pressure in the particle",
+    "pressure": "pressure in the particle",
+    "area_deficit": "area deficit $A_0 - A$",
+    "arc_radius": "smallest radius of curvature",
+    "shape_parameter": r"shape parameter $P^2 / 4 \pi A$",
+}
+
+# Dots per inch in a notebook.
+_DOTS = 72
+
+
+class Pictures(ABC):
+    """A state that can be drawn."""
+
+    packing: Packing
+
+    # names for colors that a message lists, beside those of `particle_values`
+    _NAMES: ClassVar[tuple[str, ...]] = ()
+
+    @property
+    @abstractmethod
+    def phi(self) -> float:
+        """Packing fraction."""
+
+    @property
+    @abstractmethod
+    def pressure(self) -> float:
+        """Pressure of the packing."""
+
+    @property
+    @abstractmethod
+    def outlines(self) -> list[Floats]:
+        """Outline of each particle."""
+
+    @abstractmethod
+    def particle_values(self) -> dict[str, NDArray[Any]]:
+        """Values of the particles by name."""
+
+    @abstractmethod
+    def _flats(self) -> list[list[Floats]]:
+        """Contacts of each particle as lines, arrays of shape (m, 2) [length]."""
+
+    @abstractmethod
+    def _halves(self) -> list[Halves]:
+        """Where the contacts of each particle are, (m, 2), and their forces, (m,)."""
+
+    def plot(
+        self,
+        ax: Axes | None = None,
+        color_by: str | ArrayLike = "particle_pressure",
+        contacts: bool = False,
+        forces: bool = False,
+        scale: Scale | None = None,
+        cmap: str | None = None,
+        vmin: float | None = None,
+        vmax: float | None = None,
+        title: str | None = None,
+        colorbar: bool = True,
+        label: str | None = None,
+    ) -> Axes:
+        """Draw the outlines, colored by a value of each particle; returns the axes.
+
+            state.plot(color_by="local_phi").figure.savefig("picture.png")
+            state.plot(color_by=state.local_strain(before).d2min, label="$D^2_{min}$")
+
+        Colors begin at 0. If some values are negative, 0 is in the middle.
+
+        Args:
+            ax: axes to draw into; if not given those of a new figure, which is as long as the box.
+                matplotlib.pyplot does not know that figure, so that a loop leaves none open: save
+                it, or give `plt.gca()` for `plt.show()`.
+            color_by: name of an attribute with one number for each particle, e.g. `area_deficit`,
+                or of a column of the trajectory, e.g. `pressure`; or these numbers, shape (N,).
+                A particle whose number is nan is gray.
+            contacts: draw the contacts, the straight or curved parts that outlines share; of soft
+                disks the chords of their overlaps.
+            forces: draw the force chains: lines between centers, with widths proportional to the
+                forces; those of films that pull are magenta.
+            scale: of colors and forces, to use one for several pictures, see
+                `deformable.state.scale`.
+            cmap: name of one of matplotlib's color maps. If not given, `YlGnBu`, or `BrBG` if 0 is
+                in the middle.
+            vmin: value of the first color; that of `scale` if not given.
+            vmax: value of the last color; that of `scale` if not given.
+            title: of the picture; phi and pressure if not given.
+            colorbar: draw a bar of the colors. One bar of several pictures is
+                `figure.colorbar(axes.collections[0], ax=all_axes)`.
+            label: of the bar; that of the name if not given.
+
+        Raises:
+            ParameterError: `color_by` is no such attribute and no such numbers, there is no such
+                color map, or the `vmin` is not below `vmax`.
+            ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
+        """
+        optional("matplotlib", "plot")
+        from . import plot
+
+        values, halves = self.values(color_by), self._halves()
+        expect("label", label, str, type(None))
+        if label is None:
+            label = _LABELS.get(color_by, color_by) if isinstance(color_by, str) else ""
+        if scale is None:
+            scale = scales.scale([values], [force for _, force in halves], color_by)
+        expect("scale", scale, Scale)
+        return plot.draw(
+            self.packing,
+            self.outlines,
+            values,
+            label,
+            f"$\\phi$ = {self.phi:.4f},  $p$ = {self.pressure:.3g}" if title is None else title,
+            limited(scale, vmin, vmax),
+            ax,
+            self._flats() if contacts else None,
+            halves if forces else None,
+            cmap,
+            colorbar,
+        )
+
+    def values(self, color_by: str | ArrayLike) -> Floats:
+        """One number for each particle, shape (N,).
+
+        Args:
+            color_by: name of an attribute, or in a trajectory; or these numbers themselves, of
+                which some may be nan.
+
+        Raises:
+            ParameterError: there is no such name, or they are no such numbers.
+        """
+        columns, number = self.particle_values(), len(self.packing)
+        found: Any = color_by
+        if isinstance(color_by, str):
+            found = columns.get(color_by, getattr(self, color_by, None))
+        try:
+            values = np.asarray(found)
+        except ValueError:  # rows of unequal length
+            values = np.asarray(None)
+        fits = values.shape == (number,) and values.dtype.kind in "biuf"
+        if not fits or np.isinf(values).any() or np.isnan(values).all():
+            names = ", ".join(sorted({*columns, *self._NAMES}))
+            raise ParameterError(
+                f"color_by must name a value of each particle, such as {names}, or be {number} "
+                f"numbers, not {shown(color_by)}"
+            )
+        return values.astype(float)
+
+    def _repr_html_(self) -> str | None:
+        """The picture and the line of `repr`, for notebooks; None without matplotlib."""
+        if not find_spec("matplotlib"):
+            return None
+        from .plot import new_figure
+
+        figure, picture = new_figure(self.packing), io.BytesIO()
+        self.plot(figure.subplots())
+        figure.savefig(picture, format="png", dpi=_DOTS)
+        line = html.escape(repr(self).strip("<>"))
+        coded = base64.b64encode(picture.getvalue()).decode()
+        return f'<img src="data:image/png;base64,{coded}" alt="{line}"><br>{line}'

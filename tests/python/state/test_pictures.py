@@ -1,0 +1,126 @@
+"""Pictures of states and of soft disks: figures, colors of signed values, values from arrays."""
+
+import deformable
+import numpy as np
+import pytest
+
+matplotlib = pytest.importorskip("matplotlib")
+matplotlib.use("agg")
+
+
+@pytest.fixture(scope="module", params=[0.2, 1.0, 4.0])
+def disks(request: pytest.FixtureRequest) -> deformable.DiskState:
+    start = deformable.push_off(deformable.bidisperse(30, phi=0.95, aspect=request.param, seed=1))
+    with deformable.Disks(start) as disks:
+        return disks.state()
+
+
+def test_long_boxes_fill_their_figures(disks: deformable.DiskState) -> None:
+    """The box takes more than half of the figure, which is not larger than a page."""
+    figure = disks.plot().figure
+    figure.draw_without_rendering()
+    width, height = figure.get_size_inches()
+    area = disks.plot().figure.axes[0].get_position()
+    box = figure.axes[0].get_window_extent().transformed(figure.dpi_scale_trans.inverted())
+    (lx, _), (_, ly) = disks.packing.box
+    assert box.width / box.height == pytest.approx(lx / ly, rel=0.03)
+    assert box.width * box.height > 0.5 * width * height
+    assert max(width, height) < 12.0
+    assert area.width > 0.0
+
+
+def test_no_figure_stays_open(state: deformable.State, disks: deformable.DiskState) -> None:
+    from matplotlib import pyplot
+
+    before = pyplot.get_fignums()
+    for _ in range(2):
+        state.plot()
+        disks.plot()
+        assert state._repr_html_().startswith("<img")
+        assert "DiskState" in disks._repr_html_()
+    assert pyplot.get_fignums() == before
+
+
+def test_disks_have_the_words_of_states(disks: deformable.DiskState) -> None:
+    """Contacts are chords: both ends on both circles; force chains bear the overlaps."""
+    ax = disks.plot(contacts=True, forces=True, color_by="contacts", cmap="magma", title="disks")
+    circles, chords, chains = ax.collections
+    assert (circles.get_cmap().name, ax.get_title()) == ("magma", "disks")
+    radius = np.unique(disks.packing.radius)
+    x = disks.packing.positions
+    images = np.concatenate(
+        [x + (a, b) @ disks.packing.box for a in (-1, 0, 1) for b in (-1, 0, 1)]
+    )
+    for ends in chords.get_segments():
+        for end in ends:
+            away = np.hypot(*(images - end).T)
+            on = np.abs(away[:, None] - radius).min(axis=1) < 1e-9
+            assert on.sum() >= 2
+    middle = [segment[1] - segment[0] for segment in chains.get_segments()]
+    assert np.hypot(*np.transpose(middle)).max() < radius.max()
+    forces = disks._contact_forces
+    largest = np.hypot(*forces.force.T)
+    widths = np.array(chains.get_linewidths())
+    assert set((widths / widths.max()).round(9)) == set((largest / largest.max()).round(9))
+    assert len(widths) >= 2 * len(largest)
+    held = disks.particle_stress[:, [0, 1], [0, 1]].mean(axis=1)
+    assert disks.values("particle_pressure") == pytest.approx(held, rel=1e-12)
+    assert np.sum(held * disks.filled_area) / disks.packing.area == pytest.approx(disks.pressure)
+
+
+def test_disks_at_walls_are_drawn() -> None:
+    """The chord of a wall is on the wall."""
+    room = deformable.bidisperse(12, phi=0.95, seed=1).between(deformable.rectangle(4, 4))
+    with deformable.Disks(deformable.push_off(room)) as disks:
+        state = disks.state()
+    assert len(state.wall_pairs) > 0
+    ends = np.array(state.plot(contacts=True).collections[-1].get_segments())
+    (x, _), (_, y) = state.packing.box
+    on_wall = (np.abs(ends) < 1e-9) | (np.abs(ends - (x, y)) < 1e-9)
+    assert on_wall.all(axis=1).any(axis=1).sum() == len(state.wall_pairs)
+
+
+def test_signed_values_are_centered(state: deformable.State) -> None:
+    stress = -state.particle_stress[:, 0, 1]
+    particles = state.plot(color_by=stress, label="shear stress").collections[0]
+    low, high = particles.get_clim()
+    assert low == -high == -np.abs(stress).max()
+    assert particles.get_cmap().name == "BrBG"
+    assert particles.colorbar.ax.get_ylabel() == "shear stress"
+    one = state.plot(color_by=stress, vmin=-1.0, cmap="PRGn").collections[0]
+    assert (one.get_clim(), one.get_cmap().name) == ((-1.0, 1.0), "PRGn")
+    two = state.plot(color_by=stress, vmin=-1.0, vmax=2.0).collections[0]
+    assert (two.get_clim(), two.get_cmap().name) == ((-1.0, 2.0), "YlGnBu")
+    below = state.plot(color_by=-1.0 - np.abs(stress)).collections[0]
+    assert below.get_clim()[1] > 1.0
+    # what rounding leaves below 0 has no sign
+    rounded = np.where(stress == stress.min(), -1e-12, 1.0)
+    assert state.plot(color_by=rounded).collections[0].get_cmap().name == "YlGnBu"
+
+
+def test_values_from_an_array(state: deformable.State) -> None:
+    values = np.arange(len(state.packing), dtype=float)
+    values[2] = np.nan
+    particles = state.plot(color_by=values.tolist()).collections[0]
+    assert particles.get_clim() == (0.0, len(values) - 1.0)
+    assert particles.colorbar.ax.get_ylabel() == ""
+    shown = particles.to_rgba(np.array([np.nan]))
+    assert shown == pytest.approx(np.array([[0.8, 0.8, 0.8, 1.0]]))
+
+
+@pytest.mark.parametrize(
+    "color_by",
+    [
+        *("beauty", "packing", 3.0, None, [1.0, 2.0], [[1.0], [1.0, 2.0]]),
+        *(np.full(32, np.nan), np.full(32, np.inf), np.full(32, "a"), np.ones((32, 2))),
+    ],
+    ids=str,
+)
+def test_other_values_are_refused(color_by: object, state: deformable.State) -> None:
+    assert len(state.packing) == 32
+    with pytest.raises(deformable.ParameterError, match=r"color_by must name .* or be 32 numbers"):
+        state.plot(color_by=color_by)
+    with pytest.raises(deformable.ParameterError, match=r"label .* not 3"):
+        state.plot(color_by="area", label=3)
+    with pytest.raises(deformable.ParameterError, match=r"scale .* not 2"):
+        state.plot(scale=2)
