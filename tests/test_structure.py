@@ -28,6 +28,7 @@ LAYERS = (
     ("state",),
     ("io",),
     ("model",),
+    ("formats",),
     ("common",),
 )
 LEVELS = {folder: level for level, folders in enumerate(LAYERS) for folder in folders}

@@ -34,10 +34,10 @@ if TYPE_CHECKING:
     from .model.laws import Ring as Ring
     from .model.laws import Sector as Sector
     from .model.packing import Packing as Packing
-    from .model.packing import bidisperse as bidisperse
-    from .model.packing import polydisperse as polydisperse
     from .model.polygon_walls import Walls as Walls
     from .model.polygons import PolygonModel as PolygonModel
+    from .model.random_packing import bidisperse as bidisperse
+    from .model.random_packing import polydisperse as polydisperse
     from .model.walls import Circle as Circle
     from .model.walls import Disk as Disk
     from .model.walls import Plane as Plane
@@ -103,7 +103,7 @@ _HOMES = {
     "UnjammedWarning": "common.errors",
     "UnsavedWarning": "common.errors",
     "Walls": "model.polygon_walls",
-    "bidisperse": "model.packing",
+    "bidisperse": "model.random_packing",
     "bulk_modulus": "protocols.moduli",
     "compare": "studies.comparison",
     "compress": "protocols.compression",
@@ -117,7 +117,7 @@ _HOMES = {
     "oscillate": "protocols.oscillation",
     "parallel_map": "common.parallel",
     "polish": "protocols.polish",
-    "polydisperse": "model.packing",
+    "polydisperse": "model.random_packing",
     "predict": "studies.comparison",
     "push_off": "protocols.jamming",
     "record": "runs.recording",

@@ -13,7 +13,8 @@ import numpy as np
 from ..common.errors import ParameterError
 from ..common.validate import positive
 from ..model.laws import LAWS, Law, Ring
-from ..model.packing import Packing, bidisperse, polydisperse
+from ..model.packing import Packing
+from ..model.random_packing import bidisperse, polydisperse
 from ..runs.run import Run
 
 TARGETS = ("strain", "phi", "pressure")

@@ -20,7 +20,8 @@ from ..common.validate import expect
 from ..common.versions import check_lammps
 from ..io.lammps_commands import SETUP, WALL, atom_style, boundary, wall_commands
 from ..model import room
-from ..model.packing import Packing, lattice_vectors
+from ..model.lattice import lattice_vectors
+from ..model.packing import Packing
 from ..model.walls import Wall
 from .interrupts import interruptible
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..core import unit_vectors
-from ..io.data_file import data_file
+from ..formats.lammps_data import data_file
 from ..model.lattice import cartesian, fractional
 from ..model.packing import Packing
 from ..model.polygon_walls import Walls

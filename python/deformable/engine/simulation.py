@@ -14,8 +14,9 @@ from ..common.validate import expect, positive, zero_or_more
 from ..core import dot
 from ..io.films import film_commands
 from ..io.lammps_commands import law_commands, pair_style, species_file
+from ..model.lattice import shown_box
 from ..model.laws import Law, Ring, Sector
-from ..model.packing import Packing, shown_box
+from ..model.packing import Packing
 from ..model.room import check_centers, check_fit
 from ..model.sticking import check_sticky_walls, sticks
 from ..model.timestep import STIFFNESS_PER_PRESSURE

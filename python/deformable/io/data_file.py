@@ -1,14 +1,14 @@
-"""LAMMPS data files: written from plain values, and read back as a packing."""
+"""The LAMMPS data file of a saved state: its packing, its motion and its films."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from ..formats.lammps_data import data_file, read_data_file, sphere_columns
 from ..model.packing import Packing
 from .films import Films, film_lines, films_in
 from .lammps_commands import atom_style
@@ -30,57 +30,6 @@ class Motion(NamedTuple):
     films: Films | None = None
 
 
-def data_file(
-    title: str,
-    style: str,
-    box: ArrayLike,
-    types: int,
-    columns: Sequence[NDArray[Any]],
-    positions: NDArray[np.float64],
-    bonds: NDArray[np.int64] | None = None,
-    origin: Sequence[float] = (0, 0),
-    velocities: NDArray[np.float64] | None = None,
-) -> str:
-    """Text of the LAMMPS data file of a two-dimensional system, with every digit.
-
-    Args:
-        title: first line.
-        style: LAMMPS atom_style; masses are 1, or given by atom for `sphere`.
-        box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
-        types: number of atom types, and of bond types if there are bonds.
-        columns: values of the style between ID and position of an atom, arrays of shape (N,).
-        positions: of the atoms, shape (N, 2) [length].
-        bonds: type and both atoms of each bond, shape (M, 3).
-        origin: lower left corner of the box [length].
-        velocities: of the atoms, shape (N, 2) [length/time]; at rest if not given.
-    """
-    (lx, _), (xy, ly) = np.asarray(box, dtype=np.float64).tolist()
-    x0, y0 = origin
-    lines = [title, "", f"{len(positions)} atoms", f"{types} atom types"]
-    if bonds is not None:
-        lines += [f"{len(bonds)} bonds", f"{types} bond types"]
-    lines += [
-        f"{x0!r} {x0 + lx!r} xlo xhi",
-        f"{y0!r} {y0 + ly!r} ylo yhi",
-        "-0.5 0.5 zlo zhi",
-        f"{xy!r} 0 0 xy xz yz",
-        "",
-    ]
-    if style != "sphere":
-        lines += ["Masses", "", *(f"{n} 1" for n in range(1, types + 1)), ""]
-    lines += [f"Atoms # {style}", ""]
-    rows = zip(*(column.tolist() for column in columns), *positions.T.tolist(), strict=True)
-    lines += [f"{n} {' '.join(map(repr, row))} 0" for n, row in enumerate(rows, start=1)]
-    if velocities is not None:
-        spin = " 0 0 0" if style == "sphere" else ""
-        lines += ["", "Velocities", ""]
-        lines += [f"{n} {x!r} {y!r} 0{spin}" for n, (x, y) in enumerate(velocities.tolist(), 1)]
-    if bonds is not None:
-        lines += ["", "Bonds", ""]
-        lines += [f"{n} {a} {b} {c}" for n, (a, b, c) in enumerate(bonds.tolist(), start=1)]
-    return "\n".join(lines) + "\n"
-
-
 def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
     """A packing as a LAMMPS data file.
 
@@ -91,8 +40,7 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
     title = f"LAMMPS data file by lammps-deformable, units lj, atom_style {style}, two-dimensional"
     columns: list[NDArray[Any]] = [packing.species + 1]
     if packing.particle_radii is not None:
-        density = 0.75 / (np.pi * packing.particle_radii**3)  # of a sphere of mass 1
-        columns += [2.0 * packing.particle_radii, density]
+        columns += sphere_columns(packing.particle_radii)
     if motion.time:
         title += f", time {motion.time!r}"
     if motion.strain is not None:
@@ -104,7 +52,7 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
         len(packing.radii),
         columns,
         packing.positions,
-        origin=packing.origin.tolist() if packing.walls else (0, 0),
+        origin=packing.origin.tolist(),
         velocities=motion.velocities if motion.velocities.any() else None,
     )
     return text + film_lines(motion.films)
@@ -120,30 +68,16 @@ def packing_in(text: str, radii: list[float]) -> Packing:
     Raises:
         ValueError: the text is no such file, or lacks atoms.
     """
-    head, _, body = text.partition("Atoms # ")
-    style, _, rows = body.partition("\n")
-    width = {"atomic": 5, "sphere": 7}.get(style)
-    words = {line.split()[-1]: line.split() for line in head.splitlines() if line.strip()}
-    needed = {"xhi": 4, "yhi": 4, "yz": 6, "atoms": 2}
-    if width is None or any(len(words.get(word, ())) != size for word, size in needed.items()):
-        raise ValueError("it is no packing as lammps-deformable writes it")
-    lx, ly = (float(words[word][1]) - float(words[word][0]) for word in ("xhi", "yhi"))
-    xy = float(words["yz"][0])
-    table, _, _ = rows.strip("\n").partition("\n\n")  # sections of LAMMPS follow
-    atoms = [row.split() for row in table.splitlines()]
-    complete = sum(len(row) in (width, width + 3) for row in atoms)  # LAMMPS adds image flags
-    if not atoms or complete != len(atoms) or complete != int(words["atoms"][0]):
-        raise ValueError(f"it has {complete} of {words['atoms'][0]} atoms")
-    numbers = np.array([row[:width] for row in atoms], dtype=np.float64)
-    ids, types, *values = numbers[np.argsort(numbers[:, 0])].T
-    if not np.array_equal(ids, np.arange(1, len(ids) + 1)):
-        raise ValueError(f"atom IDs must be 1 to {len(ids)}")
+    found = read_data_file(text)
+    if not np.array_equal(found.ids, np.arange(1, len(found.ids) + 1)):
+        raise ValueError(f"atom IDs must be 1 to {len(found.ids)}")
+    own = "diameter" in found.columns
     return Packing(
-        positions=np.column_stack(values[-3:-1]),
-        species=types.astype(np.int64) - 1,
+        positions=found.plane_positions,
+        species=found.species,
         radii=np.array(radii),
-        box=np.array([[lx, 0.0], [xy, ly]]),
-        particle_radii=values[0] / 2.0 if style == "sphere" else None,
+        box=found.plane_box,
+        particle_radii=found.radius("diameter") if own else None,
     )
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import FileError
 from ..common.files import reading, write_whole, writing
+from ..formats.lammps_dump import dump_frame, read_dump_frame
 from ..model.packing import Packing
 from ..model.room import closed
 from .run_folder import DATA, SERIES, SETUPS, TRAJECTORY
@@ -202,36 +203,15 @@ def _keep(path: Path, count: int, boundary: str) -> None:
 
 
 def _dump_frame(number: int, packing: Packing, columns: Mapping[str, NDArray[Any]]) -> str:
-    (lx, _), (xy, ly) = packing.box.tolist()
-    x0, y0 = packing.origin.tolist() if packing.walls else (0, 0)
-    ends = " ".join("ff" if shut else "pp" for shut in closed(packing.walls))
-    # LAMMPS gives the bounding box of a tilted cell and the tilts beside it.
-    box = (
-        [
-            f"ITEM: BOX BOUNDS {ends} pp",
-            f"{x0!r} {x0 + lx!r}",
-            f"{y0!r} {y0 + ly!r}",
-            "-0.5 0.5",
-        ]
-        if xy == 0.0
-        else [
-            "ITEM: BOX BOUNDS xy xz yz pp pp pp",
-            f"{min(0.0, xy)!r} {lx + max(0.0, xy)!r} {xy!r}",
-            f"0 {ly!r} 0",
-            "-0.5 0.5 0",
-        ]
+    return dump_frame(
+        number,
+        packing.box,
+        packing.species,
+        packing.positions,
+        columns,
+        packing.origin.tolist(),
+        closed(packing.walls),
     )
-    lines = ["ITEM: TIMESTEP", str(number), "ITEM: NUMBER OF ATOMS", str(len(packing)), *box]
-    lines.append("ITEM: ATOMS id type x y z " + " ".join(columns))
-    rows = zip(
-        packing.species.tolist(),
-        packing.positions.tolist(),
-        *(column.tolist() for column in columns.values()),
-        strict=True,
-    )
-    for n, (kind, (x, y), *values) in enumerate(rows, start=1):
-        lines.append(f"{n} {kind + 1} {x!r} {y!r} 0 " + " ".join(map(repr, values)))
-    return "\n".join(lines) + "\n"
 
 
 def read_frame(frame: str, radii: Sequence[float]) -> tuple[Packing, NDArray[np.float64]]:
@@ -244,17 +224,15 @@ def read_frame(frame: str, radii: Sequence[float]) -> tuple[Packing, NDArray[np.
         frame: its text, without the first line.
         radii: of the species.
     """
-    lines = frame.splitlines()
-    x, y, _ = (np.array(line.split(), dtype=float) for line in lines[4:7])
-    xy = x[2] if len(x) == 3 else 0.0
-    box = np.array([[x[1] - x[0] - abs(xy), 0.0], [xy, y[1] - y[0]]])
-    names = lines[7].split()[2:]
-    values = dict(zip(names, np.loadtxt(lines[8:], ndmin=2).T, strict=True))
-    if len(values["x"]) != int(lines[2]):
-        raise ValueError(f"it has {len(values['x'])} of {lines[2]} particles")
-    species, largest = values["type"].astype(np.int64) - 1, np.array(radii)
+    found = read_dump_frame(frame)
+    values, species, largest = found.columns, found.species, np.array(radii)
     own = bool((values["radius"] != largest[species]).any())
     np.maximum.at(largest, species, values["radius"])
-    places = np.column_stack([values["x"], values["y"]])
-    packing = Packing(places, species, largest, box, values["radius"] if own else None)
+    packing = Packing(
+        found.plane_positions,
+        species,
+        largest,
+        found.plane_box,
+        values["radius"] if own else None,
+    )
     return packing, np.column_stack([values["vx"], values["vy"]])

@@ -9,7 +9,7 @@ from MDAnalysis.coordinates.LAMMPS import DumpReader
 from MDAnalysis.coordinates.timestep import Timestep
 from MDAnalysis.lib.util import store_init_arguments
 
-from ..state.exports import box_in_space, in_space
+from ..formats.universes import box_in_space, in_space
 
 
 class PlaneReader(DumpReader):  # type: ignore[misc]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..common.errors import ParameterError
 from ..common.optional import optional
 from ..common.validate import expect, shown
+from ..formats.universes import in_space
 from ..io.outlines import write_outlines
 from ..model.packing import Packing
 from .contact_table import ContactTable
@@ -55,17 +56,8 @@ class Exports:
         searches for neighbors find none above. Positions are rounded to 32 bits there, and count
         from the lower left corner of the box, `Packing.origin`. Walls are left out.
         """
-        import MDAnalysis
-
-        packing, number = self.packing, len(self.packing)
-        universe = MDAnalysis.Universe.empty(number, trajectory=True, velocities=True)
-        universe.add_TopologyAttr("ids", np.arange(1, number + 1))
-        universe.add_TopologyAttr("types", (packing.species + 1).astype(str))
-        universe.add_TopologyAttr("radii", packing.radius)
-        universe.add_TopologyAttr("masses", np.ones(number))
+        universe = self.packing.to_mdanalysis()
         frame = universe.trajectory.ts
-        frame.dimensions = box_in_space(packing.box)
-        frame.positions = in_space(packing.positions - packing.origin)
         frame.velocities = in_space(self.velocities)
         frame.data.update(self.particle_values())
         return universe
@@ -124,14 +116,3 @@ def _values(state: _Snapshot) -> dict[str, NDArray[Any]]:
         "area_deficit": state.area_deficit,
         "shape_parameter": state.shape_parameter,
     }
-
-
-def in_space(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Vectors of the plane with z = 0, shape (N, 3)."""
-    return np.column_stack([vectors, np.zeros(len(vectors))])
-
-
-def box_in_space(box: NDArray[np.float64]) -> list[float]:
-    """Lengths and angles [degrees] of a box of MDAnalysis, as high as its longer side is long."""
-    a, b = np.linalg.norm(box, axis=1).tolist()
-    return [a, b, max(a, b), 90.0, 90.0, float(np.degrees(np.arctan2(box[1, 1], box[1, 0])))]

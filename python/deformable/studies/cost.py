@@ -17,7 +17,8 @@ from ..engine.simulation import Simulation
 from ..io.lammps_commands import pair_style
 from ..model.lattice import cartesian, fractional
 from ..model.laws import Law, Ring, Sector
-from ..model.packing import Packing, bidisperse
+from ..model.packing import Packing
+from ..model.random_packing import bidisperse
 from ..protocols.jamming import jam
 from .law_styles import STYLES
 from .section import Column, Picture, Row, Section, Table, listed, show

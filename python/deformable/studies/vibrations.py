@@ -13,7 +13,8 @@ from ..common.fits import jackknife, power_law
 from ..engine.disks import Disks
 from ..engine.relaxed_disks import relax_at_pressure
 from ..engine.simulation import Simulation
-from ..model.packing import Packing, bidisperse
+from ..model.packing import Packing
+from ..model.random_packing import bidisperse
 from ..protocols.jamming import jam, natural_pressure
 from ..state.disk_state import DiskState
 from ..state.state import State

@@ -51,12 +51,16 @@ BROKEN = {
     "a list": ("summary.json", lambda path: path.write_text("[1]"), "cannot convert"),
     "bytes": ("summary.json", lambda path: path.write_bytes(b"\xff\xfe"), "codec can't decode"),
     "empty": ("summary.json", lambda path: path.write_text("{}"), "it lacks 'law'"),
-    "garbage": ("packing.data", lambda path: path.write_text("garb age"), "it is no packing as"),
+    "garbage": (
+        "packing.data",
+        lambda path: path.write_text("garb age"),
+        "it is no LAMMPS data file",
+    ),
     "bytes as data": ("packing.data", lambda path: path.write_bytes(b"\xff\n"), "can't decode"),
     "no edges": (
         "packing.data",
         lambda path: path.write_text(re.sub(r".*(?=xhi)", "", path.read_text())),
-        "it is no packing as",
+        "it is no LAMMPS data file",
     ),
     "no atoms": (
         "packing.data",

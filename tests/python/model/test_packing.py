@@ -216,3 +216,19 @@ def test_packing_refuses_wrong_particle_radii(particle_radii: list[float], messa
     dataclasses.replace(packing, particle_radii=rounded)
     with pytest.raises(deformable.ParameterError, match=message):
         dataclasses.replace(packing, particle_radii=particle_radii)
+
+
+@pytest.mark.parametrize("walled", [False, True])
+def test_radii_grow_in_place_of_a_shrinking_box(walled: bool) -> None:
+    """The same packing up to its scale; box, walls and centers stay."""
+    start = deformable.polydisperse(9, lambda rng: rng.uniform(0.4, 0.6, 9), tilt=0.0)
+    if walled:
+        start = start.between([*deformable.rectangle(6, 7), deformable.Disk((3, 3), 1)], seed=1)
+    grown, shrunk = start.at(0.7, grow=True), start.at(0.7)
+    assert grown.phi == pytest.approx(0.7, rel=1e-12)
+    np.testing.assert_array_equal(grown.positions, start.positions)
+    np.testing.assert_array_equal(grown.box, start.box)
+    assert grown.walls == start.walls
+    scale = grown.box[0, 0] / shrunk.box[0, 0]
+    np.testing.assert_allclose(grown.radius, scale * shrunk.radius, rtol=1e-12)
+    np.testing.assert_allclose(grown.positions, scale * shrunk.positions, rtol=1e-12)

@@ -20,8 +20,9 @@ from ...core import angles, norm
 from ...engine.polygon_simulation import PolygonSimulation
 from ...engine.simulation import Simulation
 from ...model.laws import Law
-from ...model.packing import Packing, bidisperse
+from ...model.packing import Packing
 from ...model.polygons import PolygonModel
+from ...model.random_packing import bidisperse
 from ...protocols.compression import compress
 from ...protocols.jamming import jam
 from ...state.polygon_state import PolygonState

@@ -9,7 +9,8 @@ from statistics import mean
 from typing import Any
 
 from ...engine.disks import Disks
-from ...model.packing import Packing, bidisperse
+from ...model.packing import Packing
+from ...model.random_packing import bidisperse
 from ...protocols.compression import compress
 from ...protocols.jamming import jam
 from .compressions import smooth_rows, standard_polygons, timed

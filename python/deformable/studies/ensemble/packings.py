@@ -19,7 +19,7 @@ from ...common.fits import power_law
 from ...common.validate import zero_or_more
 from ...engine.relaxation import TOLERANCE
 from ...model.laws import LAWS, Law, Ring
-from ...model.packing import bidisperse
+from ...model.random_packing import bidisperse
 from ...protocols.jamming import jam, natural_pressure, simulate
 from ...protocols.moduli import bulk_modulus, shear_modulus
 from ...state.disk_state import DiskState

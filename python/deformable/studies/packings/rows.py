@@ -20,8 +20,9 @@ from ...engine.polygon_simulation import PolygonSimulation
 from ...engine.relaxation import TOLERANCE, minimize_command
 from ...engine.simulation import Simulation
 from ...model.laws import Law, per_species
-from ...model.packing import Packing, bidisperse
+from ...model.packing import Packing
 from ...model.polygons import PolygonModel
+from ...model.random_packing import bidisperse
 from ...protocols.jamming import jam
 from ...state.polygon_state import PolygonState
 from ...state.state import State

@@ -18,8 +18,8 @@ from ...common.fits import power_law
 from ...common.parallel import parallel_map
 from ...engine.polygon_simulation import PolygonSimulation
 from ...model.laws import Ring, Sector
-from ...model.packing import bidisperse
 from ...model.polygons import PolygonModel
+from ...model.random_packing import bidisperse
 from ...protocols.compression import compress
 from ...protocols.jamming import jam
 from ...state.polygon_state import steiner_point

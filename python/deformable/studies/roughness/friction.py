@@ -12,8 +12,9 @@ from ...common.errors import ParameterError
 from ...engine.lammps import run
 from ...engine.polygon_simulation import PolygonSimulation
 from ...engine.relaxation import minimize_command
-from ...model.packing import Packing, bidisperse
+from ...model.packing import Packing
 from ...model.polygons import PolygonModel
+from ...model.random_packing import bidisperse
 from ...protocols.compression import compress
 from ...protocols.jamming import jam
 from ...state.polygon_state import PolygonState

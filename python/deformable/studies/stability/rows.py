@@ -28,7 +28,8 @@ from ...engine.lammps import run
 from ...engine.relaxation import TOLERANCE
 from ...engine.simulation import Simulation
 from ...model.laws import LAWS, Law, Ring, Sector
-from ...model.packing import Packing, bidisperse
+from ...model.packing import Packing
+from ...model.random_packing import bidisperse
 from ...protocols.jamming import jam
 from ...state.state import State
 from ..paper.results import polygon_stiffness

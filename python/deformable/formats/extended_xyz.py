@@ -1,0 +1,94 @@
+"""Extended XYZ: a line with the number of particles, one of `key=value`, and one a particle.
+
+Source: https://github.com/libAtoms/extxyz, the specification.
+"""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator, Sequence
+from itertools import islice
+from typing import Any, TextIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .particles import Particles, as_types, columns_of
+
+# Columns of a file that does not tell.
+_PLAIN = "species:S:1:pos:R:3"
+
+# Of the columns of types, the first that there is.
+_TYPES = ("species", "type", "element")
+
+
+def xyz_frame(
+    box: NDArray[np.float64],
+    species: NDArray[np.int64],
+    positions: NDArray[np.float64],
+    radius: NDArray[np.float64],
+    origin: Sequence[float],
+    shut: tuple[bool, bool],
+) -> str:
+    """Text of a frame of a two-dimensional system, with every digit; see `dump_frame`."""
+    (lx, _), (xy, ly) = box.tolist()
+    x0, y0 = origin
+    ends = " ".join("F" if each else "T" for each in shut)
+    head = [
+        f'Lattice="{lx!r} 0 0 {xy!r} {ly!r} 0 0 0 1"',
+        f'Origin="{x0!r} {y0!r} -0.5"',
+        f'pbc="{ends} T"',
+        "Properties=species:S:1:pos:R:3:radius:R:1",
+    ]
+    rows = zip(species.tolist(), positions.tolist(), radius.tolist(), strict=True)
+    lines = [f"{kind + 1} {x!r} {y!r} 0 {r!r}" for kind, (x, y), r in rows]
+    return "\n".join([str(len(species)), " ".join(head), *lines]) + "\n"
+
+
+def xyz_frames(file: TextIO) -> Iterator[tuple[int, str, list[str]]]:
+    """The frames of a file: number of particles, second line, and rows, of which some may lack."""
+    for line in file:
+        if not line.strip():
+            continue
+        if not line.strip().isdigit():
+            raise ValueError(f"a frame begins with the number of atoms, not {line.strip()[:60]!r}")
+        count = int(line)
+        yield count, file.readline(), list(islice(file, count))
+
+
+def read_xyz_frame(count: int, head: str, rows: list[str]) -> Particles:
+    """The particles of a frame, see `xyz_frames`.
+
+    Raises:
+        ValueError: it lacks particles, or its second line is damaged.
+    """
+    if len(rows) < count:
+        raise ValueError(f"the frame has {len(rows)} of {count} atoms")
+    words = dict(word.partition("=")[::2] for word in shlex.split(head) if "=" in word)
+    said = {key.lower(): value for key, value in words.items()}
+    properties = said.get("properties", _PLAIN).split(":")
+    names: list[str] = []
+    for name, size in zip(properties[::3], properties[2::3], strict=True):
+        names += [name.lower()] if size == "1" else [f"{name.lower()}{n}" for n in range(int(size))]
+    columns = columns_of(rows, names)
+    if not all(f"pos{n}" in columns for n in range(3)):
+        raise ValueError(f"it has no pos:R:3 among its columns {' '.join(names)}")
+    positions = np.column_stack([columns.pop(f"pos{n}") for n in range(3)])
+    kind: NDArray[Any] = next((columns[name] for name in _TYPES if name in columns), np.ones(count))
+    types, kinds = as_types(kind)
+    box = None
+    if "lattice" in said:
+        box = _numbers("Lattice", said["lattice"], 9).reshape(3, 3)
+    origin = _numbers("Origin", said.get("origin", "0 0 0"), 3)[:2]
+    ends = [end[:1].upper() != "F" for end in said.get("pbc", "T T T").split()]
+    if len(ends) != 3:
+        raise ValueError(f"pbc must be three letters T or F, not {said['pbc']}")
+    ids = np.arange(1, count + 1)
+    return Particles(positions, box, ids, types, columns, origin, (ends[0], ends[1]), kinds)
+
+
+def _numbers(name: str, words: str, count: int) -> NDArray[np.float64]:
+    values = np.array([float(word) for word in words.split()])
+    if len(values) != count:
+        raise ValueError(f"{name} must be {count} numbers, not {len(values)}")
+    return values

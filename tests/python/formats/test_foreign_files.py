@@ -1,0 +1,159 @@
+"""Packings in files that other programs have written."""
+
+import warnings
+from pathlib import Path
+
+import deformable
+import MDAnalysis
+import numpy as np
+import pytest
+from deformable import Packing
+from deformable.engine.lammps import silent_lammps
+from mpi4py import MPI
+
+
+@pytest.fixture(scope="module")
+def tilted() -> Packing:
+    """Of radii of their own, in a tilted box, pushed apart."""
+    loose = deformable.polydisperse(30, lambda rng: rng.uniform(0.4, 0.6, 30), tilt=0.4, phi=0.7)
+    return deformable.push_off(loose)
+
+
+DUMPS = {
+    "positions": "id type x y z radius",
+    "parts of the box": "id type xs ys zs radius",
+    "unwrapped": "xu yu id diameter type",
+    "parts, unwrapped": "type id radius ysu xsu",
+}
+
+
+@pytest.mark.parametrize("columns", DUMPS.values(), ids=DUMPS.keys())
+def test_a_dump_of_lammps(columns: str, tilted: Packing, tmp_path: Path) -> None:
+    """With its rows in any order, units and times before the frames."""
+    path = tmp_path / "dump.shapes"
+    with deformable.Simulation(tilted, deformable.Ring()) as sim:
+        for command in (
+            f"dump shapes all custom 1 {path} {columns}",
+            "dump_modify shapes format float %.17g units yes time yes sort off first yes",
+            "run 0 post no",
+            "displace_atoms all move 0.1 0.0 0.0",
+            "run 1 post no",
+        ):
+            sim.lmp.command(command)
+        sim.lmp.command("undump shapes")
+    first = Packing.from_file(path, frame=0)
+    np.testing.assert_allclose(first.radius, tilted.radius, rtol=1e-15)
+    np.testing.assert_allclose(first.box, tilted.box, rtol=1e-15)
+    apart = first.positions - tilted.positions
+    images = apart @ np.linalg.inv(tilted.box)
+    np.testing.assert_allclose(images, np.rint(images), atol=1e-12)
+    last = Packing.from_file(path)
+    moved = (last.positions - first.positions) @ np.linalg.inv(tilted.box)
+    moved -= np.rint(moved)
+    np.testing.assert_allclose(moved @ tilted.box, [[0.1, 0.0]] * 30, atol=1e-3)
+
+
+def test_a_data_file_of_lammps(tilted: Packing, tmp_path: Path) -> None:
+    with deformable.Simulation(tilted, deformable.Ring()) as sim:
+        sim.lmp.command(f"write_data {tmp_path / 'any'}")
+    found = Packing.from_file(tmp_path / "any")
+    np.testing.assert_allclose(found.radius, tilted.radius, rtol=1e-14)
+    np.testing.assert_allclose(found.box, tilted.box, rtol=1e-14)
+    assert found.phi == pytest.approx(tilted.phi, rel=1e-13)
+
+
+def test_lammps_reads_what_goes_out(tilted: Packing, tmp_path: Path) -> None:
+    """The data file, and the positions of the dump after the particles have moved away."""
+    tilted.to_file(tmp_path / "out.data")
+    tilted.to_file(tmp_path / "out.lammpstrj")
+    lmp = silent_lammps(MPI.COMM_SELF, "sphere")
+    lmp.command(f"read_data {tmp_path / 'out.data'}")
+    for _ in range(2):
+        places = np.array(lmp.gather_atoms("x", 1, 3)).reshape(-1, 3)[:, :2]
+        images = (places - tilted.positions) @ np.linalg.inv(tilted.box)
+        np.testing.assert_allclose(images, np.rint(images), atol=1e-12)
+        lmp.command("displace_atoms all random 0.5 0.5 0 1")
+        lmp.command(f"read_dump {tmp_path / 'out.lammpstrj'} 0 x y box yes replace yes")
+    np.testing.assert_allclose(lmp.gather_atoms("radius", 1, 1), tilted.radius, rtol=1e-15)
+    np.testing.assert_allclose(lmp.gather_atoms("rmass", 1, 1), 1.0, rtol=1e-14)
+    lmp.close()
+
+
+def test_a_recorded_run(tmp_path: Path, jammed: Packing) -> None:
+    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+        states = list(deformable.record(deformable.compress(sim, 0.01, 2), tmp_path))
+    path = tmp_path / "trajectory.lammpstrj"
+    for number in (0, -1):
+        found = Packing.from_file(path, frame=number)
+        np.testing.assert_array_equal(found.positions, states[number].packing.positions)
+        np.testing.assert_array_equal(found.radii, jammed.radii)
+    by_column = Packing.from_file(path, radii="area")
+    np.testing.assert_array_equal(by_column.radius, states[-1].area)
+    with pytest.raises(deformable.FileError, match=r"2 frames, and no frame 2: give 0 to 1, or -1"):
+        Packing.from_file(path, frame=2)
+
+
+XYZ = """3
+Lattice="4 0 0 1 3 0 0 0 9" Origin="-1 -1 0" Properties=species:S:1:pos:R:3:size:R:1
+Zr 0.0 0.0 2.0 0.7
+Cu 1.0 0.5 2.0 0.5
+Zr 2.0 0.5 2.0 0.6
+"""
+
+
+def test_names_of_types_in_alphabetical_order(tmp_path: Path) -> None:
+    path = tmp_path / "glass.xyz"
+    path.write_text(XYZ.replace("4 0 0", "8 0 0") + XYZ)
+    found = Packing.from_file(path, radii="size")
+    assert found.species.tolist() == [1, 0, 1]
+    assert found.radius.tolist() == [0.7, 0.5, 0.6]
+    assert found.box.tolist() == [[4.0, 0.0], [1.0, 3.0]]
+    assert found.positions.tolist() == [[1.0, 1.0], [2.0, 1.5], [3.0, 1.5]]
+    by_type = Packing.from_file(path, radii={"Cu": 0.4, "Zr": 0.5, "Ni": 0.45}, frame=0)
+    assert (by_type.radii.tolist(), by_type.box[0, 0]) == ([0.4, 0.5], 8.0)
+
+
+def test_plain_xyz_takes_a_box(tmp_path: Path) -> None:
+    path = tmp_path / "plain.xyz"
+    path.write_text("2\na comment\nA 0.1 0.2 0\nB 1.1 0.2 0\n")
+    found = Packing.from_file(path, radii=0.5, box=(2, 3))
+    assert found.positions.tolist() == [[0.1, 0.2], [1.1, 0.2]]
+
+
+def test_gsd_of_hoomd(tmp_path: Path) -> None:
+    """Frames, names of types, the diameter 1 of the schema, and a square box about the origin."""
+    hoomd = pytest.importorskip("gsd.hoomd")
+    with hoomd.open(tmp_path / "a.gsd", "w") as file:
+        for shift in (0.0, 0.25):
+            frame = hoomd.Frame()
+            frame.configuration.box = [4, 4, 0, 0, 0, 0]
+            frame.particles.N = 2
+            frame.particles.types = ["small", "large"]
+            frame.particles.typeid = [1, 0]
+            frame.particles.position = [[-1.5 + shift, 0, 0], [1, 1, 0]]
+            file.append(frame)
+    found = Packing.from_file(tmp_path / "a.gsd", frame=1)
+    assert found.positions.tolist() == [[0.75, 2.0], [3.0, 3.0]]
+    assert (found.radius.tolist(), found.species.tolist()) == ([0.5, 0.5], [1, 0])
+    sized = Packing.from_file(tmp_path / "a.gsd", frame=-2, radii={"small": 0.3, "large": 0.7})
+    assert (sized.radius.tolist(), sized.positions[0, 0]) == ([0.7, 0.3], 0.5)
+    with pytest.raises(deformable.FileError, match="2 frames, and no frame -3"):
+        Packing.from_file(tmp_path / "a.gsd", frame=-3)
+
+
+def test_files_of_mdanalysis(tilted: Packing, tmp_path: Path) -> None:
+    """A .gro in its units, a trajectory with a topology, radii by attribute."""
+    universe = tilted.to_mdanalysis()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for name in ("a.gro", "a.dcd", "a.pqr"):
+            universe.atoms.write(str(tmp_path / name))
+        gro = Packing.from_file(tmp_path / "a.gro", radii=0.5)
+        dcd = Packing.from_file(tmp_path / "a.dcd", radii=0.5, topology=tmp_path / "a.gro")
+        pqr = Packing.from_file(tmp_path / "a.pqr", box=tilted.box)
+    np.testing.assert_allclose(gro.positions, tilted.positions, atol=0.0051)  # 1e-3 of nm
+    np.testing.assert_allclose(gro.box, tilted.box, atol=1e-4)
+    np.testing.assert_allclose(dcd.positions, tilted.positions, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(pqr.radius, tilted.radius, atol=1e-4)
+    again = MDAnalysis.Universe(str(tmp_path / "a.pqr"))
+    assert len(again.atoms) == len(tilted)

@@ -1,0 +1,159 @@
+"""Packings that go out to a file come back equal, to the last bit where the format allows."""
+
+import warnings
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from deformable import Packing
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+TEXTS = (".data", ".lammpstrj", ".xyz")
+SINGLE = 2.0**-24
+
+lengths = st.floats(1e-3, 1e3)
+
+
+@st.composite
+def packings(draw: st.DrawFn) -> Packing:
+    """Any radii, boxes and species, some of which have no particles, and images outside."""
+    number = draw(st.integers(1, 12))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    lx, ly = draw(lengths), draw(lengths)
+    box = np.array([[lx, 0.0], [draw(st.floats(-29.0, 29.0)) * lx, ly]])
+    radii = draw(lengths) * rng.uniform(0.5, 1.5, 3)
+    species = rng.integers(0, draw(st.integers(1, 3)), number)
+    own = radii[species] * rng.uniform(0.5, 1.0, number) if draw(st.booleans()) else None
+    return Packing(rng.uniform(-2.0, 3.0, (number, 2)) @ box, species, radii, box, own)
+
+
+def check_equal(found: Packing, packing: Packing) -> None:
+    for name in ("positions", "radius", "species", "box"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(packing, name), name)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("files")
+
+
+@pytest.mark.parametrize("suffix", TEXTS)
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.differing_executors])
+@given(packing=packings())
+def test_texts_keep_every_bit(suffix: str, folder: Path, packing: Packing) -> None:
+    path = folder / f"any{suffix}"
+    packing.to_file(path)
+    found = Packing.from_file(path)
+    check_equal(found, packing)
+    assert (found.radii[found.species] >= found.radius).all()
+
+
+@settings(max_examples=40, deadline=None)
+@given(packing=packings())
+def test_gsd_keeps_single_precision(folder: Path, packing: Packing) -> None:
+    """Of the numbers in the file: lengths, tilt over height, and positions about the center."""
+    pytest.importorskip("gsd")
+    packing.to_file(folder / "any.gsd")
+    found = Packing.from_file(folder / "any.gsd")
+    sizes = np.abs(packing.box).sum(axis=0)
+    np.testing.assert_array_equal(found.species, packing.species)
+    np.testing.assert_allclose(found.radius, packing.radius, rtol=2.0 * SINGLE)
+    assert (np.abs(found.box - packing.box) <= 4.0 * SINGLE * sizes).all()
+    # images up to three boxes away, and the center
+    assert (np.abs(found.positions - packing.positions) <= 20.0 * SINGLE * sizes).all()
+    assert len(found.radii) == len(packing.radii)
+
+
+@pytest.mark.parametrize("suffix", TEXTS)
+def test_species_keep_their_radii(suffix: str, jammed: Packing, tmp_path: Path) -> None:
+    jammed.to_file(tmp_path / f"jammed{suffix}")
+    found = Packing.from_file(str(tmp_path / f"jammed{suffix}"))
+    check_equal(found, jammed)
+    assert found.particle_radii is None
+    assert found.radii.tolist() == jammed.radii.tolist()
+
+
+@pytest.mark.parametrize("suffix", [*TEXTS, ".gsd"])
+def test_walls_are_told_and_given_again(suffix: str, tmp_path: Path) -> None:
+    channel = [deformable.Plane((0, -3), (0, 1)), deformable.Plane((0, 4), (0, -1))]
+    for walls in ([deformable.Circle((1.0, -2.0), 7.0)], channel):
+        walled, path = deformable.bidisperse(20).between(walls), tmp_path / f"walled{suffix}"
+        with pytest.warns(deformable.UnsavedWarning, match="lacks the walls"):
+            walled.to_file(path)
+        found = Packing.from_file(path, walls=walls)
+        assert found.walls == walled.walls
+        np.testing.assert_allclose(found.box, walled.box, rtol=2.0 * SINGLE)
+        if suffix != ".gsd":
+            np.testing.assert_array_equal(found.positions, walled.positions)
+
+
+@pytest.mark.parametrize("suffix", [".lammpstrj", ".xyz"])
+def test_a_box_that_ends_needs_walls(suffix: str, tmp_path: Path) -> None:
+    walled = deformable.bidisperse(9).between(deformable.rectangle(8, 9))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        walled.to_file(tmp_path / f"walled{suffix}")
+    with pytest.raises(deformable.FileError, match=r"not periodic along x: give the walls"):
+        Packing.from_file(tmp_path / f"walled{suffix}")
+    assert Packing.from_file(tmp_path / f"walled{suffix}", box=(8, 9)).walls == ()
+
+
+def test_a_saved_packing_has_no_radii_but_takes_them(
+    state: deformable.State, tmp_path: Path
+) -> None:
+    state.save(tmp_path)
+    with pytest.raises(deformable.FileError, match="it has no radii"):
+        Packing.from_file(tmp_path / "packing.data")
+    radii = dict(enumerate(state.packing.radii, start=1))
+    check_equal(Packing.from_file(tmp_path / "packing.data", radii=radii), state.packing)
+
+
+def test_arrays() -> None:
+    places = np.array([[0.0, 0.0], [1.0, 0.5], [0.2, 1.5]])
+    one = Packing.from_arrays(places, 0.4, (2, 3))
+    assert one.box.tolist() == [[2.0, 0.0], [0.0, 3.0]]
+    assert (one.radii.tolist(), one.particle_radii) == ([0.4], None)
+    many = Packing.from_arrays(places, [0.3, 0.4, 0.3], (2, 3))
+    assert many.radius.tolist() == [0.3, 0.4, 0.3]
+    mixed = Packing.from_arrays(places, [0.3, 0.4, 0.3], (2, 3), species=[0, 1, 0])
+    assert (mixed.radii.tolist(), mixed.particle_radii) == ([0.3, 0.4], None)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"radii": [0.3, 0.4]}, r"one for each of 3 particles, not \(2,\)"),
+        ({"radii": [0.3, 0.4, -1.0]}, "must be positive"),
+        ({"radii": np.nan}, "radii must be finite"),
+        ({"species": [0, 1]}, "species must be 3 whole numbers"),
+        ({"species": [0, 1, -1]}, "species must be 3 whole numbers"),
+        ({"species": [0, 1, 0.5]}, "species must be 3 whole numbers"),
+        ({"box": (2, 3, 4)}, r"box must be \(lx, ly\) or"),
+        ({"box": (2, 0)}, r"box must be \(lx, ly\) or"),
+        ({"positions": [[0.0, 0.0, 1.0]] * 3}, r"positions must have shape \(N, 2\)"),
+        ({"positions": []}, "positions must have shape"),
+    ],
+)
+def test_arrays_that_cannot_be_meant(changed: dict[str, NDArray], message: str) -> None:
+    settings = {"positions": [[0.0, 0.0], [1.0, 0.5], [0.2, 1.5]], "radii": 0.4, "box": (2, 3)}
+    with pytest.raises(deformable.ParameterError, match=message):
+        Packing.from_arrays(**settings | changed)  # type: ignore[arg-type]
+
+
+def test_a_box_is_two_lengths_wherever_it_is_asked_for(jammed: Packing) -> None:
+    lx, ly = (1.01 * jammed.box.diagonal()).tolist()
+    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+        sim.deform((lx, ly))
+        np.testing.assert_allclose(sim.box, np.diag([lx, ly]), rtol=1e-15)
+
+
+def test_suffixes(jammed: Packing, tmp_path: Path) -> None:
+    with pytest.raises(deformable.ParameterError, match=r"suffix of '.*pdb' must be one of \.data"):
+        jammed.to_file(tmp_path / "packing.pdb")
+    with pytest.raises(deformable.FileError, match=r"nowhere/packing\.data' cannot be written"):
+        jammed.to_file(tmp_path / "nowhere" / "packing.data")
+    with pytest.raises(deformable.FileError, match=r"nowhere/packing\.gsd' cannot be written"):
+        jammed.to_file(tmp_path / "nowhere" / "packing.gsd")
