@@ -83,14 +83,14 @@ def test_a_recorded_run(tmp_path: Path, jammed: Packing) -> None:
     with deformable.Simulation(jammed, deformable.Ring()) as sim:
         states = list(deformable.record(deformable.compress(sim, 0.01, 2), tmp_path))
     path = tmp_path / "trajectory.lammpstrj"
-    for number in (0, -1):
+    for number in (-2, -1):
         found = Packing.from_file(path, frame=number)
         np.testing.assert_array_equal(found.positions, states[number].packing.positions)
         np.testing.assert_array_equal(found.radii, jammed.radii)
     by_column = Packing.from_file(path, radii="area")
     np.testing.assert_array_equal(by_column.radius, states[-1].area)
-    with pytest.raises(deformable.FileError, match=r"2 frames, and no frame 2: give 0 to 1, or -1"):
-        Packing.from_file(path, frame=2)
+    with pytest.raises(deformable.FileError, match=r"3 frames, and no frame 3: give 0 to 2, or -1"):
+        Packing.from_file(path, frame=3)
 
 
 XYZ = """3
