@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import html
-import io
 from abc import ABC, abstractmethod
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -34,9 +33,6 @@ _LABELS = {
     "arc_radius": "smallest radius of curvature",
     "shape_parameter": r"shape parameter $P^2 / 4 \pi A$",
 }
-
-# Dots per inch in a notebook.
-_DOTS = 72
 
 
 class Pictures(ABC):
@@ -179,9 +175,8 @@ class Pictures(ABC):
             return None
         from .plot import new_figure
 
-        figure, picture = new_figure(self.packing), io.BytesIO()
+        figure = new_figure(self.packing)
         self.plot(figure.subplots())
-        figure.savefig(picture, format="png", dpi=_DOTS)
         line = html.escape(repr(self).strip("<>"))
-        coded = base64.b64encode(picture.getvalue()).decode()
+        coded = base64.b64encode(figure._repr_png_()).decode()
         return f'<img src="data:image/png;base64,{coded}" alt="{line}"><br>{line}'

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from typing import Any
 
@@ -23,6 +24,9 @@ Floats = NDArray[np.float64]
 # Where the contacts of a particle are, shape (m, 2), and their forces, shape (m,).
 Halves = tuple[Floats, Floats]
 
+# Dots per inch in a notebook.
+_DOTS = 72
+
 # Area of a picture, and its longest side and least width, if the box is long [inch].
 _AREA, _LONGEST, _NARROWEST = 25.0, 10.0, 1.6
 
@@ -38,15 +42,24 @@ _PUSH, _PULL = "orangered", "magenta"
 _ON_LINE = 1e-7
 
 
-def new_figure(packing: Packing, colorbar: bool = True) -> Figure:
-    """An empty figure that is as long as the box; pyplot does not know it, so none stays open."""
+class Picture(Figure):
+    """A figure that pyplot does not know, so that none stays open; a notebook shows it."""
+
+    def _repr_png_(self) -> bytes:
+        picture = io.BytesIO()
+        self.savefig(picture, format="png", dpi=_DOTS)
+        return picture.getvalue()
+
+
+def new_figure(packing: Packing, colorbar: bool = True) -> Picture:
+    """An empty figure that is as long as the box."""
     sides = np.ptp(_frame(packing), axis=0)
     longest = min(float(np.sqrt(_AREA * sides.max() / sides.min())), _LONGEST)
     width, height = (sides / sides.max() * longest).tolist()
     beside, below = (_MARGIN, _BELOW) if _is_wide(packing) else (_BESIDE, 0.0)
     wide = max(width, _NARROWEST) + (beside if colorbar else _MARGIN)
     size = (wide, height + _TITLE + below * colorbar)
-    return Figure(figsize=size, layout="constrained")
+    return Picture(figsize=size, layout="constrained")
 
 
 def _is_wide(packing: Packing) -> bool:
