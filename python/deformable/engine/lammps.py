@@ -23,6 +23,7 @@ from ..model import room
 from ..model.lattice import lattice_vectors
 from ..model.packing import Packing
 from ..model.walls import Wall
+from ..state.exports import in_space
 from .interrupts import interruptible
 
 if TYPE_CHECKING:
@@ -48,10 +49,14 @@ class Engine:
 
     Attributes:
         lmp: the LAMMPS instance.
+        time: of all calls of `move`, and of `shear` at a rate, so far [time].
         strain: shear strain of all calls of `shear` so far; None before the first one.
+        directions: in which particles propel themselves, shape (N, 2); None before.
     """
 
+    time: float = 0.0
     strain: float | None = None
+    directions: NDArray[np.float64] | None = None
     _walls: tuple[Wall, ...] = ()
 
     @property
@@ -177,6 +182,12 @@ def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
     return lmp
 
 
+def place(lmp: lammps, name: str, values: NDArray[np.float64]) -> None:
+    """Set a per-atom property of all particles, in the order of their IDs, shape (N, columns)."""
+    flat = np.array(values, dtype=np.float64).ravel()  # a copy, which may be written
+    lmp.scatter(name, 1, values.shape[1], np.ctypeslib.as_ctypes(flat))
+
+
 def silent_lammps(comm: MPI.Comm, style: str = "atomic", boundary: str = "p p") -> lammps:
     """A LAMMPS without output, set up for two-dimensional packings, periodic if not said else.
 
@@ -247,17 +258,13 @@ def gather(lmp: lammps, name: str, columns: int) -> NDArray[np.float64]:
 
 def place_particles(lmp: lammps, positions: NDArray[np.float64]) -> None:
     """Move all particles to these positions, in the order of their IDs, shape (N, 2) [length]."""
-    x = np.zeros((len(positions), 3))
-    x[:, :2] = positions
-    lmp.scatter("x", 1, 3, np.ctypeslib.as_ctypes(x.ravel()))
+    place(lmp, "x", in_space(positions))
 
 
 def place_velocities(lmp: lammps, velocities: NDArray[np.float64]) -> None:
     """Give all particles these velocities, in the order of their IDs, shape (N, 2)."""
     if velocities.any() or gather(lmp, "v", 3).any():
-        v = np.zeros((len(velocities), 3))
-        v[:, :2] = velocities
-        lmp.scatter("v", 1, 3, np.ctypeslib.as_ctypes(v.ravel()))
+        place(lmp, "v", in_space(velocities))
 
 
 def local_array(lmp: lammps, compute: str, columns: int) -> NDArray[np.float64]:

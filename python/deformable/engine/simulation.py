@@ -100,7 +100,7 @@ class Simulation(Engine):
             boundaries and the thermo output belong to this object.
         law: the contact law.
         comm: the communicator.
-        time: of all calls of `move` so far [time]; relaxations take none.
+        time: of all calls of `move`, and of flows, so far [time]; relaxations take none.
         strain: shear strain of all calls of `shear` so far; None before the first one.
 
     Raises:
@@ -159,7 +159,7 @@ class Simulation(Engine):
 
     def _open(self, packing: Packing, state: State | None) -> None:
         law = self.law
-        self.time, self.strain = (state.time, state.strain) if state else (0.0, None)
+        self.time, self.strain, self.directions = state.history if state else (0.0, None, None)
         self._species, self._radii = packing.species, packing.radii
         species = species_file(law, self._radii)  # or fail before LAMMPS is open
         self._check_walls(packing.walls, packing.box)

@@ -18,6 +18,7 @@ from ..common.files import reading, write_whole, writing
 from ..formats.lammps_dump import dump_frame, read_dump_frame
 from ..model.packing import Packing
 from ..model.room import closed
+from .directions import from_columns
 from .run_folder import DATA, SERIES, SETUPS, TRAJECTORY
 
 
@@ -214,8 +215,10 @@ def _dump_frame(number: int, packing: Packing, columns: Mapping[str, NDArray[Any
     )
 
 
-def read_frame(frame: str, radii: Sequence[float]) -> tuple[Packing, NDArray[np.float64]]:
-    """Packing and velocities of a frame as `record` writes it.
+def read_frame(
+    frame: str, radii: Sequence[float]
+) -> tuple[Packing, NDArray[np.float64], NDArray[np.float64] | None]:
+    """Packing, velocities and directions (or None) of a frame as `record` writes it.
 
     Particles may have been added or deleted and their radii and species changed since. They have
     radii of their own where these are others than those of their species.
@@ -235,4 +238,4 @@ def read_frame(frame: str, radii: Sequence[float]) -> tuple[Packing, NDArray[np.
         found.plane_box,
         values["radius"] if own else None,
     )
-    return packing, np.column_stack([values["vx"], values["vy"]])
+    return packing, np.column_stack([values["vx"], values["vy"]]), from_columns(values)

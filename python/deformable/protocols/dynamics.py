@@ -10,7 +10,7 @@ import numpy as np
 
 from ..common.errors import LammpsError, ParameterError
 from ..common.validate import positive, whole, zero_or_more
-from ..engine.lammps import run
+from ..engine.lammps import gather, place, run
 from ..engine.simulation import Simulation
 from ..model.laws import Sector
 from ..model.timestep import ACCURATE, longest_overdamped_step, longest_step, pressure_under
@@ -26,6 +26,14 @@ _FLATTEN = 1000
 # dr/dt = F/friction + noise, by Euler's method. It draws the noise within a step, not at its ends.
 _BROWNIAN = "fix deformable_move all brownian {temperature!r} {seed} gamma_t {friction!r} rng {rng}"
 
+# Forces along directions that diffuse, as a fix of this package.
+_PROPULSION = "fix deformable_propel all deformable/propel {force!r} {persistence!r} {seed}"
+_DIRECTIONS = "f_deformable_propel"
+
+# Parts that a time step takes at most: of the smallest radius, by which a drive moves particles, of
+# the persistence time, and of the time in which velocities settle.
+_MOVED, _PERSISTED, _SETTLED = 0.02, 0.05, 0.02
+
 # LAMMPS takes seeds up to 9e8, and adds the rank to them.
 _SEEDS = 890_000_000
 
@@ -38,7 +46,9 @@ class Dynamics:
         temperature: of the heat bath [energy]; None or 0 without.
         friction: force over velocity [1/time].
         inertia: whether they have some; without, they are overdamped.
-        drive: largest force that drives them, beside contacts and noise [energy/length].
+        drive: force that drives them, beside contacts and noise [energy/length].
+        persistence: time for which they drive themselves in about one direction; None if they do
+            not [time].
         limit: time steps must not exceed this one because of the drive [time].
         timestep: that a user has given [time].
     """
@@ -47,17 +57,26 @@ class Dynamics:
     friction: float = 0.0
     inertia: bool = True
     drive: float = 0.0
+    persistence: float | None = None
     limit: float = np.inf
     timestep: float | None = None
 
     def longest_step(self, state: State) -> float:
-        """The longest stable time step [time]."""
+        """The longest stable time step where the drive pushes particles together [time]."""
         return self._longest(state, self.drive, self._hot(state))
 
     def default_step(self, state: State) -> float:
         """The time step that a user gets who gives none [time]."""
         exact = not (self.inertia or self.temperature)  # steps change the energy of noise only
-        return min((1.0 if exact else ACCURATE) * self.longest_step(state), self.limit)
+        steps = [(1.0 if exact else ACCURATE) * self.longest_step(state), self.limit]
+        if self.drive and self.friction:
+            radius = float(state.packing.radius.min())
+            steps.append(_MOVED * radius * self.friction / self.drive)
+            if self.inertia:  # half a step makes velocities of fix gjf larger
+                steps.append(_SETTLED / self.friction)
+        if self.persistence is not None:
+            steps.append(_PERSISTED * self.persistence)
+        return min(steps)
 
     def _longest(self, state: State, drive: float, temperature: float) -> float:
         packing, law, pressure, _ = state.step_limits()
@@ -72,23 +91,28 @@ class Dynamics:
 
     def check(self, state: State, timestep: float) -> None:
         """Refuse a time step at which contacts are unstable."""
-        longest = self.longest_step(state)
+        if self.persistence is not None and timestep > self.persistence:
+            raise ParameterError(
+                f"timestep = {timestep:g} is longer than the persistence of {self.persistence:g}: "
+                "take a twentieth of it, or leave it out"
+            )
+        longest = self._longest(
+            state, 0.0, self._hot(state)
+        )  # how hard the drive pushes is a guess
         if timestep <= longest:
             return
         pressure, temperature = float(state.particle_pressure.max()), self._hot(state)
         n = int(state.particle_pressure.argmax())
         cause = f"particle {n}, whose pressure is {pressure:.3g}, at temperature {temperature:.3g}"
-        if longest < self._longest(state, self.drive, 0.0):
+        if longest < self._longest(state, 0.0, 0.0):
             cause = f"the temperature of {temperature:.3g}, at which particles collide so hard"
-        elif longest < self._longest(state, 0.0, temperature):
-            cause = f"the force of {self.drive:.3g} that drives the particles"
         raise ParameterError(
             f"timestep = {timestep:g} is too long for {cause}: take at most {longest:.2g}, or "
             "leave it out"
         )
 
     def commands(self, seed: int) -> str:
-        """Commands that define the fixes, of which `moving` knows the IDs."""
+        """Commands that define the fixes."""
         temperature = self.temperature or 0.0
         if not self.inertia:
             rng = "gaussian" if temperature else "none"  # and it wants a temperature then too
@@ -99,7 +123,11 @@ class Dynamics:
             mover = _BATH.format(temperature=temperature, time=1.0 / self.friction, seed=seed)
         else:
             mover = "fix deformable_move all nve"
-        return f"{mover}\nfix deformable_plane all enforce2d"
+        parts = [mover, "fix deformable_plane all enforce2d"]
+        if self.persistence is not None:
+            values = {"force": self.drive, "persistence": self.persistence, "seed": seed}
+            parts.append(_PROPULSION.format(**values))
+        return "\n".join(parts)
 
 
 def dynamics_of(
@@ -140,13 +168,15 @@ def moving(sim: Simulation, dynamics: Dynamics, seed: int) -> Iterator[None]:
         ParameterError: another motion has not ended.
     """
     refuse_second_motion(sim)
-    lmp = sim.lmp
-    run(lmp, dynamics.commands(seed))
+    lmp, fixes = sim.lmp, dynamics.commands(seed)
+    run(lmp, fixes)
+    if dynamics.persistence is not None and sim.directions is not None:
+        place(lmp, _DIRECTIONS, sim.directions)
     try:
         yield
     finally:
         if not sim.closed and sim.lmp is lmp:  # a caller may close it before the motion ends
-            run(lmp, "unfix deformable_move\nunfix deformable_plane")
+            run(lmp, "\n".join(f"unfix {fix.split()[1]}" for fix in fixes.splitlines()))
 
 
 def refuse_second_motion(sim: Simulation) -> None:
@@ -183,6 +213,8 @@ def advance(sim: Simulation, dynamics: Dynamics, steps: int, timestep: float) ->
         raise LammpsError(f"{error}{_hint(dynamics, timestep)}") from None
     finally:  # Ctrl-C may end it early
         sim.time += (lmp.extract_global("ntimestep") - first) * timestep
+    if dynamics.persistence is not None:
+        sim.directions = gather(lmp, _DIRECTIONS, 2)
     if not dynamics.inertia:
         run(lmp, "velocity all set 0 0 0")  # fix brownian leaves those of its last step
 

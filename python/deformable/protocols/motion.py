@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.progress import progress
 from ..common.steps import Steps
-from ..common.validate import count, expect
+from ..common.validate import count, expect, number_or_nan, positive
+from ..core import unit_vectors
 from ..engine.lammps import gather, run
 from ..engine.simulation import Simulation
 from ..state.state import State
@@ -38,6 +44,8 @@ def move(
     every: int | None = None,
     seed: int | None = None,
     inertia: bool = True,
+    propulsion: float | None = None,
+    persistence: float | None = None,
 ) -> Iterator[State]:
     """Let particles of mass 1 move by their forces F.
 
@@ -50,6 +58,12 @@ def move(
         friction dr/dt = F + sqrt(2 friction temperature) noise
 
     and diffuse freely by <r^2> = 4 (temperature/friction) t. Then velocities are 0 in all states.
+
+    With a propulsion each particle adds to F a force of this size along its direction, which
+    diffuses (*fix deformable/propel* of this package). Without contacts and noise its speed is
+    v = propulsion/friction, and in overdamped motion, with the persistence time tau,
+
+        <r^2> = 2 v^2 tau (t - tau (1 - exp(-t/tau)))
 
     Args:
         sim: of the law `Ring`; it ends in the last state.
@@ -69,10 +83,14 @@ def move(
             call draws others. The noise also depends on the number of ranks. If not given, none
             is ever drawn again.
         inertia: whether particles have some; without, they need a friction.
+        propulsion: force with which particles propel themselves, above 0 [energy/length]; they
+            need a friction.
+        persistence: time tau in which their directions n forget the first one, <n(t).n(0)> =
+            exp(-t/tau), above 0 [time]; infinite for directions that stay.
 
     Yields:
-        The state after each `every` steps, with its `velocities`, and the `time` of all calls of
-        `move` for this simulation.
+        The state after each `every` steps, with its `velocities`, the `time` of all calls of `move`
+        for this simulation and, with a propulsion, the `directions`, which go on in further calls.
 
     Raises:
         ParameterError: a value is out of range, the time step is too long for the contacts, the law
@@ -86,6 +104,7 @@ def move(
     """
     expect("sim", sim, Simulation)
     dynamics = dynamics_of(sim, temperature, friction, inertia, timestep, seed)
+    dynamics = _propelled(dynamics, propulsion, persistence)
     steps = count("steps", steps)
     every = min(steps, _EVERY) if every is None else count("every", every)
     if temperature and not friction and sim.lmp.get_natoms() < 2:
@@ -100,6 +119,24 @@ def move(
     return Steps("move", _move(sim, dynamics, steps, every, seed, start), start)
 
 
+def _propelled(dynamics: Dynamics, propulsion: float | None, persistence: float | None) -> Dynamics:
+    """The dynamics with a propulsion, if there is one.
+
+    Raises:
+        ParameterError: one of both values is missing or out of range; or there is no friction.
+    """
+    if propulsion is None and persistence is None:
+        return dynamics
+    if propulsion is None or persistence is None:
+        raise ParameterError("give propulsion and persistence, or none of them")
+    force = positive("propulsion", propulsion)
+    if number_or_nan(persistence) != math.inf:
+        persistence = positive("persistence", persistence)
+    if not dynamics.friction:
+        raise ParameterError("with a propulsion particles get faster and faster: give a friction")
+    return replace(dynamics, drive=force, persistence=float(persistence))
+
+
 def _start(sim: Simulation, dynamics: Dynamics, seed: int | None) -> State:
     """The state before the first step: particles may get velocities, by Maxwell."""
     refuse_second_motion(sim)
@@ -110,7 +147,23 @@ def _start(sim: Simulation, dynamics: Dynamics, seed: int | None) -> State:
         of_velocities, _ = seeds(sim, seed)
         maxwell = f"{temperature!r} {of_velocities} loop all mom yes dist gaussian"
         run(lmp, f"velocity all create {maxwell}")
-    return sim.state()
+    if dynamics.persistence is not None:
+        sim.directions = _directions(sim, seed)
+    return _with_directions(sim, dynamics)
+
+
+def _directions(sim: Simulation, seed: int | None) -> NDArray[np.float64]:
+    """Those that particles have, or random ones."""
+    number = sim.lmp.get_natoms()
+    if sim.directions is not None and len(sim.directions) == number:
+        return sim.directions
+    of_directions, _ = seeds(sim, seed)
+    return unit_vectors(np.random.default_rng(of_directions).uniform(-np.pi, np.pi, number))
+
+
+def _with_directions(sim: Simulation, dynamics: Dynamics) -> State:
+    state = sim.state()
+    return state if dynamics.persistence is None else replace(state, directions=sim.directions)
 
 
 def _move(
@@ -133,7 +186,7 @@ def _move(
                 dt = dynamics.default_step(state)
             dynamics.check(state, dt)
             advance(sim, dynamics, every, dt)
-            state = sim.state()
+            state = _with_directions(sim, dynamics)
             bar.set_postfix(temperature=f"{state.temperature:.3g}")
             bar.update()
             yield state

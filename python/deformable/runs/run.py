@@ -119,12 +119,18 @@ class Run:
                     law, radii, walls, films = read_setup(frames.setup_of(setups, number))
                     if number >= len(texts):
                         raise LookupError("it is missing")
-                    packing, velocities = frames.read_frame(texts[number], radii)
+                    packing, velocities, directions = frames.read_frame(texts[number], radii)
                     packing = replace(packing, walls=walls)
                     time, strain = clock[number] if number < len(clock) else (0.0, None)
                 with Simulation(packing, law) as sim:
                     run(sim.lmp, "\n".join(memory_commands(films)))
-                    yield replace(sim.state(), velocities=velocities, time=time, strain=strain)
+                    yield replace(
+                        sim.state(),
+                        velocities=velocities,
+                        directions=directions,
+                        time=time,
+                        strain=strain,
+                    )
                 bar.update()
 
     @property

@@ -31,6 +31,7 @@ _LABELS = {
     "pressure": "pressure in the particle",
     "area_deficit": "area deficit $A_0 - A$",
     "arc_radius": "smallest radius of curvature",
+    "direction": "direction of propulsion [rad]",
     "shape_parameter": r"shape parameter $P^2 / 4 \pi A$",
 }
 

@@ -17,7 +17,11 @@ if TYPE_CHECKING:
 
 # Color maps of values of one sign, and of both: no red, which is that of forces and contacts.
 _SEQUENTIAL, _DIVERGING = "YlGnBu", "BrBG"
+_CYCLIC = "twilight"
 _NO_VALUE = "0.8"
+
+# Angles, whose scale is a whole turn.
+_ANGLES = ("direction",)
 
 # Values of circles, at which scales of color begin; 0 for all others.
 _ROUND = {"shape_parameter": 1.0}
@@ -40,12 +44,14 @@ class Scale:
         high: value of the last color; `low` if all values are equal.
         force: force of the widest line.
         widest: its width [points].
+        cyclic: whether the first and last color are the same.
     """
 
     low: float
     high: float
     force: float
     widest: float
+    cyclic: bool = False
 
     @property
     def signed(self) -> bool:
@@ -59,18 +65,22 @@ def scale(
     """One scale for several pictures, from the values of the particles and the forces of each.
 
     It begins at 0, and at 1 for shape parameters. If some values are negative, 0 is in the middle.
+    For directions it is a whole turn.
     """
     begin = _ROUND.get(color_by, 0.0) if isinstance(color_by, str) else 0.0
     low = min(begin, *(float(np.nanmin(each)) for each in values))
     high = max(begin, *(float(np.nanmax(each)) for each in values))
     force = max(np.abs(each).max(initial=0.0) for each in forces)
-    if low < -_SIGNED * high:
+    cyclic = isinstance(color_by, str) and color_by in _ANGLES
+    if cyclic:
+        low, high = -np.pi, np.pi
+    elif low < -_SIGNED * high:
         high = max(-low, high)
         low = -high
     elif high - low <= _EQUAL * max(abs(low), abs(high)):
         high = low
     widest = min(_WIDEST, _WIDEST_OF_MANY / np.sqrt(len(values[0])))
-    return Scale(low, high, float(force) or 1.0, float(widest))
+    return Scale(low, high, float(force) or 1.0, float(widest), cyclic)
 
 
 def limited(on: Scale, vmin: float | None, vmax: float | None) -> Scale:
@@ -95,7 +105,7 @@ def limited(on: Scale, vmin: float | None, vmax: float | None) -> Scale:
 
 
 def color_map(cmap: str | None, on: Scale) -> Colormap:
-    """The color map of this name; if none is given a diverging one if values are signed.
+    """The color map of this name; if none is given, one for angles or for the signs of values.
 
     Raises:
         ParameterError: matplotlib has no color map of this name.
@@ -103,7 +113,7 @@ def color_map(cmap: str | None, on: Scale) -> Colormap:
     from matplotlib import colormaps
 
     if cmap is None:
-        cmap = _DIVERGING if on.signed else _SEQUENTIAL
+        cmap = _CYCLIC if on.cyclic else _DIVERGING if on.signed else _SEQUENTIAL
     if not (isinstance(cmap, str) and cmap in colormaps):
         raise ParameterError(f"cmap must be one of matplotlib's color maps, not {shown(cmap)}")
     return colormaps[cmap].with_extremes(bad=_NO_VALUE)

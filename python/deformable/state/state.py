@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..common.errors import UnsavedWarning
 from ..common.validate import expect, whole
 from ..io.data_file import Motion
+from ..io.directions import as_columns
 from ..io.films import Films
 from ..io.lammps_script import TEMPERATURE
 from ..io.store import save
@@ -60,7 +61,7 @@ class State(ContactNetwork, RingResponse, Parallels, Analysis, Pictures, Exports
             indentation, length, force, position (2,), tilt, half_angle, force_vector (2,),
             contact_angle, attached, see `contact_table.COLUMNS`.
         root: whether this process writes files (rank 0 of the run).
-        time: of all calls of `move` so far, 0 without motion [time].
+        time: of all calls of `move`, and of flows, so far, 0 without motion [time].
         strain: shear strain of all calls of `shear` so far; None before the first one.
         wall_forces: force of the particles on each of `packing.walls`, shape (number of walls, 2)
             [energy/length].
@@ -68,6 +69,8 @@ class State(ContactNetwork, RingResponse, Parallels, Analysis, Pictures, Exports
             without adhesion.
         lost_energy: what particles that stick have lost in all calls of `move` of the simulation,
             where they have attached and let go: with it their energy is conserved [energy].
+        directions: in which particles propel themselves, unit vectors, shape (N, 2); None in other
+            states than those of `move` with a propulsion.
         unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
             pairs; empty without.
     """
@@ -96,6 +99,7 @@ class State(ContactNetwork, RingResponse, Parallels, Analysis, Pictures, Exports
     wall_forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
     films: Films | None = None
     lost_energy: float = 0.0
+    directions: NDArray[np.float64] | None = None
     unsaved: str = ""
 
     def __post_init__(self) -> None:
@@ -153,6 +157,11 @@ class State(ContactNetwork, RingResponse, Parallels, Analysis, Pictures, Exports
     @property
     def _contact_forces(self) -> ContactForces:
         return forces_of_table(self.packing, self.contact_table)
+
+    @property
+    def history(self) -> tuple[float, float | None, NDArray[np.float64] | None]:
+        """Time, strain and directions, which go on with a simulation from this state."""
+        return self.time, self.strain, self.directions
 
     def films_at(self, walls: tuple[Wall, ...]) -> Films | None:
         """`films` between walls in the place of the present ones, of which they know the numbers.
@@ -259,6 +268,7 @@ class State(ContactNetwork, RingResponse, Parallels, Analysis, Pictures, Exports
             "rattler": self.rattlers.astype(int),
             "vx": self.velocities[:, 0],
             "vy": self.velocities[:, 1],
+            **as_columns(self.directions),
         }
 
     def step_limits(self) -> tuple[Packing, Law, float, float]:

@@ -1,0 +1,113 @@
+"""Self-propulsion: persistence, speed, records, and a second call."""
+
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from deformable.protocols.motion import move
+
+FORCE, FRICTION, TAU = 1e-4, 2.0, 100.0
+SPEED = FORCE / FRICTION
+NUMBER = 1600
+ACTIVE = {"friction": FRICTION, "propulsion": FORCE, "persistence": TAU}
+
+
+@pytest.fixture(scope="module")
+def free() -> deformable.Packing:
+    x, y = np.divmod(np.arange(NUMBER), 40)
+    return deformable.Packing(
+        2.0 + 4.0 * np.column_stack([x, y]), [0] * NUMBER, [0.5], 160.0 * np.eye(2)
+    )
+
+
+def square(state: deformable.State, start: deformable.Packing) -> np.ndarray:
+    return np.sum((state.packing.positions - start.positions) ** 2, axis=1)
+
+
+@pytest.mark.parametrize("inertia", [False, True])
+def test_persistence(free: deformable.Packing, inertia: bool) -> None:
+    """<r^2> of free particles, at five standard errors of this sample, and <n(t).n(0)>.
+
+    With inertia and the rates g = friction, k = 1/tau, velocities that begin at rest follow
+    v' = g (v n - v), so that r is that of the directions less v/g: at g tau >> 1 a small part.
+    """
+    with deformable.Simulation(free, deformable.Ring()) as sim:
+        motion = move(sim, 1000, 0.2, every=500, seed=1, inertia=inertia, **ACTIVE)
+        start, states = motion.start(), list(motion)
+    assert start.time == 0.0
+    for state in states:
+        t = state.time
+        found = square(state, free)
+        expected = 2.0 * SPEED**2 * TAU * (t - TAU * (1.0 - np.exp(-t / TAU)))
+        error = 5.0 * found.std() / np.sqrt(NUMBER)
+        delay = 2.0 / (FRICTION * t) * expected if inertia else 0.0
+        assert found.mean() == pytest.approx(expected, abs=error + delay)
+        kept = np.mean(np.sum(state.directions * start.directions, axis=1))
+        assert kept == pytest.approx(np.exp(-t / TAU), abs=5.0 / np.sqrt(2.0 * NUMBER))
+        np.testing.assert_allclose(np.hypot(*state.directions.T), 1.0, rtol=1e-12)
+    if inertia:  # velocities at half steps of fix gjf are larger by (1 + friction dt/2)^(1/2)
+        speed = np.sqrt(np.mean(np.sum(states[-1].velocities ** 2, axis=1)))
+        larger = np.sqrt(1.0 + FRICTION * 0.2 / 2.0)
+        assert speed == pytest.approx(SPEED * larger, rel=1.0 / (FRICTION * TAU))
+
+
+def test_directions_go_on(free: deformable.Packing, tmp_path: Path) -> None:
+    """In a second call, in a simulation from a state, and in a record."""
+    with deformable.Simulation(free, deformable.Ring()) as sim:
+        motion = move(sim, 20, 0.5, every=10, seed=1, inertia=False, **ACTIVE)
+        *_, first = deformable.record(motion, tmp_path / "run")
+        (second,) = move(sim, 1, 0.5, seed=1, inertia=False, **ACTIVE)
+    deviation = np.sqrt(2.0 * 0.5 / TAU)  # in one step
+    assert turned(second, first).std() == pytest.approx(deviation, rel=5.0 / np.sqrt(2 * NUMBER))
+    read = deformable.Run(tmp_path / "run")[-1]
+    np.testing.assert_allclose(read.directions, first.directions, rtol=0, atol=1e-15)
+    with deformable.Simulation(read, deformable.Ring()) as sim:
+        third = next(move(sim, 1, 0.5, seed=2, inertia=False, **ACTIVE))
+        sim.restart(free)
+        other = next(move(sim, 1, 0.5, seed=2, inertia=False, **ACTIVE))
+    assert turned(third, first).std() == pytest.approx(deviation, rel=5.0 / np.sqrt(2 * NUMBER))
+    assert abs(np.cos(turned(other, first)).mean()) < 5.0 / np.sqrt(2 * NUMBER)
+    assert first.values("direction") == pytest.approx(np.arctan2(*first.directions.T[::-1]))
+    ax = first.plot(color_by="direction")
+    assert ax.collections[0].get_clim() == pytest.approx((-np.pi, np.pi))
+    assert ax.collections[0].get_cmap().name == "twilight"
+    assert next(move(deformable.Simulation(free, deformable.Ring()), 1, 0.5)).directions is None
+
+
+def turned(state: deformable.State, since: deformable.State) -> np.ndarray:
+    """Angles between the directions."""
+    (x, y), (a, b) = since.directions.T, state.directions.T
+    return np.arctan2(x * b - y * a, x * a + y * b)
+
+
+def test_particles_that_push_each_other_keep_their_step() -> None:
+    """A dense crowd: the default step holds, and the mean speed is below that of free ones."""
+    packing = deformable.push_off(deformable.bidisperse(32, phi=0.85, seed=3))
+    with deformable.Simulation(packing, deformable.Ring(kP=0.3)) as sim:
+        motion = move(sim, 2000, seed=1, inertia=False, every=500, friction=1.0, propulsion=1e-3,
+                      persistence=1e4)  # fmt: skip
+        states = [motion.start(), *motion]
+    assert states[-1].energy > 0.0
+    assert max(state.particle_pressure.max() for state in states) < 0.1
+    assert states[-1].time > states[-2].time
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"friction": 0.0}, "get faster and faster: give a friction"),
+        ({"persistence": None}, "give propulsion and persistence, or none of them"),
+        ({"propulsion": None}, "give propulsion and persistence, or none of them"),
+        ({"propulsion": 0.0}, "propulsion must be a positive number, not 0"),
+        ({"propulsion": float("inf")}, "propulsion must be a positive number, not inf"),
+        ({"persistence": -1.0}, "persistence must be a positive number, not -1"),
+        ({"persistence": 0.1, "timestep": 0.2}, "longer than the persistence of 0.1"),
+    ],
+)
+def test_refusals(free: deformable.Packing, values: dict[str, float], message: str) -> None:
+    with (
+        deformable.Simulation(free, deformable.Ring()) as sim,
+        pytest.raises(deformable.ParameterError, match=message),
+    ):
+        list(move(sim, 10, **ACTIVE | values))
