@@ -1,22 +1,18 @@
 """What examples/emulsion/README.md says follows from the committed measurements."""
 
-import importlib.util
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
+from example_modules import example
 
 pytest.importorskip("matplotlib")
 
 FOLDER = Path(__file__).parents[1] / "examples" / "emulsion"
 README = (FOLDER / "README.md").read_text()
 PACKINGS = json.loads((FOLDER / "emulsion.json").read_text())
-spec = importlib.util.spec_from_file_location("emulsion", FOLDER / "emulsion.py")
-assert spec is not None
-assert spec.loader is not None
-emulsion = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(emulsion)
+emulsion = example("emulsion", "emulsion")
 
 
 def test_the_page_has_the_table_and_the_log() -> None:

@@ -1,14 +1,13 @@
 """The example of disordered crystals: limits that are known exactly, and its small run."""
 
-import importlib.util
 import json
 import math
-import sys
 from pathlib import Path
 
 import deformable
 import numpy as np
 import pytest
+from example_modules import example
 from scipy.optimize import brentq
 
 pytest.importorskip("matplotlib")
@@ -16,12 +15,7 @@ pytest.importorskip("freud")
 pytest.importorskip("networkx")
 
 FOLDER = Path(__file__).parents[1] / "examples" / "disordered_crystals"
-sys.path.insert(0, str(FOLDER))
-spec = importlib.util.spec_from_file_location("crystals", FOLDER / "disordered_crystals.py")
-assert spec is not None
-assert spec.loader is not None
-crystals = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(crystals)
+crystals = example("disordered_crystals", "disordered_crystals")
 
 every_law = pytest.mark.parametrize("law", crystals.LAWS)
 PHI, TOUCH = 0.94, math.pi / math.sqrt(12.0)
@@ -143,6 +137,39 @@ def test_small_spreads_act_linearly(law: str) -> None:
         ("force_spread", lambda x: x, 2.0),
     ):
         assert value(two[name]) / value(one[name]) == pytest.approx(ratio, rel=0.02), name
+
+
+@pytest.mark.parametrize(
+    ("law", "phi", "slope"),
+    [
+        ("disks", 1.001 * TOUCH, 1.0 / (18.0 * math.sqrt(3.0) * math.pi)),
+        ("droplets", PHI, math.sqrt(3.0) * PHI**2 / (24.0 * math.pi)),
+    ],
+)
+def test_displacements_grow_as_the_logarithm_of_the_number(
+    law: str, phi: float, slope: float
+) -> None:
+    """u = C/r around an inclusion in an elastic plane: ln N adds pi n C^2 to <u^2>.
+
+    n is the number per area, and 1/12 the variance of sizes. Disks at the touch are springs with
+    lambda = mu = sqrt(3)/4, and those around one press with the sum 3 a^2/2 of their moments: C =
+    a^2/(sqrt(3) pi). Droplets all have one pressure, so that the cell of a larger one grows by as
+    much as itself: C = R^2. A lattice of N sites differs by a part of 1/N.
+    """
+    small, large = (crystals.impurity(law, number, phi)["u2"] for number in (144, 576))
+    assert (large - small) / math.log(4.0) == pytest.approx(slope, rel=0.01)
+
+
+@every_law
+def test_one_impurity_tells_the_mean_of_all_packings(law: str) -> None:
+    """All sites are alike: the mean over independent sizes is the mean over places of one."""
+    number, lattice = 16, crystals.crystal(16, PHI)
+    response = [
+        crystals.linear_response(lattice, crystals.LAWS[law], (np.arange(number) == n) * 1.0)
+        for n in range(number)
+    ]
+    total = sum(crystals.mean_square(each, lattice) for each in response) / 12.0
+    assert crystals.impurity(law, number, PHI)["u2"] == pytest.approx(total, rel=1e-3)
 
 
 QUICK = json.loads((FOLDER / "quick.json").read_text())

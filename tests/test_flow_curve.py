@@ -1,6 +1,5 @@
 """The example of a flow curve: its input in LAMMPS, its script, and its committed figures."""
 
-import importlib.util
 import json
 import math
 import re
@@ -10,6 +9,7 @@ from pathlib import Path
 import deformable
 import numpy as np
 import pytest
+from example_modules import example
 from programs import program
 from test_example_scripts import text
 
@@ -84,11 +84,7 @@ def test_script(tmp_path: Path) -> None:
     assert (tmp_path / "flow_curve.png").stat().st_size > 10_000
 
 
-spec = importlib.util.spec_from_file_location("flow_curve", EXAMPLE / "flow_curve.py")
-assert spec is not None
-assert spec.loader is not None
-flow_curve = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(flow_curve)
+flow_curve = example("flow_curve", "flow_curve")
 
 
 def test_committed_figures(capsys: pytest.CaptureFixture[str]) -> None:

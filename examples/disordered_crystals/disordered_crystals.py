@@ -42,6 +42,7 @@ TOLERANCE, SMALL = 1e-4, 1e-5
 QUICK = {
     "ramps": list(itertools.product(LAWS, (144,), (0.94,), (1, 2))),
     "compressions": list(itertools.product(("droplets",), (144,), (0.4,), (1, 2))),
+    "impurities": list(itertools.product(LAWS, (64, 144), (0.94,))),
 }
 FULL = {
     "ramps": [
@@ -59,6 +60,7 @@ FULL = {
         for law in LAWS
     ],
     "compressions": list(itertools.product(LAWS, (144,), SPREADS, range(1, 5))),
+    "impurities": list(itertools.product(LAWS, (64, 256, 1024, 4096), (0.94,))),
 }
 
 
@@ -191,6 +193,20 @@ def compression(law, number, eta, seed):
     return found | {"seconds": round(time.process_time() - start, 1)}
 
 
+def impurity(law, number, phi):
+    """Displacements around one particle of another size, and what they say of all sizes.
+
+    All sites of a lattice are alike, and sizes are independent, with the variance 1/12 of u. So the
+    mean of <u^2>/eta^2 over all packings is a twelfth of the sum of squares around one impurity.
+    """
+    start, packing = time.process_time(), crystal(number, phi)
+    one = np.zeros(number)
+    one[0] = 1.0
+    total = number * mean_square(linear_response(packing, LAWS[law], one), packing)
+    found = {"law": law, "number": number, "phi": phi, "u2": float(f"{total / 12.0:.6g}")}
+    return found | {"seconds": round(time.process_time() - start, 1)}
+
+
 if __name__ == "__main__":
     options = argparse.ArgumentParser()
     options.add_argument("--full", action="store_true", help="the figures of the page")
@@ -201,14 +217,14 @@ if __name__ == "__main__":
     plan, name = (FULL, "full") if given.full else (QUICK, "quick")
     # each ramp is kept as soon as it is measured: an interrupted run goes on from there
     data = {
-        function.__name__ + "s": deformable.parallel_map(
-            function,
-            plan[f"{function.__name__}s"],
-            given.workers,
-            f"{function.__name__}s",
-            keep=f"{name}_kept",
+        kind: deformable.parallel_map(
+            function, plan[kind], given.workers, kind, keep=f"{name}_kept"
         )
-        for function in (ramp, compression)
+        for kind, function in (
+            ("ramps", ramp),
+            ("compressions", compression),
+            ("impurities", impurity),
+        )
     }
     with open(f"{name}.json", "w") as file:
         json.dump(data, file, separators=(",", ":"))

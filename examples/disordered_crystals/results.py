@@ -17,7 +17,6 @@ import numpy as np
 HALF, LOST = 0.5, 5.97  # psi_6 where order counts as lost; z below which contacts are
 COLORS = {"disks": "C7", "rings": "C0", "soft rings": "C2", "droplets": "C3"}
 NEAR = 0.05  # largest spread of powers
-SAME = 1e-3  # relative difference of energies of one packing
 
 
 def column(ramps, name, way="up"):
@@ -48,18 +47,11 @@ def line(ramps, name, level):
     return [crossing(ramp["up"]["eta"], ramp["up"][name], level) for ramp in ramps]
 
 
-def dearer(ramps):
-    """Spread of each packing from which the crystal has more energy than the disordered packing.
-
-    The latter comes back from the largest spread, with the same sizes. nan if order is lost before.
-    """
-    found = []
-    for ramp, lost in zip(ramps, line(ramps, "psi6", HALF), strict=True):
-        eta, energy = (np.array(ramp["down"][name])[::-1] for name in ("eta", "energy"))
-        crystal = np.interp(eta, ramp["up"]["eta"], ramp["up"]["energy"])
-        at = crossing(eta, energy / crystal, 1.0 - SAME)
-        found.append(at if at < lost else math.nan)
-    return found
+def cost(ramps, at):
+    """Energy of each packing on the way down over that of the crystal with the same sizes."""
+    crystal = [np.interp(at, ramp["up"]["eta"], ramp["up"]["energy"]) for ramp in ramps]
+    down = column(ramps, "energy", "down")[:, ramps[0]["down"]["eta"].index(at)]
+    return down / crystal
 
 
 def back(ramps):
@@ -97,7 +89,7 @@ def known(values):
 
 
 def power(ramps, name):
-    """Power of the spread with which a quantity leaves its value in the crystal."""
+    """Power of the spread with which a quantity leaves its value in the crystal, and its error."""
     eta = np.array(ramps[0]["up"]["eta"])
     kept = (eta > 0.0) & (eta <= NEAR)
 
@@ -105,7 +97,7 @@ def power(ramps, name):
         values = column(some, name).mean(axis=0)
         return np.polyfit(np.log(eta[kept]), np.log(np.abs(values - values[0])[kept]), 1)[0]
 
-    return deformable.jackknife(slope, ramps)
+    return deformable.jackknife(slope, ramps) if len(ramps) > 1 else (slope(ramps), math.nan)
 
 
 def small_table(data):
@@ -125,17 +117,19 @@ def small_table(data):
 
 def line_table(data):
     """Where contacts and order are lost, and come back."""
-    names = "contacts lost | psi_6 = 1/2 | Bragg = 1/2 | susceptibility | energy | back"
+    names = (
+        "contacts lost | psi_6 = 1/2 | Bragg = 1/2 | susceptibility | back | energy at 0.3 | 0.4"
+    )
     yield f"| | phi | N | packings | {names} |"
-    yield "|---|---|---|---|---|---|---|---|---|---|"
+    yield "|---|---|---|---|---|---|---|---|---|---|---|"
     for (law, phi, number), ramps in groups(data["ramps"]).items():
         cells = [
             known(line(ramps, "z", LOST)),
             known(line(ramps, "psi6", HALF)),
             known(line(ramps, "bragg", HALF)),
             f"{ramps[0]['up']['eta'][np.argmax(column(ramps, 'psi6').var(axis=0))]:g}",
-            known(dearer(ramps)),
             known(back(ramps)),
+            *(known(cost(ramps, at)) for at in (0.3, 0.4)),
         ]
         yield "| " + " | ".join([law, f"{phi:g}", f"{number}", f"{len(ramps)}", *cells]) + " |"
 
@@ -147,7 +141,7 @@ def level_table(data):
     for (law, phi, number), ramps in groups(data["ramps"]).items():
         levels = [("z", 5.99), ("z", 5.9), ("psi6", 0.7), ("psi6", 0.6), ("psi6", 0.4)]
         cells = [known(line(ramps, *level)) for level in levels]
-        width = np.std(line(ramps, "psi6", HALF), ddof=1)
+        width = np.std(line(ramps, "psi6", HALF), ddof=min(1, len(ramps) - 1))
         yield "| " + " | ".join([law, f"{phi:g}", f"{number}", *cells, f"{width:.3f}"]) + " |"
 
 
@@ -169,6 +163,22 @@ def stiffness_table(data):
             yield "| " + " | ".join([law, f"{phi:g}", f"{number}", f"{eta[n]:g}", *cells]) + " |"
 
 
+def impurity_table(data):
+    """Mean of <u^2>/eta^2 over all packings by number of particles, and what e times more add."""
+    numbers = sorted({row["number"] for row in data["impurities"]})
+    heads = " | ".join(f"N = {number}" for number in numbers)
+    yield f"| | phi | {heads} | slope over ln N |"
+    yield "|---" * (len(numbers) + 3) + "|"
+    found = {}
+    for row in data["impurities"]:
+        found.setdefault((row["law"], row["phi"]), {})[row["number"]] = row["u2"]
+    for (law, phi), u2 in found.items():
+        values = [u2[number] for number in numbers]
+        cells = [f"{value:.4f}" for value in values]
+        slope = (values[-1] - values[-2]) / math.log(numbers[-1] / numbers[-2])
+        yield "| " + " | ".join([law, f"{phi:g}", *cells, f"{slope:.5f}"]) + " |"
+
+
 def compression_table(data):
     """psi_6 at the least phi, at 0.94 on the way up, at the largest, and on the way down."""
     yield "| | N | eta | 0.92 | 0.94 | 0.98 | 0.94 | 0.92 |"
@@ -181,7 +191,7 @@ def compression_table(data):
         yield "| " + " | ".join([law, f"{number}", f"{eta:g}", *cells]) + " |"
 
 
-TABLES = (small_table, line_table, level_table, stiffness_table, compression_table)
+TABLES = (small_table, impurity_table, line_table, level_table, stiffness_table, compression_table)
 
 
 def seconds(data):
