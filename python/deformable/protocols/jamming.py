@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -85,6 +86,7 @@ def jam(
     tolerance: float = 1e-3,
     comm: MPI.Comm | None = None,
     box: str = "size",
+    grow: bool = False,
 ) -> Packing:
     """Compress particles from a loose start to the onset of rigidity.
 
@@ -116,6 +118,9 @@ def jam(
             lengths, the stress is `pressure` in all free directions, to 1e-6, and the shear stress
             is zero: the packing is stable against shear. The forces are then relaxed to 1e-6, which
             takes about a hundred relaxations: for some thousand particles at most.
+        grow: all radii grow by one factor, in the box and between the walls of the start, which
+            stay. Of soft disks, and of laws without a length of their own, the packing is that of
+            the shrinking box at another scale.
 
     Returns:
         The jammed packing; phi is about 0.84 for an equal mixture of sizes 1 : 1.4.
@@ -125,7 +130,7 @@ def jam(
 
     Raises:
         ParameterError: the start is rigid already, a value is out of range, or particles stick;
-            or the box of walls has no free shape.
+            or the box of walls has no free shape, or shall stay and change.
 
     Source: O'Hern, Silbert, Liu, Nagel, Phys. Rev. E 68, 011306 (2003); stable against shear:
     Dagois-Bohy et al., Phys. Rev. Lett. 109, 095703 (2012).
@@ -138,6 +143,8 @@ def jam(
     positive("step", step)
     positive("tolerance", tolerance)
     check_free(box, packing.walls, pressure)
+    if grow and box != "size":
+        raise ParameterError(f"grow=True keeps the box, and box='{box}' changes it: leave out one")
     with progress("jamming", unit="iteration") as bar:
         if box != "size":
             start = _jammed_disks(packing, _STABILIZED, step, _PART, bar, comm).packing
@@ -147,11 +154,14 @@ def jam(
         elif law is None:
             disks = _jammed_disks(packing, _ABOVE * pressure, step, tolerance / _ABOVE, bar, comm)
             jammed, stalled, residual = disks.packing, disks.stalled, disks.residual
+            jammed = _grown(jammed, packing) if grow else jammed
         else:
             excess = excess_phi(_ABOVE * pressure, packing, law)
             near = pressure_above_onset(excess, packing, None)
             start = _jammed_disks(packing, near, step, _PART, bar, comm).packing
-            state = _jammed_particles(start, law, pressure, tolerance, bar, comm or MPI.COMM_SELF)
+            start = _grown(start, packing) if grow else start
+            ranks = comm or MPI.COMM_SELF
+            state = _jammed_particles(start, law, pressure, tolerance, bar, ranks, grow)
             jammed, stalled, residual = state.packing, state.stalled, state.residual
     if stalled:
         warnings.warn(
@@ -162,6 +172,15 @@ def jam(
             stacklevel=3,
         )
     return comm.bcast(jammed) if comm else jammed  # machines may differ in rounding
+
+
+def _grown(jammed: Packing, start: Packing) -> Packing:
+    """The packing at the scale of the start, from which its box and walls have shrunk."""
+    factor = start.box[0, 0] / jammed.box[0, 0]
+    own = None if jammed.particle_radii is None else factor * jammed.particle_radii
+    return replace(
+        start, positions=factor * jammed.positions, radii=factor * jammed.radii, particle_radii=own
+    )
 
 
 def _jammed_disks(
@@ -237,6 +256,7 @@ def _jammed_particles(
     tolerance: float,
     bar: tqdm[Any],
     comm: MPI.Comm,
+    grow: bool,
 ) -> State:
     """Deformable particles with a pressure in the window of `jam`, from a packing near by.
 
@@ -244,11 +264,11 @@ def _jammed_particles(
     where phi has gone too far, the next step is at most half as long, otherwise at most twice as
     long. A packing that is still loose after a step gets one twice as long, up to 0.0025.
     """
-    unit = natural_pressure(packing, law)
     target, longest, last = excess_phi(_ABOVE * pressure, packing, law), np.inf, 0.0
     stalls = 0
     bar.set_description_str(f"jamming, particles to {pressure:.1e}", refresh=False)
     while True:
+        unit = natural_pressure(packing, law)
         state = _relaxed(packing, law, pressure * unit, tolerance, comm)
         bar.set_postfix(phi=f"{state.phi:.6f}", pressure=f"{state.pressure / unit:.1e}")
         bar.update()
@@ -264,7 +284,7 @@ def _jammed_particles(
         if found < _NOTHING * pressure:
             change = max(change, min(2.0 * last, _FINEST))
         last = float(np.clip(change, -longest, longest))
-        packing = state.packing.at(state.packing.phi + last)
+        packing = state.packing.at(state.packing.phi + last, grow)
 
 
 def push_off(packing: Packing) -> Packing:
