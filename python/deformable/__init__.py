@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from .model.walls import Segment as Segment
     from .model.walls import rectangle as rectangle
     from .protocols.compression import compress as compress
+    from .protocols.creep import creep as creep
     from .protocols.jamming import jam as jam
     from .protocols.jamming import push_off as push_off
     from .protocols.moduli import Modulus as Modulus
@@ -108,6 +109,7 @@ _HOMES = {
     "compare": "studies.comparison",
     "compress": "protocols.compression",
     "compress_in": "runs.recording",
+    "creep": "protocols.creep",
     "dynamic_modulus": "protocols.oscillation",
     "export": "runs.analysis",
     "jackknife": "common.fits",

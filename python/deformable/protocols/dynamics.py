@@ -49,6 +49,7 @@ class Dynamics:
         drive: force that drives them, beside contacts and noise [energy/length].
         persistence: time for which they drive themselves in about one direction; None if they do
             not [time].
+        part: of the usual time step that is taken, as the box is less damped than the particles.
         limit: time steps must not exceed this one because of the drive [time].
         timestep: that a user has given [time].
     """
@@ -58,6 +59,7 @@ class Dynamics:
     inertia: bool = True
     drive: float = 0.0
     persistence: float | None = None
+    part: float = 1.0
     limit: float = np.inf
     timestep: float | None = None
 
@@ -68,7 +70,8 @@ class Dynamics:
     def default_step(self, state: State) -> float:
         """The time step that a user gets who gives none [time]."""
         exact = not (self.inertia or self.temperature)  # steps change the energy of noise only
-        steps = [(1.0 if exact else ACCURATE) * self.longest_step(state), self.limit]
+        part = self.part * (1.0 if exact else ACCURATE)
+        steps = [part * self.longest_step(state), self.limit]
         if self.drive and self.friction:
             radius = float(state.packing.radius.min())
             steps.append(_MOVED * radius * self.friction / self.drive)

@@ -62,7 +62,7 @@ def flow(
     dynamics: Dynamics,
     rate: float,
     duration: float,
-    strains: Sequence[float],
+    strains: Sequence[float | None],
     course: Callable[[float], str],
     seed: int | None,
 ) -> Iterator[State]:
@@ -73,7 +73,7 @@ def flow(
         dynamics: of the particles.
         rate: the largest one of the flow [1/time].
         duration: from a state to the next one [time].
-        strains: of the states.
+        strains: of the states; None where the box tells it.
         course: commands for a run that begins so long after the first one, of which the last is a
             `flow_command`.
         seed: of the noise.
@@ -91,8 +91,9 @@ def flow(
                 for k in range(pieces):
                     begin = duration * (n + k / pieces)
                     state = _piece(sim, dynamics, duration / pieces, course(begin), state)
-                sim.strain = strain
-                state = replace(state, strain=strain)
+                if strain is not None:
+                    sim.strain = strain
+                state = replace(state, strain=sim.strain)
                 bar.set_postfix(stress=f"{-state.stress[0, 1]:.3g}")
                 bar.update()
                 yield state
@@ -111,10 +112,18 @@ def _piece(
     steps = math.ceil(duration / (dynamics.timestep or dynamics.default_step(state)))
     dynamics.check(state, duration / steps)
     straighten(sim)
+    tilt = float(sim.box[1, 0])
     run(sim.lmp, course)
     try:
         advance(sim, dynamics, steps, duration / steps)
     finally:
-        if not sim.closed:
-            run(sim.lmp, "unfix deformable_flow")
+        run(sim.lmp, "unfix deformable_flow")
+        sim.strain = (sim.strain or 0.0) + _strain_since(sim, tilt)
     return sim.state()
+
+
+def _strain_since(sim: Simulation, tilt: float) -> float:
+    """The smallest strain from a tilt of the box to that of now, as LAMMPS may have flipped it."""
+    (lx, _), (xy, ly) = sim.box.tolist()
+    widths = (xy - tilt) / lx
+    return float(widths - round(widths)) * lx / ly

@@ -110,6 +110,15 @@ def check_shear(sim: Simulation | Disks, strain: float, steps: int) -> None:
     count("steps", steps)
     if finite("strain", strain) == 0.0:
         raise ParameterError("strain must not be 0: relax the simulation instead")
+    refuse_walls(sim)
+
+
+def refuse_walls(sim: Simulation | Disks) -> None:
+    """Refuse walls, which do not follow a shear.
+
+    Raises:
+        ParameterError: there are some.
+    """
     if sim.walls:
         raise ParameterError(
             f"walls are not sheared, and this simulation has {len(sim.walls)}, the first a "

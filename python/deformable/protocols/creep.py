@@ -1,0 +1,80 @@
+"""Creep: a shear stress that stays, under which the box shears."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from ..common.errors import ParameterError
+from ..common.steps import Steps
+from ..common.validate import count, expect, finite, positive
+from ..engine.simulation import Simulation
+from ..state.state import State
+from .flow import flow, flow_dynamics
+from .shear import refuse_walls
+
+# LAMMPS' pressure tensor has the opposite sign of a stress that resists shear.
+_COURSE = """
+fix deformable_flow all deform/pressure 1 xy pressure {target!r} {gain!r} max/rate {most!r} remap x
+fix_modify deformable_flow press deformable_virial
+"""
+
+
+def creep(
+    sim: Simulation,
+    stress: float,
+    time: float,
+    steps: int,
+    friction: float,
+    viscosity: float | None = None,
+    temperature: float | None = None,
+    timestep: float | None = None,
+    seed: int | None = None,
+) -> Iterator[State]:
+    """Apply a shear stress, and let the box shear along x.
+
+    The box follows the stress that the contacts do not bear, against a liquid of some viscosity,
+
+        viscosity d(strain)/dt = stress - sigma
+
+    with sigma = -stress[0, 1] of the state, and particles move in it as in `shear` at a rate. Below
+    the yield stress the strain ends where sigma is the stress; above it the packing flows. LAMMPS'
+    *fix deform/pressure* with *remap x* shears the box, *fix brownian* moves the particles.
+
+    Args:
+        sim: of the law `Ring`, without walls; it ends in the last state.
+        stress: shear stress, of either sign [energy/length^2].
+        time: in all [time].
+        steps: number of states, after equal parts of the time.
+        friction: as in `shear` [1/time].
+        viscosity: of the liquid, in two dimensions [1/time]; the friction if not given.
+        temperature: as in `shear`.
+        timestep: as in `shear`.
+        seed: as in `shear`.
+
+    Yields:
+        The states, with their `strain` and `time`.
+
+    Raises:
+        ParameterError: see `shear`.
+        LammpsError: see `move`.
+    """
+    expect("sim", sim, Simulation)
+    refuse_walls(sim)
+    stress, time, steps = finite("stress", stress), positive("time", time), count("steps", steps)
+    sim, dynamics = flow_dynamics(sim, friction, temperature, timestep, None, seed)
+    viscosity = dynamics.friction if viscosity is None else positive("viscosity", viscosity)
+    before = sim.strain or 0.0
+
+    def states() -> Iterator[State]:
+        held = -float(sim.state().stress[0, 1])
+        fastest = 2.0 * (abs(stress) + abs(held)) / viscosity
+        if fastest == 0.0:
+            raise ParameterError("stress must not be 0 in a packing that has none")
+        most = fastest * float(sim.box[1, 1])  # velocity of the upper side of the box
+        course = _COURSE.format(target=-stress, gain=1.0 / viscosity, most=most).strip()
+        damped = replace(dynamics, part=min(1.0, viscosity / dynamics.friction))
+        duration, unknown = time / steps, [None] * steps
+        yield from flow(sim, damped, fastest, duration, unknown, lambda _: course, seed)
+
+    return Steps("creep", states(), lambda: replace(sim.state(), strain=before))

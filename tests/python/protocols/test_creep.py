@@ -1,0 +1,97 @@
+"""Creep under a constant shear stress, compared with quasistatic shear."""
+
+import deformable
+import numpy as np
+import pytest
+from deformable.protocols.creep import creep
+from deformable.protocols.shear import shear
+
+
+@pytest.fixture(scope="module")
+def rest() -> deformable.State:
+    packing = deformable.jam(deformable.bidisperse(16, seed=2))
+    with deformable.Simulation(packing.at(packing.phi + 0.08), deformable.Ring()) as sim:
+        return deformable.polish(sim.relax())
+
+
+@pytest.mark.parametrize(("sign", "viscosity"), [(1.0, None), (-1.0, 2.0)])
+def test_it_ends_where_quasistatic_shear_has_the_stress(
+    rest: deformable.State, sign: float, viscosity: float | None
+) -> None:
+    modulus = rest.elastic_moduli().shear_modulus
+    stress = -rest.stress[0, 1] + sign * 1e-3 * modulus
+    time = 25.0 * (viscosity or 1.0) / modulus  # a solid alone takes viscosity/modulus
+    with deformable.Simulation(rest, rest.law) as sim:
+        *_, before, last = creep(sim, stress, time, 8, friction=1.0, viscosity=viscosity)
+    assert last.time == pytest.approx(time)
+    assert -last.stress[0, 1] == pytest.approx(stress, rel=1e-4)
+    assert last.strain == pytest.approx(before.strain, rel=1e-4)
+    assert 0.5e-3 < sign * last.strain < 2e-3
+    with deformable.Simulation(rest, rest.law) as sim:
+        *_, still = shear(sim, last.strain, 2, tolerance=1e-9)
+    assert -still.stress[0, 1] == pytest.approx(stress, rel=1e-4)
+    assert last.energy == pytest.approx(still.energy, rel=1e-6)
+    assert not last.velocities.any()
+
+
+def test_the_box_moves_by_the_stress_that_contacts_do_not_bear(rest: deformable.State) -> None:
+    """d(strain)/dt = (stress - sigma)/viscosity, by the trapezium rule."""
+    stress, viscosity = 1e-4, 3.0
+    with deformable.Simulation(rest, rest.law) as sim:
+        motion = creep(sim, stress, 3000.0, 300, friction=1.0, viscosity=viscosity)
+        states = [motion.start(), *motion]
+    rate = np.array([stress + state.stress[0, 1] for state in states]) / viscosity
+    strain = np.trapezoid(rate, [state.time for state in states])
+    assert states[-1].strain - states[0].strain == pytest.approx(strain, rel=2e-3)
+
+
+def test_a_large_stress_makes_it_flow_through_flips(rest: deformable.State) -> None:
+    """Free of contacts, the rate is stress/viscosity; the box is one of the strain."""
+    with deformable.Simulation(rest.packing.at(0.3), rest.law) as sim:
+        start = sim.relax().packing
+        (lx, _), (tilt, ly) = start.box
+        states = list(creep(sim, 1e-3, 3000.0, 3, friction=1.0))
+        assert sim.strain == states[-1].strain
+    assert states[-1].strain == pytest.approx(3.0, rel=0.1)
+    for state in states:
+        turns = (tilt + state.strain * ly - state.packing.box[1, 0]) / lx
+        assert turns == pytest.approx(round(turns), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"stress": np.nan}, "stress must be a finite number, not nan"),
+        ({"time": 0.0}, "time must be a positive number, not 0"),
+        ({"steps": 0}, "steps must be at least 1, not 0"),
+        ({"friction": -1.0}, "friction must not be negative, not -1"),
+        ({"friction": 0.0}, "need a friction above 0"),
+        ({"viscosity": 0.0}, "viscosity must be a positive number, not 0"),
+        ({"timestep": 1e9}, "timestep = .* take at most"),
+    ],
+)
+def test_refusals(rest: deformable.State, values: dict[str, float], message: str) -> None:
+    usual = {"stress": 1e-6, "time": 1e12, "steps": 1, "friction": 1.0}
+    with (
+        deformable.Simulation(rest, rest.law) as sim,
+        pytest.raises(deformable.ParameterError, match=message),
+    ):
+        next(creep(sim, **usual | values))
+
+
+def test_refused_simulations(rest: deformable.State) -> None:
+    with (
+        deformable.Disks(rest.packing) as disks,
+        pytest.raises(deformable.ParameterError, match="sim must be of the kind Simulation"),
+    ):
+        creep(disks, 1e-6, 1.0, 1, friction=1.0)
+    with (
+        deformable.Simulation(rest.packing, deformable.Sector()) as sim,
+        pytest.raises(deformable.ParameterError, match="energy of Sector jumps"),
+    ):
+        creep(sim, 1e-6, 1.0, 1, friction=1.0)
+    loose = rest.packing.at(0.3)
+    with deformable.Simulation(loose, deformable.Ring()) as sim:
+        sim.relax()
+        with pytest.raises(deformable.ParameterError, match="stress must not be 0 in a packing"):
+            next(creep(sim, 0.0, 1.0, 1, friction=1.0))
