@@ -38,6 +38,7 @@ struct ContactBlock {
     p.kA = stiffness.kA;
     p.kP = stiffness.kP;
     p.tension = stiffness.tension;
+    p.yield = stiffness.yield;
     p.first = used;
     p.active = 0;
     p.others = p.last = used += room;

@@ -27,7 +27,7 @@ enum class Outcome : char {
 // from `others` on, are lines outside of the circle that the outline may reach. Places between them are not used.
 struct BlockParticle {
   double radius, ring_radius;    // R, and R - c with the thickness c of the skin
-  double kA, kP, tension;
+  double kA, kP, tension, yield;
   int first, active, others, last;
   int name;    // a number for the caller
   Outcome outcome;

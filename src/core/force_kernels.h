@@ -29,6 +29,7 @@ struct RingArrays {
   double *expansion;
   float *mixed, *rate;
   const double *tension, *skin;    // also null where no ring has any
+  const double *yield;             // of stiffness.h, in minimizations; else null
   double scale;    // compliances are in units of it, for the range of single precision
 };
 

@@ -19,7 +19,7 @@ DEFORMABLE_LANE_FUNCTION RingArrays rings_of(RingArrays r, int ring)
 {
   const auto move = [ring](auto &...p) DEFORMABLE_LANE_LAMBDA { ((p ? p += ring : p), ...); };
   move(r.radius, r.kA, r.pressure, r.work, r.total, r.per_pressure, r.square);
-  move(r.kP, r.expansion, r.mixed, r.rate, r.tension, r.skin);
+  move(r.kP, r.expansion, r.mixed, r.rate, r.tension, r.skin, r.yield);
   return r;
 }
 

@@ -117,18 +117,26 @@ template <bool SOFT> DEFORMABLE_LANE_FUNCTION bool press(const RingArrays &r, Co
   } else {
     Lanes p, delta;
     bool exist = true;
-    const Mask found = r.tension ? expand<true>(r, p, delta) : expand<false>(r, p, delta);
+    Mask found = r.tension ? expand<true>(r, p, delta) : expand<false>(r, p, delta);
+    if (r.yield) found &= p <= load<Lanes>(r.yield);
     if (!all_true(found))    // also rings of constant perimeter, which are rare beside others
       for (int w = 0; w < W; ++w) {
         if (found[w]) continue;
         LoadedRing ring = {r.pressure[w], r.expansion[w]};
-        const Stiffness k = {r.kA[w], r.kP[w], r.tension ? r.tension[w] : 0.0};
+        Stiffness k = {r.kA[w], r.kP[w], r.tension ? r.tension[w] : 0.0};
+        if (r.yield) k.yield = r.yield[w];
         exist &= find_pressure(r.radius[w], k, {r.work[w], r.total[w]}, ring);
         p[w] = ring.pressure;
         delta[w] = ring.expansion;
       }
     // compliance_of in ring_forces.h
-    const Lanes kA = load<Lanes>(r.kA), kP = load<Lanes>(r.kP), zero = Lanes{};
+    const Lanes kP = load<Lanes>(r.kP), zero = Lanes{};
+    Lanes kA = load<Lanes>(r.kA);
+    if (r.yield)
+      for (int w = 0; w < W; ++w) {
+        const Stiffness k = {r.kA[w], r.kP[w], 0.0, r.yield[w]};
+        if (k.gives_way(p[w])) kA[w] = k.yielding_kA(r.radius[w], p[w]);
+      }
     const Mask loaded = p > 0.0, rigid = ~(kP / kA < all(__builtin_inf()));
     const Lanes some_p = select(loaded, p, all(1.0)), per_p = 1.0 / some_p;
     const Lanes E = load<Lanes>(r.radius) + delta;

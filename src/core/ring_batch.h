@@ -272,6 +272,7 @@ DEFORMABLE_LANE_FUNCTION void ring_batch(BlockParticle *const *p, Place *places,
     energy = select(soft, 0.5 * (pressure * deficit + kP * excess * excess), energy);
   }
   odd |= ~(magnitude(pressure) < all(__builtin_inf()));
+  if constexpr (CHANGES) odd |= pressure > of_particles(p, &BlockParticle::yield);
 #pragma GCC unroll 8
   for (int m = 0; m < N; ++m) {
     const Lanes by_indentation = pressure * length[m];

@@ -34,6 +34,7 @@ struct LoadedRing {
   // A0 - A
   double area_deficit(double radius, const Stiffness &k, double work) const
   {
+    if (k.gives_way(pressure)) return PI * radius * radius * (1.0 - k.yield / pressure);
     if (k.tension == 0.0 || std::isinf(k.kA)) return k.tension == 0.0 ? pressure / k.kA : 0.0;
     return work / (pressure * pressure) - PI * expansion * (2.0 * radius + expansion);
   }
@@ -42,6 +43,10 @@ struct LoadedRing {
   double energy(double radius, const Stiffness &k, double work) const
   {
     if (!(pressure > 0.0)) return 0.0;
+    if (k.gives_way(pressure)) {
+      const double excess = 2.0 * PI * expansion, gas = k.yield * PI * radius * radius;
+      return (k.tension + 0.5 * k.kP * excess) * excess + gas * std::log(pressure / k.yield);
+    }
     if (k.tension > 0.0) {
       const double S = work / (pressure * pressure);
       const double D = area_deficit(radius, k, work);
@@ -151,6 +156,34 @@ DEFORMABLE_INLINE bool find_expansion_under_tension(double radius, const Stiffne
   return false;
 }
 
+// Of a ring that gives way, with p = T/E and T = gamma + F/2 pi + 2 pi kP delta: the area pi E^2 - Q/p^2 is A0 y/p, so that
+//   T - Q/(pi T) - A0 y/(pi E) = 0.
+// The left side g grows with E = r + delta and is concave: Newton's method converges from where g < 0. `low`: T^2 = Q/pi or E = 0.
+DEFORMABLE_INLINE bool find_expansion_of_gas(double radius, const Stiffness &k,
+                                             const RingLoad &load, LoadedRing &ring)
+{
+  constexpr double CLOSE = 1e-8;
+  const double spring = 2.0 * PI * k.kP, at_rest = k.tension + load.total / (2.0 * PI);
+  const double gas = radius * radius * k.yield, work = load.work / PI;
+  const double least = std::sqrt(std::max(work, 0.0));
+  if (spring == 0.0 && at_rest <= least) return false;
+  const double low = spring > 0.0 ? std::max(0.0, radius + (least - at_rest) / spring) : 0.0;
+  double E = radius + ring.expansion;
+  if (!(ring.pressure > 0.0 && E > low && E < LARGEST_EXPANSION * radius)) E = low + radius;
+  for (int iteration = 0; iteration < 200; ++iteration) {
+    const double T = at_rest + spring * (E - radius), g = T - work / T - gas / E;
+    double next = E - g / (spring * (1.0 + work / (T * T)) + gas / (E * E));
+    const bool inside = next > low;
+    if (!inside) next = 0.5 * (E + low);
+    const bool close = std::fabs(next - E) <= CLOSE * next;
+    E = next;
+    if (!inside || !close) continue;
+    ring = {(at_rest + spring * (E - radius)) / E, E - radius};
+    return true;
+  }
+  return false;
+}
+
 // Pressure and expansion under a load; `ring` is also the first guess. Films that stick (contact_film.h) may make Q a bit
 // negative where the forces on a ring do not balance.
 DEFORMABLE_INLINE bool find_pressure(double radius, const Stiffness &k, const RingLoad &load,
@@ -165,8 +198,13 @@ DEFORMABLE_INLINE bool find_pressure(double radius, const Stiffness &k, const Ri
     ring = {std::cbrt(k.kA * load.work), 0.0};
     return true;
   }
-  const bool found = k.tension > 0.0 ? find_expansion_under_tension(radius, k, load, ring)
-                                     : find_expansion(radius, k, load, ring);
+  const LoadedRing guess = ring;
+  bool found = k.tension > 0.0 ? find_expansion_under_tension(radius, k, load, ring)
+                               : find_expansion(radius, k, load, ring);
+  if (std::isfinite(k.yield) && (!found || k.gives_way(ring.pressure))) {
+    ring = guess;
+    found = find_expansion_of_gas(radius, k, load, ring);
+  }
   return found && ring.expansion < LARGEST_EXPANSION * radius;
 }
 
@@ -188,7 +226,8 @@ DEFORMABLE_INLINE RingCompliance compliance_of(double radius, const Stiffness &k
   const double p = ring.pressure;
   if (!(p > 0.0)) return {};
   if (k.conserves_perimeter()) return {1.0 / p, 0.0, k.kA / (3.0 * p * p), 0.0};
-  const double E = radius + ring.expansion, e = 1.0 / k.kA + 2.0 * work / (p * p * p);
+  const double kA = k.gives_way(p) ? k.yielding_kA(radius, p) : k.kA;
+  const double E = radius + ring.expansion, e = 1.0 / kA + 2.0 * work / (p * p * p);
   const double excess = 2.0 * PI * k.kP - p, per_D = 1.0 / (2.0 * PI * E * E + excess * e);
   return {1.0 / p, E / p * per_D, excess / p * per_D / p, e * per_D / (2.0 * PI)};
 }

@@ -86,22 +86,51 @@ inline double expansion_under_tension(const Branch &branch, double radius, doubl
   return NONE;
 }
 
+// Of a ring that gives way, p = T/q and p A = y A0:  f = A T/y - A0 q,  T/y = gamma/y + 2 pi delta kP/y,  A = A0 - D. The root
+// lies between T = 0 and q = 0, beyond which p would be negative; or D = 0, where p > y. Not a number if there is none.
+inline double expansion_of_gas(const Branch &branch, double radius, double ratio, double rest)
+{
+  constexpr double CLOSE = 1e-8;
+  const double e = 1.0 - branch.rate * (0.5 / PI), q0 = radius - branch.sum * (0.5 / PI);
+  const double square = PI * q0 * q0 + e * branch.deficit, A0 = PI * radius * radius;
+  const double slack = ratio > 0.0 ? std::max(-radius, -rest / (2.0 * PI * ratio)) : -radius;
+  const bool grows = q0 + e * slack > 0.0;    // f < 0 at T = 0
+  double end = -q0 / e;
+  if (grows && q0 > 0.0 && square > 0.0)
+    end = branch.deficit / (PI * (q0 + std::sqrt(square / PI)));
+  double negative = grows ? slack : end, positive = grows ? end : slack, delta = end;
+  for (int iteration = 0; iteration < 100; ++iteration) {
+    const double q = q0 + e * delta, A = A0 - branch.deficit + PI * delta * (q0 + q);
+    const double T = rest + 2.0 * PI * ratio * delta, f = T * A - A0 * q;
+    (f > 0.0 ? positive : negative) = delta;
+    const double next = delta - f / (2.0 * PI * (ratio * A + T * q) - A0 * e);
+    const bool inside =
+        std::min(negative, positive) <= next && next <= std::max(negative, positive);
+    const double step = next - delta;
+    delta = inside ? next : 0.5 * (negative + positive);
+    if (inside && std::fabs(step) <= CLOSE * std::fabs(delta)) return delta;
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
 struct SoftRing {
-  double radius;         // R - c
-  double ratio;          // kP/kA, finite
-  double expansion;      // delta
-  double rest = -1.0;    // p0/kA, not negative if there is a tension
+  double radius;             // R - c
+  double ratio;              // kP/kA, finite
+  double expansion;          // delta
+  double rest = -1.0;        // p0/kA, not negative if there is a tension
+  bool gives_way = false;    // then with y in place of kA, and gamma/y in place of p0/kA
 
   // Whether a ring that has left all of its contacts would shrink further by itself.
   bool shrinks_freely(int contacts) const
   {
     const double size = radius + expansion;
-    return rest >= 0.0 && contacts == 0 && expansion < 0.0 &&
+    return rest >= 0.0 && !gives_way && contacts == 0 && expansion < 0.0 &&
            2.0 * PI * ratio + PI * (radius + size) * size < rest;
   }
 
   double expansion_on(const Branch &branch) const
   {
+    if (gives_way) return expansion_of_gas(branch, radius, ratio, rest);
     return rest < 0.0 ? expansion_of(branch, radius, ratio)
                       : expansion_under_tension(branch, radius, ratio, rest);
   }
@@ -185,11 +214,34 @@ DEFORMABLE_INLINE TenseRing tense_ring(double radius, const Stiffness &k, double
           p0 * (S - PI * delta * delta) + 0.5 * (above * D + stretched * 2.0 * PI * delta)};
 }
 
+// A ring that gives way, see stiffness.h.
+inline Energy gas_ring_shape(double radius, const Stiffness &k, const Contacts &contacts,
+                             char *is_active, RingLCP &p, Shape &shape)
+{
+  SoftRing ring = {radius, k.kP / k.yield, 0.0, k.tension / k.yield, true};
+  ring_shape(ring, contacts, is_active, p, shape);
+  const double delta = ring.expansion, excess = 2.0 * PI * delta, A0 = PI * radius * radius;
+  shape.perimeter_excess = excess;
+  shape.area_deficit -= PI * delta * (2.0 * radius + delta);
+  const double pressure = k.yield * A0 / (A0 - shape.area_deficit);
+  return {(k.tension + 0.5 * k.kP * excess) * excess + k.yield * A0 * std::log(pressure / k.yield),
+          pressure};
+}
+
 // Shape and energy of a ring of radius R - c. The derivatives of the energy are those in `shape` times the
 // pressure. Returns whether the shape exists: with infinite kA the contacts may leave too little area.
 inline bool soft_ring_shape(double radius, const Stiffness &stiffness, const Contacts &contacts,
                             char *is_active, RingLCP &p, Shape &shape, Energy &energy)
 {
+  if (std::isfinite(stiffness.yield)) {
+    Stiffness firm = stiffness;
+    firm.yield = std::numeric_limits<double>::infinity();
+    if (soft_ring_shape(radius, firm, contacts, is_active, p, shape, energy) &&
+        !stiffness.gives_way(energy.derivative))
+      return true;
+    energy = gas_ring_shape(radius, stiffness, contacts, is_active, p, shape);
+    return std::isfinite(energy.derivative);
+  }
   SoftRing ring = {radius, stiffness.ratio(), 0.0};
   if (stiffness.tension > 0.0) ring.rest = stiffness.rest_pressure(radius) / stiffness.kA;
   ring_shape(ring, contacts, is_active, p, shape);

@@ -3,7 +3,10 @@
 #ifndef DEFORMABLE_STIFFNESS_H
 #define DEFORMABLE_STIFFNESS_H
 
+#include "trigonometry.h"
+
 #include <cmath>
+#include <limits>
 
 namespace deformable {
 
@@ -14,6 +17,7 @@ struct Stiffness {
   double kA;               // of the area, energy/length^4
   double kP;               // of the perimeter, energy/length^2
   double tension = 0.0;    // gamma of the perimeter at rest, energy/length
+  double yield = std::numeric_limits<double>::infinity();    // of a ring that gives way, see below
 
   // All of a shape depends on this alone, 0 (area conserved) to infinity (perimeter conserved).
   double ratio() const { return kP / kA; }
@@ -21,8 +25,19 @@ struct Stiffness {
 
   // Laplace's pressure of a free ring.
   double rest_pressure(double ring_radius) const { return tension / ring_radius; }
+
+  bool gives_way(double pressure) const { return pressure > yield; }
+  // dp/dD of such a ring, below
+  double yielding_kA(double ring_radius, double pressure) const
+  {
+    return pressure * pressure / (PI * ring_radius * ring_radius * yield);
+  }
 };
 
+// A minimization may start where contacts leave a ring of kA = inf no room. So that there are forces then, its area gives
+// way beyond a pressure y, as that of an ideal gas:  p A = y A0,  with y A0 ln(A0/A) in place of kA/2 (A - A0)^2. That is
+// continuous with its first derivatives, and the ring is the incompressible one as long as p <= y. A gas does not collapse
+// under any forces if y > gamma/r.
 // Its derivative is the pressure where an area changes, the tension where a perimeter does.
 struct Energy {
   double value;

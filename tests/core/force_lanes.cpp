@@ -112,7 +112,7 @@ struct Batch {
     return rings_of({radius.data(), kA.data(), ring[0].data(), ring[2].data(), ring[3].data(),
                      ring[4].data(), response[1].data(), kP.data(), ring[1].data(),
                      response[0].data(), response[2].data(), is_tense ? tension.data() : nullptr,
-                     skin.data(), 0.25},
+                     skin.data(), nullptr, 0.25},
                     w);
   }
 };

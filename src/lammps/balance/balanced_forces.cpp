@@ -49,8 +49,9 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list,
   int changes = 0;
   for (int lists = 0;; ++lists) {
     is_balanced = solver.solve();
+    find_crushed();
+    if (lacking) break;    // forces have no limit, nor have bulges
     find_bulges();
-    if (without_room() >= 0) break;    // its forces have no limit, nor have bulges
     if (lists < MOST_LISTS && !near.is_sufficient_after(p)) {
       solver.remember();
       near.build(p, false);
@@ -101,21 +102,24 @@ void BalancedForces::set_material(const DeformableParticles &p)
   bool soft = false, tense = false, skinned = false;
   for (const int i : batches.particle) {
     if (i < 0) continue;
-    const Species &s = (*p.species)[atom->type[i]];
-    soft |= !s.stiffness.conserves_perimeter();
-    tense |= s.stiffness.tension > 0.0;
+    const Species &s = p.materials->species_of(i);
+    const Stiffness k = p.materials->stiffness_of(i, p.radius[i] - s.skin);
+    soft |= !k.conserves_perimeter();
+    tense |= k.tension > 0.0;
     skinned |= near.pairs.curved && s.skin > 0.0;
   }
-  batches.set_kind(soft, tense, skinned);
+  batches.set_kind(soft, tense, skinned, soft && p.materials->yield > 0.0);
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
     const int i = batches.particle[ring];
     if (i < 0) continue;
-    const Species &s = (*p.species)[atom->type[i]];
+    const Species &s = p.materials->species_of(i);
     batches.radius[ring] = p.radius[i] - s.skin;
-    batches.kA[ring] = s.stiffness.kA;
-    if (soft) batches.kP[ring] = s.stiffness.kP;
-    if (tense) batches.tension[ring] = s.stiffness.tension;
+    const Stiffness k = p.materials->stiffness_of(i, batches.radius[ring]);
+    batches.kA[ring] = k.kA;
+    if (soft) batches.kP[ring] = k.kP;
+    if (tense) batches.tension[ring] = k.tension;
     if (skinned) batches.skin[ring] = s.skin;
+    if (!batches.yield.empty()) batches.yield[ring] = k.yield;
   }
 }
 
@@ -148,61 +152,6 @@ double BalancedForces::bulge_with_films(std::size_t ring, double &lengths) const
     lengths += std::fabs(L);
   }
   return out;
-}
-
-// Where no split of the overlaps leaves room for its area, the free arcs of a ring vanish as its forces grow.
-int BalancedForces::without_room() const
-{
-  constexpr double NONE = 0.01;
-  if (is_balanced) return -1;
-  for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
-    if (batches.particle[ring] < 0) continue;
-    const Stiffness stiffness = batches.stiffness(ring);
-    if (!std::isinf(stiffness.kA) && stiffness.tension == 0.0) continue;
-    if (!(batches.free_radius(ring) >= NONE * batches.radius[ring]))
-      return most_crowded(batches.particle[ring]);    // also if nan
-  }
-  return collapsed();
-}
-
-// Forces without limit spread to rings that have room. So the ring is named whose contacts overlap most, in its radii, of
-// those that keep their area; this one if none overlaps.
-int BalancedForces::most_crowded(int found) const
-{
-  const NearPairs &p = near.pairs;
-  std::vector<double> crowd(atom->nlocal, 0.0);
-  for (int k = 0; k < p.size; ++k) {
-    const double overlap = std::max(p.overlap[k], 0.0);
-    crowd[p.i[k]] += overlap;
-    if (k < p.remote) crowd[p.second(k)] += overlap;
-  }
-  double most = 0.0;
-  for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
-    const int i = batches.particle[ring];
-    if (i < 0 || !std::isinf(batches.kA[ring]) || !(crowd[i] > most * batches.radius[ring]))
-      continue;
-    most = crowd[i] / batches.radius[ring];
-    found = i;
-  }
-  return found;
-}
-
-// A bubble of gas that cannot bear the forces of its contacts: they do not grow, and most of an overlap is left.
-int BalancedForces::collapsed() const
-{
-  constexpr double MUCH = 0.02;    // of a radius
-  constexpr int MANY = 20;         // evaluations that usually balance anything
-  if (!batches.tense || solver.evaluations() < MANY) return -1;
-  const auto is_bubble = [this](int i) {
-    return i >= 0 && batches.tension[batches.place[i]] > 0.0 &&
-           std::isfinite(batches.kA[batches.place[i]]);
-  };
-  for (int k = 0; k < near.pairs.size; ++k) {
-    if (residual(k) < MUCH * batches.radius[batches.place[near.pairs.i[k]]]) continue;
-    if (is_bubble(near.pairs.i[k])) return near.pairs.i[k];
-    if (is_bubble(near.pairs.second(k))) return near.pairs.second(k);
-  }
-  return -1;
 }
 
 void BalancedForces::forget()

@@ -46,8 +46,11 @@ class BalancedForces : protected Pointers {
   double imbalance() const { return solver.imbalance; }
 
   // A particle of infinite kA that cannot keep its area between its contacts, if the forces have grown without a limit
-  // for that reason; or -1.
-  int without_room() const;
+  // or do not exist for that reason; or -1.
+  int without_room() const { return crushed; }
+  bool lacks_room() const { return lacking; }    // on any rank
+
+  int giving_way() const;
 
   // For calls after an error that the caller has caught: they must not start from forces without bound.
   void forget();
@@ -103,6 +106,11 @@ class BalancedForces : protected Pointers {
   std::unique_ptr<Films> films;    // null: no contact sticks
   double lost = 0.0;
   std::vector<int> crowded;
+  int crushed = -1;
+  bool lacking = false;
+  void find_crushed();
+  int find_crushed_here() const;
+  bool fits(int i) const;
   bool is_balanced = false, warned = false, warned_limited = false;
 
   void arrange(const DeformableParticles &, bool new_list);

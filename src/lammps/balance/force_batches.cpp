@@ -34,7 +34,7 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   square.assign(lanes_in_all, 0.0F);
   for (LargeVector<double> *v : {&radius, &kA}) v->assign(lanes_in_all, 1.0);
   expansion.clear();    // of rings at other places
-  set_kind(soft, tense, !skin.empty());
+  set_kind(soft, tense, !skin.empty(), !yield.empty());
   place.assign(particles, -1);
   for (LargeVector<int> *v : {&size, &first, &first_green}) v->resize(batches + 1);
   int places = 0, two = 0, longest = 0;
@@ -91,7 +91,7 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   }
 }
 
-void ForceBatches::set_kind(bool soft_, bool tense_, bool skinned)
+void ForceBatches::set_kind(bool soft_, bool tense_, bool skinned, bool yielding)
 {
   soft = soft_;
   tense = tense_;
@@ -102,6 +102,7 @@ void ForceBatches::set_kind(bool soft_, bool tense_, bool skinned)
     if (v->size() != soft_rings) v->assign(soft_rings, 0.0F);
   tension.resize(tense ? particle.size() : 0);
   skin.assign(skinned ? particle.size() : 0, 0.0);
+  yield.assign(yielding ? particle.size() : 0, std::numeric_limits<double>::infinity());
 }
 
 // By the partners' tags: then a ring adds up the same numbers in the same order on any number of ranks.
@@ -140,7 +141,7 @@ deformable::RingBatches ForceBatches::arrays()
            per_pressure.data(), square.data(), soft ? kP.data() : nullptr,
            soft ? expansion.data() : nullptr, soft ? mixed.data() : nullptr,
            soft ? rate.data() : nullptr, tense ? tension.data() : nullptr,
-           skin.empty() ? nullptr : skin.data(), scale},
+           skin.empty() ? nullptr : skin.data(), yield.empty() ? nullptr : yield.data(), scale},
           {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(),
            green.data(), aligned},
           {partner.data(), none(), weight.data(), left.data(), direction.data(), step.data(),
@@ -151,8 +152,8 @@ deformable::RingBatches ForceBatches::arrays()
 
 double ForceBatches::bytes() const
 {
-  return bytes_of(size, first, first_green, particle, radius, kA, kP, tension, skin, pressure,
-                  expansion, work, total, per_pressure, mixed, square, rate, seat, indentation,
-                  compliance, slope, share, partner, weight, left, direction, step, green, scratch,
-                  place, count, film_tension, film[0], film[1], film[2], film[3]);
+  return bytes_of(size, first, first_green, particle, radius, kA, kP, tension, skin, yield,
+                  pressure, expansion, work, total, per_pressure, mixed, square, rate, seat,
+                  indentation, compliance, slope, share, partner, weight, left, direction, step,
+                  green, scratch, place, count, film_tension, film[0], film[1], film[2], film[3]);
 }

@@ -34,6 +34,7 @@ struct ForceBatches {
   // empty unless rings are soft, or some have a tension
   bool tense = false;
   LargeVector<double> kP, expansion, tension, skin;
+  LargeVector<double> yield;    // empty unless rings may give way
   LargeVector<float> mixed, rate;
 
   // empty unless films stick: T as their angles know it, and FilmTerms by contact
@@ -61,8 +62,8 @@ struct ForceBatches {
   // Seats all contacts, and tells pairs their places. order: the particles, near ones close to each other.
   void arrange(const int *order, int rings, int particles, NearPairs &, const tagint *tags);
 
-  // Which rings are soft, have a tension or a skin; makes room for what they need.
-  void set_kind(bool soft_, bool tense_, bool skinned);
+  // Which rings are soft, have a tension or a skin, or may give way; makes room for what they need.
+  void set_kind(bool soft_, bool tense_, bool skinned, bool yielding);
   // T = gamma + kP (P - P0), 0 where the perimeter is conserved
   double tension_of(int ring) const
   {
@@ -79,7 +80,8 @@ struct ForceBatches {
   deformable::Stiffness stiffness(int ring) const
   {
     constexpr double RIGID = std::numeric_limits<double>::infinity();
-    return {kA[ring], soft ? kP[ring] : RIGID, tense ? tension[ring] : 0.0};
+    return {kA[ring], soft ? kP[ring] : RIGID, tense ? tension[ring] : 0.0,
+            yield.empty() ? RIGID : yield[ring]};
   }
   deformable::LoadedRing loaded(int ring) const
   {

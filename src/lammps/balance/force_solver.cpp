@@ -81,6 +81,8 @@ bool ForceSolver::solve()
   for (;;) {
     if (!now.exists && !is_anew) {    // forces were extrapolated too far: anew, even beyond maxeval
       is_anew = true;
+      halved = std::numeric_limits<double>::infinity();
+      since = evaluations();
       forget();
       pipeline.start_from_nothing();
       if (lines) lines->straighten();
@@ -100,6 +102,7 @@ bool ForceSolver::solve()
     if (now.of_lines < 0.0) now.of_lines = lines->imbalance();
     lines->remember();
   }
+  exists = now.exists;
   imbalance = !now.exists ? 1.0 : now.worst() > 0.0 ? now.worst() / now.force : 0.0;
   return now.exists && now.worst() <= limit(now);
 }

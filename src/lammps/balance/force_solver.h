@@ -68,6 +68,7 @@ class ForceSolver : protected Pointers {
     is_remembered = true;
   }
 
+  bool exists = true;    // whether all rings bear the last forces
   // of the last call
   int evaluations() const { return pipeline.evaluations; }
   double imbalance = 0.0;    // the largest of a pair, over the largest force

@@ -216,7 +216,8 @@ void NearList::set_constants(const DeformableParticles &p)
   using deformable::GREEN_AT_ZERO;
   constexpr double TYPICAL = 0.05;
   std::vector<double> softness;    // by atom type
-  for (const Species &s : *p.species) {
+  for (int type = 0; type <= atom->ntypes; ++type) {
+    const Species &s = p.materials->species[type];
     const double r = s.radius - s.skin, a = TYPICAL * r;
     if (s.radius == 0.0)
       softness.push_back(0.0);

@@ -12,9 +12,9 @@
 #include "adhesions.h"
 #include "fix_deformable_films.h"
 #include "force_history.h"
+#include "materials.h"
 #include "near_pairs.h"
 #include "remote_sides.h"
-#include "species.h"
 #include "walls/fix_deformable_wall.h"
 
 #include "neigh_list.h"
@@ -28,9 +28,9 @@ namespace LAMMPS_NS {
 // What a force call is about.
 struct DeformableParticles {
   const NeighList *list;
-  const std::vector<Species> *species;    // by atom type
-  const double *radius;                   // by local index, ghosts included
-  bool radii_vary;                        // from call to call
+  const Materials *materials;
+  const double *radius;    // by local index, ghosts included
+  bool radii_vary;         // from call to call
   const std::vector<FixDeformableWall *> *walls;
   double reach, smallest;    // smallest radius of all
   bool new_material;         // a species has changed since the last call

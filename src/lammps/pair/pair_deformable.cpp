@@ -162,6 +162,8 @@ void PairDeformable::begin_call(int eflag, int vflag)
   ev_init(eflag, vflag);
   beyond_model = 0;
   recorded.clear();
+  materials.species = species.data();
+  materials.type = atom->type;
   if (neighbor->ago == 0) {
     check_contacts(lmp, *list, species);
     if (atom->radius_flag && !radius_by_atom && !warned_unused_radii)

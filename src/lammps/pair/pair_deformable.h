@@ -8,6 +8,7 @@
 
 #include "adhesions.h"
 #include "block_walk.h"
+#include "materials.h"
 #include "particle_results.h"
 #include "shape.h"
 #include "species.h"
@@ -79,6 +80,7 @@ class PairDeformable : public Pair {
   bool bulges() const { return reach > 0.0; }    // else contacts are the lines inside of the circle
   std::vector<Species>
       species;            // by atom type; without a name if the type belongs to another style
+  Materials materials;    // as of this call
   Adhesions adhesions;    // of all pairs of types
   std::vector<FixDeformableWall *> walls;
 
@@ -100,6 +102,10 @@ class PairDeformable : public Pair {
   std::vector<double> radii;    // of all particles, ghosts included
   double ring_radius_of(int i) const { return radii[i] - species[atom->type[i]].skin; }
   double smallest_radius() const;    // of all particles of all ranks
+  deformable::Stiffness stiffness_of(int i) const
+  {
+    return materials.stiffness_of(i, ring_radius_of(i));
+  }
 
   deformable::Shape shape;    // of the particle that is evaluated
 

@@ -51,9 +51,8 @@ template <bool WALLS> void PairDeformable::gather_block(int begin, int end)
         wall_contacts.push_back({code, point.nx, point.ny, point.height, point.per_lever});
       });
     const int room = row.size + static_cast<int>(wall_contacts.size() - first_wall);
-    const Species &s = species[atom->type[i]];
     BlockParticle &p = block.particles[ii - begin];
-    block.place(p, i, ri, s.skin, s.stiffness, room);
+    block.place(p, i, ri, materials.species_of(i).skin, stiffness_of(i), room);
 
     Place *const places = block.places.data() + p.first;
     int inside = 0;

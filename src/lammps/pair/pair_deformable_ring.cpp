@@ -96,6 +96,7 @@ void PairDeformableRing::settings(int narg, char **arg)
 void PairDeformableRing::init_style()
 {
   PairDeformable::init_style();
+  soft_since = NEVER;
   if (balanced && !atom->tag_enable)
     error->all(FLERR, "Pair style deformable/ring needs atom IDs: use 'atom_modify id yes', or "
                       "'contact radical'");
@@ -188,7 +189,7 @@ void PairDeformableRing::check_sticky_walls()
 
 void PairDeformableRing::compute(int eflag, int vflag)
 {
-  const bool new_material = take_ramps();
+  const bool ramped = take_ramps(), new_material = choose_yield() || ramped;
   begin_call(eflag, vflag);
   if (neighbor->ago == 0 || new_material) check_sticky_walls();
   if (neighbor->ago == 0) smallest = smallest_radius();
@@ -197,6 +198,7 @@ void PairDeformableRing::compute(int eflag, int vflag)
   else
     evaluate_radical();
   end_call();
+  tell_room();
 }
 
 /* ---------------------------------------------------------------------- */
@@ -206,12 +208,13 @@ void PairDeformableRing::evaluate_radical()
   for_each_block(
       kernels->ring, [](BlockParticle &) {}, ring_group,
       [this](BlockParticle &p, const Contacts &contacts) {
-        const Energy energy = shape_ring(p.name, contacts);
-        if (!std::isfinite(energy.derivative)) no_shape(p.name, contacts.size);
+        Energy energy = shape_ring(p.name, contacts, stiffness_of(p.name));
+        if (!std::isfinite(energy.derivative)) energy = shape_without_room(p.name, contacts);
         p.pressure = energy.derivative;
         return energy;
       },
       [this](const BlockParticle &p) {
+        giving_way += p.pressure > p.yield;
         if (neighbor->ago != 0 || p.energy == 0.0) return;
         load_shape(p);
         const Contacts contacts = load_contacts(block, p);
@@ -223,19 +226,17 @@ void PairDeformableRing::evaluate_radical()
 
 /* ---------------------------------------------------------------------- */
 
-Energy PairDeformableRing::shape_ring(int i, const Contacts &contacts)
+Energy PairDeformableRing::shape_ring(int i, const Contacts &contacts, const Stiffness &stiffness)
 {
   is_active.assign(contacts.size, 0);
   char *const active = is_active.data();
-  const int type = atom->type[i];
-  if (!species[type].stiffness.conserves_perimeter()) {
+  if (!stiffness.conserves_perimeter()) {
     Energy energy;
-    soft_ring_shape(ring_radius_of(i), species[type].stiffness, contacts, active, lcp, shape,
-                    energy);
+    soft_ring_shape(ring_radius_of(i), stiffness, contacts, active, lcp, shape, energy);
     return energy;
   }
   ring_shape(ring_radius_of(i), contacts, active, lcp, shape);
-  return harmonic(species[type].stiffness.kA, shape.area_deficit);
+  return harmonic(stiffness.kA, shape.area_deficit);
 }
 
 /* ---------------------------------------------------------------------- */

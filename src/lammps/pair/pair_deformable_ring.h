@@ -22,12 +22,13 @@ namespace LAMMPS_NS {
 
 class PairDeformableRing : public PairDeformable {
  public:
-  PairDeformableRing(class LAMMPS *lmp) : PairDeformable(lmp, 6) {}
+  PairDeformableRing(class LAMMPS *lmp) : PairDeformable(lmp, 7) {}
   void settings(int, char **) override;
   void coeff(int, char **) override;
   void *extract(const char *, int &) override;
   void init_style() override;
   void compute(int, int) override;
+  void finish() override;
   double memory_usage() override;
 
  protected:
@@ -40,6 +41,18 @@ class PairDeformableRing : public PairDeformable {
   bool take_ramps();         // whether a species or an adhesion has changed
   bool unchecked = false;    // values of ramps, also after an error that the caller has caught
   void check_sticky_walls();
+  // Particles without room
+  static constexpr bigint NEVER = -1;
+  bigint soft_since = NEVER;    // iteration of a minimization since which areas give way
+  int giving_way = 0;           // particles of this rank, in this call
+  bool warned_no_room = false;
+  bool may_give_way() const;
+  bool choose_yield();
+  void begin_to_give_way();
+  deformable::Energy shape_without_room(int i, const deformable::Contacts &);
+  int all_giving_way() const;
+  void tell_room();
+
   double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
 
   deformable::RingLCP lcp;
@@ -47,7 +60,7 @@ class PairDeformableRing : public PairDeformable {
 
   void stick();
   void evaluate_radical();
-  deformable::Energy shape_ring(int i, const deformable::Contacts &);
+  deformable::Energy shape_ring(int i, const deformable::Contacts &, const deformable::Stiffness &);
 
   std::vector<deformable::Contact> contacts;    // of one particle
   std::vector<int> seats;

@@ -13,12 +13,12 @@ using namespace deformable;
 
 void PairDeformableRing::evaluate_balanced(bool new_material)
 {
-  const DeformableParticles particles = {list,  &species, radii.data(), radius_by_atom, &walls,
-                                         reach, smallest, new_material, &adhesions,     films};
+  DeformableParticles particles = {list,  &materials, radii.data(), radius_by_atom, &walls,
+                                   reach, smallest,   new_material, &adhesions,     films};
   // In motion: then the energy, with what is lost, is constant to second order in the time step.
   push_part = 1.0;
   const bool moves = update->whichflag == 1 && !update->setupflag;
-  const int wrong = balanced->solve(particles, neighbor->ago == 0, [&] {
+  const auto before_change = [&] {
     if (!moves) return;
     push_part = 0.5;
     const int eflags[] = {eflag_global, eflag_atom};
@@ -26,7 +26,14 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
     push_pairs(0, balanced->pairs().size);
     eflag_global = eflags[0];
     eflag_atom = eflags[1];
-  });
+  };
+  int wrong = balanced->solve(particles, neighbor->ago == 0, before_change);
+  if (wrong < 0 && balanced->lacks_room() && materials.yield == 0.0 && may_give_way()) {
+    begin_to_give_way();
+    balanced->forget();
+    particles.new_material = true;
+    wrong = balanced->solve(particles, false, before_change);
+  }
   if (moves) lost_energy += balanced->lost_energy();
   if (wrong >= 0) {
     int i = balanced->pairs().i[wrong], j = balanced->pairs().j[wrong];
@@ -42,6 +49,7 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
   balanced->finish([this](int begin, int end) { push_pairs(begin, end); });
   push_part = 1.0;
   pvector[4] = balanced->limited_lines();
+  giving_way = balanced->giving_way();
   if (eflag_global) eng_vdwl += balanced->energy();
   if (eflag_atom || needs_shapes() || neighbor->ago == 0)
     for (int ii = 0; ii < list->inum; ++ii) finish_balanced(list->ilist[ii]);

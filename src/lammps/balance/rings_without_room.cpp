@@ -1,0 +1,108 @@
+// Rings without room: those that cannot keep their area between their contacts, and bubbles that collapse.
+
+#include "balanced_forces.h"
+
+#include "soft_ring.h"
+
+#include "atom.h"
+#include "comm.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using namespace deformable;
+
+// All ranks know whether there is one.
+void BalancedForces::find_crushed()
+{
+  crushed = -1;
+  lacking = false;
+  if (is_balanced) return;
+  crushed = find_crushed_here();
+  int any = crushed >= 0;
+  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, world);
+  lacking = any != 0;
+}
+
+// Where no split of the overlaps leaves room for its area, the free arcs of a ring vanish as its forces grow, or the solver
+// finds no forces that it bears, or it stops at a split without room.
+int BalancedForces::find_crushed_here() const
+{
+  constexpr double NONE = 0.01;
+  for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
+    const int i = batches.particle[ring];
+    if (i < 0) continue;
+    const Stiffness k = batches.stiffness(static_cast<int>(ring));
+    const bool keeps_area = std::isinf(k.kA), gives_way = std::isfinite(k.yield);
+    if (!keeps_area && k.tension == 0.0) continue;
+    const double free = batches.free_radius(ring);
+    if ((keeps_area && !solver.exists) || std::isnan(free) ||
+        (!gives_way && (free < NONE * batches.radius[ring] || (keeps_area && !fits(i)))))
+      return most_crowded(i);
+  }
+  return collapsed();
+}
+
+// Whether ring i has room for its area between its lines, which share what is left of the overlaps.
+bool BalancedForces::fits(int i) const
+{
+  std::vector<Contact> contacts;
+  std::vector<int> seats;
+  Shape shape;
+  const int n = shape_of(i, contacts, seats, shape), ring = batches.place[i];
+  std::vector<char> is_active(n, 0);
+  RingLCP lcp;
+  Energy energy;
+  return soft_ring_shape(batches.radius[ring], batches.stiffness(ring), {n, contacts.data()},
+                         is_active.data(), lcp, shape, energy);
+}
+
+// Rings of this rank that have given way.
+int BalancedForces::giving_way() const
+{
+  int number = 0;
+  for (std::size_t ring = 0; ring < batches.yield.size(); ++ring)
+    number += batches.pressure[ring] > batches.yield[ring];
+  return number;
+}
+
+// Forces without limit spread to rings that have room. So the ring is named whose contacts overlap most, in its radii, of
+// those that keep their area; this one if none overlaps.
+int BalancedForces::most_crowded(int found) const
+{
+  const NearPairs &p = near.pairs;
+  std::vector<double> crowd(atom->nlocal, 0.0);
+  for (int k = 0; k < p.size; ++k) {
+    const double overlap = std::max(p.overlap[k], 0.0);
+    crowd[p.i[k]] += overlap;
+    if (k < p.remote) crowd[p.second(k)] += overlap;
+  }
+  double most = 0.0;
+  for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
+    const int i = batches.particle[ring];
+    if (i < 0 || !std::isinf(batches.kA[ring]) || !(crowd[i] > most * batches.radius[ring]))
+      continue;
+    most = crowd[i] / batches.radius[ring];
+    found = i;
+  }
+  return found;
+}
+
+// A bubble of gas that cannot bear the forces of its contacts: they do not grow, and most of an overlap is left.
+int BalancedForces::collapsed() const
+{
+  constexpr double MUCH = 0.02;    // of a radius
+  constexpr int MANY = 20;         // evaluations that usually balance anything
+  if (!batches.tense || solver.evaluations() < MANY) return -1;
+  const auto is_bubble = [this](int i) {
+    return i >= 0 && batches.tension[batches.place[i]] > 0.0 &&
+           std::isfinite(batches.kA[batches.place[i]]);
+  };
+  for (int k = 0; k < near.pairs.size; ++k) {
+    if (residual(k) < MUCH * batches.radius[batches.place[near.pairs.i[k]]]) continue;
+    if (is_bubble(near.pairs.i[k])) return near.pairs.i[k];
+    if (is_bubble(near.pairs.second(k))) return near.pairs.second(k);
+  }
+  return -1;
+}

@@ -1,0 +1,162 @@
+"""Particles of kA = inf whose contacts leave no room for their area: refused in motion, separated by a minimizer."""
+
+import numpy as np
+import pytest
+from laws import EXACT, LAWS, RING_LAWS, ring_laws
+from parallel import finished
+from programs import program
+from scene import Scene
+
+WITHOUT_ROOM = 6  # place in the vector of compute pair
+MATERIALS = "drop", "fixed", "firm"
+refuses = "has no shape that keeps its area.*leave no room"
+
+
+def lattice(spacing, shake, seed=0, number=4):
+    """A square lattice, shaken, and the length of its box."""
+    at = (np.arange(number) + 0.5) * spacing
+    x = np.array([(a, b) for a in at for b in at])
+    shift = np.random.default_rng(seed).uniform(-shake, shake, x.shape)
+    return x + shift, number * spacing
+
+
+def scene_of(law, species, x, length, log="none"):
+    box = (0, length, 0, length)
+    scene = Scene(x, [species] * len(x), box, f"{law} reach 1.5", log=log)
+    scene.run("compute room all pair deformable/ring")
+    return scene
+
+
+def minimized(scene, x=None, iterations=0):
+    """The energy after so many iterations, and how many particles have no room."""
+    if x is not None:
+        scene.x = x
+    step = int(scene.lmp.get_thermo("step")) + 1
+    scene.run(f"reset_timestep {step}\nminimize 0 1e-12 {iterations} 100000")
+    return scene.lmp.get_thermo("pe"), scene.vector("room", WITHOUT_ROOM + 1)[WITHOUT_ROOM]
+
+
+@ring_laws
+@pytest.mark.parametrize("species", ["drop", "firm"])
+def test_forces_without_room(law, species):
+    """They are the gradient of the energy that a minimizer sees, to 1e-7."""
+    x, length = lattice(0.84, 0.03)
+    scene = scene_of(EXACT[law], species, x, length)
+    minimized(scene, x)
+    force = scene.gather("f", 3)[:, :2]
+    step, scale = 1e-6, np.abs(force).max()
+    for direction in np.random.default_rng(1).normal(size=(3, *x.shape)):
+        (up, here), (down, _) = (minimized(scene, x + s * step * direction) for s in (1, -1))
+        assert here == len(x)
+        slope = (up - down) / (2 * step)
+        assert slope == pytest.approx(-np.sum(force * direction), abs=1e-7 * len(x) * scale)
+
+
+@ring_laws
+@pytest.mark.parametrize("species", MATERIALS)
+def test_minimizer_makes_room(law, species, tmp_path):
+    """From shaken places, closer than the circles allow: then all areas are conserved again."""
+    x, length = lattice(0.93, 0.25, seed=2)
+    log = tmp_path / "log"
+    scene = scene_of(RING_LAWS[law], species, x, length, log)
+    scene.run("timestep 0.1\nmin_style fire")
+    assert minimized(scene)[1] > 0
+    energy, without_room = minimized(scene, iterations=2000)
+    assert without_room == 0
+    state = scene.evaluate()
+    assert state.energy == pytest.approx(energy, rel=1e-9)  # incompressible ones
+    np.testing.assert_allclose(state.shape["area"], np.pi * 0.25, rtol=1e-9)
+    scene.lmp.close()
+    text = log.read_text()
+    assert text.count("WARNING: The contacts of") == 1
+    assert text.count("WARNING: At the end of the minimization") == 1  # of the first one, at once
+
+
+@ring_laws
+def test_where_nothing_makes_room(law, tmp_path):
+    """Circles that cover more than the box: said at the end, and refused in motion."""
+    x, length = lattice(0.87, 0.01)
+    log = tmp_path / "log"
+    scene = scene_of(RING_LAWS[law], "drop", x, length, log)
+    scene.run("min_style fire")
+    assert minimized(scene, iterations=20)[1] == 16
+    assert "contacts of 16 particles of kA = inf still leave no room" in log.read_text()
+    with pytest.raises(Exception, match=refuses):
+        scene.energy()
+
+
+@ring_laws
+@pytest.mark.parametrize("shake", [0.0, 1e-9, 1e-4])
+def test_motion_is_refused(law, shake):
+    """Never forces that vanish, or are no numbers, whatever path the solver takes."""
+    for species in ("drop", "fixed"):
+        for spacing in (0.8861, 0.884, 0.88):  # of sqrt(pi)/2 = 0.8862 a circle would fit
+            x, length = lattice(spacing, shake)
+            with pytest.raises(Exception, match=refuses):
+                scene_of(RING_LAWS[law], species, x, length).energy()
+
+
+@ring_laws
+def test_particles_with_room_do_not_give_way(law):
+    """Also under pressures at which others would: those in a crystal that covers all but 1 %."""
+    length = 4 * np.sqrt(np.pi / 4 / 0.99)
+    x, _ = lattice(length / 4, 0.001)
+    scene = scene_of(EXACT[law], "drop", x, length)
+    assert minimized(scene)[1] == 0
+    state = scene.evaluate()
+    assert state.shape["pressure"].min() > 2 * 0.02 / 0.5
+    np.testing.assert_allclose(state.shape["area"], np.pi * 0.25, rtol=1e-9)
+
+
+def test_sectors_are_refused_as_before():
+    x, length = lattice(0.8, 0.05)
+    scene = Scene(x, ["fixed"] * 16, (0, length, 0, length), LAWS["sector"])
+    with pytest.raises(Exception, match="no shape that keeps the area"):
+        scene.run("minimize 0 0 1 1")
+
+
+SCRIPT = '''
+units lj
+dimension 2
+atom_modify map yes
+processors * * 1
+region box block 0 4 0 4 -0.5 0.5
+create_box 1 box
+create_atoms 1 random 18 4711 box overlap 0.6 maxtry 1000
+mass * 1.0
+print """# drops
+drop 0.5 inf 0 tension 1
+""" file drops screen no
+pair_style deformable/ring contact {law}
+pair_coeff * * drops drop
+compute room all pair deformable/ring
+thermo_style custom step pe c_room[7]
+thermo_modify norm no
+timestep 0.02
+min_style fire
+minimize 0 1e-9 {iterations} 100000
+print "without room: $(c_room[7])"
+print "energy: $(pe:%.9g)"
+run 0
+print "exact: $(pe:%.9g)"
+'''
+
+
+def told(out, name):
+    return float(out.split(f"\n{name}: ")[1].split()[0])
+
+
+def test_random_start_on_ranks(tmp_path):
+    """One rank and two find the same number, warn once, and end with the energy of motion."""
+    for ranks in (1, 2):
+        out = finished(ranks, SCRIPT.format(law="balanced", iterations=1500), tmp_path)
+        assert out.count("WARNING: The contacts of") == 1
+        assert told(out, "without room") == 0
+        assert told(out, "exact") == pytest.approx(told(out, "energy"), rel=1e-7)
+    numbers = set()
+    for ranks in (1, 2):
+        (tmp_path / "in.soft").write_text(SCRIPT.format(law="radical reach 2.0", iterations=0))
+        out = program("lmp", "-in", "in.soft", "-log", "none", cwd=tmp_path, ranks=ranks)
+        assert out.returncode != 0  # motion stops
+        numbers.add(told(out.stdout, "without room"))
+    assert len(numbers) == 1 and numbers.pop() > 0
