@@ -131,8 +131,8 @@ def test_the_api_has_every_public_name_once():
         "state.hessian.Hessian",
         "state.local_strain.LocalStrain",
         "state.modes.Modes",
-        "state.scale.Scale",
-        "state.scale.scale",
+        "model.scale.Scale",
+        "model.scale.scale",
         "state.secondary.SecondaryOutlines",
         "studies.paper.single.Squeezed",
     }

@@ -30,7 +30,7 @@ def print_states(states: Iterator[State], done: int, columns: Sequence[str]) -> 
 def draw(state: State, path: Path) -> None:
     """Draw a state on the rank that has it, if matplotlib is installed."""
     if state.root and importlib.util.find_spec("matplotlib"):
-        from ..state.plot import new_figure
+        from ..model.picture import new_figure
 
         figure = new_figure(state.packing)
         state.plot(figure.subplots())

@@ -59,7 +59,7 @@ def plot_command(
     optional("matplotlib", "plot")
     from matplotlib.figure import Figure
 
-    from ..state.plot import new_figure
+    from ..model.picture import new_figure
 
     formats = Figure().canvas.get_supported_filetypes()
     if out.suffix.removeprefix(".") not in formats:

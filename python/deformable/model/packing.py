@@ -5,19 +5,29 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import ParameterError
-from ..common.validate import numbers, positive, shown, whole
+from ..common.optional import optional
+from ..common.validate import expect, numbers, positive, shown, whole
 from ..model import room
 from .lattice import fractional, lattice_vectors, shown_box
 from .packing_files import PackingFiles
+from .scale import Scale, limited, per_particle
+from .scale import scale as scale_of
 from .walls import Wall, as_walls
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 # Largest packing fraction: far beyond any use, and far below percent.
 _DENSEST = 10.0
+
+# Points of a circle.
+_POINTS = 60
 
 # Largest distance from the box, in box lengths: LAMMPS brings particles back by one length a step.
 _FARTHEST = 1e6
@@ -129,6 +139,60 @@ class Packing(PackingFiles):
     def phi(self) -> float:
         """Packing fraction of the undeformed disks, sum pi R^2 / `area`; overlaps count twice."""
         return float(np.pi * np.sum(self.radius**2) / self.area)
+
+    @property
+    def outlines(self) -> list[NDArray[np.float64]]:
+        """Circles of the undeformed disks, closed polygons of shape (m, 2) [length]."""
+        turn = np.linspace(0.0, 2.0 * np.pi, _POINTS)
+        circle = np.column_stack([np.cos(turn), np.sin(turn)])
+        return list(self.positions[:, None] + self.radius[:, None, None] * circle)
+
+    def plot(
+        self,
+        ax: Axes | None = None,
+        color_by: str | ArrayLike = "radius",
+        scale: Scale | None = None,
+        cmap: str | None = None,
+        vmin: float | None = None,
+        vmax: float | None = None,
+        title: str | None = None,
+        colorbar: bool = True,
+        label: str | None = None,
+    ) -> Axes:
+        """Draw the undeformed disks, box and walls; the words are those of `State.plot`.
+
+        Args:
+            ax: axes to draw into; those of a new figure if not given.
+            color_by: `radius`, `species`, or one number for each particle, shape (N,).
+            scale: of the colors, to use one for several pictures.
+            cmap: name of one of matplotlib's color maps.
+            vmin: value of the first color.
+            vmax: value of the last color.
+            title: of the picture; phi if not given.
+            colorbar: draw a bar of the colors.
+            label: of the bar; the name of the values if not given.
+
+        Returns:
+            The axes, with a figure that pyplot does not know.
+
+        Raises:
+            ParameterError: as `State.plot`.
+            ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
+        """
+        optional("matplotlib", "plot")
+        from .picture import draw
+
+        columns = {"radius": self.radius, "species": self.species}
+        found = columns.get(color_by) if isinstance(color_by, str) else color_by
+        values = per_particle(color_by, found, len(self), columns)
+        expect("scale", scale, Scale, type(None))
+        expect("label", label, str, type(None))
+        on = scale or scale_of([values], [], color_by)
+        if label is None:
+            label = color_by if isinstance(color_by, str) else ""
+        title = f"$\\phi$ = {self.phi:.4f}" if title is None else title
+        on = limited(on, vmin, vmax)
+        return draw(self, self.outlines, values, label, title, on, ax, cmap=cmap, colorbar=colorbar)
 
     def at(self, phi: float, grow: bool = False) -> Packing:
         """The packing at another packing fraction.

@@ -11,7 +11,7 @@ from ..common.errors import ParameterError
 from ..common.files import writing
 from ..common.progress import progress
 from ..common.validate import expect, shown, whole
-from ..state.scale import color_map, limited, scale
+from ..model.scale import color_map, limited, scale
 from ..state.state import State
 
 # Pictures of a square box have 461 x 403 dots, so that a few dozen take less than a megabyte.
@@ -69,7 +69,7 @@ def movie(
         raise ImportError("movies need matplotlib: pip install lammps-deformable[plot]") from None
     if not writers.is_available(name):
         raise ParameterError(f"'{path}' needs the program ffmpeg: install it, or write a .gif")
-    from ..state.plot import new_figure
+    from ..model.picture import new_figure
 
     frames = list(states)
     if not frames:

@@ -21,10 +21,7 @@ from .pictures import Pictures
 from .sides import Sides, bearing, between, by_centers, by_strains, joined, with_walls
 
 if TYPE_CHECKING:
-    from .plot import Halves
-
-# Points of an outline.
-_POINTS = 60
+    from ..model.picture import Halves
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -90,9 +87,7 @@ class DiskState(ContactNetwork, LinearResponse, Analysis, Pictures):
     @property
     def outlines(self) -> list[NDArray[np.float64]]:
         """Circles, closed polygons of shape (m, 2) [length]."""
-        turn = np.linspace(0.0, 2.0 * np.pi, _POINTS)
-        circle = np.column_stack([np.cos(turn), np.sin(turn)])
-        return list(self.packing.positions[:, None] + self.packing.radius[:, None, None] * circle)
+        return self.packing.outlines
 
     def hessian(self, rattlers: bool = True) -> Hessian:
         """Second derivatives of the energy by the centers, and by strains.

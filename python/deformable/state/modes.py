@@ -15,8 +15,8 @@ from ..common.optional import optional
 from ..common.validate import count, shown, whole
 from ..model.packing import Packing
 from ..model.room import closed
+from ..model.scale import scale
 from .hessian import Hessian
-from .scale import scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -132,14 +132,14 @@ class Modes:
         vector = self._vectors[number]
         length = _ARROW * float(self.packing.radius.mean())
         optional("matplotlib", "plot")
-        from ..state import plot
+        from ..model import picture
 
         size = np.hypot(*vector.T)
         part = size / size.max()
         title = f"$\\omega$ = {self.frequencies[number]:.3g},  "
         title += f"participation {self.participation[number]:.2g}"
         on, packing = scale([part], [np.zeros(1)], _LABEL), self.packing
-        ax = plot.draw(packing, self.outlines, part, _LABEL, title, on, ax)
+        ax = picture.draw(packing, self.outlines, part, _LABEL, title, on, ax)
         fraction = packing.positions @ np.linalg.inv(packing.box)
         cell = np.where(closed(packing.walls), 0.0, np.floor(fraction))
         places = (fraction - cell) @ packing.box

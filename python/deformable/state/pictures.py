@@ -11,17 +11,16 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.errors import ParameterError
 from ..common.optional import optional
-from ..common.validate import expect, shown
+from ..common.validate import expect
+from ..model import scale as scales
 from ..model.packing import Packing
-from . import scale as scales
-from .scale import Scale, limited
+from ..model.scale import Scale, limited, per_particle
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from .plot import Halves
+    from ..model.picture import Halves
 
 Floats = NDArray[np.float64]
 
@@ -104,7 +103,7 @@ class Pictures(ABC):
             forces: draw the force chains: lines between centers, with widths proportional to the
                 forces; those of films that pull are magenta.
             scale: of colors and forces, to use one for several pictures, see
-                `deformable.state.scale`.
+                `deformable.model.scale`.
             cmap: name of one of matplotlib's color maps. If not given, `YlGnBu`, or `BrBG` if 0 is
                 in the middle.
             vmin: value of the first color; that of `scale` if not given.
@@ -120,7 +119,7 @@ class Pictures(ABC):
             ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
         """
         optional("matplotlib", "plot")
-        from . import plot
+        from ..model import picture
 
         values, halves = self.values(color_by), self._halves()
         expect("label", label, str, type(None))
@@ -129,7 +128,7 @@ class Pictures(ABC):
         if scale is None:
             scale = scales.scale([values], [force for _, force in halves], color_by)
         expect("scale", scale, Scale)
-        return plot.draw(
+        return picture.draw(
             self.packing,
             self.outlines,
             values,
@@ -153,28 +152,17 @@ class Pictures(ABC):
         Raises:
             ParameterError: there is no such name, or they are no such numbers.
         """
-        columns, number = self.particle_values(), len(self.packing)
+        columns = self.particle_values()
         found: Any = color_by
         if isinstance(color_by, str):
             found = columns.get(color_by, getattr(self, color_by, None))
-        try:
-            values = np.asarray(found)
-        except ValueError:  # rows of unequal length
-            values = np.asarray(None)
-        fits = values.shape == (number,) and values.dtype.kind in "biuf"
-        if not fits or np.isinf(values).any() or np.isnan(values).all():
-            names = ", ".join(sorted({*columns, *self._NAMES}))
-            raise ParameterError(
-                f"color_by must name a value of each particle, such as {names}, or be {number} "
-                f"numbers, not {shown(color_by)}"
-            )
-        return values.astype(float)
+        return per_particle(color_by, found, len(self.packing), {*columns, *self._NAMES})
 
     def _repr_html_(self) -> str | None:
         """The picture and the line of `repr`, for notebooks; None without matplotlib."""
         if not find_spec("matplotlib"):
             return None
-        from .plot import new_figure
+        from ..model.picture import new_figure
 
         figure = new_figure(self.packing)
         self.plot(figure.subplots())

@@ -33,7 +33,7 @@ from .pictures import Pictures
 from .ring_response import RingResponse
 
 if TYPE_CHECKING:
-    from .plot import Halves
+    from ..model.picture import Halves
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -183,7 +183,7 @@ class State(ContactNetwork, RingResponse, Parallels, Analysis, Pictures, Exports
         return [x + line for x, line in zip(self.packing.positions, outlines, strict=True)]
 
     def _flats(self) -> list[list[NDArray[np.float64]]]:
-        from .plot import flats_of
+        from .flats import flats_of
 
         return flats_of(self.outlines, self.packing.radius, self.contact_tables)
 

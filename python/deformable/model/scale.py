@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -70,7 +70,7 @@ def scale(
     begin = _ROUND.get(color_by, 0.0) if isinstance(color_by, str) else 0.0
     low = min(begin, *(float(np.nanmin(each)) for each in values))
     high = max(begin, *(float(np.nanmax(each)) for each in values))
-    force = max(np.abs(each).max(initial=0.0) for each in forces)
+    force = max((np.abs(each).max(initial=0.0) for each in forces), default=0.0)
     cyclic = isinstance(color_by, str) and color_by in _ANGLES
     if cyclic:
         low, high = -np.pi, np.pi
@@ -81,6 +81,33 @@ def scale(
         high = low
     widest = min(_WIDEST, _WIDEST_OF_MANY / np.sqrt(len(values[0])))
     return Scale(low, high, float(force) or 1.0, float(widest), cyclic)
+
+
+def per_particle(
+    color_by: object, found: object, number: int, names: Iterable[str]
+) -> NDArray[np.float64]:
+    """What is found for the colors, as one number for each particle, shape (N,).
+
+    Args:
+        color_by: what the user has asked for.
+        found: the numbers, of which some may be nan, or anything else.
+        number: of particles.
+        names: that the user may ask for.
+
+    Raises:
+        ParameterError: they are no such numbers.
+    """
+    try:
+        values = np.asarray(found)
+    except ValueError:  # rows of unequal length
+        values = np.asarray(None)
+    fits = values.shape == (number,) and values.dtype.kind in "biuf"
+    if not fits or np.isinf(values).any() or np.isnan(values).all():
+        raise ParameterError(
+            f"color_by must name a value of each particle, such as {', '.join(sorted(names))}, or "
+            f"be {number} numbers, not {shown(color_by)}"
+        )
+    return values.astype(np.float64)
 
 
 def limited(on: Scale, vmin: float | None, vmax: float | None) -> Scale:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,10 +14,9 @@ from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from ..common.validate import expect
-from ..model.packing import Packing
-from ..model.room import closed, container, obstacles
-from .contact_table import ContactTable
+from .room import closed, container, obstacles
 from .scale import Scale, color_map
+from .walls import Wall
 
 Floats = NDArray[np.float64]
 
@@ -37,9 +36,16 @@ _TITLE, _BESIDE, _BELOW, _WIDE, _MARGIN = 0.6, 1.4, 0.9, 1.5, 0.2
 # Colors of contacts that push, and of those that pull.
 _PUSH, _PULL = "orangered", "magenta"
 
-# Points of an outline closer to the chord of a contact than this, over R, are its ends: forces are
-# balanced to 1e-8, and an arc has left the line within 1e-4 R.
-_ON_LINE = 1e-7
+
+class Packing(Protocol):
+    """What a picture shows of a packing."""
+
+    @property
+    def positions(self) -> Floats: ...
+    @property
+    def box(self) -> Floats: ...
+    @property
+    def walls(self) -> tuple[Wall, ...]: ...
 
 
 class Picture(Figure):
@@ -180,23 +186,3 @@ def _obstacles(packing: Packing) -> list[Floats]:
         np.array(shape.coords if shape.geom_type == "LineString" else shape.exterior.coords)
         for shape in obstacles(packing.walls, packing.box)
     ]
-
-
-def flats_of(
-    outlines: Sequence[Floats], radii: Floats, contacts: Sequence[ContactTable]
-) -> list[list[Floats]]:
-    """The part of each outline at its contacts, a straight line or an arc, arrays (m, 2)."""
-    flats: list[list[Floats]] = []
-    for outline, radius, table in zip(outlines, radii, contacts, strict=True):
-        table = table[table["length"] > 0.0]
-        out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
-        half = 0.5 * table["length"] * np.sinc(table["half_angle"] / np.pi)  # of the chord
-        height = np.sum(table["position"] * out, axis=1) - half * np.tan(0.5 * table["half_angle"])
-        inward = height - outline @ out.T
-        along = outline @ (out[:, ::-1] * [-1.0, 1.0]).T
-        flats.append([])
-        for off, place in zip(np.abs(inward).T, along.T, strict=True):
-            if (on := np.flatnonzero(off <= _ON_LINE * radius)).size:
-                begin, end = on[place[on].argmin()], on[place[on].argmax()]
-                flats[-1].append(np.roll(outline, -begin, 0)[: (end - begin) % len(outline) + 1])
-    return flats

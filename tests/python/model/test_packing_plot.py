@@ -1,0 +1,53 @@
+"""Pictures of packings: disks at rest, box and walls."""
+
+import deformable
+import numpy as np
+import pytest
+from matplotlib import pyplot as plt
+
+
+def test_disks_of_a_tilted_box_in_one_color_scale(jammed: deformable.Packing) -> None:
+    """Every disk and its images that reach into the box, colored by the radius."""
+    open_before = plt.get_fignums()
+    ax = jammed.plot()
+    (disks,) = ax.collections
+    colors = np.array(disks.get_array())
+    assert set(colors) == set(jammed.radius)
+    assert len(colors) > len(jammed)
+    corners = np.concatenate([path.vertices[:-1] for path in disks.get_paths()[:1]])
+    assert np.ptp(corners, axis=0) == pytest.approx([2.0 * colors[0]] * 2, rel=0.01)
+    assert disks.get_clim() == (0.0, jammed.radius.max())
+    assert ax.get_title().startswith("$\\phi$ = 0.8")
+    assert plt.get_fignums() == open_before
+
+
+def test_walls_and_own_values() -> None:
+    walls = [*deformable.rectangle(8, 6), deformable.Disk((4, 3), 1)]
+    walled = deformable.bidisperse(12).between(walls, seed=1)
+    numbers = np.arange(12) - 5.0
+    ax = walled.plot(color_by=numbers, label="charge", title="walled", vmax=7.0)
+    disks, obstacles = ax.collections
+    assert len(disks.get_array()) == 12
+    assert disks.get_clim() == (-7.0, 7.0)
+    assert len(obstacles.get_paths()) == 1
+    assert ax.get_title() == "walled"
+    assert walled.plot(color_by="species", colorbar=False, cmap="magma").figure is not ax.figure
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"color_by": "pressure"}, "such as radius, species, or be 32 numbers, not 'pressure'"),
+        ({"color_by": [1.0, 2.0]}, r"or be 32 numbers, not \[1.0, 2.0\]"),
+        ({"cmap": "rainbows"}, "cmap .*'rainbows'"),
+        ({"vmin": 1.0, "vmax": 1.0}, "vmin must be below vmax"),
+        ({"ax": "axes"}, "ax must be of the kind Axes"),
+        ({"scale": 1.0}, "scale must be of the kind Scale"),
+        ({"label": 1.0}, "label must be of the kind str"),
+    ],
+)
+def test_other_settings_are_refused(
+    settings: dict[str, object], message: str, jammed: deformable.Packing
+) -> None:
+    with pytest.raises(deformable.ParameterError, match=message):
+        jammed.plot(**settings)  # type: ignore[arg-type]
