@@ -58,6 +58,7 @@ if TYPE_CHECKING:
     from .protocols.polish import polish as polish
     from .protocols.shear import shear as shear
     from .runs.analysis import export as export
+    from .runs.log import log as log
     from .runs.movie import movie as movie
     from .runs.recording import compress_in as compress_in
     from .runs.recording import record as record
@@ -114,6 +115,7 @@ _HOMES = {
     "export": "runs.analysis",
     "jackknife": "common.fits",
     "jam": "protocols.jamming",
+    "log": "runs.log",
     "move": "protocols.motion",
     "movie": "runs.movie",
     "oscillate": "protocols.oscillation",

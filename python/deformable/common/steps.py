@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from functools import cache
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -15,15 +16,15 @@ class Steps(Iterator[T]):
     Args:
         name: of the protocol.
         results: of its steps.
-        start: returns the result before the first step, for a record; it may be called once, and
-            before the first step. None if there is no such result.
+        start: returns the result before the first step, for a record, or None; it is called at
+            most once, and before the first step.
 
     Warns:
         RuntimeWarning: it is thrown away before the first step.
     """
 
     def __init__(
-        self, name: str, results: Iterator[T], start: Callable[[], T] | None = None
+        self, name: str, results: Iterator[T], start: Callable[[], T | None] | None = None
     ) -> None:
         self._name, self._begun, self._start = name, False, start
         self._results: Any = results  # a generator
@@ -51,3 +52,8 @@ class Steps(Iterator[T]):
                 RuntimeWarning,
                 stacklevel=2,
             )
+
+
+def start_of(results: Iterable[T]) -> Callable[[], T | None]:
+    """Returns the result before the first step, always the same; None if they know none."""
+    return cache(results.start) if isinstance(results, Steps) else lambda: None

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import FileError
-from ..common.files import reading, write_whole, writing
+from ..common.files import reading, write_whole
 from ..formats.lammps_dump import dump_frame, read_dump_frame
 from ..model.packing import Packing
 from ..model.room import closed
+from . import series
 from .directions import from_columns
 from .run_folder import DATA, SERIES, SETUPS, TRAJECTORY
 
@@ -34,10 +33,7 @@ def frames_in(folder: Path) -> int:
 
 def series_in(folder: Path) -> list[dict[str, str]]:
     """The rows of the series in a folder; none without a series."""
-    if not (folder / SERIES).exists():
-        return []
-    with (folder / SERIES).open(newline="") as file:
-        return list(csv.DictReader(file))
+    return series.rows_in(folder / SERIES)
 
 
 def recorded(folder: Path, name: str) -> Path:
@@ -88,22 +84,10 @@ def clock_of(folder: Path) -> list[tuple[float, float | None]]:
     return [(float(time), None if strain is None else float(strain)) for time, strain in given]
 
 
-def refuse_foreign(folder: Path) -> None:
-    """Raise an error if the folder has a series that is none of a recorded run."""
-    path = folder / SERIES
-    with writing(path):  # names may be too long
-        if not path.exists():
-            return
-        with path.open(errors="replace") as file:
-            columns = file.readline().rstrip("\n")
-    if columns and "phi" not in columns.split(","):
-        raise FileError(f"{path} is no series of a recorded run: name another folder")
-
-
 def keep_frames(folder: Path, first: int) -> None:
     """Cut series, trajectory and setups after their first frames: a killed run may have more."""
-    _keep(folder / TRAJECTORY, first, r"(?=ITEM: TIMESTEP\n)")
-    _keep(folder / SERIES, first + 1 if first > 0 else 0, r"(?<=\n)")
+    series.keep(folder / TRAJECTORY, first, r"(?=ITEM: TIMESTEP\n)")
+    series.keep_rows(folder / SERIES, first)
     former = [setup for setup in setups_in(folder) if setup["frame"] < first]
     text = "".join(json.dumps(setup) + "\n" for setup in former)
     if (folder / SETUPS).exists() and (folder / SETUPS).read_text() != text:
@@ -116,7 +100,7 @@ def append_setup(folder: Path, number: int, setup: Mapping[str, Any]) -> None:
     # the last one is that of the frame before, as `keep_frames` has cut what came later
     last = _setups(folder / SETUPS, slice(-1, None))
     if not last or json.loads(line) != last[0] | {"frame": number}:
-        _append(folder / SETUPS, line)
+        series.append(folder / SETUPS, line)
 
 
 def setup_of(setups: list[dict[str, Any]], number: int) -> dict[str, Any]:
@@ -174,33 +158,8 @@ def append_frame(
         columns: values of the particles by name, arrays of shape (N,).
         numbers: the state in numbers.
     """
-    row = io.StringIO()
-    names = ["frame", *numbers] if number == 0 else _columns_of_series(folder / SERIES, numbers)
-    writer = csv.DictWriter(row, names, extrasaction="ignore")
-    if number == 0:
-        writer.writeheader()
-    writer.writerow({"frame": number} | dict(numbers))
-    _append(folder / TRAJECTORY, _dump_frame(number, packing, columns))
-    _append(folder / SERIES, row.getvalue())
-
-
-def _columns_of_series(path: Path, numbers: Mapping[str, Any]) -> list[str]:
-    """The columns of a series: it keeps those that it began with."""
-    with path.open(newline="") as file:
-        return next(csv.reader(file), ["frame", *numbers])
-
-
-def _append(path: Path, text: str) -> None:
-    with writing(path), path.open("a", newline="") as file:
-        file.write(text)
-
-
-def _keep(path: Path, count: int, boundary: str) -> None:
-    """Cut a file after its first parts, which begin at the boundary (a regular expression)."""
-    text = path.read_bytes().decode() if path.exists() else ""
-    parts = [part for part in re.split(boundary, text) if part]
-    if len(parts) > count:
-        write_whole(path, "".join(parts[:count]))
+    series.append(folder / TRAJECTORY, _dump_frame(number, packing, columns))
+    series.append_row(folder / SERIES, number, numbers)
 
 
 def _dump_frame(number: int, packing: Packing, columns: Mapping[str, NDArray[Any]]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,17 +12,16 @@ import numpy as np
 from ..common.errors import FileError, ParameterError
 from ..common.files import write_whole
 from ..common.optional import optional
-from ..common.validate import expect, shown
+from ..common.validate import expect
 from ..io.frames import check_frames, clock_of, frames_in, recorded, series_in
 from ..io.outlines import collection
 from ..io.run_folder import SERIES, TRAJECTORY
 from ..io.store import read
 from ..state.state import State
+from .columns import Column, check_columns
 
 if TYPE_CHECKING:
     from MDAnalysis import Universe
-
-Column = Callable[[State], Any]
 
 
 def universe(folder: Path) -> Universe:
@@ -75,15 +74,9 @@ def _clock(times: list[float]) -> tuple[float, float]:
 def table(folder: Path, states: Iterable[State], columns: Mapping[str, Column]) -> Any:
     """The numbers of a recorded run as a DataFrame of pandas, see `Run.table`."""
     pandas = optional("pandas", "pandas")
-    for name, column in columns.items():
-        if not callable(column):
-            raise ParameterError(
-                f"column {name} must be a function of a state, such as "
-                f"lambda state: state.arc_radius.min(), not {shown(column)}"
-            )
+    check_columns(columns, ())
     found = pandas.read_csv(recorded(folder, SERIES), index_col="frame")
-    for name in columns.keys() & {"frame", *found.columns}:
-        raise ParameterError(f"each table has a column {name}: give yours another name")
+    check_columns(columns, found.columns)
     found = found[found.index < frames_in(folder)]
     if not columns:
         return found

@@ -9,7 +9,7 @@ computed those before it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -18,14 +18,15 @@ import numpy as np
 
 from ..common.errors import ParameterError
 from ..common.files import make_folder
-from ..common.steps import Steps
+from ..common.steps import Steps, start_of
 from ..common.validate import expect, positive
 from ..engine.lammps import run
 from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
 from ..io import frames
 from ..io.films import Films, memory_commands
-from ..io.run_folder import DATA, refuse
+from ..io.run_folder import DATA, SERIES, refuse
+from ..io.series import refuse_foreign
 from ..io.store import setup
 from ..model.packing import Packing
 from ..protocols.compression import check_target, refuse_present, remaining_steps, steps_towards
@@ -67,8 +68,9 @@ def record(
     """
     expect("folder", folder, str, Path)
     expect_states(states, parameters)
-    frames.refuse_foreign(Path(folder))
-    return Steps("record", write(states, Path(folder), parameters or {}, 0))
+    refuse_foreign(Path(folder) / SERIES)
+    start = start_of(states)
+    return Steps("record", write(states, Path(folder), parameters or {}, 0, start), start)
 
 
 def compress_in(
@@ -184,7 +186,7 @@ def _begin_in(
     sim.comm.barrier()  # rank 0 may still be writing
     _ = sim.lmp  # or say that it is closed
     place = refuse(folder, "compression" if overwrite else None, _WAYS)
-    frames.refuse_foreign(place)
+    refuse_foreign(place / SERIES)
     return begin(name, sim, place, protocol, parameters)
 
 
@@ -270,14 +272,18 @@ def _restarting(sim: Simulation, states: Iterable[State]) -> Iterator[State]:
 
 
 def write(
-    states: Iterable[State], folder: Path, parameters: Mapping[str, Any], first: int
+    states: Iterable[State],
+    folder: Path,
+    parameters: Mapping[str, Any],
+    first: int,
+    start: Callable[[], State | None] = lambda: None,
 ) -> Iterator[State]:
     """Write each state after the first frames of a folder; later frames are removed.
 
-    The state before the first step becomes frame 0, and is not yielded.
+    The state before the first step, if `start` returns it, becomes frame 0, and is not yielded.
     """
-    start = states.start() if first == 0 and isinstance(states, Steps) else None
-    for number, state in enumerate(chain([start] if start else [], states), start=first):
+    before = start() if first == 0 else None
+    for number, state in enumerate(chain([before] if before else [], states), start=first):
         expect("a state that is recorded", state, State)
         if state.root:
             if number == first:
@@ -289,5 +295,5 @@ def write(
             values, numbers = state.particle_values(), state.numbers()
             frames.append_frame(folder, number, state.packing, values, numbers)
             state.save(folder, parameters, frames=number + 1)
-        if state is not start:
+        if state is not before:
             yield state

@@ -26,7 +26,7 @@ from mpi4py import MPI
 from ..common.errors import FileError
 from ..common.files import reading
 from ..common.progress import progress
-from ..common.steps import Steps
+from ..common.steps import Steps, start_of
 from ..common.validate import expect
 from ..engine.lammps import communicator, place_velocities, run
 from ..engine.relaxation import TOLERANCE
@@ -160,8 +160,9 @@ class Run:
     ) -> Iterator[State]:
         """Go on with the run: as `record`, behind the states that it has."""
         expect_states(states, parameters)
-        written = write(states, self.folder, {**(parameters or {}), **self._before()}, len(self))
-        return Steps("append", written)
+        parameters, start = {**(parameters or {}), **self._before()}, start_of(states)
+        written = write(states, self.folder, parameters, len(self), start)
+        return Steps("append", written, start)
 
     def compress(
         self,

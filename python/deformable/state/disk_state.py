@@ -17,6 +17,7 @@ from .contact_network import ContactNetwork
 from .disk_contacts import chords, halves
 from .hessian import Hessian
 from .linear_response import LinearResponse
+from .numbers import numbers_of
 from .pictures import Pictures
 from .sides import Sides, bearing, between, by_centers, by_strains, joined, with_walls
 
@@ -72,6 +73,10 @@ class DiskState(ContactNetwork, LinearResponse, Analysis, Pictures):
     def particle_pressure(self) -> NDArray[np.float64]:
         """Pressure of each disk, half the trace of `particle_stress`, shape (N,) [k]."""
         return np.trace(self.particle_stress, axis1=1, axis2=2) / 2.0
+
+    def numbers(self) -> dict[str, Any]:
+        """The state in numbers, by name; `strain` is None without shear."""
+        return numbers_of(self)
 
     def particle_values(self) -> dict[str, NDArray[Any]]:
         """Values of the disks by the names of a trajectory, arrays of shape (N,)."""

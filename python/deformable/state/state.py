@@ -28,6 +28,7 @@ from .contact_forces import ContactForces, forces_of_table
 from .contact_network import ContactNetwork
 from .contact_table import ContactTable
 from .exports import Exports
+from .numbers import numbers_of
 from .parallels import Parallels
 from .pictures import Pictures
 from .ring_response import RingResponse
@@ -235,25 +236,11 @@ class State(ContactNetwork, RingResponse, Parallels, Analysis, Pictures, Exports
 
         `strain` is None without shear.
         """
-        (lx, _), (xy, ly) = self.packing.box.tolist()
-        return {
-            "particles": len(self.packing),
-            "lx": lx,
-            "ly": ly,
-            "xy": xy,
-            "strain": self.strain,
-            "phi": self.phi,
-            "pressure": self.pressure,
-            "shear_stress": -float(self.stress[0, 1]),  # positive if it resists shear along x
-            "energy": self.energy,
+        return numbers_of(self) | {
             "temperature": self.temperature,
             "time": self.time,
-            "coordination": self.coordination,
-            "rattlers": int(np.sum(self.rattlers)),
             "shape_parameter": float(np.mean(self.shape_parameter)),
             "beyond": self.beyond,
-            "residual": self.residual,
-            "stalled": self.stalled,
         }
 
     def particle_values(self) -> dict[str, NDArray[Any]]:

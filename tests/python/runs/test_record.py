@@ -159,6 +159,6 @@ def test_nothing_is_added_to_a_broken_trajectory(
 
 def test_a_foreign_series_is_not_overwritten(tmp_path: Path) -> None:
     (tmp_path / "series.csv").write_text("year,price\n1999,3\n")
-    with pytest.raises(deformable.FileError, match=r"series\.csv is no series of a recorded run"):
+    with pytest.raises(deformable.FileError, match=r"series\.csv is no series of states"):
         deformable.record([], tmp_path)
     assert "1999" in (tmp_path / "series.csv").read_text()

@@ -23,7 +23,7 @@ FILES = (
 VICTIM = """
 import os, signal, sys
 from deformable.cli import main as cli
-from deformable.io import frames
+from deformable.io import series
 
 how, count = sys.argv.pop(1), int(sys.argv.pop(1))
 
@@ -49,7 +49,7 @@ def torn(path, text):
 if how == "before":
     sys.addaudithook(watch)
 else:
-    frames._append = torn
+    series.append = torn
 cli.main()
 """
 

@@ -1,0 +1,100 @@
+"""A table of states, without a record of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import chain
+from pathlib import Path
+from typing import TypeVar
+
+from ..common.errors import FileError, ParameterError
+from ..common.files import make_folder
+from ..common.ranks import world
+from ..common.steps import Steps, start_of
+from ..common.validate import expect
+from ..io.series import append_row, columns_in, keep_rows, refuse_foreign, rows_in
+from ..state.disk_state import DiskState
+from ..state.state import State
+from .columns import Column, check_columns
+
+S = TypeVar("S", bound=State | DiskState)
+
+
+def log(
+    states: Iterable[S], path: str | Path, append: bool = False, **columns: Column
+) -> Iterator[S]:
+    """Write a row of numbers for each state as it comes, into a CSV file.
+
+        steps = deformable.compress(sim, 0.01, 10)
+        for state in deformable.log(steps, "log.csv", weakest=lambda state: state.arc_radius.min()):
+            print(state.phi)
+
+    The columns are `frame` and those of `Run.table`; `series.csv` of `record` is the same. Each row
+    is in the file once its state is yielded. Row 0 is the state before the first step, as frame 0
+    of a record. Rank 0 writes.
+
+    Args:
+        states: of `Simulation` or `Disks`, e.g. from `compress`.
+        path: of the file; folders are made if missing. A log there is replaced.
+        append: go on with the log that is there, if any: frames are counted on, and half a row at
+            its end is removed.
+        columns: further ones: functions that return a number for a state.
+
+    Yields:
+        The states, unchanged; without the one before the first step.
+
+    Raises:
+        ParameterError: these are no states, or a column is no function or has the name of another.
+        FileError: the file cannot be written, is no log, or has other columns.
+    """
+    expect("states", states, Iterable)
+    expect("path", path, str, Path)
+    expect("append", append, bool)
+    path = Path(path)
+    if not path.name:
+        raise ParameterError(f"path must name a file, such as log.csv, not {str(path)!r}")
+    check_columns(columns, ())
+    refuse_foreign(path)
+    first, start = _whole_rows(path) if append else 0, start_of(states)
+    return Steps("log", _logged(states, start, path, first, columns), start)
+
+
+def _whole_rows(path: Path) -> int:
+    """Number of rows that are complete."""
+    torn = path.exists() and not path.read_bytes().endswith(b"\n")
+    return max(len(rows_in(path)) - torn, 0)
+
+
+def _logged(
+    states: Iterable[S],
+    start: Callable[[], S | None],
+    path: Path,
+    first: int,
+    columns: Mapping[str, Column],
+) -> Iterator[S]:
+    """Write the rows after the first ones."""
+    before = start() if first == 0 else None
+    for number, state in enumerate(chain([before] if before else [], states), start=first):
+        expect("a state that is logged", state, State, DiskState)
+        numbers = state.numbers()
+        check_columns(columns, numbers)
+        row = numbers | {name: column(state) for name, column in columns.items()}
+        if getattr(state, "root", world().rank == 0):
+            if number == first:
+                _begin(path, first, ["frame", *row])
+            append_row(path, number, row)
+        if state is not before:
+            yield state
+
+
+def _begin(path: Path, first: int, columns: list[str]) -> None:
+    """Keep the first rows of a log, if it has these columns."""
+    make_folder(path.parent)
+    former = columns_in(path)
+    if first and set(former) != set(columns):
+        differ = ", ".join(sorted({*former} ^ {*columns}))
+        raise FileError(
+            f"{path} has other columns, the difference is {differ}: take the same ones, or another "
+            "file"
+        )
+    keep_rows(path, first)

@@ -1,0 +1,55 @@
+"""A state in numbers: a row of a table."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.packing import Packing
+
+
+class _Snapshot(Protocol):
+    """What a state has."""
+
+    @property
+    def packing(self) -> Packing: ...
+    @property
+    def stress(self) -> NDArray[np.float64]: ...
+    @property
+    def strain(self) -> float | None: ...
+    @property
+    def phi(self) -> float: ...
+    @property
+    def pressure(self) -> float: ...
+    @property
+    def energy(self) -> float: ...
+    @property
+    def coordination(self) -> float: ...
+    @property
+    def rattlers(self) -> NDArray[np.bool_]: ...
+    @property
+    def residual(self) -> float: ...
+    @property
+    def stalled(self) -> bool: ...
+
+
+def numbers_of(state: _Snapshot) -> dict[str, Any]:
+    """The numbers, by name, of particles and of soft disks; `strain` is None without shear."""
+    (lx, _), (xy, ly) = state.packing.box.tolist()
+    return {
+        "particles": len(state.packing),
+        "lx": lx,
+        "ly": ly,
+        "xy": xy,
+        "strain": state.strain,
+        "phi": state.phi,
+        "pressure": state.pressure,
+        "shear_stress": -float(state.stress[0, 1]),  # positive if it resists shear along x
+        "energy": state.energy,
+        "coordination": state.coordination,
+        "rattlers": int(np.sum(state.rattlers)),
+        "residual": state.residual,
+        "stalled": state.stalled,
+    }
