@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
-from dataclasses import asdict, fields
+from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -56,6 +56,28 @@ def compress_command(
     aspect: Annotated[float, typer.Option(help="Height over width of the box.")] = 1.0,
     tilt: Annotated[float, typer.Option(help="Shear of the box, xy / ly.")] = 0.0,
     seed: Annotated[int, typer.Option(help="Seed of the random start.")] = 1,
+    from_file: Annotated[
+        str | None,
+        typer.Option(
+            "--from",
+            metavar="FILE",
+            help="Begin with the packing in this file, as it is, in place of a random one: LAMMPS "
+            "data file or dump, extended XYZ, GSD, or what MDAnalysis reads.",
+            show_default=False,
+        ),
+    ] = None,
+    from_radii: Annotated[
+        str | None,
+        typer.Option(
+            metavar="RADII",
+            help="Radii of --from: the name of a column, a number, or numbers by type as in "
+            "1=0.5,2=0.7. By default those of the file.",
+            show_default=False,
+        ),
+    ] = None,
+    from_frame: Annotated[
+        int, typer.Option(help="Frame of --from, from 0, or from the end if negative.")
+    ] = -1,
     law: Annotated[
         str,
         choice_option(
@@ -124,7 +146,7 @@ def compress_command(
     ] = False,
     overwrite: Overwrite = False,
 ) -> None:
-    """Jam a random packing and compress it quasistatically.
+    """Jam a random packing, or take one from a file, and compress it quasistatically.
 
     Writes packing.data, summary.json, series.csv and trajectory.lammpstrj into the output folder
     after each step, and packing.png at the end if matplotlib is installed.
@@ -160,20 +182,22 @@ def _settings(context: typer.Context) -> tuple[Settings, dict[str, Any]]:
 
 
 def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[State]:
-    """Jam a packing and compress it; errors of the settings come before any work."""
+    """Jam or read a packing and compress it; errors of the settings come before any work."""
     began = time.perf_counter()
     compression(settings.steps, settings.tolerance, **settings.target)
-    start, law = settings.random_start(), settings.contact_law()
+    law, in_file = settings.contact_law(), settings.from_file is not None
+    start = settings.packing_in_file() if in_file else settings.random_start()
     if MPI.COMM_WORLD.rank == 0:
         make_folder(folder)
-    packing = jam(start)
-    print_once(f"jammed at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
+    packing = start if in_file else jam(start)
+    begun = f"{len(packing)} particles" if in_file else "jammed"
+    print_once(f"{begun} at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
     return compress_in(
         Simulation(packing, law),
         folder,
         steps=settings.steps,
         tolerance=settings.tolerance,
-        parameters=asdict(settings),
+        parameters=settings.parameters,
         overwrite=overwrite,
         **settings.target,
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,10 @@ from ..runs.run import Run
 
 TARGETS = ("strain", "phi", "pressure")
 PROTOCOL = (*TARGETS, "steps", "tolerance")
+
+# Settings of a packing from a random start, and of one in a file.
+_RANDOM = ("number", "radii", "fraction", "polydispersity", "aspect", "tilt", "seed")
+_FILE = ("from_file", "from_radii", "from_frame")
 
 # Strain of a compression that has no target.
 _STRAIN = 0.01
@@ -35,6 +39,10 @@ class Settings:
     aspect: float
     tilt: float
     seed: int
+
+    from_file: str | None
+    from_radii: str | None
+    from_frame: int
 
     law: str
     kA: float
@@ -54,6 +62,23 @@ class Settings:
         """What `compress` is asked for."""
         given = {name: getattr(self, name) for name in TARGETS}
         return {"strain": _STRAIN} if set(given.values()) == {None} else given
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Those that the run depends on."""
+        unused = _FILE if self.from_file is None else _RANDOM
+        return {name: value for name, value in asdict(self).items() if name not in unused}
+
+    def packing_in_file(self) -> Packing:
+        """The packing in a file, which is not jammed."""
+        word = self.from_radii or ""
+        radii: Any = None
+        if "=" in word:
+            pairs = (pair.partition("=") for pair in word.split(","))
+            radii = {kind: _number(radius) for kind, _, radius in pairs}
+        elif word:
+            radii = _number(word)
+        return Packing.from_file(str(self.from_file), radii, self.from_frame)
 
     def random_start(self) -> Packing:
         """The packing before it is jammed."""
@@ -94,6 +119,15 @@ def check_together(settings: Settings, given: Mapping[str, Any]) -> None:
         settings: of the run.
         given: those of them that are given on the command line.
     """
+    beside = [option(name) for name in _RANDOM if name in given]
+    if settings.from_file is not None and beside:
+        raise ParameterError(
+            f"the packing is that in '{settings.from_file}', and {beside[0]} is about a random "
+            "one: leave it out"
+        )
+    alone = [option(name) for name in _FILE[1:] if name in given]
+    if settings.from_file is None and alone:
+        raise ParameterError(f"{alone[0]} is about the file of a packing: give --from too")
     if settings.polydispersity is not None and given.keys() & {"radii", "fraction"}:
         raise ParameterError("give --polydispersity, or --radii and --fraction of two sizes")
     if settings.law == "sector" and "reach" in given:
@@ -109,12 +143,24 @@ def check_same(folder: Path, given: Mapping[str, Any]) -> None:
     saved = _saved(Run(folder).parameters)
     for name, value in given.items():
         if name not in saved:
-            raise ParameterError(f"the summary of '{folder}' lacks --{name}: leave it out")
+            raise ParameterError(f"the summary of '{folder}' lacks {option(name)}: leave it out")
         if _typed(value) != _typed(saved[name]):
             raise ParameterError(
-                f"the run in '{folder}' was begun with --{name} {_typed(saved[name])}, not "
+                f"the run in '{folder}' was begun with {option(name)} {_typed(saved[name])}, not "
                 f"{_typed(value)}: leave it out, or name another folder"
             )
+
+
+def option(name: str) -> str:
+    """The option of a setting."""
+    return "--" + name.removesuffix("_file").replace("_", "-")
+
+
+def _number(word: str) -> float | str:
+    try:
+        return float(word)
+    except ValueError:
+        return word
 
 
 def _saved(parameters: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,0 +1,69 @@
+"""`deformable compress --from`: the packing in a file in place of a random one."""
+
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from deformable.cli.main import app
+from programs import program
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jammed: deformable.Packing) -> Path:
+    """A folder with a packing in it."""
+    jammed.to_file(tmp_path / "a.xyz")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_it_begins_with_the_packing_as_it_is(here: Path, jammed: deformable.Packing) -> None:
+    done = program("deformable", "compress", "--from", "a.xyz", "--steps", "1", cwd=here)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(f"32 particles at phi = {jammed.phi:.5f}")
+    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+        *_, state = deformable.compress(sim, strain=0.01, steps=1)
+    run = deformable.Run(here / "compress")
+    np.testing.assert_allclose(run[-1].packing.box, state.packing.box, rtol=1e-14)
+    assert run[-1].phi == pytest.approx(state.phi, rel=1e-4)
+    known = run.parameters
+    assert (known["from_file"], known["from_frame"]) == ("a.xyz", -1)
+    assert not known.keys() & {"number", "seed", "radii"}
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("--from a.xyz --seed 3", "the packing is that in 'a.xyz', and --seed is about a random"),
+        ("--from a.xyz --number 8", "and --number is about a random one: leave it out"),
+        ("--from-radii 0.5", "--from-radii is about the file of a packing: give --from too"),
+        ("--from-frame 0", "--from-frame is about the file of a packing: give --from too"),
+        ("--from b.xyz", "'b.xyz' cannot be read: No such file"),
+        ("--from a.xyz --from-frame 1", "it has 1 frames, and no frame 1"),
+        ("--from a.xyz --from-radii size", "it has no column size"),
+        ("--from a.xyz --from-radii 1=0.5", "it has particles of type 2, and radii has 1 only"),
+        ("--from a.xyz --from-radii 1=0.5,2=x", "radius of type 2 must be a positive number, not"),
+        ("--from a.xyz --from-radii -1", "radii must be a positive number, not -1"),
+    ],
+)
+def test_nonsense_is_told(options: str, message: str, here: Path) -> None:
+    with pytest.raises((deformable.ParameterError, deformable.FileError), match=message) as caught:
+        app(["compress", *options.split()], standalone_mode=False)
+    assert "\n" not in str(caught.value)
+    assert [path.name for path in here.iterdir()] == ["a.xyz"]
+
+
+@pytest.mark.parametrize(
+    ("word", "radii"), [("radius", [0.5, 0.7]), ("0.4", [0.4, 0.4]), ("1=0.3,2=0.6", [0.3, 0.6])]
+)
+def test_radii(word: str, radii: list[float], here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They reach the compression, which does not begin here."""
+    begun = []
+
+    def compress_in(sim: deformable.Simulation, *_: object, **__: object) -> list[object]:
+        begun.append(sim.state().packing.radii.tolist())
+        return []
+
+    monkeypatch.setattr("deformable.cli.compress.compress_in", compress_in)
+    app(["compress", "--from", "a.xyz", "--from-radii", word], standalone_mode=False)
+    assert begun == [radii]
