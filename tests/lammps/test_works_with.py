@@ -58,6 +58,10 @@ FIXES = {
     "fix deform with flips": of(
         NVE + "change_box all triclinic\nfix d all deform 1 xy erate 0.2 remap x", "run 60"
     ),
+    "fix deform/pressure": of(
+        NVE + "change_box all triclinic\nfix d all deform/pressure 1 xy pressure 1e-3 0.1 remap x"
+    ),
+    "fix deformable/propel": of(NVE + "fix b all deformable/propel 1e-3 20 4711"),
     "fix temp/berendsen": of(NVE + "fix b all temp/berendsen 1e-5 1e-5 5", conserves=WITH_BATH),
     "fix temp/rescale": of(NVE + "fix b all temp/rescale 5 1e-5 1e-5 0 1", conserves=WITH_BATH),
     "fix temp/csvr": of(NVE + "fix b all temp/csvr 1e-5 1e-5 5 4711", conserves=WITH_BATH),
