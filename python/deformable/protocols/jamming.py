@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from tqdm import tqdm
 
 from ..common.errors import ParameterError, StalledWarning, UnjammedWarning
 from ..common.progress import progress
@@ -25,6 +23,7 @@ from ..engine.relaxed_disks import (
 )
 from ..engine.shared_disks import relax_on_ranks
 from ..engine.simulation import Simulation
+from ..engine.watching import Callback, check_callback
 from ..model.laws import Law, Ring, Sector
 from ..model.onset import excess_phi, natural_pressure, pressure_above_onset
 from ..model.packing import Packing
@@ -32,6 +31,7 @@ from ..model.sticking import refuse_adhesion
 from ..state.disk_state import DiskState
 from ..state.state import State
 from .stabilized import stabilized
+from .watch import Watch
 
 # Pressure of soft disks up to which a packing counts as loose while it is compressed, and step of
 # packing fraction at which that ends. From there on the pressure falls.
@@ -87,6 +87,7 @@ def jam(
     comm: MPI.Comm | None = None,
     box: str = "size",
     grow: bool = False,
+    callback: Callback | None = None,
 ) -> Packing:
     """Compress particles from a loose start to the onset of rigidity.
 
@@ -121,6 +122,8 @@ def jam(
         grow: all radii grow by one factor, in the box and between the walls of the start, which
             stay. Of soft disks, and of laws without a length of their own, the packing is that of
             the shrinking box at another scale.
+        callback: called with an `Iteration` after each relaxation, and each 20 iterations within
+            those of soft disks. Its exception ends `jam`.
 
     Returns:
         The jammed packing; phi is about 0.84 for an equal mixture of sizes 1 : 1.4.
@@ -145,23 +148,25 @@ def jam(
     check_free(box, packing.walls, pressure)
     if grow and box != "size":
         raise ParameterError(f"grow=True keeps the box, and box='{box}' changes it: leave out one")
+    check_callback(callback)
     with progress("jamming", unit="iteration") as bar:
+        watch = Watch(bar, callback, comm)
         if box != "size":
-            start = _jammed_disks(packing, _STABILIZED, step, _PART, bar, comm).packing
-            bar.set_description_str(f"jamming, free {box} at {pressure:.1e}", refresh=False)
-            free = stabilized(start, law, pressure, tolerance, box, comm)
+            start = _jammed_disks(packing, _STABILIZED, step, _PART, watch, comm).packing
+            watch.begin(f"free {box} at {pressure:.1e}")
+            free = stabilized(start, law, pressure, tolerance, box, comm, watch.tell)
             jammed, stalled, residual = free.packing, free.stalled, free.residual
         elif law is None:
-            disks = _jammed_disks(packing, _ABOVE * pressure, step, tolerance / _ABOVE, bar, comm)
+            disks = _jammed_disks(packing, _ABOVE * pressure, step, tolerance / _ABOVE, watch, comm)
             jammed, stalled, residual = disks.packing, disks.stalled, disks.residual
             jammed = _grown(jammed, packing) if grow else jammed
         else:
             excess = excess_phi(_ABOVE * pressure, packing, law)
             near = pressure_above_onset(excess, packing, None)
-            start = _jammed_disks(packing, near, step, _PART, bar, comm).packing
+            start = _jammed_disks(packing, near, step, _PART, watch, comm).packing
             start = _grown(start, packing) if grow else start
             ranks = comm or MPI.COMM_SELF
-            state = _jammed_particles(start, law, pressure, tolerance, bar, ranks, grow)
+            state = _jammed_particles(start, law, pressure, tolerance, watch, ranks, grow)
             jammed, stalled, residual = state.packing, state.stalled, state.residual
     if stalled:
         warnings.warn(
@@ -188,21 +193,20 @@ def _jammed_disks(
     pressure: float,
     step: float,
     tolerance: float,
-    bar: tqdm[Any],
+    watch: Watch,
     comm: MPI.Comm | None,
 ) -> RelaxedDisks:
     """Soft disks at this pressure [k]; for the other arguments see `jam`."""
 
-    def report(iterations: int, phi: float, pressure: float, residual: float) -> None:
-        bar.set_postfix(phi=f"{phi:.6f}", pressure=f"{pressure:.1e}", residual=f"{residual:.1e}")
-        bar.update(iterations)
-
     def relax(packing: Packing, rigid: tuple[float, float] | None = None) -> RelaxedDisks:
         if comm is None:
-            return relax_in_box(packing, _ROUGH, _LOOSE, report, rigid)
-        return relax_on_ranks(packing, _ROUGH, _LOOSE, report, comm)
+            disks = relax_in_box(packing, _ROUGH, _LOOSE, watch.tell, rigid)
+        else:
+            disks = relax_on_ranks(packing, _ROUGH, _LOOSE, watch.tell, comm)
+        watch.tell(0, disks.packing.phi, disks.pressure, disks.residual)
+        return disks
 
-    bar.set_description_str("jamming, compression", refresh=False)
+    watch.begin("compression")
     start = relax(separated(packing))
     if start.pressure > _LOOSE:
         raise ParameterError(
@@ -220,8 +224,8 @@ def _jammed_disks(
             step /= 2.0
         else:
             break
-    bar.set_description_str(f"jamming, decompression to {pressure:.1e}", refresh=False)
-    return _decompressed(disks, pressure, tolerance, report)
+    watch.begin(f"decompression to {pressure:.1e}")
+    return _decompressed(disks, pressure, tolerance, watch.tell)
 
 
 def _decompressed(
@@ -243,6 +247,7 @@ def _decompressed(
             disks = settle_at_pressure(disks.packing, applied, settled, _STEPS, report)
         if not huge or part < _SETTLED:
             disks = relax_at_pressure(disks.packing, applied, part, patience, report)
+        report(0, disks.packing.phi, disks.pressure, disks.residual)
         if disks.stalled and patience < _LONGEST:
             applied, patience = min(applied / _FACTOR**_BACK, highest), 2 * patience
         elif applied == pressure:
@@ -254,7 +259,7 @@ def _jammed_particles(
     law: Law,
     pressure: float,
     tolerance: float,
-    bar: tqdm[Any],
+    watch: Watch,
     comm: MPI.Comm,
     grow: bool,
 ) -> State:
@@ -266,13 +271,12 @@ def _jammed_particles(
     """
     target, longest, last = excess_phi(_ABOVE * pressure, packing, law), np.inf, 0.0
     stalls = 0
-    bar.set_description_str(f"jamming, particles to {pressure:.1e}", refresh=False)
+    watch.begin(f"particles to {pressure:.1e}")
     while True:
         unit = natural_pressure(packing, law)
         state = _relaxed(packing, law, pressure * unit, tolerance, comm)
-        bar.set_postfix(phi=f"{state.phi:.6f}", pressure=f"{state.pressure / unit:.1e}")
-        bar.update()
         found = state.pressure / unit
+        watch.tell(1, state.phi, found, state.residual)
         rigid = found > pressure
         stalls = stalls + 1 if state.stalled else 0
         at_rest = rigid and not state.stalled

@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError, StalledWarning
+from ..common.ranks import world
 from ..common.validate import expect, positive
 from ..engine.close_balance import closely_balanced
 from ..engine.disks import Disks
 from ..engine.lammps import place_particles
 from ..engine.simulation import Simulation
+from ..engine.watching import Callback, Iteration, check_callback, tell
 from ..state.disk_state import DiskState
 from ..state.state import State
 
@@ -28,7 +30,7 @@ _STEPS, _FARTHEST = 8, 0.01
 _FURTHER = 1.1
 
 
-def polish(state: S, tolerance: float = 1e-10) -> S:
+def polish(state: S, tolerance: float = 1e-10, callback: Callback | None = None) -> S:
     """Relax a relaxed state further, in the same packing: Newton's method, a few steps.
 
     A step solves H u = f with the Hessian of the contact network. Rattlers are moved away from what
@@ -44,6 +46,7 @@ def polish(state: S, tolerance: float = 1e-10) -> S:
         tolerance: largest force on a particle over the mean contact force. Close to the onset
             of jamming rounding may keep forces of rings at 1e-9, as they are cubes of tiny
             indentations.
+        callback: called with an `Iteration` after each step. Its exception ends `polish`.
 
     Returns:
         The polished state. If a particle would move by more than a hundredth of the smallest
@@ -58,10 +61,11 @@ def polish(state: S, tolerance: float = 1e-10) -> S:
     """
     expect("state", state, State, DiskState)
     positive("tolerance", tolerance)
+    check_callback(callback)
+    root = getattr(state, "root", world().rank == 0)
     state.hessian()  # or refuse the state
     with closely_balanced(state.packing, state.law) as sim:
-        best: Any = _newton(sim, sim.state(), tolerance)
-    root = getattr(state, "root", True)
+        best: Any = _newton(sim, sim.state(), tolerance, callback, root)
     best = replace(best, strain=state.strain)
     if isinstance(best, State) and isinstance(state, State):
         best = replace(best, root=root, velocities=state.velocities, time=state.time)
@@ -77,11 +81,17 @@ def polish(state: S, tolerance: float = 1e-10) -> S:
     return replace(best, stalled=True)  # type: ignore[no-any-return]
 
 
-def _newton(sim: Simulation | Disks, start: State | DiskState, tolerance: float) -> Any:
+def _newton(
+    sim: Simulation | Disks,
+    start: State | DiskState,
+    tolerance: float,
+    callback: Callback | None,
+    root: bool,
+) -> Any:
     """The state of the smallest forces."""
     farthest = _FARTHEST * float(start.packing.radius.min())
     best, state, moved = start, start, np.zeros((len(start.packing), 2))
-    for _ in range(_STEPS):
+    for number in range(1, _STEPS + 1):
         step = None if best.residual <= tolerance else _step(state)
         if step is None:
             break
@@ -91,6 +101,9 @@ def _newton(sim: Simulation | Disks, start: State | DiskState, tolerance: float)
         place_particles(sim.lmp, state.packing.positions + step)
         state = sim.state()
         best = min(best, state, key=lambda each: each.residual)
+        if callback:
+            now = (state.phi, state.pressure, state.residual)
+            tell(callback, Iteration("polish", number, *now, root), None)
     return best
 
 

@@ -9,6 +9,7 @@ from mpi4py import MPI
 from ..common.errors import UnjammedWarning
 from ..engine.disks import Disks
 from ..engine.relaxation import TOLERANCE
+from ..engine.relaxed_disks import Report
 from ..engine.simulation import Simulation
 from ..model.laws import Law
 from ..model.onset import excess_phi, natural_pressure, pressure_above_onset
@@ -28,6 +29,7 @@ def stabilized(
     tolerance: float,
     box: str,
     comm: MPI.Comm | None,
+    report: Report,
 ) -> State | DiskState:
     """The packing relaxed at a pressure near the onset, with a free box.
 
@@ -38,6 +40,7 @@ def stabilized(
         tolerance: of the relaxation at this pressure; at most that of `relax` is taken.
         box: what is free, see `Simulation.relax`.
         comm: ranks that share the relaxation of deformable particles.
+        report: called after each relaxation, with the pressure in natural units.
     """
     target, unit = excess_phi(pressure, packing, law), natural_pressure(packing, law)
     sim = Disks(packing) if law is None else Simulation(packing, law, comm or MPI.COMM_SELF)
@@ -45,6 +48,9 @@ def stabilized(
     with sim, warnings.catch_warnings():
         warnings.simplefilter("ignore", UnjammedWarning)  # of the start, before it is compressed
         while excess > target:
-            sim.relax(pressure=pressure_above_onset(excess, packing, law) * unit, box=box)
+            state = sim.relax(pressure=pressure_above_onset(excess, packing, law) * unit, box=box)
+            report(1, state.phi, state.pressure / unit, state.residual)
             excess = max(_FACTOR * excess, target)
-        return sim.relax(min(tolerance, TOLERANCE), pressure=pressure * unit, box=box)
+        state = sim.relax(min(tolerance, TOLERANCE), pressure=pressure * unit, box=box)
+        report(1, state.phi, state.pressure / unit, state.residual)
+        return state

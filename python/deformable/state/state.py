@@ -19,6 +19,7 @@ from ..io.directions import as_columns
 from ..io.films import Films
 from ..io.lammps_script import TEMPERATURE
 from ..io.store import save
+from ..model.filled import filled_area
 from ..model.laws import Law
 from ..model.packing import Packing
 from ..model.timestep import accurate_step
@@ -115,7 +116,7 @@ class State(ContactNetwork, RingResponse, Parallels, Analysis, Pictures, Exports
     @property
     def filled_area(self) -> NDArray[np.float64]:
         """Area of each particle with its skin, shape (N,) [length^2]."""
-        return self.area + self._skin * self.perimeter + np.pi * self._skin**2
+        return filled_area(self.area, self.perimeter, self._skin)
 
     @property
     def pressure(self) -> float:

@@ -266,7 +266,7 @@ def test_a_resumed_packing_was_rigid(
         deformable.Run, "simulation", lambda *given: again.append(opened(*given)) or again[0]
     )
     deformable.Run(tmp_path).resume()
-    assert again[0]._rigid_phi == first._rigid_phi < 1.0
+    assert again[0]._rigidity.phi == first._rigidity.phi < 1.0
 
 
 def test_what_cannot_be_resumed(state: deformable.State, tmp_path: Path) -> None:

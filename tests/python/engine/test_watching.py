@@ -1,0 +1,148 @@
+"""Callbacks see relaxations, and their exceptions end them."""
+
+import ast
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from deformable.engine.watching import Iteration
+from ranks import python
+
+
+@pytest.fixture(scope="module")
+def dense(jammed: deformable.Packing) -> deformable.Packing:
+    return jammed.at(0.9)
+
+
+def test_a_relaxation_is_seen(dense: deformable.Packing) -> None:
+    """From its start to the state that it returns, which is the same without a callback."""
+    seen: list[Iteration] = []
+    with deformable.Simulation(dense, deformable.Ring(kP=2.0, skin=0.02)) as sim:
+        unseen = sim.relax(1e-8)
+        sim.restart(dense)
+        sim.callback = seen.append
+        state = sim.relax(1e-8)
+        sim.callback = None
+        sim.relax(1e-9)
+    assert np.array_equal(state.packing.positions, unseen.packing.positions)
+    iterations = [each.iterations for each in seen]
+    assert iterations[0] == 0
+    assert iterations == sorted(set(iterations))
+    assert len(iterations) >= 2
+    assert {each.protocol for each in seen} == {"relax"}
+    assert all(each.root for each in seen)
+    assert seen[0].residual > 1e-8 >= seen[-1].residual == state.residual
+    assert seen[-1].phi == pytest.approx(state.phi, rel=1e-14)
+    assert seen[-1].pressure == pytest.approx(state.pressure, rel=1e-14)
+
+
+def test_walls_leave_the_free_area() -> None:
+    room = deformable.bidisperse(12, phi=0.86, seed=1).between(deformable.rectangle(4, 4))
+    seen: list[Iteration] = []
+    with deformable.Simulation(deformable.push_off(room), deformable.Ring()) as sim:
+        sim.callback = seen.append
+        state = sim.relax(1e-3)
+    assert seen[-1].phi == pytest.approx(state.phi, rel=1e-14)
+    assert seen[-1].pressure == pytest.approx(state.pressure, rel=1e-14)
+
+
+def test_an_exception_ends_a_relaxation_at_rest(dense: deformable.Packing) -> None:
+    def stop(seen: Iteration) -> None:
+        if seen.iterations:
+            raise StopIteration("enough")
+
+    with deformable.Simulation(dense, deformable.Ring()) as sim:
+        sim.callback = stop
+        with pytest.raises(StopIteration, match="enough"):
+            sim.relax(1e-10)
+        assert not sim.state().velocities.any()
+        with pytest.raises(StopIteration, match="enough"):
+            sim.relax(pressure=1e-3)
+        sim.callback = None
+        assert sim.relax().residual <= 1e-6
+
+
+@pytest.mark.parametrize("law", [None, deformable.Ring()], ids=["disks", "rings"])
+@pytest.mark.parametrize("box", ["size", "sides"])
+def test_jamming_is_seen(law: deformable.Ring | None, box: str) -> None:
+    loose = deformable.bidisperse(8, seed=2)
+    seen: list[Iteration] = []
+    given = {"law": law, "pressure": 1e-4, "box": box}
+    jammed = deformable.jam(loose, **given, callback=seen.append)
+    assert np.array_equal(jammed.positions, deformable.jam(loose, **given).positions)
+    assert {each.protocol for each in seen} == {"jam"}
+    iterations = [each.iterations for each in seen]
+    assert len({each.phi for each in seen}) > 3
+    assert iterations == sorted(iterations)
+    assert np.isfinite([each[1:] for each in seen if np.isfinite(each.residual)]).all()
+    assert seen[-1].phi == pytest.approx(jammed.phi, rel=0.01)
+    assert 1e-4 * (1.0 - 1e-6) <= seen[-1].pressure <= 2e-4
+
+    def stop(seen: Iteration) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        deformable.jam(loose, **given, callback=stop)
+
+
+def test_polishing_is_seen(state: deformable.State) -> None:
+    seen: list[Iteration] = []
+    fine = deformable.polish(state, callback=seen.append)
+    assert [each.iterations for each in seen] == list(range(1, len(seen) + 1))
+    assert min(each.residual for each in seen) == fine.residual
+    assert {each.protocol for each in seen} == {"polish"}
+
+    def stop(seen: Iteration) -> None:
+        raise ValueError("no")
+
+    with pytest.raises(ValueError, match="no"):
+        deformable.polish(state, callback=stop)
+
+
+@pytest.mark.parametrize("callback", [3, "print", [print]], ids=str)
+def test_what_cannot_be_called(callback: object, state: deformable.State) -> None:
+    told = "callback must be a function of an Iteration, such as .*, or None, not "
+    with deformable.Simulation(state.packing, state.law) as sim:
+        with pytest.raises(deformable.ParameterError, match=told):
+            sim.callback = callback
+        assert sim.callback is None
+    with pytest.raises(deformable.ParameterError, match=told):
+        deformable.jam(deformable.bidisperse(8, seed=1), callback=callback)
+    with pytest.raises(deformable.ParameterError, match=told):
+        deformable.polish(state, callback=callback)
+
+
+FAILS = """
+from mpi4py import MPI
+import deformable
+
+rank = MPI.COMM_WORLD.rank
+
+def fail(seen):
+    if rank == 1 and seen.iterations:
+        raise ValueError("on one rank")
+
+def outcome(call):
+    try:
+        call()
+    except Exception as error:
+        return str(error)
+
+start = deformable.jam(deformable.bidisperse(16, seed=1)).at(0.9)
+sim = deformable.Simulation(start, deformable.Ring())
+sim.callback = fail
+relaxed = outcome(sim.relax)
+loose = deformable.bidisperse(24, seed=1)
+shared = outcome(lambda: deformable.jam(loose, comm=MPI.COMM_WORLD, callback=fail))
+sim.callback = None
+told = MPI.COMM_WORLD.gather([relaxed, shared, sim.relax().residual <= 1e-6])
+if rank == 0:
+    print(told)
+"""
+
+
+def test_an_exception_of_one_rank_ends_all(tmp_path: Path) -> None:
+    printed = python(FAILS, cwd=tmp_path, ranks=2)
+    first = ["the callback of relax failed on rank 1", "the callback of jam failed on rank 1", True]
+    assert ast.literal_eval(printed) == [first, ["on one rank", "on one rank", True]]
