@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import FileError, ParameterError
 from ..common.files import reading, write_whole, writing
-from ..common.validate import whole
+from ..common.validate import LARGEST_COUNT, whole
 from .extended_xyz import read_xyz_frame, xyz_frame, xyz_frames
 from .gsd_files import read_gsd, write_gsd
 from .lammps_data import data_file, is_data_file, read_data_file, sphere_columns
@@ -58,7 +58,9 @@ def read_particles(
         FileError: the file cannot be read, or has no such frame.
         ImportError: gsd is missing (`pip install 'lammps-deformable[gsd]'`).
     """
-    number, kind = whole("frame", number), _kind(path)
+    if abs(number := whole("frame", number)) > LARGEST_COUNT:
+        raise ParameterError(f"frame must be the number of one, such as 0 or -1, not {number}")
+    kind = _kind(path)
     if topology is not None and kind != _OTHER:
         raise ParameterError(
             f"a topology is for trajectories that MDAnalysis reads, and '{path}' is {kind}: leave "

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.errors import ParameterError
 from ..common.validate import positive, shown
 
 Floats = NDArray[np.float64]
@@ -150,6 +151,8 @@ class Particles:
 
 def check_radii(radii: float | str | Mapping[Any, float] | None) -> None:
     """Raise a ParameterError for a radius that is not positive."""
+    if isinstance(radii, Mapping) and not radii:
+        raise ParameterError("radii by type must have a type, as in {1: 0.5, 2: 0.7}, not {}")
     for name, radius in radii.items() if isinstance(radii, Mapping) else ():
         positive(f"the radius of type {name}", radius)
     if not (radii is None or isinstance(radii, (str, Mapping))):

@@ -125,6 +125,8 @@ ARGUMENTS = [
     ({"radii": {1: 0.5}}, "it has particles of type 2, and radii has 1 only"),
     ({"radii": "size"}, r"it has no column size \(type, radius\)"),
     ({"frame": 1}, "it has 1 frames, and no frame 1: give 0"),
+    ({"frame": 10**30}, "frame must be the number of one, such as 0 or -1, not 1000"),
+    ({"radii": {}}, "radii by type must have a type"),
     ({"frame": 0.5}, "frame must be a whole number"),
     ({"box": (4, -3)}, "box must be"),
     ({"topology": "conf.gro"}, "packing.dump' is a LAMMPS dump: leave it out"),
