@@ -47,7 +47,8 @@ endif()
 
 # The LAMMPS styles, and what only the plugin needs.
 set(STYLE_FOLDERS ${DEFORMABLE_DIR}/src/lammps/pair ${DEFORMABLE_DIR}/src/lammps/polygons
-                  ${DEFORMABLE_DIR}/src/lammps/walls ${DEFORMABLE_DIR}/src/lammps/motion)
+                  ${DEFORMABLE_DIR}/src/lammps/walls ${DEFORMABLE_DIR}/src/lammps/motion
+                  ${DEFORMABLE_DIR}/src/lammps/friction)
 file(GLOB STYLE_SOURCES CONFIGURE_DEPENDS ${DEFORMABLE_DIR}/src/lammps/*.cpp
                                           ${DEFORMABLE_DIR}/src/lammps/*/*.cpp)
 set(PLUGIN_SOURCES ${DEFORMABLE_DIR}/src/lammps/host_check.cpp

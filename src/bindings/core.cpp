@@ -16,6 +16,7 @@ NB_MODULE(core, m)
   deformable::bind_rules(m);
   deformable::bind_obstacles(m);
   deformable::bind_edge_contacts(m);
+  deformable::bind_friction(m);
   deformable::bind_smooth_polygons(m);
   deformable::bind_batches(m);
   deformable::bind_disk_pairs(m);

@@ -38,6 +38,7 @@ void bind_outlines(nb::module_ &m);
 void bind_rules(nb::module_ &m);
 void bind_obstacles(nb::module_ &m);
 void bind_edge_contacts(nb::module_ &m);
+void bind_friction(nb::module_ &m);
 void bind_smooth_polygons(nb::module_ &m);
 void bind_batches(nb::module_ &m);
 void bind_disk_pairs(nb::module_ &m);

@@ -4,6 +4,7 @@
 #include "plugin_abi.h"
 
 #include "balance/fix_deformable_films.h"
+#include "friction/fix_deformable_friction.h"
 #include "motion/fix_deformable_propel.h"
 #include "pair/compute_deformable_contact.h"
 #include "pair/pair_deformable_ring.h"
@@ -70,6 +71,7 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.creator.v2 = &creator_of<Style>;                                                          \
   register_style(&plugin, lmp)
 #include "balance/fix_deformable_films.h"
+#include "friction/fix_deformable_friction.h"
 #include "motion/fix_deformable_propel.h"
 #include "polygons/fix_deformable_polygon.h"
 #include "polygons/fix_deformable_stick.h"

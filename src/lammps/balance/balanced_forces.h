@@ -62,6 +62,9 @@ class BalancedForces : protected Pointers {
   // After finish: L G' summed over the other contacts of that side's ring, the slope of its outline at the contact.
   double outline_slope(int k, int side) const { return batches.slope[near.pairs.side[side][k]]; }
 
+  // Of this side, with its share of what is left.
+  double indentation(int k, int side) const;
+
   // The line of a pair: its tilt, the same from both sides, and its half angle, positive where it is convex for the first
   // one [rad]. And the number of lines that would tilt or bend further.
   double tilt(int k) const { return near.pairs.curved ? std::asin(near.pairs.tilt[k]) : 0.0; }

@@ -174,9 +174,11 @@ int FixDeformableFilms::size_restart(int i)
   return 2 + 3 * static_cast<int>(memory[i].films.size());
 }
 
+// Of all ranks: the first one tells those that read the file how much room they need.
 int FixDeformableFilms::maxsize_restart()
 {
-  int most = 2;
+  int most = 2, of_all;
   for (int i = 0; i < atom->nlocal; ++i) most = std::max(most, size_restart(i));
-  return most;
+  MPI_Allreduce(&most, &of_all, 1, MPI_INT, MPI_MAX, world);
+  return of_all;
 }

@@ -1,6 +1,7 @@
 #include "pair_deformable.h"
 
 #include "compute_deformable_contact.h"
+#include "friction/fix_deformable_friction.h"
 #include "input_checks.h"
 #include "lammps_release.h"
 
@@ -138,6 +139,7 @@ void PairDeformable::init_style()
   results.requested = !modify->get_fix_by_style("^pair$").empty();
 
   recording = !modify->get_compute_by_style(ComputeDeformableContact::STYLE).empty();
+  rubbing = !modify->get_fix_by_style(FixDeformableFriction::STYLE).empty();
 
   walls.clear();
   for (Fix *fix : modify->get_fix_by_style(FixDeformableWall::STYLE))
@@ -164,6 +166,7 @@ void PairDeformable::begin_call(int eflag, int vflag)
   recorded.clear();
   materials.species = species.data();
   materials.type = atom->type;
+  loaded.clear();
   if (neighbor->ago == 0) {
     check_contacts(lmp, *list, species);
     if (atom->radius_flag && !radius_by_atom && !warned_unused_radii)
@@ -312,6 +315,6 @@ double PairDeformable::smallest_radius() const
 
 double PairDeformable::memory_usage()
 {
-  return Pair::memory_usage() + block.bytes() + bytes_of(recorded, radii, rows, partners) +
+  return Pair::memory_usage() + block.bytes() + bytes_of(recorded, loaded, radii, rows, partners) +
          results.bytes();
 }

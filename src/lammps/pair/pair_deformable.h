@@ -50,10 +50,37 @@ struct RecordedContact {
   Push push;    // force on the particle from its own energy; from a wall all of it
 };
 
+// A contact that bears a force, for fix deformable/friction.
+struct LoadedContact {
+  int i, j;         // local indices; of a wall its code < 0
+  int second;       // local index of the particle whose image j is, or -1: it is on another rank
+  double nx, ny;    // normal of the contact line, from i to j
+  double height,
+      shift;    // of the middle of its film from the center of i: along (nx, ny) and (-ny, nx)
+  double force;
+  bool one_side;    // the other side has a row, and a force, of its own
+};
+
 class PairDeformable : public Pair {
  public:
   // Contacts of this rank's particles at the last call, if a compute deformable/contact is defined.
   std::vector<RecordedContact> recorded;
+
+  // All contacts of this rank's particles that bear a force at the last call, if a fix deformable/friction is defined.
+  // Those of two ranks are on both.
+  std::vector<LoadedContact> loaded;
+  virtual bool slips() const { return true; }    // along its contacts
+
+  bool has_wall(int code) const { return code < 0 && !walls.empty(); }
+  // Of a wall's code.
+  FixDeformableWall &wall(int code) const { return *walls[(-1 - code) % walls.size()]; }
+  int wall_feature(int code) const { return (-1 - code) / static_cast<int>(walls.size()); }
+  // The code of the first feature of the same obstacle: it stays where a particle turns around a corner.
+  int wall_key(int code) const
+  {
+    const int n = static_cast<int>(walls.size());
+    return code - n * (wall(code).first_feature(wall_feature(code)) - wall_feature(code));
+  }
 
   PairDeformable(class LAMMPS *, int outputs = 2);
   ~PairDeformable() override;
@@ -88,13 +115,12 @@ class PairDeformable : public Pair {
   void push_wall(int i, int partner, double fx, double fy, const deformable::Contact &contact,
                  double shift)
   {
-    const int code = -1 - partner, count = static_cast<int>(walls.size());
     const double ri = radii[i], height = ri - contact.indentation;
-    walls[code % count]->add_force(
-        i, code / count, fx, fy, -height * contact.nx + shift * contact.ny,
+    wall(partner).add_force(
+        i, wall_feature(partner), fx, fy, -height * contact.nx + shift * contact.ny,
         -height * contact.ny - shift * contact.nx, -contact.ny, contact.nx, (1.0 + reach) * ri);
   }
-  const char *wall_id(int partner) const { return walls[(-1 - partner) % walls.size()]->id; }
+  const char *wall_id(int partner) const { return wall(partner).id; }
 
   // Undeformed radii: of the species or, with `radius atom`, of each atom.
   void set_radius(int iarg, char **arg);    // from this word of pair_style
@@ -134,6 +160,8 @@ class PairDeformable : public Pair {
   std::vector<WallContact> wall_contacts;    // of the block; a place has -1 minus the index
 
   void end_call();
+
+  bool rubbing = false;    // whether `loaded` is asked for
 
   // Whether anyone asks for shapes and contacts of single particles in this call.
   bool needs_shapes() const { return recording || results.requested; }
@@ -177,6 +205,7 @@ class PairDeformable : public Pair {
   };
   static WallPush push_of(const WallContact &, const deformable::Place &);
   void observe(const deformable::BlockParticle &);
+  LoadedContact loaded_contact(const deformable::BlockParticle &, const deformable::Place &) const;
   void check_own_images(const deformable::BlockParticle &);
 
   struct {
@@ -195,7 +224,7 @@ void PairDeformable::for_each_block(const deformable::BatchKernel *chosen, Prepa
                                     GroupOf &&group_of, Law &&law, Finish &&finish)
 {
   const bool shapes = results.requested || recording || neighbor->ago == 0;
-  const bool observing = results.requested || recording || eflag_atom || vflag_either;
+  const bool observing = results.requested || recording || rubbing || eflag_atom || vflag_either;
   if (neighbor->ago == 0) take_neighbors();
   for (int begin = 0; begin < list->inum; begin += BLOCK) {
     const int end = std::min(begin + BLOCK, list->inum);

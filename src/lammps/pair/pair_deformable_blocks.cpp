@@ -193,6 +193,10 @@ void PairDeformable::observe(const BlockParticle &p)
       results.store_shape(p.name, p.ring_radius, p.active, shape, p.pressure);
     }
   }
+  if (rubbing)
+    for_each_active(block, p, [&](const Place &place) {
+      if (place.fx != 0.0 || place.fy != 0.0) loaded.push_back(loaded_contact(p, place));
+    });
   if (recording)
     for_each_active(block, p, [&](const Place &place) {
       const PlacedLine line = line_of(p, place);
@@ -203,6 +207,24 @@ void PairDeformable::observe(const BlockParticle &p)
       record(p.name, wall.wall, line.contact, place.length, place.force, push_of(wall, place).push,
              0.5 / line.per_distance);
     });
+}
+
+/* ----------------------------------------------------------------------
+   Each side has a force of its own, along the line of centers; a wall has one.
+------------------------------------------------------------------------- */
+
+LoadedContact PairDeformable::loaded_contact(const BlockParticle &p, const Place &place) const
+{
+  if (place.partner < 0) {
+    const WallContact &wall = wall_contacts[-1 - place.partner];
+    const auto [push, shift] = push_of(wall, place);
+    const double force = -push.fx * wall.nx - push.fy * wall.ny;
+    return {p.name, wall.wall, -1, wall.nx, wall.ny, wall.height, shift, force, false};
+  }
+  const Contact contact = line_of(p, place).contact;
+  const double force = -place.fx * contact.nx - place.fy * contact.ny;
+  return {p.name, place.partner, -1,  contact.nx, contact.ny, p.radius - contact.indentation,
+          0.0,    force,         true};
 }
 
 /* ---------------------------------------------------------------------- */

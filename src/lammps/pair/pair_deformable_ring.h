@@ -70,6 +70,7 @@ class PairDeformableRing : public PairDeformable {
   Push push_of(int k, const NearPairs::Centers &, double share, double slope) const;
   void push_pairs(int begin, int end);
   void finish_balanced(int i);
+  void load_contacts_of_pairs();
 
   // Whether all lines that the outline in `shape` may touch are known.
   bool is_within_reach(int i, const deformable::Contacts &);

@@ -48,6 +48,7 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
   }
   balanced->finish([this](int begin, int end) { push_pairs(begin, end); });
   push_part = 1.0;
+  if (rubbing) load_contacts_of_pairs();
   pvector[4] = balanced->limited_lines();
   giving_way = balanced->giving_way();
   if (eflag_global) eng_vdwl += balanced->energy();
@@ -138,6 +139,29 @@ void PairDeformableRing::push_pairs(int begin, int end)
       const double d = 1.0 / p.per_distance[k];
       ev_tally_xyz(i, j, atom->nlocal, 1, 0.0, 0.0, px, py, 0.0, -nx * d, -ny * d, 0.0);
     }
+  }
+}
+
+/* ----------------------------------------------------------------------
+   The film of a line that is at rest lies beside the foot of the center by the
+   slope of its outline. A line that stays perpendicular to the line of centers
+   is loaded there.
+------------------------------------------------------------------------- */
+
+void PairDeformableRing::load_contacts_of_pairs()
+{
+  const NearPairs &p = balanced->pairs();
+  for (int k = 0; k < p.size; ++k) {
+    if (!(p.force[k] > 0.0) && !(p.sticks && p.attached[k])) continue;
+    const int i = p.i[k];
+    const double height = radii[i] - balanced->indentation(k, 0);
+    double shift = 0.0;
+    if (k >= p.wall)
+      shift = -(1.0 - height * p.per_distance[k]) * balanced->outline_slope(k, 0);
+    else if (p.curved)
+      shift = -balanced->outline_slope(k, 0);
+    loaded.push_back({i, p.j[k], k < p.wall ? p.second(k) : -1, p.nx[k], p.ny[k], height, shift,
+                      p.force[k], false});
   }
 }
 

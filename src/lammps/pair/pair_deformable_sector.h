@@ -22,6 +22,7 @@ class PairDeformableSector : public PairDeformable {
   void init_style() override;
   void compute(int, int) override;
   double memory_usage() override;
+  bool slips() const override { return false; }
   int pack_forward_comm(int, int *, double *, int, int *) override;
   void unpack_forward_comm(int, int, double *) override;
 

@@ -89,6 +89,20 @@ class FixDeformableWall : public Fix {
       scene.add_force(feature, -fx, -fy, atom->x[i][0], atom->x[i][1], dx, dy, cutoff);
   }
 
+  // The force of friction on atom i, at (bx, by) from its center. It moves no line: the virial is that of a force at a point.
+  void add_friction(int i, double fx, double fy, double bx, double by)
+  {
+    WallForce &force = wall_forces[i];
+    force.fx += fx;
+    force.fy += fy;
+    force.vxx -= bx * fx;
+    force.vyy -= by * fy;
+    force.vxy -= 0.5 * (bx * fy + by * fx);
+  }
+  Motion::Way way(int feature, double x, double y) const { return scene.way(feature, x, y); }
+  int first_feature(int feature) const { return scene.first_feature(feature); }
+  void do_work(double energy) { scene.do_work(energy); }
+
  private:
   std::string region_id;    // empty: shapes at rest
   Region *region = nullptr;

@@ -190,3 +190,21 @@ std::string LAMMPS_NS::read_shape(Region *region, double x, double y, WallShape 
          " has a curved surface: use planes, blocks, prisms, cylinders along z, spheres, and "
          "intersections and unions of them";
 }
+
+/* ---------------------------------------------------------------------- */
+
+Motion LAMMPS_NS::motion_of(Region *region)
+{
+  Motion motion;
+  motion.angle = angle_of_rotation(region);
+  move_with(region, motion.x, motion.y);
+  return motion;
+}
+
+// The middle of the step counts: the mean over both of its ends is right to second order.
+Motion::Way Motion::way_from(const Motion &before, double px, double py) const
+{
+  const double turn = angle - before.angle;
+  return {x - before.x - turn * (py - 0.5 * (y + before.y)),
+          y - before.y + turn * (px - 0.5 * (x + before.x))};
+}

@@ -32,10 +32,12 @@ std::string WallScene::assign(WallSources &&given_sources)
   if (moving) {
     features.resize(features_so_far);
     before.resize(features_so_far);
+    motions.assign(sources.shapes.size(), Motion{});
     loads.assign(features_so_far, Load{});
   }
   const std::string problem = update();
   before = features;
+  motions_before = motions;
   return problem;
 }
 
@@ -107,7 +109,11 @@ std::string WallScene::update()
       if (shape.region && shape.region->dynamic) move_with(shape.region, wall.x, wall.y);
     }
   }
-  if (moving) place_features();
+  if (moving) {
+    place_features();
+    for (std::size_t s = 0; s < motions.size(); ++s)
+      if (sources.shapes[s].region) motions[s] = motion_of(sources.shapes[s].region);
+  }
   return "";
 }
 
@@ -174,12 +180,18 @@ void WallScene::clear_forces()
   std::fill(loads.begin(), loads.end(), Load{});
 }
 
+// The last one that begins at this feature or before it.
+const WallScene::Wall &WallScene::wall_of(int feature) const
+{
+  return *(std::upper_bound(walls.begin(), walls.end(), feature,
+                            [](int f, const Wall &w) { return f < w.first_feature; }) -
+           1);
+}
+
 void WallScene::add_force(int feature, double fx, double fy, double x, double y, double dx,
                           double dy, double cutoff)
 {
-  const auto wall = std::upper_bound(walls.begin(), walls.end(), feature,
-                                     [](int f, const Wall &w) { return f < w.first_feature; }) -
-                    1;    // the last one that begins at this feature or before it
+  const Wall *const wall = &wall_of(feature);
   if (wall->kind == WallSource::POLYGON || wall->kind == WallSource::DISK) {
     double from_x = x - wall->x,
            from_y = y - wall->y;    // from the image that the particle touches
@@ -232,11 +244,25 @@ void WallScene::end_step()
 {
   if (counting) give(-1.0);
   before = features;
+  motions_before = motions;
+}
+
+/* ---------------------------------------------------------------------- */
+
+Motion::Way WallScene::way(int feature, double x, double y) const
+{
+  if (!moving || static_cast<std::size_t>(feature) >= features.size()) return {0.0, 0.0};
+  const Wall &wall = wall_of(feature);
+  const WallSource &source = sources.walls[wall.source];
+  const int side = wall.kind == WallSource::POLYGON ? (feature - wall.first_feature) / 3 : 0;
+  const int shape = source.sides.empty() ? source.shape : source.sides[side].shape;
+  if (!sources.shapes[shape].region) return {0.0, 0.0};
+  return motions[shape].way_from(motions_before[shape], x, y);
 }
 
 /* ---------------------------------------------------------------------- */
 
 double WallScene::memory_usage() const
 {
-  return bytes_of(walls, edges, planes, features, before, loads);
+  return bytes_of(walls, edges, planes, features, before, motions, motions_before, loads);
 }

@@ -78,6 +78,13 @@ class WallScene {
   void end_step();
   double energy_given() const { return given; }
 
+  // How far the surface of a feature's wall has moved in this step at (x, y). What only changes its size stays.
+  Motion::Way way(int feature, double x, double y) const;
+  void do_work(double energy) { given += counting ? energy : 0.0; }
+
+  // The first feature of the wall that this one belongs to.
+  int first_feature(int feature) const { return wall_of(feature).first_feature; }
+
   const WallSource &source(int wall) const { return sources.walls[wall]; }
   double memory_usage() const;
 
@@ -103,11 +110,13 @@ class WallScene {
   std::vector<deformable::HalfPlane> planes;    // of the wall that is computed
   bool moving = false, counting = false;
   std::vector<Feature> features, before;
+  std::vector<Motion> motions, motions_before;    // of the shapes
   std::vector<Load> loads;
   double given = 0.0;
 
   deformable::HalfPlane present(const WallSource::Side &) const;
   void find_middle(Wall &) const;
+  const Wall &wall_of(int feature) const;
   void place_features();
   void give(double sign);
 

@@ -32,6 +32,18 @@ std::string read_shape(Region *, double x, double y, WallShape &);
 void move_with(Region *, double &x, double &y);
 double angle_of_rotation(const Region *);
 
+// The same as numbers, which outlive the step.
+struct Motion {
+  double x = 0.0, y = 0.0, angle = 0.0;    // the place of what was at the origin, and the rotation
+
+  // How far a point at (px, py) has come since.
+  struct Way {
+    double x, y;
+  };
+  Way way_from(const Motion &before, double px, double py) const;
+};
+Motion motion_of(Region *);
+
 // One wall: a face of a container, the rim of a round container, or an obstacle.
 struct WallSource {
   enum Kind { FACE, RIM, DISK, POLYGON } kind;

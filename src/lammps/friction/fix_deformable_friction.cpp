@@ -1,0 +1,295 @@
+#include "fix_deformable_friction.h"
+
+#include "pair/pair_deformable.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+using deformable::Friction;
+using deformable::Rub;
+
+/* ---------------------------------------------------------------------- */
+
+FixDeformableFriction::FixDeformableFriction(LAMMPS *lmp, int narg, char **arg)
+    : Fix(lmp, narg, arg),
+      coefficients(lmp, narg, arg)
+{
+  delete[] style;
+  style = utils::strdup(STYLE);
+  scalar_flag = vector_flag = extscalar = extvector = 1;
+  size_vector = OUTPUTS;
+  global_freq = 1;
+  ecouple_flag = 1;
+  energy_global_flag = 1;    // see FixDeformableWall
+  virial_global_flag = virial_peratom_flag = thermo_virial = 1;
+  local_flag = local_freq = 1;
+  size_local_cols = COLUMNS;
+  comm_reverse = 6;
+  dynamic_group_allow = 1;
+  stores_ids = 1;
+  restart_global = restart_peratom = create_attribute = maxexchange_dynamic = 1;
+  FixDeformableFriction::grow_arrays(atom->nmax);
+  atom->add_callback(Atom::GROW);
+  atom->add_callback(Atom::RESTART);
+}
+
+FixDeformableFriction::~FixDeformableFriction()
+{
+  if (!id) return;
+  atom->delete_callback(id, Atom::GROW);
+  atom->delete_callback(id, Atom::RESTART);
+}
+
+int FixDeformableFriction::setmask()
+{
+  return PRE_REVERSE;
+}
+
+/* ----------------------------------------------------------------------
+   Before the first step of a run contacts keep what they have.
+------------------------------------------------------------------------- */
+
+void FixDeformableFriction::setup_pre_reverse(int, int vflag)
+{
+  dt = 0.0;
+  rub_all(vflag);
+}
+
+void FixDeformableFriction::pre_reverse(int, int vflag)
+{
+  dt = update->dt;
+  rub_all(vflag);
+}
+
+void FixDeformableFriction::rub_all(int vflag)
+{
+  v_init(vflag);
+  if (vflag_atom)
+    for (int i = atom->nlocal; i < atom->nlocal + atom->nghost; ++i) std::fill_n(vatom[i], 6, 0.0);
+  output[CONTACTS] = output[SLIDES] = 0.0;
+  values.clear();
+  for (PairDeformable *pair : pairs)
+    for (const LoadedContact &contact : pair->loaded) rub(contact);
+  sweep();
+  if (vflag_atom) comm->reverse_comm(this);
+
+  size_local_rows = static_cast<int>(values.size()) / COLUMNS;
+  rows.resize(size_local_rows + 1);
+  for (int r = 0; r < size_local_rows; ++r) rows[r] = &values[r * COLUMNS];
+  array_local = rows.data();
+}
+
+/* ----------------------------------------------------------------------
+   Whether this rank and this fix are in charge. Of two images of a particle in
+   its own box, (i, j) is as good as (j, i).
+------------------------------------------------------------------------- */
+
+bool FixDeformableFriction::find_sides(const LoadedContact &c, Sides &sides,
+                                       ContactPlace &place) const
+{
+  const double *const xi = atom->x[c.i];
+  if (!(atom->mask[c.i] & groupbit)) return false;
+  sides = {c.i, c.j, c.i};
+  place = {0.0,  0.0, c.height * c.nx - c.shift * c.ny, c.height * c.ny + c.shift * c.nx,
+           c.nx, c.ny};
+  if (c.j < 0) return true;
+  if (!(atom->mask[c.j] & groupbit)) return false;
+  place.x = atom->x[c.j][0] - xi[0];
+  place.y = atom->x[c.j][1] - xi[1];
+  if (c.one_side || atom->tag[c.i] <= atom->tag[c.j]) return true;
+  sides = {c.j, c.i, c.second};
+  place = {-place.x, -place.y, place.bx - place.x, place.by - place.y, -place.nx, -place.ny};
+  return c.second >= 0;
+}
+
+/* ----------------------------------------------------------------------
+   At the middle of a contact, from the velocities of the half step: with its
+   present place, or with that at the begin of the step, its age.
+------------------------------------------------------------------------- */
+
+FixDeformableFriction::Speeds FixDeformableFriction::speeds(const Sides &s, const ContactPlace &p,
+                                                            double age) const
+{
+  const double *const v = atom->v[s.particle];
+  const bool spins = atom->omega_flag;
+  const double spin = spins ? atom->omega[s.particle][2] : 0.0;
+  double wx = 0.0, wy = 0.0, vx = spin * p.by - v[0], vy = -spin * p.bx - v[1];
+  if (s.partner >= 0) {
+    const double *const other = atom->v[s.partner];
+    const double turn = spins ? atom->omega[s.partner][2] : 0.0;
+    vx += other[0] - turn * (p.by - p.y);
+    vy += other[1] + turn * (p.bx - p.x);
+  } else if (dt > 0.0 && pairs.front()->has_wall(s.partner)) {
+    const double *const x = atom->x[s.particle];
+    const Motion::Way way = pairs.front()->wall(s.partner).way(
+        pairs.front()->wall_feature(s.partner), x[0] + p.bx - age * v[0], x[1] + p.by - age * v[1]);
+    wx = way.x / dt;
+    wy = way.y / dt;
+    vx += wx;
+    vy += wy;
+  }
+  return {p.nx * vy - p.ny * vx, p.nx * vx + p.ny * vy, p.nx * wy - p.ny * wx,
+          p.nx * wx + p.ny * wy};
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDeformableFriction::rub(const LoadedContact &contact)
+{
+  Sides sides;
+  ContactPlace place;
+  if (!find_sides(contact, sides, place)) return;
+  const bool is_wall = sides.partner < 0;
+  const int i = sides.rememberer, *const type = atom->type;
+  const double partner =
+      is_wall ? pairs.front()->wall_key(sides.partner) : atom->tag[sides.partner];
+  const bool own_image = !is_wall && atom->tag[sides.partner] == atom->tag[i];
+
+  Friction c =
+      coefficients.between(type[i], is_wall ? FrictionCoefficients::WALL : type[sides.partner]);
+  const double part = contact.one_side ? 0.5 : 1.0;
+  c.kt *= part;
+  c.gt *= part;
+  c.gn *= part;
+
+  RememberedContact *remembered = memory.find(i, partner, place, own_image);
+  const bool is_new = !remembered;
+  if (is_new) {
+    remembered = &memory.add(i, partner, place);
+    make_room(i);
+  }
+  RememberedContact &m = *remembered;
+  const Speeds now = speeds(sides, place, 0.0);
+  const double most = deformable::most_friction(c.mu, contact.force);
+  Rub rubbed = {m.xi, 0.0, false};
+  double damping = 0.0;
+  if (dt > 0.0) {
+    const Speeds before = is_new ? now : speeds(sides, m.place, dt);
+    rubbed = deformable::rub(c, m.xi, 0.5 * dt * (before.along + now.along), dt, contact.force);
+    damping = deformable::damping(c.gn, 0.5 * dt * (before.normal + now.normal), dt, contact.force);
+    lose(sides, m, rubbed, damping, before, now);
+  } else {
+    rubbed.force = std::clamp(is_new ? c.gt * now.along : m.force, -most, most);
+    damping = std::min(is_new ? c.gn * now.normal : m.damping, std::max(contact.force, 0.0));
+    rubbed.slides = std::fabs(rubbed.force) >= (1.0 - 1e-12) * most;
+  }
+  m = {partner, c.kt, place, rubbed.xi, rubbed.force, damping, 1.0};
+  push(sides, place, {rubbed.force, damping});
+
+  output[CONTACTS] += part;
+  if (rubbed.slides) output[SLIDES] += part;
+  const double *const x = atom->x[sides.particle];
+  values.insert(values.end(),
+                {static_cast<double>(atom->tag[i]), is_wall ? 0.0 : partner, x[0] + place.bx,
+                 x[1] + place.by, std::atan2(place.ny, place.nx), contact.force, rubbed.force,
+                 damping, rubbed.xi, rubbed.slides ? 1.0 : 0.0});
+}
+
+/* ----------------------------------------------------------------------
+   Of a step between two forces on this contact.
+------------------------------------------------------------------------- */
+
+void FixDeformableFriction::lose(const Sides &sides, const RememberedContact &m, const Rub &rubbed,
+                                 double damping, const Speeds &before, const Speeds &now)
+{
+  const double half = 0.5 * dt;
+  const deformable::RubLoss loss =
+      deformable::loss(m.kt, {m.xi, m.force, false}, rubbed, half * (before.along + now.along));
+  output[SLIDING] += loss.sliding;
+  output[DASHPOTS] += loss.dashpot;
+  output[DAMPING] += half * (m.damping * before.normal + damping * now.normal);
+  if (sides.partner >= 0 || !pairs.front()->has_wall(sides.partner)) return;
+  pairs.front()
+      ->wall(sides.partner)
+      .do_work(-half * (m.force * before.wall_along + m.damping * before.wall_normal +
+                        rubbed.force * now.wall_along + damping * now.wall_normal));
+}
+
+/* ----------------------------------------------------------------------
+   The force on the particle at the middle of the contact, the opposite one on
+   its partner.
+------------------------------------------------------------------------- */
+
+void FixDeformableFriction::push(const Sides &s, const ContactPlace &p, const Pushes &force)
+{
+  const double fx = force.normal * p.nx - force.along * p.ny;
+  const double fy = force.normal * p.ny + force.along * p.nx;
+  double *const *const f = atom->f, *const *const torque = atom->torque;
+  const bool spins = atom->torque_flag;
+  if (spins) torque[s.particle][2] += p.bx * fy - p.by * fx;
+  if (s.partner < 0)
+    return pairs.front()->wall(s.partner).add_friction(s.particle, fx, fy, p.bx, p.by);
+  f[s.particle][0] += fx;
+  f[s.particle][1] += fy;
+  f[s.partner][0] -= fx;
+  f[s.partner][1] -= fy;
+  if (spins) torque[s.partner][2] -= (p.bx - p.x) * fy - (p.by - p.y) * fx;
+  if (!evflag) return;
+  int both[] = {s.particle, s.partner};
+  double v[] = {-p.x * fx, -p.y * fy, 0.0, -0.5 * (p.x * fy + p.y * fx), 0.0, 0.0};
+  v_tally(2, both, 2.0, v);
+}
+
+/* ----------------------------------------------------------------------
+   Contacts that have ended lose their springs, and the work of their last
+   forces until then. Between runs nothing is counted.
+------------------------------------------------------------------------- */
+
+void FixDeformableFriction::sweep()
+{
+  double stored = 0.0;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    std::vector<RememberedContact> &contacts = memory.of(i);
+    for (std::size_t c = 0; c < contacts.size();) {
+      RememberedContact &m = contacts[c];
+      if (m.is_here != 0.0) {
+        m.is_here = 0.0;
+        stored += 0.5 * m.kt * m.xi * m.xi;
+        ++c;
+        continue;
+      }
+      if (dt > 0.0) end(i, m);
+      m = contacts.back();
+      contacts.pop_back();
+    }
+  }
+  output[STORED] = stored;
+}
+
+void FixDeformableFriction::end(int i, const RememberedContact &m)
+{
+  const int partner =
+      m.partner < 0.0 ? static_cast<int>(m.partner) : atom->map(static_cast<tagint>(m.partner));
+  if (m.partner > 0.0 && partner < 0) return;    // it is gone
+  const Sides sides = {i, partner, i};
+  const Speeds before = speeds(sides, m.place, dt);
+  lose(sides, m, {0.0, 0.0, false}, 0.0, before, before);
+}
+
+/* ----------------------------------------------------------------------
+   The sum of what is lost and stored; each of them, numbers of contacts and of
+   those that slide.
+------------------------------------------------------------------------- */
+
+double FixDeformableFriction::total(int n) const
+{
+  double all;
+  MPI_Allreduce(&output[n], &all, 1, MPI_DOUBLE, MPI_SUM, world);
+  return all;
+}
+
+double FixDeformableFriction::compute_scalar()
+{
+  return total(STORED) + total(SLIDING) + total(DASHPOTS) + total(DAMPING);
+}
+
+double FixDeformableFriction::compute_vector(int n)
+{
+  return total(n);
+}

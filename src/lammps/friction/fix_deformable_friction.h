@@ -1,0 +1,104 @@
+// Friction, rotation and damping of contacts: fix ID group deformable/friction mu kt gt [damp gn] [types I J mu kt gt gn] ...
+//
+// The pair style tells which contacts bear a force, where and along which normal. This fix adds what else acts between their
+// two sides, before ranks sum up the forces on ghosts. Of two particles the rank of the one with the smaller ID does so,
+// for both.
+//
+// Velocities are those of the half step before, v(t - dt/2). The way of a contact in a step is the mean of those that its
+// places at both ends of the step have with them: so work, springs and losses balance to second order in dt.
+
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(deformable/friction,FixDeformableFriction);
+// clang-format on
+#else
+
+#ifndef LMP_FIX_DEFORMABLE_FRICTION_H
+#define LMP_FIX_DEFORMABLE_FRICTION_H
+
+#include "fix.h"
+
+#include "contact_memory.h"
+#include "friction_coefficients.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class PairDeformable;
+struct LoadedContact;
+
+class FixDeformableFriction : public Fix {
+ public:
+  FixDeformableFriction(class LAMMPS *, int, char **);
+  ~FixDeformableFriction() override;
+  static constexpr const char *STYLE = "contact/friction";    // see FixDeformableWall
+
+  int setmask() override;
+  void init() override;
+  void reset_dt() override;
+  void setup_pre_reverse(int, int) override;
+  void pre_reverse(int, int) override;
+  double compute_scalar() override;
+  double compute_vector(int) override;
+
+  double memory_usage() override;
+  void grow_arrays(int) override;
+  void copy_arrays(int, int, int) override;
+  void set_arrays(int) override;
+  int pack_exchange(int, double *) override;
+  int unpack_exchange(int, double *) override;
+  int pack_restart(int, double *) override;
+  void unpack_restart(int, int) override;
+  int size_restart(int) override;
+  int maxsize_restart() override;
+  void write_restart(FILE *) override;
+  void restart(char *) override;
+  int pack_reverse_comm(int, int, double *) override;
+  void unpack_reverse_comm(int, int *, double *) override;
+
+ private:
+  const FrictionCoefficients coefficients;
+  std::vector<PairDeformable *> pairs;    // several within a hybrid style
+  bool told = false;                      // of spins
+  void check_spins();
+  void check_time_step();
+
+  ContactMemory memory;
+  enum { STORED, SLIDING, DASHPOTS, DAMPING, CONTACTS, SLIDES, OUTPUTS };
+  double output[OUTPUTS] =
+      {};    // of this rank; losses of all runs so far, others of the last call
+  static constexpr int COLUMNS = 10;
+  std::vector<double> values;    // see array_local
+  std::vector<double *> rows;
+
+  // A particle, which remembers the contact, and its partner. Local indices, of a wall its code < 0.
+  struct Sides {
+    int particle, partner;
+    int rememberer;    // the particle of this rank whose image it may be
+  };
+  struct Pushes {
+    double along, normal;
+  };
+  // Of the partner's side past the particle's; and of the partner's alone if that is a wall.
+  struct Speeds {
+    double along, normal, wall_along, wall_normal;
+  };
+  double dt = 0.0;    // 0: before the first step of a run
+  void rub_all(int vflag);
+  void rub(const LoadedContact &);
+  bool find_sides(const LoadedContact &, Sides &, ContactPlace &) const;
+  Speeds speeds(const Sides &, const ContactPlace &, double age) const;
+  void lose(const Sides &, const RememberedContact &, const deformable::Rub &, double damping,
+            const Speeds &before, const Speeds &now);
+  void push(const Sides &, const ContactPlace &, const Pushes &);
+  void sweep();
+  void end(int i, const RememberedContact &);
+  void make_room(int i);
+  double total(int n) const;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif

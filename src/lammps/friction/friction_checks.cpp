@@ -1,0 +1,104 @@
+// What fix deformable/friction needs before a run, and what it refuses.
+
+#include "fix_deformable_friction.h"
+
+#include "pair/pair_deformable.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "error.h"
+#include "force.h"
+#include "modify.h"
+#include "update.h"
+
+#include <algorithm>
+#include <limits>
+
+using namespace LAMMPS_NS;
+
+void FixDeformableFriction::init()
+{
+  if (utils::strmatch(update->integrate_style, "^respa"))
+    error->all(FLERR, "Fix {} deformable/friction cannot be used with run_style respa", id);
+  if (thermo_energy)
+    error->all(FLERR,
+               "Fix {} deformable/friction: 'fix_modify {} energy yes' would count its losses as "
+               "potential energy. Use the thermo keyword econserve, or f_{}[1] for the springs",
+               id, id, id);
+  pairs.clear();
+  const auto add = [this](Pair *pair) {    // but for that of polygons
+    if (auto *const deformable = dynamic_cast<PairDeformable *>(pair)) pairs.push_back(deformable);
+    return pair;
+  };
+  if (!add(force->pair_match("^deformable/", 0)))
+    for (int n = 1; add(force->pair_match("^deformable/", 0, n));) ++n;
+  if (pairs.empty())
+    error->all(FLERR,
+               "Fix {} deformable/friction needs pair_style deformable/ring, but pair_style is {}",
+               id, force->pair_style ? force->pair_style : "none");
+  for (const PairDeformable *pair : pairs)
+    if (!pair->slips())
+      error->all(FLERR,
+                 "Fix {} deformable/friction needs contacts that slip, but those of pair_style "
+                 "deformable/sector stick: use deformable/ring",
+                 id);
+  if (!atom->tag_enable)
+    error->all(FLERR, "Fix {} deformable/friction needs atom IDs: use 'atom_modify id yes'", id);
+  comm->ghost_velocity = 1;
+  if (atom->map_style == Atom::MAP_NONE) {    // for partners that are not in contact any more
+    atom->map_init();
+    atom->map_set();
+  }
+  check_spins();
+  check_time_step();
+}
+
+/* ----------------------------------------------------------------------
+   What LAMMPS does not say by itself.
+------------------------------------------------------------------------- */
+
+void FixDeformableFriction::check_spins()
+{
+  if (told) return;
+  told = true;
+  if (comm->me != 0) return;
+  if (!atom->omega_flag || !atom->torque_flag) {
+    utils::logmesg(
+        lmp,
+        "Fix {} deformable/friction: atoms of atom_style {} have no spins, so that they "
+        "only translate. For rotation use 'atom_style sphere' and 'fix nve/sphere disc'\n",
+        id, atom->get_style());
+    return;
+  }
+  const std::vector<Fix *> &fixes = modify->get_fix_list();
+  const bool any = std::any_of(fixes.begin(), fixes.end(), [](const Fix *fix) {
+    return utils::strmatch(fix->style, "sphere") || utils::strmatch(fix->style, "^rigid");
+  });
+  if (!any)
+    error->warning(FLERR,
+                   "Fix {} deformable/friction: no fix turns the particles, so that their spins do "
+                   "not change. Use 'fix nve/sphere disc' or another style with 'sphere'",
+                   id);
+}
+
+void FixDeformableFriction::check_time_step()
+{
+  if (update->whichflag != 1) return;    // minimizers pass over friction
+  constexpr double SPHERE = 3.5;         // 1 + m R^2/I; 3 of a disk
+  double least = std::numeric_limits<double>::infinity(), mass;
+  for (int i = 0; i < atom->nlocal; ++i)
+    if (atom->mask[i] & groupbit)
+      least = std::min(least, atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]]);
+  MPI_Allreduce(&least, &mass, 1, MPI_DOUBLE, MPI_MIN, world);
+  const double longest = coefficients.largest_time_step(mass, atom->omega_flag ? SPHERE : 1.0);
+  if (update->dt > longest)
+    error->all(FLERR,
+               "Fix {} deformable/friction: the time step {:.6g} is too long for these stiffnesses "
+               "and particles of mass {:.6g}: use {:.3g} or less, or smaller kt, gt or damp",
+               id, update->dt, mass, longest);
+}
+
+void FixDeformableFriction::reset_dt()
+{
+  check_time_step();
+}

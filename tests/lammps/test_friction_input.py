@@ -1,0 +1,137 @@
+"""Words of fix deformable/friction, and what it refuses."""
+
+import numpy as np
+import pytest
+from grains import BOX, SPECIES, Grains
+from scene import Scene
+from test_refusals import refuses
+
+PAIR = [[-0.98, 0.0], [0.98, 0.0]]
+
+WRONG = {
+    "-0.1 1 0": "Fix rub .*: mu must be 0, positive or inf, not -0.1",
+    "0.5 -1 0": "Fix rub .*: kt must be 0 or positive and finite, not -1",
+    "0.5 inf 0": "Fix rub .*: kt must be .*, not inf",
+    "0.5 1 -2": "Fix rub .*: gt must be .*, not -2",
+    "0.5 1 0 damp -3": "Fix rub .*: damp must be .*, not -3",
+    "0.5 1 nan": "Expected|gt must be .*, not nan",
+    "0.5 1": "Illegal fix deformable/friction",
+    "0.5 1 0 damp": "Illegal fix deformable/friction damp",
+    "0.5 1 0 gn 2": "Fix rub .*: unknown word 'gn': .*'damp'.*'types'",
+    "0.5 1 0 types 1 1 0.1 1 0": "Illegal fix deformable/friction types",
+    "0.5 1 0 types 1 1 0.1 1 0 -2": "Fix rub .*: damp must be .*, not -2",
+    "0.5 1 0 types 1 3 0.1 1 0 0": "",
+}
+
+
+@pytest.mark.parametrize(("words", "message"), WRONG.items())
+def test_words(words, message, tmp_path):
+    with refuses(message):
+        Grains(PAIR, 1, words, tmp_path)
+
+
+RUNS = {
+    "respa": ("run_style respa 2 2 pair 1", "Fix rub .* run_style respa"),
+    "energy": ("fix_modify rub energy yes", "Fix rub .*'fix_modify rub energy yes'.*econserve"),
+    "no pair": ("pair_style zero 2\npair_coeff * *", "Fix rub .*deformable/ring.* zero"),
+}
+
+
+@pytest.mark.parametrize(("commands", "message"), RUNS.values(), ids=RUNS)
+def test_runs(commands, message, tmp_path):
+    scene = Grains(PAIR, 1, "0.5 1 0", tmp_path)
+    scene.run(commands)
+    scene.run("unfix shape\nuncompute pair")
+    with refuses(message):
+        scene.run("run 0")
+
+
+def test_time_step_too_long(tmp_path):
+    """The message names one that works."""
+    scene = Grains(PAIR, 1, "0.5 1 0.1 damp 0.1", tmp_path, dt=10)
+    with refuses("Fix rub .*: the time step 10 is too long .* mass 1: use .* or less") as error:
+        scene.run("run 0")
+    longest = float(str(error.value).split("use ")[1].split()[0])
+    # kt dt^2 + 2 gt dt = m/7 and 2 damp dt = m/2
+    assert longest == pytest.approx((-0.1 + np.sqrt(0.01 + 1 / 7)) / 1, abs=1e-3)
+    scene.run(f"timestep {0.99 * longest}\nrun 0")
+    # a pair that is not pressed any further swings with as long a step
+    scene.run("run 300 post no")
+    assert np.abs(scene.v).max() < 0.1
+
+
+def test_a_time_step_that_does_not_matter_to_minimizers(tmp_path):
+    Grains(PAIR, 1, "0.5 1 0", tmp_path, dt=10).run("minimize 0 1e-3 1 10")
+
+
+def test_sectors_stick(tmp_path):
+    (tmp_path / "species").write_text("# UNITS: lj\nring 1.0 1.0 inf\n")
+    coeff = f"pair_coeff * * {tmp_path / 'species'} ring"
+    commands = "fix rub all deformable/friction 0.5 1 0"
+    with refuses("Fix rub .*deformable/sector stick: use deformable/ring"):
+        Scene(
+            np.array(PAIR), ["ring"] * 2, BOX, "deformable/sector", coeff=coeff, commands=commands
+        ).energy()
+
+
+def said(folder, words, **options):
+    scene = Grains(PAIR, 1, "0.5 1 0", folder, log=folder / "log", **options)
+    scene.run("run 0 post no\nrun 0 post no")
+    scene.lmp.close()
+    return (folder / "log").read_text().count(words)
+
+
+def test_spins_that_do_not_turn_are_told_once(tmp_path):
+    assert said(tmp_path, "no fix turns the particles", move="fix move all nve") == 1
+    assert said(tmp_path, "no fix turns the particles") == 0
+
+
+def test_atoms_without_spins_translate(tmp_path):
+    """It is told once; forces are those of spins that are 0, and momentum is kept."""
+    (tmp_path / "species").write_text(SPECIES.format(radius=1))
+    scene = Scene(
+        np.array(PAIR), ["drop"] * 2, BOX, "deformable/ring", log=tmp_path / "log",
+        coeff=f"pair_coeff * * {tmp_path / 'species'} drop",
+        commands="fix rub all deformable/friction 0.2 1 0\nfix move all nve\ntimestep 0.02",
+    )  # fmt: skip
+    scene.run("velocity all set 0 0 0\nset atom 1 vy -0.1\nset atom 2 vy 0.1\nrun 100\nrun 1")
+    v = scene.gather("v", 3)
+    assert np.abs(v.sum(axis=0)).max() < 1e-16
+    assert scene.lmp.extract_fix("rub", 0, 1, 1) > 0
+    assert abs(v[1, 1]) < 0.1
+    scene.lmp.close()
+    assert (tmp_path / "log").read_text().count("have no spins") == 1
+
+
+def test_coefficients_by_type(tmp_path):
+    """types I J, ranges, and walls; the last words count."""
+    x = [[-0.98, 0], [0.98, 0]]
+    walls = "fix floor all deformable/wall plane 0 -0.98 0 1"
+    found = {}
+    for words in ("", " types * wall 0 1 0 0", " types 1 1 0 1 0 0 types 1 wall 0.1 1 0 0"):
+        scene = Grains(x, 1, "0.5 1 0" + words, tmp_path, commands=walls, dt=0.02)
+        scene.v = [[0.3, -0.2], [0.3, 0.2]]
+        scene.run("run 5")
+        rows = scene.rows
+        wall = rows[rows[:, 1] == 0]
+        pairs = rows[rows[:, 1] > 0]
+        found[words] = [np.abs(r[:, 6] / r[:, 5]).max() for r in (wall, pairs)]
+    least = 0.01
+    for (wall, pair), (most_wall, most_pair) in zip(
+        found.values(), [(0.5, 0.5), (0, 0.5), (0.1, 0)], strict=True
+    ):
+        assert min(least, most_wall) <= wall <= most_wall + 1e-14
+        assert min(least, most_pair) <= pair <= most_pair + 1e-14
+
+
+def test_groups(tmp_path):
+    """Both sides must be of the group."""
+    scene = Grains(PAIR, 1, "0.5 1 0", tmp_path, commands="group one id 1")
+    scene.run("unfix rub\nfix rub one deformable/friction 0.5 1 0\nrun 1")
+    assert scene.terms["contacts"] == 0
+
+
+def test_ids_stay(tmp_path):
+    scene = Grains(PAIR, 1, "0.5 1 0", tmp_path)
+    with refuses("reset_atoms id"):
+        scene.run("reset_atoms id")

@@ -1,0 +1,62 @@
+"""Friction beside other commands of LAMMPS, those that docs/works_with.md names."""
+
+import numpy as np
+import pytest
+from grains import Grains
+from test_friction import cloud
+
+NVE = "fix move all nve/sphere disc"
+COMMANDS = {
+    "fix nvt/sphere": ("fix move all nvt/sphere temp 0.002 0.002 10 disc", ""),
+    "fix langevin": (NVE, "fix bath all langevin 0.001 0.001 5 4711 omega yes\n"),
+    "fix viscous/sphere": (NVE, "fix drag all viscous/sphere 0.1\n"),
+    "fix freeze": (NVE, "group rest id 1 2 3\nfix rest rest freeze\n"),
+    "fix gravity": (NVE, "fix down all gravity 0.001 vector 0 -1 0\n"),
+    "fix deform": (NVE, "fix shear all deform 1 xy erate 0.01 remap v flip yes\n"),
+    "fix balance": (NVE, "comm_style tiled\nfix even all balance 10 1.0 rcb\n"),
+    "delete_atoms": (NVE, "group gone id 5 9\nrun 20\ndelete_atoms group gone\n"),
+    "minimize": (NVE, "run 20\nminimize 0 1e-9 3 10\n"),
+}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_beside(name, tmp_path):
+    """It runs, contacts rub and keep their bound, and spins begin to turn."""
+    move, commands = COMMANDS[name]
+    x, radii, v, _ = cloud()
+    box = {"box": (-6.5, 6.5, -6.5, 6.5)}
+    if name == "fix deform":
+        box["tilt"] = 0.0
+    scene = Grains(x, radii, "0.5 0.6 0.1 damp 0.1", tmp_path, v, move=move, dt=0.04, **box)
+    scene.run(f"{commands}fix plane all enforce2d\nrun 150")
+    terms, rows = scene.terms, scene.rows
+    assert terms["contacts"] == len(rows) > 0
+    assert (np.abs(rows[:, 6]) <= 0.5 * rows[:, 5] * (1 + 1e-12)).all()
+    assert terms["sliding"] > 1e-4
+    assert np.abs(scene.spin).max() > 1e-3
+    assert np.isfinite(scene.v).all()
+
+
+def test_frozen_particles_rest(tmp_path):
+    """Friction acts before fix freeze, as contacts do."""
+    x, radii, v, _ = cloud()
+    rest = np.where(np.arange(len(x)) < 3, 0, 1)[:, None] * v
+    words = COMMANDS["fix freeze"][1]
+    scene = Grains(x, radii, "0.5 0.6 0.1", tmp_path, rest, commands=words, dt=0.04)
+    scene.run("run 100")
+    assert np.abs(scene.v[:3]).max() == np.abs(scene.spin[:3]).max() == 0
+
+
+def test_beside_another_pair_style(tmp_path):
+    """The forces of the other style add up; energy and its losses balance."""
+    x, radii, v, spin = cloud()
+    scene = Grains(x, radii, "0.5 0.6 0.1 damp 0.1", tmp_path, v, spin, dt=0.01)
+    scene.run(
+        "pair_style hybrid/overlay deformable/ring radius atom lj/cut 1.0\n"
+        f"pair_coeff * * deformable/ring {tmp_path / 'species'} drop\n"
+        "pair_coeff * * lj/cut 0.001 0.8\nrun 0 post no"
+    )
+    before = scene.balance()
+    scene.run("run 400")
+    assert scene.terms["sliding"] > 1e-4
+    assert scene.balance() == pytest.approx(before, rel=1e-4)
