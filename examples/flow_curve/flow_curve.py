@@ -11,54 +11,35 @@ import math
 import deformable
 import matplotlib.pyplot as plt
 import numpy as np
-from lammps import lammps
-from mpi4py import MPI
 from scipy.optimize import curve_fit
 
 # Droplets keep their area and have a line tension of 1. Stresses are given in units of tension/R0,
-# rates in units of tension/(drag R0), with the mean radius R0 and the drag of in.flow.
+# rates in units of tension/(drag R0), with the mean radius R0.
 DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
 RADII, PHI, DRAG = (0.5, 0.7), 0.90, 5.0
 R0 = np.mean(RADII)
 
 RATES = (2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2)
-LIGHT = 0.25  # the fastest flow is repeated with this mass in the place of 1: it must not matter
 
 BEGIN, BLOCK = 1.0, 1.0  # strain where the mean begins, and of a block
 LONGER = 4.0  # fast runs cost less: they go up to this many times the strain of the slowest
-STEP = 0.01  # strain of a quasistatic step
+STEP = 0.01  # strain between states
 
 
 def prepare(number):
-    """A packing at rest, saved in a folder that LAMMPS reads."""
+    """A packing at rest, saved in a folder."""
     jammed = deformable.jam(deformable.bidisperse(number, radii=RADII, seed=1), DROPLETS, 1e-4)
     with deformable.Simulation(jammed.at(PHI), DROPLETS) as sim:
         sim.relax(1e-4).save("start")
 
 
-def flow(rate, mass, strain):
-    """Strain, stress and pressure of an emulsion that flows."""
-    name = f"rate_{rate:g}_mass_{mass:g}"
-    values = {"rate": rate, "mass": mass, "strain": strain, "drag": DRAG, "out": f"{name}.txt"}
-    values["dt"] = 0.04 * math.sqrt(mass)  # half of the longest stable step
-    words = [word for key, value in values.items() for word in ("-var", key, str(value))]
-    lmp = lammps(comm=MPI.COMM_SELF, cmdargs=["-screen", "none", "-log", f"{name}.log", *words])
-    lmp.file("in.flow")
-    lmp.close()
-    return np.loadtxt(f"{name}.txt").T[1:4]
-
-
-def quasistatic(strain):
-    """The same without a rate: small steps of strain, each relaxed."""
+def flow(rate, strain):
+    """Strain, stress and pressure of an emulsion that flows, or in relaxed steps at the rate 0."""
     with deformable.Run("start").simulation() as sim:
-        steps = round(strain / STEP)
-        states = deformable.shear(sim, strain, steps, tolerance=1e-4)
-        rows = [(-state.stress[0, 1], state.pressure) for state in states]
-    return np.vstack([STEP * np.arange(1, steps + 1), np.transpose(rows)])
-
-
-def run(rate, mass, strain):
-    return flow(rate, mass, strain) if rate else quasistatic(strain)
+        how = {"rate": rate, "friction": DRAG} if rate else {"tolerance": 1e-4}
+        states = deformable.shear(sim, strain, round(strain / STEP), **how)
+        rows = [(state.strain, -state.stress[0, 1], state.pressure) for state in states]
+    return np.transpose(rows)
 
 
 def blocks(strain, stress):
@@ -80,18 +61,19 @@ def herschel_bulkley(rate, yield_stress, factor, power):
 def fit(rates, stress, error):
     """Yield stress, factor and power, their standard errors, and chi^2 per degree of freedom."""
     start = (0.8 * stress.min(), 0.2, 0.5)
+    bounds = 0.0, (np.inf, np.inf, 1.0)
     found, covariance = curve_fit(
-        herschel_bulkley, rates, stress, start, error, absolute_sigma=True
+        herschel_bulkley, rates, stress, start, error, absolute_sigma=True, bounds=bounds
     )
     chi2 = np.sum(((herschel_bulkley(rates, *found) - stress) / error) ** 2)
     return found, np.sqrt(np.diag(covariance)), chi2 / (len(rates) - len(found))
 
 
 def results(data):
-    """Rates, mean stresses, errors and the fit, of what `run` has measured."""
-    heavy = [row for row in data["runs"] if row["rate"] and row["mass"] == 1.0]
-    rates = np.array([row["rate"] for row in heavy]) * DRAG * R0
-    stress, error = np.transpose([mean(row["blocks"]) for row in heavy])
+    """Rates, mean stresses, errors and the fit, of what `flow` has measured."""
+    flows = [row for row in data["runs"] if row["rate"]]
+    rates = np.array([row["rate"] for row in flows]) * DRAG * R0
+    stress, error = np.transpose([mean(row["blocks"]) for row in flows])
     return rates, stress, error, *fit(rates, stress, error)
 
 
@@ -105,8 +87,6 @@ def show(data):
     print(f"chi^2 {chi2:.2f}")
     (still,) = (row for row in data["runs"] if not row["rate"])
     print("quasistatic {:.4f} ± {:.4f}".format(*mean(still["blocks"])))
-    (light,) = (row for row in data["runs"] if row["mass"] != 1.0)
-    print("fastest, mass {} {:.4f} ± {:.4f}".format(light["mass"], *mean(light["blocks"])))
 
 
 def draw(data, slow, relaxed, file):
@@ -140,12 +120,12 @@ if __name__ == "__main__":
         options.error(f"--strain must be above {BEGIN + 2 * BLOCK:g}, for the means of two blocks")
     prepare(given.number)
     longer = [min(math.sqrt(rate / RATES[0]), LONGER) for rate in RATES]
-    calls = [(rate, 1.0, given.strain * more) for rate, more in zip(RATES, longer, strict=True)]
-    calls += [(RATES[-1], LIGHT, calls[-1][2]), (0.0, 1.0, given.strain)]
-    found = deformable.parallel_map(run, calls)
+    calls = [(rate, given.strain * more) for rate, more in zip(RATES, longer, strict=True)]
+    calls.append((0.0, given.strain))
+    found = deformable.parallel_map(flow, calls)
     runs = [
-        {"rate": rate, "mass": mass, "blocks": blocks(*curve[:2])}
-        for (rate, mass, _), curve in zip(calls, found, strict=True)
+        {"rate": rate, "blocks": blocks(*curve[:2])}
+        for (rate, _), curve in zip(calls, found, strict=True)
     ]
     data = {"number": given.number, "strain": given.strain, "runs": runs}
     with open("flow_curve.json", "w") as file:

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from ..common.errors import ParameterError
 from ..common.progress import progress
+from ..common.validate import count
 from ..engine.disks import Disks
 from ..engine.lammps import run
 from ..engine.simulation import Simulation
@@ -109,7 +110,8 @@ def _piece(
     sim: Simulation, dynamics: Dynamics, duration: float, course: str, state: State
 ) -> State:
     """The state after a flow with one time step, from the state before."""
-    steps = math.ceil(duration / (dynamics.timestep or dynamics.default_step(state)))
+    longest = dynamics.timestep or dynamics.default_step(state)
+    steps = count("number of time steps to a state", math.ceil(duration / longest))
     dynamics.check(state, duration / steps)
     straighten(sim)
     tilt = float(sim.box[1, 0])
