@@ -148,8 +148,9 @@ def compress_command(
 ) -> None:
     """Jam a random packing, or take one from a file, and compress it quasistatically.
 
-    Writes packing.data, summary.json, series.csv and trajectory.lammpstrj into the output folder
-    after each step, and packing.png at the end if matplotlib is installed.
+    Writes packing.data, summary.json, series.csv and trajectory.lammpstrj into the output folder,
+    for the packing before the first step and after each step, and packing.png at the end if
+    matplotlib is installed.
     """
     began = time.perf_counter()
     settings, given = _settings(context)

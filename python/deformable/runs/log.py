@@ -34,7 +34,8 @@ def log(
     of a record. Rank 0 writes.
 
     Args:
-        states: of `Simulation` or `Disks`, e.g. from `compress`.
+        states: of `Simulation` or `Disks`, e.g. from `compress`; what knows a state before is told
+            at `record`.
         path: of the file; folders are made if missing. A log there is replaced.
         append: go on with the log that is there, if any: frames are counted on, and half a row at
             its end is removed.

@@ -48,14 +48,14 @@ def record(
 ) -> Iterator[State]:
     """Write each state into a folder as it comes: an interrupted run loses nothing.
 
-    Frame 0 is the state before the first step of `compress`, `shear` or `move`.
+    Frame 0 is the state before the first step of a protocol.
 
         for state in deformable.record(deformable.compress(sim, 0.01, 10), "run"):
             print(state.phi)
 
     Args:
-        states: e.g. from `compress`; only what such a call returns, before any step, knows the
-            state before. Frame 0 of all other states is the first of them.
+        states: e.g. from `compress`. What protocols, `log` and `record` return knows the state
+            before, until its first step is asked for. Frame 0 of all other states is the first one.
         folder: made if missing; a run in it is replaced. `Run.append` goes on with it.
         parameters: anything that JSON can hold, for the summary.
 

@@ -52,10 +52,10 @@ class Run:
         for state in run:
             print(state.phi)
 
-    `len(run)` is the number of recorded states, `run[3]` and `run[-1]` are states, and `run[2:5]`
-    is a list of them. States are evaluated again from the recorded positions, with the law, radii
-    and walls that they had, and are never `stalled`. The files are read when they are needed. All
-    MPI ranks must ask for the same.
+    `len(run)` is the number of recorded states, `run[3]` and `run[-1]` are states, `run[0]` is the
+    one before the first step, and `run[2:5]` is a list of them. States are evaluated again from the
+    recorded positions, with the law, radii and walls that they had, and are never `stalled`. The
+    files are read when they are needed. All MPI ranks must ask for the same.
 
     Attributes:
         folder: of the run.
