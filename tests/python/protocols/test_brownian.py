@@ -31,8 +31,8 @@ def test_contacts_have_their_share_of_energy(dense: deformable.Packing) -> None:
     with deformable.Simulation(dense, deformable.Ring(contact="radical")) as sim:
         lowest = sim.relax(1e-8)
         assert not lowest.rattlers.any()
-        states = list(move(sim, 24_000, None, temperature, 1.0, every=50, seed=1, inertia=False))
-    share = np.array([state.energy - lowest.energy for state in states[80:]])
+        states = list(move(sim, 16_000, None, temperature, 1.0, every=50, seed=1, inertia=False))
+    share = np.array([state.energy - lowest.energy for state in states[20:]])
     share /= (len(dense) - 1) * temperature
     blocks = share.reshape(20, -1).mean(axis=1)
     error = blocks.std(ddof=1) / np.sqrt(20)

@@ -38,7 +38,7 @@ def test_the_box_moves_by_the_stress_that_contacts_do_not_bear(rest: deformable.
     """d(strain)/dt = (stress - sigma)/viscosity, by the trapezium rule."""
     stress, viscosity = 1e-4, 3.0
     with deformable.Simulation(rest, rest.law) as sim:
-        motion = creep(sim, stress, 3000.0, 300, friction=1.0, viscosity=viscosity)
+        motion = creep(sim, stress, 1500.0, 150, friction=1.0, viscosity=viscosity)
         states = [motion.start(), *motion]
     rate = np.array([stress + state.stress[0, 1] for state in states]) / viscosity
     strain = np.trapezoid(rate, [state.time for state in states])
@@ -50,9 +50,9 @@ def test_a_large_stress_makes_it_flow_through_flips(rest: deformable.State) -> N
     with deformable.Simulation(rest.packing.at(0.3), rest.law) as sim:
         start = sim.relax().packing
         (lx, _), (tilt, ly) = start.box
-        states = list(creep(sim, 1e-3, 3000.0, 3, friction=1.0))
+        states = list(creep(sim, 1e-3, 1200.0, 3, friction=1.0))
         assert sim.strain == states[-1].strain
-    assert states[-1].strain == pytest.approx(3.0, rel=0.1)
+    assert states[-1].strain == pytest.approx(1.2, rel=0.1)
     for state in states:
         turns = (tilt + state.strain * ly - state.packing.box[1, 0]) / lx
         assert turns == pytest.approx(round(turns), abs=1e-9)
