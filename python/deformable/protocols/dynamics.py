@@ -10,6 +10,7 @@ import numpy as np
 
 from ..common.errors import LammpsError, ParameterError
 from ..common.validate import positive, whole, zero_or_more
+from ..engine.followed import rub_and_spin
 from ..engine.lammps import gather, place, run
 from ..engine.simulation import Simulation
 from ..model.laws import Sector
@@ -114,8 +115,8 @@ class Dynamics:
             "leave it out"
         )
 
-    def commands(self, seed: int) -> str:
-        """Commands that define the fixes."""
+    def commands(self, seed: int, spins: bool = False) -> str:
+        """Commands that define the fixes; `spins`: whether particles turn."""
         temperature = self.temperature or 0.0
         if not self.inertia:
             rng = "gaussian" if temperature else "none"  # and it wants a temperature then too
@@ -125,7 +126,7 @@ class Dynamics:
         elif self.friction:
             mover = _BATH.format(temperature=temperature, time=1.0 / self.friction, seed=seed)
         else:
-            mover = "fix deformable_move all nve"
+            mover = "fix deformable_move all nve" + "/sphere disc" * spins
         parts = [mover, "fix deformable_plane all enforce2d"]
         if self.persistence is not None:
             values = {"force": self.drive, "persistence": self.persistence, "seed": seed}
@@ -168,10 +169,17 @@ def moving(sim: Simulation, dynamics: Dynamics, seed: int) -> Iterator[None]:
     """The fixes of a motion, in LAMMPS until its end.
 
     Raises:
-        ParameterError: another motion has not ended.
+        ParameterError: another motion has not ended; or contacts rub that should turn particles,
+            but these move against a friction.
     """
     refuse_second_motion(sim)
-    lmp, fixes = sim.lmp, dynamics.commands(seed)
+    lmp, spins = sim.lmp, rub_and_spin(sim.lmp)
+    if spins and dynamics.friction:
+        raise ParameterError(
+            "the contacts rub (fix deformable/friction), but particles that move against a "
+            "friction do not turn: leave it out, or add 'fix viscous/sphere' to sim.lmp instead"
+        )
+    fixes = dynamics.commands(seed, spins)
     run(lmp, fixes)
     if dynamics.persistence is not None and sim.directions is not None:
         place(lmp, _DIRECTIONS, sim.directions)

@@ -209,7 +209,7 @@ class PairDeformable : public Pair {
   void check_own_images(const deformable::BlockParticle &);
 
   struct {
-    double definition, walls, exclusions, forces_of_motion;
+    double definition, walls, friction, exclusions, forces_of_motion;
   } asked{};    // for extract
 
   ParticleResults results;

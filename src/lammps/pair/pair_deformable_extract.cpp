@@ -3,6 +3,7 @@
 
 #include "pair_deformable.h"
 
+#include "friction/fix_deformable_friction.h"
 #include "walls/fix_deformable_wall.h"
 
 #include "fix.h"
@@ -31,6 +32,11 @@ void *PairDeformable::extract(const char *name, int &dim)
     asked.walls = static_cast<double>(modify->get_fix_by_style(FixDeformableWall::STYLE).size());
     return &asked.walls;
   }
+  if (!strcmp(name, "friction")) {
+    asked.friction =
+        static_cast<double>(modify->get_fix_by_style(FixDeformableFriction::STYLE).size());
+    return &asked.friction;
+  }
   if (!strcmp(name, "exclusions")) {
     asked.exclusions = neighbor->exclude;
     return &asked.exclusions;
@@ -39,8 +45,9 @@ void *PairDeformable::extract(const char *name, int &dim)
   if (!strcmp(name, "forces of motion")) {
     asked.forces_of_motion = 0.0;
     for (int n = modify->nfix - 1; n >= 0; --n) {
-      const bool passed =
-          modify->fmask[n] & FixConst::POST_FORCE && !(modify->fmask[n] & FixConst::MIN_POST_FORCE);
+      const int mask = modify->fmask[n];
+      const bool passed = (mask & FixConst::POST_FORCE && !(mask & FixConst::MIN_POST_FORCE)) ||
+                          (mask & FixConst::PRE_REVERSE && !(mask & FixConst::MIN_PRE_REVERSE));
       if (passed && !utils::strmatch(modify->fix[n]->id, "^deformable_"))
         asked.forces_of_motion = n + 1.0;
     }

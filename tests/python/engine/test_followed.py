@@ -124,6 +124,7 @@ def test_particles_of_atom_style_sphere_need_a_mass(tmp_path: Path) -> None:
     [
         ("fix w all deformable/wall plane 0 0 0 1", "walls"),
         ("neigh_modify exclude type 1 1", "excluded pairs"),
+        ("fix rub all deformable/friction 0.5 1 0", "friction of contacts"),
     ],
 )
 def test_what_is_not_saved_is_named(commands: str, named: str, tmp_path: Path) -> None:
