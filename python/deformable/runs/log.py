@@ -56,8 +56,8 @@ def log(
         raise ParameterError(f"path must name a file, such as log.csv, not {str(path)!r}")
     check_columns(columns, ())
     refuse_foreign(path)
-    first, start = _whole_rows(path) if append else 0, start_of(states)
-    return Steps("log", _logged(states, start, path, first, columns), start)
+    start = start_of(states)
+    return Steps("log", _logged(states, start, path, append, columns), start)
 
 
 def _whole_rows(path: Path) -> int:
@@ -70,28 +70,30 @@ def _logged(
     states: Iterable[S],
     start: Callable[[], S | None],
     path: Path,
-    first: int,
+    append: bool,
     columns: Mapping[str, Column],
 ) -> Iterator[S]:
-    """Write the rows after the first ones."""
-    before = start() if first == 0 else None
-    for number, state in enumerate(chain([before] if before else [], states), start=first):
+    """Write the rows. Only the rank that writes knows how many there are already."""
+    before, number = start(), -1
+    for state in chain([before] if before else [], states):
         expect("a state that is logged", state, State, DiskState)
         numbers = state.numbers()
         check_columns(columns, numbers)
         row = numbers | {name: column(state) for name, column in columns.items()}
         if getattr(state, "root", world().rank == 0):
-            if number == first:
-                _begin(path, first, ["frame", *row])
-            append_row(path, number, row)
+            if number < 0:
+                number = _begin(path, append, ["frame", *row])
+            if number == 0 or state is not before:
+                append_row(path, number, row)
+                number += 1
         if state is not before:
             yield state
 
 
-def _begin(path: Path, first: int, columns: list[str]) -> None:
-    """Keep the first rows of a log, if it has these columns."""
+def _begin(path: Path, append: bool, columns: list[str]) -> int:
+    """Keep the complete rows of a log to go on with, if it has these columns; their number."""
     make_folder(path.parent)
-    former = columns_in(path)
+    first, former = _whole_rows(path) if append else 0, columns_in(path)
     if first and set(former) != set(columns):
         differ = ", ".join(sorted({*former} ^ {*columns}))
         raise FileError(
@@ -99,3 +101,4 @@ def _begin(path: Path, first: int, columns: list[str]) -> None:
             "file"
         )
     keep_rows(path, first)
+    return first

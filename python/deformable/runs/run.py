@@ -161,7 +161,7 @@ class Run:
         """Go on with the run: as `record`, behind the states that it has."""
         expect_states(states, parameters)
         parameters, start = {**(parameters or {}), **self._before()}, start_of(states)
-        written = write(states, self.folder, parameters, len(self), start)
+        written = write(states, self.folder, parameters, len(self._numbers()), start)
         return Steps("append", written, start)
 
     def compress(

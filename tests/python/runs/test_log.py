@@ -63,13 +63,14 @@ import deformable
 start = deformable.jam(deformable.bidisperse(16, seed=1))
 sim = deformable.Simulation(start, deformable.Ring())
 for _ in range(2):
-    list(deformable.log(deformable.compress(sim, 0.002, 2), "log.csv", append=True))
+    steps = deformable.compress(sim, 0.01, 1, tolerance=0.01)
+    list(deformable.log(steps, "log.csv", append=True))
 """
 
 
 def test_one_rank_writes(tmp_path: Path) -> None:
     python(SCRIPT, cwd=tmp_path, ranks=2)
-    assert [row["frame"] for row in rows(tmp_path / "log.csv")] == ["0", "1", "2", "3", "4"]
+    assert [row["frame"] for row in rows(tmp_path / "log.csv")] == ["0", "1", "2"]
 
 
 def test_what_cannot_be_a_log(state: deformable.State, tmp_path: Path) -> None:
