@@ -63,8 +63,9 @@ def test_an_exception_ends_a_relaxation_at_rest(dense: deformable.Packing) -> No
         assert sim.relax().residual <= 1e-6
 
 
-@pytest.mark.parametrize("law", [None, deformable.Ring()], ids=["disks", "rings"])
-@pytest.mark.parametrize("box", ["size", "sides"])
+@pytest.mark.parametrize(
+    ("law", "box"), [(None, "size"), (deformable.Ring(), "size"), (None, "sides")], ids=str
+)
 def test_jamming_is_seen(law: deformable.Ring | None, box: str) -> None:
     loose = deformable.bidisperse(8, seed=2)
     seen: list[Iteration] = []
