@@ -76,6 +76,9 @@ def test_droplets_of_unequal_sizes_are_as_stiff_as_equal_ones() -> None:
     assert tensors[1] == pytest.approx(tensors[0], rel=1e-8, abs=1e-8)
     moved = other.nonaffine(same)
     assert np.abs(moved - moved.mean(axis=0)).max() > 0.02
+    straight = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
+    perpendicular = crystals.relaxed(other.packing, straight)  # its lines do not turn
+    assert 1e-3 < perpendicular.pressure / same.pressure - 1.0 < 1e-2
 
 
 @every_law

@@ -24,7 +24,6 @@ LAWS = {
     "soft rings": deformable.Ring(kA=1.0, kP=0.1, contact="curved"),
     "droplets": deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved"),
 }
-
 # The spread eta of the sizes goes up, and then down.
 UP = tuple(n / 100 for n in (0, 1, 2, 5, 10, 15, 20, 25, *range(30, 52, 3), 55, 60))
 DOWN = (0.5, 0.4, 0.3, 0.2, 0.1, 0.0)
@@ -47,17 +46,15 @@ QUICK = {
 FULL = {
     "ramps": [
         (law, number, phi, seed)
-        for number, phi, seeds in (
-            (1024, 0.94, range(1, 5)),
-            (256, 0.94, range(1, 9)),
-            (256, 0.97, range(1, 9)),
-            (256, 0.92, range(1, 9)),
-            (256, 0.99, range(1, 9)),
-            (1024, 0.94, range(5, 9)),
-            (4096, 0.94, range(1, 3)),
+        for number, phi, packings, laws in (
+            (1024, 0.94, 4, LAWS),
+            (256, 0.92, 4, LAWS),
+            (256, 0.94, 8, LAWS),
+            (256, 0.97, 4, LAWS),
+            (256, 0.99, 2, ("disks", "rings")),  # its steps of eta leave droplets no room
         )
-        for seed in seeds
-        for law in LAWS
+        for seed in range(1, packings + 1)
+        for law in laws
     ],
     "compressions": list(itertools.product(LAWS, (144,), SPREADS, range(1, 5))),
     "impurities": list(itertools.product(LAWS, (64, 256, 1024, 4096), (0.94,))),
