@@ -4,7 +4,9 @@ Run as a script, this writes the tables of the results into the page.
 """
 
 import importlib.util
+import re
 import shutil
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +31,7 @@ KNOWN = 1e-3
 
 def test_small_run(tmp_path: Path) -> None:
     """The rows on record near the onset, and confluence; in between packings rearrange."""
-    for script in ("foam_or_particles.py", "fits.py"):
+    for script in ("foam_or_particles.py", "fits.py", "picture.py"):
         shutil.copy(FOLDER / script, tmp_path)
     laws = ("foam", "elastic rings", "disks")
     options = ("--number", "32", "--seeds", "2", "--workers", "1", "--laws", *laws)
@@ -53,3 +55,117 @@ def test_small_run(tmp_path: Path) -> None:
             assert np.abs(excess - before).max() < 1e-5
         if "foam" in row["law"]:
             assert row["coordination"][-1] == pytest.approx(6.0, abs=1e-9)
+
+
+FILES = [FOLDER / f"rows_{number}.json" for number in (512, 64)]
+ROWS = fits.read(FILES)
+FOAM = fits.chosen(ROWS, "foam", 512)
+TABLES = (fits.laws_table, fits.equal_table, fits.costs_table)
+OF_FOAM = (fits.windows_table, fits.thresholds_table, fits.states_table)
+
+
+@cache
+def tables() -> list[list[str]]:
+    return [list(of(ROWS)) for of in TABLES] + [list(of(FOAM)) for of in OF_FOAM]
+
+
+def test_it_is_an_ensemble() -> None:
+    for law in fits.LAWS:
+        packings = fits.chosen(ROWS, law, 512)
+        assert [row["seed"] for row in packings] == list(range(1, 9))
+    for row in ROWS:
+        assert max(row["residual"]) < 1e-6
+    # all laws start from the same packings
+    for onsets in zip(*(fits.chosen(ROWS, law, 512) for law in ("foam", "disks")), strict=True):
+        assert onsets[0]["phi_J"] == onsets[1]["phi_J"]
+
+
+@pytest.mark.parametrize("number", range(len(TABLES) + len(OF_FOAM)))
+def test_page_has_the_tables(number: int) -> None:
+    assert "\n".join(tables()[number]) in PAGE.read_text()
+
+
+def of_law(law: str, shape: str = "sum") -> tuple[np.ndarray, np.ndarray, float]:
+    return fits.fit(fits.chosen(ROWS, law, 512), shape)
+
+
+def shear_modulus(law: str) -> np.ndarray:
+    return fits.column(fits.chosen(ROWS, law, 512), "shear_modulus")
+
+
+@cache
+def sentences() -> list[str]:
+    """What the text says in numbers."""
+    (a, b), (da, db), chi2 = of_law("foam")
+    line, free = (fits.short(of_law("foam", shape)[2]) for shape in ("line", "free line"))
+    (_, of_disks), (_, error), _ = of_law("disks")
+    x = fits.mean(fits.excess_phi(FOAM))
+    near = (x > 1.5e-3) & (x < 0.026)
+    ratio = fits.mean(shear_modulus("foam"))[near] / np.sqrt(x[near])
+    dense = [
+        fits.with_error(fits.mean(g)[-1], fits.error_of(g)[-1])
+        for g in map(shear_modulus, ("foam", "straight films"))
+    ]
+    seconds = sum(row["seconds"] for row in ROWS if row["number"] == 512)
+    rings = sum(row["seconds"] for row in fits.chosen(ROWS, "elastic rings", 512))
+    return [
+        f"a = {fits.with_error(a, da)} and b = {fits.with_error(b, db)}.",
+        f"is {fits.short(chi2)}, against {line} of a line, and {free} of a line with an onset",
+        f"of disks b = {fits.with_error(of_disks, error)}.",
+        f"G over sqrt(x) is {min(ratio):.2f} to {max(ratio):.2f} from x = 1.6e-3 to 0.025",
+        f"G at phi = 0.99 is {dense[0]}, of a hexagonal array of equal droplets 0.522",
+        f"Straight films have {dense[1]} there",
+        f"took {seconds / 60:.0f} minutes of processor time",
+        f"would take {rings * 100 / 3600:.0f} hours",
+    ]
+
+
+@pytest.mark.parametrize("number", range(8))
+def test_page_has_the_numbers(number: int) -> None:
+    assert sentences()[number] in " ".join(PAGE.read_text().split())
+
+
+def test_no_law_is_a_line() -> None:
+    for law in fits.LAWS:
+        for window in fits.WINDOWS:
+            chi2 = {
+                shape: fits.fit(fits.chosen(ROWS, law, 512), shape, window)[2]
+                for shape in fits.SHAPES
+            }
+            assert chi2["line"] > 10.0 * chi2["sum"], (law, window)
+            assert chi2["free line"] > 3.0 * chi2["sum"], (law, window)
+
+
+def test_straight_films_have_the_same_contacts_and_disks_have_fewer() -> None:
+    (foam, errors, _), (straight, others, _), (disks, less, _) = map(
+        of_law, ("foam", "straight films", "disks")
+    )
+    assert (np.abs(foam - straight) < np.hypot(errors, others)).all()
+    assert foam[1] - disks[1] > 2.0 * np.hypot(errors[1], less[1])
+    dense = [fits.mean(fits.excess(fits.chosen(ROWS, law, 512)))[-5] for law in ("foam", "disks")]
+    assert dense[0] / dense[1] == pytest.approx(1.5, abs=0.05)
+
+
+def test_missed_contacts_look_like_a_line() -> None:
+    chi2 = {shape: fits.fit(FOAM, shape, threshold=0.1)[2] for shape in fits.SHAPES}
+    assert min(chi2, key=chi2.__getitem__) == "free line"
+    assert fits.fit(FOAM, "sum", threshold=0.1)[0][0] < 0.0
+
+
+def test_small_packings_at_equal_phi_look_like_a_line() -> None:
+    for law, line, root in (("foam", True, False), ("disks", True, True)):
+        packings = fits.chosen(ROWS, law, 64)
+        assert (fits.at_equal_phi(packings, fits.line)[2] < 4.0) == line
+        assert (fits.at_equal_phi(packings, fits.root)[2] < 4.0) == root
+
+
+def write() -> None:
+    """Replace the tables of the page that have the same first lines."""
+    text = PAGE.read_text()
+    for lines in tables():
+        text = re.sub(re.escape(lines[0]) + r"\n(\|.*\n)*", "\n".join(lines) + "\n", text)
+    PAGE.write_text(text)
+
+
+if __name__ == "__main__":
+    write()

@@ -1,6 +1,6 @@
-"""Fits with errors, the tables and the picture of what foam_or_particles.py has measured.
+"""Fits with errors, and the tables, of what foam_or_particles.py has measured.
 
-python fits.py rows_512.json rows_2048.json
+python fits.py rows_512.json rows_64.json
 
 With x = phi - phi_J and the shapes a sqrt(x), b x and a sqrt(x) + b x.
 """
@@ -10,14 +10,18 @@ import math
 import sys
 
 import deformable
-import matplotlib.pyplot as plt
 import numpy as np
+from deformable.studies.ensemble.packings import before_rearrangement
+from scipy.optimize import curve_fit
 
 LAWS = ("foam", "foam, wetted", "straight films", "elastic rings", "stiff rings", "disks")
-THRESHOLDS = (0.0, 1e-3, 1e-2, 0.03, 0.1, 0.2, 0.3)  # as in foam_or_particles.py
+THRESHOLDS = (0.0, 1e-3, 1e-2, 0.03, 0.1, 0.2, 0.3)  # of the mean contact force
 SHOWN = THRESHOLDS[:5]  # above them too few contacts are left for a network near the onset
 WINDOW = (2e-4, 0.05)  # of x
+CLOSE = 0.007  # x up to which the onset of a packing must be known well
 WINDOWS = ((2e-4, 5e-3), (2e-4, 0.02), WINDOW, (2e-4, 0.12), (1e-3, 0.05), (5e-3, 0.12))
+EQUAL = np.arange(0.83, 0.9001, 0.005)  # phi at which packings are averaged for comparison
+
 # Powers of x. The last shape is a line with an onset of its own.
 SHAPES = {"sum": (0.5, 1.0), "root": (0.5,), "line": (1.0,), "free line": (1.0, 0.0)}
 
@@ -141,7 +145,7 @@ def laws_table(rows):
     """Fits of each law and size in the window."""
     heads = ("law", "N", "packings", "phi_J", *FITS)
     lines = []
-    for number in sorted({row["number"] for row in rows}):
+    for number in dict.fromkeys(row["number"] for row in rows):
         for law in LAWS:
             packings = chosen(rows, law, number)
             if packings:
@@ -152,7 +156,31 @@ def laws_table(rows):
 
 def windows_table(packings):
     lines = [[f"{low:g} to {high:g}", *of_fits(packings, (low, high))] for low, high in WINDOWS]
+    lines.append([f"{WINDOW[0]:g} to {WINDOW[1]:g}, unbroken", *of_fits(unbroken(packings))])
     return table(("x", *FITS), lines)
+
+
+def unbroken(packings):
+    """The packings without what follows a rearrangement up to x = 0.007: it has another onset.
+
+    There the pressure leaves the integral of the bulk modulus by a quarter.
+    """
+    found = []
+    names = ("phi", "pressure", "bulk_modulus")
+    for packing in packings:
+        states = [
+            dict(zip(names, values, strict=True), seed=packing["seed"])
+            for values in zip(*(packing[name] for name in names), strict=True)
+        ]
+        x = excess_phi([packing])[0]
+        series = [state | {"excess_phi": at} for state, at in zip(states, x, strict=True)]
+        known = (np.arange(len(x)) < len(before_rearrangement(series))) | (x > CLOSE)
+        z = [
+            each if kept else None
+            for each, kept in zip(packing["coordination"], known, strict=True)
+        ]
+        found.append(packing | {"coordination": z})
+    return found
 
 
 def thresholds_table(packings):
@@ -177,6 +205,57 @@ def states_table(packings):
     return table(heads, lines)
 
 
+def at_equal_phi(packings, shape):
+    """Fit to the mean z of the packings that are rigid at the same phi, and chi^2.
+
+    Shapes are functions of phi and of two coefficients, the second of which is phi at the onset.
+    """
+    rigid = [np.isfinite(column([packing], "coordination")[0]) for packing in packings]
+    z = np.array(
+        [
+            np.interp(
+                EQUAL,
+                *(column([packing], name)[0][kept] for name in ("phi", "coordination")),
+                np.nan,
+            )
+            for packing, kept in zip(packings, rigid, strict=True)
+        ]
+    )
+    kept = np.isfinite(z).sum(axis=0) >= 3
+    error = error_of(z, 2.0 / packings[0]["number"])[kept]
+
+    def coefficients(some):
+        return curve_fit(shape, EQUAL[kept], mean(some)[kept], (10.0, 0.83), error)[0]
+
+    found, errors = deformable.jackknife(lambda some: coefficients(np.array(some)), z)
+    deviation = (shape(EQUAL[kept], *found) - mean(z)[kept]) / error
+    return found, errors, np.sum(deviation**2) / (kept.sum() - 2)
+
+
+def line(phi, slope, onset):
+    return 4.0 + slope * (phi - onset)
+
+
+def root(phi, factor, onset):
+    return 4.0 + factor * np.sqrt(np.maximum(phi - onset, 0.0))
+
+
+def equal_table(rows):
+    """Packings averaged at equal phi, by law and size."""
+    heads = ("law", "N", "packings", "spread of phi_J", "slope", "onset", "chi^2", "of a root")
+    lines = []
+    for number in dict.fromkeys(row["number"] for row in rows):
+        for law in LAWS:
+            packings = chosen(rows, law, number)
+            if len(packings) > 2:
+                spread = f"{np.std([row['phi_J'] for row in packings], ddof=1):.4f}"
+                found, errors, chi2 = at_equal_phi(packings, line)
+                terms = [with_error(*term) for term in zip(found, errors, strict=True)]
+                other = short(at_equal_phi(packings, root)[2])
+                lines.append([law, number, len(packings), spread, *terms, short(chi2), other])
+    return table(heads, lines)
+
+
 SHARES = ("3", "4", "5", "6", "7 and more")
 
 
@@ -197,7 +276,7 @@ def shares(packings):
 def costs_table(rows):
     """Processor time of a packing, and of a particle in an iteration of the minimizer."""
     lines = []
-    for number in sorted({row["number"] for row in rows}):
+    for number in dict.fromkeys(row["number"] for row in rows):
         for law in LAWS:
             packings = chosen(rows, law, number)
             if packings:
@@ -218,6 +297,7 @@ def page(rows):
         laws_table(rows),
         windows_table(first),
         thresholds_table(first),
+        equal_table(rows),
         states_table(first),
         costs_table(rows),
     ):
@@ -225,63 +305,9 @@ def page(rows):
         yield ""
 
 
-def draw(rows, file):
-    """z - z_iso of the laws and of foam above thresholds, moduli, and numbers of contacts."""
-    number = rows[0]["number"]
-    laws = [law for law in LAWS if len(chosen(rows, law, number)) > 1]
-    foam = chosen(rows, laws[0], number)
-    figure, axes = plt.subplots(2, 3, figsize=(14, 8), layout="constrained")
-    (one, two, three), (four, five, six) = axes
-    for law in laws:
-        packings = chosen(rows, law, number)
-        x, z, error = mean(excess_phi(packings)), *means(packings, 0.0)
-        one.errorbar(x, z, error, fmt="o", ms=3, label=law)
-        two.errorbar(np.sqrt(x), z / np.sqrt(x), error / np.sqrt(x), fmt="o-", ms=3, lw=0.6)
-    line = np.geomspace(1e-4, 0.1, 100)
-    for shape, style in (("sum", "-"), ("root", ":"), ("line", "--")):
-        found, _, _ = fit(foam, shape)
-        z = sum(a * line**power for a, power in zip(found, SHAPES[shape], strict=True))
-        one.loglog(line, z, "k" + style, lw=1, label=f"{laws[0]}, {shape}")
-    one.set(xlabel=r"$x = \phi - \phi_J$", ylabel=r"$z - z_\mathrm{iso}$", ylim=(0.01, 3.0))
-    two.set(ylabel=r"$(z - z_\mathrm{iso})/\sqrt{x}$", title="a root is level, a sum a line")
-    for threshold in SHOWN:
-        x, z, error = mean(excess_phi(foam)), *means(foam, threshold)
-        label = f"{threshold:g} of the mean force"
-        three.errorbar(np.sqrt(x), z / np.sqrt(x), error / np.sqrt(x), fmt="o-", ms=3, label=label)
-    three.set(title=f"{laws[0]}: contacts that bear more than")
-    for axes in (two, three):
-        axes.set(xlabel=r"$\sqrt{x}$", ylim=(-4.0 if axes is three else 0.0, 8.0))
-    for law, marker in (("foam", "o"), ("straight films", "x")):
-        packings = chosen(rows, law, number)
-        for name, color in (("bulk_modulus", "C0"), ("shear_modulus", "C1"), ("pressure", "C2")):
-            if packings:
-                x, y = mean(excess_phi(packings)), column(packings, name)
-                label = f"{name.replace('_', ' ')}, {law}"
-                style = {"fmt": marker, "ms": 4, "color": color, "label": label}
-                four.errorbar(x, mean(y), error_of(y), **style)
-                if name == "shear_modulus":
-                    phi = mean(column(packings, "phi"))
-                    five.errorbar(phi, mean(y), error_of(y), **style)
-    dense = np.linspace(0.9069, 0.995)
-    five.plot(dense, np.sqrt(np.sqrt(3) / (2 * np.pi) * dense), "k--", label="hexagonal array")
-    four.set(xscale="log", yscale="log", xlabel=r"$x$", ylabel=r"[$\gamma/R_0$]", ylim=(1e-4, None))
-    five.set(xlabel=r"$\phi$", ylabel=r"shear modulus [$\gamma/R_0$]")
-    phi, shared = mean(column(foam, "phi")), mean(shares(foam))
-    rest = (1.0 - shared[:, :1]) * shared[:, 1:]
-    six.stackplot(phi, shared[:, 0], *rest.T, labels=("rattlers", *SHARES), alpha=0.8)
-    six.set(xlabel=r"$\phi$", ylabel=f"part of the particles, {laws[0]}", ylim=(0, 1))
-    six.set_xlim(phi[0], phi[-1])
-    for axes in (one, three, four, five):
-        axes.legend(frameon=False, fontsize=8)
-    six.legend(fontsize=8, loc="lower right", title="contacts")
-    figure.savefig(file, dpi=80)
-
-
 def read(files):
     return [row for name in files for row in json.loads(open(name).read())]
 
 
 if __name__ == "__main__":
-    rows = read(sys.argv[1:])
-    print(*page(rows), sep="\n")
-    draw(rows, sys.argv[1].replace("rows", "foam_or_particles").replace(".json", ".png"))
+    print(*page(read(sys.argv[1:])), sep="\n")

@@ -1,6 +1,6 @@
 """Foam or soft particles? How many contacts packings gain above the onset of jamming, by law.
 
-python foam_or_particles.py --number 32 --seeds 3      half a minute
+python foam_or_particles.py --number 32 --seeds 2      ten seconds
 python foam_or_particles.py                            512 particles in 8 packings: the page's
 python foam_or_particles.py --number 2048 --seeds 2 --laws foam
 """
@@ -14,6 +14,7 @@ import warnings
 import deformable
 import fits
 import numpy as np
+import picture
 
 RADII = (0.5, 0.7)
 R0 = float(np.mean(RADII))
@@ -36,7 +37,6 @@ TOLERANCE = 1e-6  # largest force on a particle over the mean contact force
 NEAR = 10.0 ** np.arange(-4.0, -0.9, 0.2)  # phi - phi_J, five a decade
 PRESSURES = 10.0 ** np.arange(-0.4, -4.1, -0.2)  # of the way back, about phi - phi_J
 DENSE = (0.95, 0.96, 0.97, 0.98, 0.99)  # phi
-THRESHOLDS = (0.0, 1e-3, 1e-2, 0.03, 0.1, 0.2, 0.3)  # of the mean contact force
 MOST = 12  # contacts that are counted
 
 
@@ -89,7 +89,7 @@ def row(state, unit):
         "phi": state.phi,
         "pressure": state.pressure / unit,
         "coordination": state.coordination if rigid else math.nan,
-        "excess": [state.excess_coordination(t) if rigid else math.nan for t in THRESHOLDS],
+        "excess": [state.excess_coordination(t) if rigid else math.nan for t in fits.THRESHOLDS],
         "degrees": np.bincount(state.network_degree, minlength=MOST + 1)[: MOST + 1].tolist(),
         "bulk_modulus": bulk,
         "shear_modulus": shear,
@@ -136,7 +136,7 @@ def main():
             "[" + ",\n".join(json.dumps(each, separators=(",", ":")) for each in rows) + "]\n"
         )
     print(*fits.page(rows), sep="\n")
-    fits.draw(rows, f"foam_or_particles_{given.number}.png")
+    picture.draw(rows, f"foam_or_particles_{given.number}.png")
 
 
 if __name__ == "__main__":
