@@ -33,7 +33,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list,
   } else if (begins_to_stick) {
     near.build(p, false);
     arrange(p, false);
-  } else if (p.radii_vary || p.new_material) {
+  } else if (p.radii_vary || p.new_material || p.materials->vary()) {
     set_material(p);
   }
   int wrong = near.locate(p);

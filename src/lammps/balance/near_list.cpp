@@ -27,6 +27,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
     find_order(p);
   }
   remote_sides.to_ghosts(bulge);
+  find_softness(p);
   pairs.sticks = p.films != nullptr;
   if (pairs.sticks) {
     p.films->who_knows(knows_films);
@@ -210,25 +211,43 @@ void NearList::add_walls(const DeformableParticles &p, bool new_list, const Know
 }
 
 // A pair alone bears o^3/2 G(0)^2 (k_i^(-1/3) + k_j^(-1/3))^3 with the stiffnesses k of small loads. With a tension,
-// the force is linear: k is that of a ring which bears as much at an indentation of TYPICAL radii.
+// the force is linear: k is that of a ring which bears as much at an indentation of TYPICAL radii. This is k^(-1/3).
+static double softness_of(double r, const deformable::Stiffness &k)
+{
+  constexpr double TYPICAL = 0.05;
+  const double a = TYPICAL * r;
+  if (k.tension > 0.0)    // f = p a/G(0)
+    return a / std::cbrt(2.0 * deformable::GREEN_AT_ZERO * k.rest_pressure(r) * a);
+  return 1.0 / std::cbrt(deformable::area_stiffness(r, k));
+}
+
+void NearList::find_softness(const DeformableParticles &p)
+{
+  softness.clear();
+  const Materials &m = *p.materials;
+  if (!m.vary()) {
+    for (int type = 0; type <= atom->ntypes; ++type) {
+      const Species &s = m.species[type];
+      softness.push_back(s.radius == 0.0 ? 0.0 : softness_of(s.radius - s.skin, s.stiffness));
+    }
+    return;
+  }
+  for (int i = 0; i < atom->nlocal; ++i) {
+    const Species &s = m.species_of(i);
+    const double r = p.radius[i] - s.skin;
+    softness.push_back(s.radius == 0.0 ? 0.0 : softness_of(r, m.stiffness_of(i, r)));
+  }
+  remote_sides.to_ghosts(softness);
+}
+
 void NearList::set_constants(const DeformableParticles &p)
 {
   using deformable::GREEN_AT_ZERO;
-  constexpr double TYPICAL = 0.05;
-  std::vector<double> softness;    // by atom type
-  for (int type = 0; type <= atom->ntypes; ++type) {
-    const Species &s = p.materials->species[type];
-    const double r = s.radius - s.skin, a = TYPICAL * r;
-    if (s.radius == 0.0)
-      softness.push_back(0.0);
-    else if (s.stiffness.tension > 0.0)    // f = p a/G(0)
-      softness.push_back(a / std::cbrt(2.0 * GREEN_AT_ZERO * s.stiffness.rest_pressure(r) * a));
-    else
-      softness.push_back(1.0 / std::cbrt(deformable::area_stiffness(r, s.stiffness)));
-  }
+  const int *const type = p.materials->vary() ? nullptr : atom->type;
   const auto stiffening = [&](int k) {
-    double soft = softness[atom->type[pairs.i[k]]];
-    if (k < pairs.wall) soft += softness[atom->type[pairs.j[k]]];
+    const int i = pairs.i[k], j = pairs.j[k];
+    double soft = softness[type ? type[i] : i];
+    if (k < pairs.wall) soft += softness[type ? type[j] : j];
     return 1.0 / (2.0 * GREEN_AT_ZERO * GREEN_AT_ZERO * soft * soft * soft);
   };
   double most = 0.0;

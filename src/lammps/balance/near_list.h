@@ -117,6 +117,8 @@ class NearList : protected Pointers {
   std::vector<int> first_of(const KnownPairs &, int begin, int end) const;
   void guess_bulges(const DeformableParticles &);
   void add_walls(const DeformableParticles &, bool new_list, const KnownPairs &old);
+  std::vector<double> softness;    // by type; of particles and ghosts, if these vary
+  void find_softness(const DeformableParticles &);
   void set_constants(const DeformableParticles &);
   double box_change() const;
 };

@@ -257,13 +257,13 @@ void *PairDeformable::extract_peratom(const char *name, int &ncol)
 
 /* ---------------------------------------------------------------------- */
 
-void PairDeformable::set_radius(int iarg, char **arg)
+bool PairDeformable::is_by_atom(int iarg, char **arg) const
 {
   const std::string choice = arg[iarg];
   if (choice != "type" && choice != "atom")
-    error->all(FLERR_WORD(iarg),
-               "Radius '{}' of a deformable pair style is neither 'type' nor 'atom'", choice);
-  radius_by_atom = choice == "atom";
+    error->all(FLERR_WORD(iarg), "pair_style deformable/* {} '{}' is neither 'type' nor 'atom'",
+               arg[iarg - 1], choice);
+  return choice == "atom";
 }
 
 /* ----------------------------------------------------------------------
@@ -280,7 +280,7 @@ void PairDeformable::check_radii()
     const double r = radii[i];
     const Species &s = species[atom->type[i]];
     if (r > s.skin && r <= s.radius * ROUNDING) {
-      const std::string unstable = unstable_radius(r - s.skin, s.stiffness);
+      const std::string unstable = unstable_radius(r - s.skin, stiffness_of(i));
       if (unstable.empty()) continue;
       error->one(FLERR, "Atom {} of species {}: {}", atom->tag[i], s.name, unstable);
     }

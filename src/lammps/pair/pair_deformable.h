@@ -123,7 +123,7 @@ class PairDeformable : public Pair {
   const char *wall_id(int partner) const { return wall(partner).id; }
 
   // Undeformed radii: of the species or, with `radius atom`, of each atom.
-  void set_radius(int iarg, char **arg);    // from this word of pair_style
+  bool is_by_atom(int iarg, char **arg) const;    // the value of a keyword, 'type' or 'atom'
   bool radius_by_atom = false;
   std::vector<double> radii;    // of all particles, ghosts included
   double ring_radius_of(int i) const { return radii[i] - species[atom->type[i]].skin; }
@@ -210,6 +210,7 @@ class PairDeformable : public Pair {
 
   struct {
     double definition, walls, friction, exclusions, forces_of_motion;
+    std::vector<double> by_type;
   } asked{};    // for extract
 
   ParticleResults results;

@@ -10,7 +10,9 @@
 #include "modify.h"
 #include "neighbor.h"
 
+#include <algorithm>
 #include <cstring>
+#include <string>
 
 using namespace LAMMPS_NS;
 
@@ -52,6 +54,19 @@ void *PairDeformable::extract(const char *name, int &dim)
         asked.forces_of_motion = n + 1.0;
     }
     return &asked.forces_of_motion;
+  }
+  // what the species file says, by atom type: "species radius"
+  const char *const names[] = {"radius", "kA", "kP", "skin", "tension"};
+  for (const char *of_species : names) {
+    if (name != std::string("species ") + of_species) continue;
+    dim = 1;
+    asked.by_type.clear();
+    for (const Species &s : species) {
+      const deformable::Stiffness &k = s.stiffness;
+      const double values[] = {s.radius, k.kA, k.kP, s.skin, k.tension};
+      asked.by_type.push_back(values[std::find(names, names + 5, of_species) - names]);
+    }
+    return asked.by_type.data();
   }
   return nullptr;
 }

@@ -29,7 +29,7 @@ void PairDeformableRing::settings(int narg, char **arg)
 {
   number_definition();
   reach = 0.0;
-  radius_by_atom = false;
+  radius_by_atom = kA_by_atom = tension_by_atom = false;
   std::string law = "balanced";
   int balance_keyword = -1;
   double tolerance = 1e-8;
@@ -37,10 +37,14 @@ void PairDeformableRing::settings(int narg, char **arg)
   for (int iarg = 0; iarg < narg;) {
     const std::string keyword = arg[iarg];
     const int values = keyword == "balance" ? 2 : 1;
-    if (keyword != "contact" && keyword != "balance" && keyword != "reach" && keyword != "radius")
+    bool *const by_atom = keyword == "radius"    ? &radius_by_atom
+                          : keyword == "kA"      ? &kA_by_atom
+                          : keyword == "tension" ? &tension_by_atom
+                                                 : nullptr;
+    if (keyword != "contact" && keyword != "balance" && keyword != "reach" && !by_atom)
       error->all(FLERR_WORD(iarg),
                  "Unknown pair_style deformable/ring keyword '{}': it must be 'contact', "
-                 "'balance', 'reach' or 'radius'",
+                 "'balance', 'reach', 'radius', 'kA' or 'tension'",
                  keyword);
     if (iarg + values >= narg)
       utils::missing_cmd_args(FLERR, "pair_style deformable/ring " + keyword, error);
@@ -63,8 +67,8 @@ void PairDeformableRing::settings(int narg, char **arg)
         error->all(FLERR_WORD(iarg + 2),
                    "pair_style deformable/ring balance: {} evaluations are too few, give 2 or more",
                    arg[iarg + 2]);
-    } else if (keyword == "radius") {
-      set_radius(iarg + 1, arg);
+    } else if (by_atom) {
+      *by_atom = is_by_atom(iarg + 1, arg);
     } else {
       reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
       if (!(reach > 0.0))
@@ -97,6 +101,7 @@ void PairDeformableRing::init_style()
 {
   PairDeformable::init_style();
   soft_since = NEVER;
+  find_properties();
   if (balanced && !atom->tag_enable)
     error->all(FLERR, "Pair style deformable/ring needs atom IDs: use 'atom_modify id yes', or "
                       "'contact radical'");
@@ -127,7 +132,9 @@ void PairDeformableRing::coeff(int narg, char **arg)
 
 void *PairDeformableRing::extract(const char *name, int &dim)
 {
-  take_ramps();    // values that no force call has seen yet
+  if ((kA_by_atom && !strcmp(name, "kA")) || (tension_by_atom && !strcmp(name, "tension")))
+    return PairDeformable::extract(name, dim);    // those of species have no effect
+  take_ramps();                                   // values that no force call has seen yet
   double **const array =
       !strcmp(name, "adhesion") ? adhesions.array() : ramps.array_of(name, species);
   if (!array) return PairDeformable::extract(name, dim);
@@ -177,7 +184,7 @@ void PairDeformableRing::check_sticky_walls()
       const int i = list->ilist[ii];
       if (!(atom->mask[i] & wall->groupbit)) continue;
       const Species &s = species[atom->type[i]];
-      const std::string wrong = invalid_for_adhesion(wall->adhesion(), s.stiffness, s.skin);
+      const std::string wrong = invalid_for_adhesion(wall->adhesion(), stiffness_of(i), s.skin);
       if (!wrong.empty())
         error->one(FLERR, "Fix {} deformable/wall: atom {} of species {}: {}", wall->id,
                    atom->tag[i], s.name, wrong);
@@ -190,8 +197,11 @@ void PairDeformableRing::check_sticky_walls()
 void PairDeformableRing::compute(int eflag, int vflag)
 {
   const bool ramped = take_ramps(), new_material = choose_yield() || ramped;
+  materials.kA = kA_by_atom ? atom->dvector[kA_of_atoms] : nullptr;
+  materials.tension = tension_by_atom ? atom->dvector[tension_of_atoms] : nullptr;
   begin_call(eflag, vflag);
-  if (neighbor->ago == 0 || new_material) check_sticky_walls();
+  if (materials.vary()) check_properties();
+  if (neighbor->ago == 0 || new_material || materials.vary()) check_sticky_walls();
   if (neighbor->ago == 0) smallest = smallest_radius();
   if (balanced)
     evaluate_balanced(new_material);
@@ -243,13 +253,13 @@ Energy PairDeformableRing::shape_ring(int i, const Contacts &contacts, const Sti
 
 void PairDeformableRing::no_shape(int i, int contacts)
 {
-  const Species &s = species[atom->type[i]];
-  const bool keeps_area = std::isinf(s.stiffness.kA);
+  const bool keeps_area = std::isinf(stiffness_of(i).kA);
   error->one(FLERR,
              "Atom {} has no {}: its {} contacts leave no room. Compress less, or give "
-             "species {} a {} kA",
+             "{} a {} kA",
              atom->tag[i], keeps_area ? "shape that keeps its area" : "stable shape", contacts,
-             s.name, keeps_area ? "finite" : "larger");
+             kA_by_atom ? "it" : "species " + materials.species_of(i).name,
+             keeps_area ? "finite" : "larger");
 }
 
 /* ----------------------------------------------------------------------

@@ -1,5 +1,5 @@
 // The ring laws, whose contacts slip: pair_style deformable/ring [contact balanced|curved|radical]
-// [balance tol maxeval] [reach f] [radius type|atom]
+// [balance tol maxeval] [reach f] [radius type|atom] [kA type|atom] [tension type|atom]
 
 #ifdef PAIR_CLASS
 // clang-format off
@@ -17,6 +17,7 @@ PairStyle(deformable/ring,PairDeformableRing);
 #include "species_ramps.h"
 
 #include <memory>
+#include <string>
 
 namespace LAMMPS_NS {
 
@@ -41,6 +42,13 @@ class PairDeformableRing : public PairDeformable {
   bool take_ramps();         // whether a species or an adhesion has changed
   bool unchecked = false;    // values of ramps, also after an error that the caller has caught
   void check_sticky_walls();
+  // Stiffness and tension of single particles, of fix property/atom
+  bool kA_by_atom = false, tension_by_atom = false;
+  int kA_of_atoms = -1, tension_of_atoms = -1;    // indices of custom properties
+  int property_of_atoms(const std::string &name) const;
+  void find_properties();
+  void check_properties();
+
   // Particles without room
   static constexpr bigint NEVER = -1;
   bigint soft_since = NEVER;    // iteration of a minimization since which areas give way

@@ -29,6 +29,7 @@ static double yield_after(bigint iterations)
 bool PairDeformableRing::may_give_way() const
 {
   if (update->whichflag != 2) return false;
+  if (kA_by_atom) return true;
   return std::any_of(species.begin(), species.end(), [](const Species &s) {
     return !s.name.empty() && std::isinf(s.stiffness.kA);
   });

@@ -41,7 +41,7 @@ void PairDeformableSector::settings(int narg, char **arg)
                  arg[iarg]);
     if (iarg + 1 >= narg)
       utils::missing_cmd_args(FLERR, "pair_style deformable/sector radius", error);
-    set_radius(iarg + 1, arg);
+    radius_by_atom = is_by_atom(iarg + 1, arg);
   }
 }
 
