@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from .runs.analysis import export as export
     from .runs.log import log as log
     from .runs.movie import movie as movie
+    from .runs.outlined import state_in_file as state_in_file
     from .runs.recording import compress_in as compress_in
     from .runs.recording import record as record
     from .runs.recording import shear_in as shear_in
@@ -131,6 +132,7 @@ _HOMES = {
     "shear_in": "runs.recording",
     "shear_modulus": "protocols.moduli",
     "squeeze": "studies.paper.single",
+    "state_in_file": "runs.outlined",
     "triangular": "model.crystal",
     "unwrapped": "state.displacements",
 }

@@ -26,12 +26,12 @@ BAD = {
         "balance 1e-8 100 contact radical": "balance is for 'contact balanced'",
         "tolerance 1": "Unknown .*'tolerance'",
         "radius": "deformable/ring radius command: missing argument",
-        "radius 0.5": "Radius '0.5'",
+        "radius 0.5": "radius '0.5'",
     },
     "pair_style deformable/sector": {
         "reach 0.1": "Unknown .*/sector keyword 'reach'",
         "radius": "deformable/sector radius command: missing argument",
-        "radius all": "Radius 'all'",
+        "radius all": "radius 'all'",
     },
     "fix w all deformable/wall": {
         "": "fix deformable/wall command: missing argument",

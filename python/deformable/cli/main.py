@@ -24,6 +24,7 @@ from ..plugin import directory, potentials
 from .compress import compress_command
 from .jam import jam_command
 from .options import Command, Group, choice_option, one_rank_prints, refuse_ranks
+from .outline import outline_command
 from .plot import movie_command, plot_command
 from .shear import shear_command
 
@@ -58,6 +59,7 @@ app.command("jam", cls=Command)(jam_command)
 app.command("shear", cls=Command)(shear_command)
 app.command("plot", cls=Command)(plot_command)
 app.command("movie", cls=Command)(movie_command)
+app.command("outline", cls=Command)(outline_command)
 
 
 def main() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -11,6 +11,7 @@ from ..common.errors import ParameterError
 from ..common.optional import optional
 from ..common.progress import print_once
 from ..runs.run import Run
+from ..state.state import State
 from .options import refuse_ranks
 
 Recorded = Annotated[Path, typer.Argument(help="Folder of a run, e.g. of `deformable compress`.")]
@@ -30,6 +31,26 @@ LastColor = Annotated[
 ]
 Contacts = Annotated[bool, typer.Option("--contacts", help="Draw the contacts.")]
 Forces = Annotated[bool, typer.Option("--forces", help="Draw the force chains.")]
+
+
+def check_picture(out: Path) -> None:
+    """Refuse a file that is no picture of matplotlib."""
+    optional("matplotlib", "plot")
+    from matplotlib.figure import Figure
+
+    formats = Figure().canvas.get_supported_filetypes()
+    if out.suffix.removeprefix(".") not in formats:
+        raise ParameterError(f"a picture is one of .{', .'.join(formats)}, not '{out}'")
+
+
+def draw(state: State, out: Path, color_by: str, **settings: Any) -> None:
+    """Draw a state into a picture that fits its box; settings as of `State.plot`."""
+    from ..model.picture import new_figure
+
+    figure = new_figure(state.packing)
+    state.plot(figure.subplots(), color_by, **settings)
+    figure.savefig(out, dpi=150)
+    print_once(f"wrote {out}")
 
 
 def plot_command(
@@ -56,14 +77,7 @@ def plot_command(
 ) -> None:
     """Draw a state of a run."""
     refuse_ranks("a picture is drawn by one process")
-    optional("matplotlib", "plot")
-    from matplotlib.figure import Figure
-
-    from ..model.picture import new_figure
-
-    formats = Figure().canvas.get_supported_filetypes()
-    if out.suffix.removeprefix(".") not in formats:
-        raise ParameterError(f"a picture is one of .{', .'.join(formats)}, not '{out}'")
+    check_picture(out)
     if frame is None:
         with Run(run).simulation() as sim:
             state = sim.state()
@@ -72,19 +86,8 @@ def plot_command(
             state = Run(run)[frame]
         except IndexError as error:
             raise ParameterError(str(error)) from None
-    figure = new_figure(state.packing)
-    state.plot(
-        figure.subplots(),
-        color_by,
-        contacts,
-        forces,
-        cmap=cmap,
-        vmin=vmin,
-        vmax=vmax,
-        title=title,
-    )
-    figure.savefig(out, dpi=150)
-    print_once(f"wrote {out}")
+    colors = {"cmap": cmap, "vmin": vmin, "vmax": vmax}
+    draw(state, out, color_by, contacts=contacts, forces=forces, title=title, **colors)
 
 
 def movie_command(

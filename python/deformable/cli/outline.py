@@ -1,0 +1,79 @@
+"""The command `deformable outline`: shapes of the particles in a dump."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..common.progress import print_once
+from ..model.laws import LAWS
+from ..runs.outlined import state_in_file
+from .options import choice_option, refuse_ranks
+from .plot import ColorBy, Contacts, FirstColor, Forces, LastColor, check_picture, draw
+
+# Files of polygons; all others are pictures.
+_POLYGONS = (".vtp", ".geojson")
+
+
+def outline_command(
+    dump: Annotated[
+        Path, typer.Argument(help="LAMMPS dump, or another file of particles in a periodic box.")
+    ],
+    species: Annotated[
+        str,
+        typer.Option(metavar="FILE", help="Species file of pair_coeff, or one of the package."),
+    ],
+    law: Annotated[str, choice_option(LAWS, "Contact law.")] = "balanced",
+    types: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME,NAME,...",
+            help="Species of atom types 1, 2, ..., as in pair_coeff; by default those of the file "
+            "in their order.",
+            show_default=False,
+        ),
+    ] = None,
+    frame: Annotated[
+        int, typer.Option(help="Number of the frame, from 0; -1 is the last one.")
+    ] = -1,
+    radii: Annotated[
+        str | None,
+        typer.Option(
+            metavar="COLUMN",
+            help="Column of the dump with the radius of each particle; by default radii are those "
+            "of the species.",
+            show_default=False,
+        ),
+    ] = None,
+    out: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="PATH",
+            help="Picture (.png, .pdf, .svg) or polygons (.vtp, .geojson); may be repeated. By "
+            "default outlines.png and outlines.vtp.",
+            show_default=False,
+        ),
+    ] = None,
+    color_by: ColorBy = "particle_pressure",
+    vmin: FirstColor = None,
+    vmax: LastColor = None,
+    contacts: Contacts = False,
+    forces: Forces = False,
+) -> None:
+    """Write the outlines of particles in a dump, made by LAMMPS alone."""
+    refuse_ranks("outlines are written by one process")
+    paths = out or [Path("outlines.png"), Path("outlines.vtp")]
+    pictures = [path for path in paths if path.suffix not in _POLYGONS]
+    for path in pictures:
+        check_picture(path)
+    names = None if types is None else types.split(",")
+    state = state_in_file(dump, species, law, names, frame, radii)
+    for path in paths:
+        if path in pictures:
+            colors = {"vmin": vmin, "vmax": vmax}
+            draw(state, path, color_by, contacts=contacts, forces=forces, **colors)
+        else:
+            state.export(path)
+            print_once(f"wrote {path}")

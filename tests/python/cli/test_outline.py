@@ -1,0 +1,128 @@
+"""`deformable outline`: shapes of particles in a dump that LAMMPS alone has written."""
+
+import json
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from deformable.cli.main import app
+from programs import program
+
+SCRIPT = '''
+units lj
+dimension 2
+lattice hex 0.95
+region box block -1 5 -1 3 -0.5 0.5
+create_box 2 box
+create_atoms 1 box
+set group all type/fraction 2 0.5 12345
+mass * 1.0
+displace_atoms all random 0.02 0.02 0 1
+print """
+# name radius kA kP
+stiff  0.6  3.0  0.5  tension 0.02
+soft   0.5  1.0  0.5  tension 0.02
+""" file mixture screen no
+pair_style deformable/ring contact curved
+pair_coeff * * mixture soft stiff
+thermo_modify norm no
+min_style fire
+timestep 0.2
+minimize 0 1e-9 2000 4000
+reset_timestep 0
+fix shape all pair 1 deformable/ring area 0 pressure 0
+dump all all custom 1 shapes.dump id type x y f_shape[1] f_shape[2]
+dump_modify all sort id format float %.17g
+run 1
+print "$(pe:%.15g)" file energy
+'''
+
+
+@pytest.fixture(scope="module")
+def dumped(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("dump")
+    (folder / "in.mixture").write_text(SCRIPT)
+    done = program("lmp", "-in", "in.mixture", "-log", "none", cwd=folder)
+    assert done.returncode == 0, done.stdout
+    return folder
+
+
+def test_state_is_that_of_lammps(dumped: Path) -> None:
+    """Energy, areas and pressures are those of the script; outlines enclose the areas."""
+    state = deformable.state_in_file(
+        dumped / "shapes.dump", dumped / "mixture", law="curved", types=["soft", "stiff"]
+    )
+    rows = np.loadtxt(
+        (dumped / "shapes.dump").read_text().split("ITEM: ATOMS")[-1].splitlines()[1:]
+    )
+    assert state.energy == pytest.approx(float((dumped / "energy").read_text()), rel=1e-9)
+    np.testing.assert_allclose(state.area, rows[:, 4], rtol=1e-9)
+    np.testing.assert_allclose(state.particle_pressure, rows[:, 5], rtol=1e-6)
+    np.testing.assert_array_equal(state.packing.radii, [0.5, 0.6])
+    x, y = state.outlines[0].T
+    enclosed = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
+    # a polygon of n points within a circle lacks 2 pi^2/3 n^2 of its area
+    assert enclosed == pytest.approx(state.area[0], rel=2 * 6.6 / len(x) ** 2)
+
+
+def test_files(dumped: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    words = f"{dumped / 'shapes.dump'} --species {dumped / 'mixture'} --law curved"
+    done = program("deformable", "outline", *words.split(), "--types", "soft,stiff", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines() == ["wrote outlines.png", "wrote outlines.vtp"]
+    assert (tmp_path / "outlines.png").stat().st_size > 10_000
+    monkeypatch.chdir(tmp_path)
+    more = ["--frame", "0", "--out", "a.svg", "--out", "b.geojson", "--color-by", "area_deficit"]
+    app(["outline", *words.split(), *more], standalone_mode=False)
+    assert json.loads((tmp_path / "b.geojson").read_text())["type"] == "FeatureCollection"
+    assert (tmp_path / "a.svg").exists()
+
+
+def test_species_of_the_package_and_radii_of_atoms(tmp_path: Path) -> None:
+    """Types in the order of the file; a radius for each atom where a column is named."""
+    dump = tmp_path / "dump"
+    rows = "1 1 1.0 1.0 0.4\n2 2 1.9 1.0 0.6\n"
+    dump.write_text(
+        "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp pp\n0 3\n0 3\n-1 1\n"
+        f"ITEM: ATOMS id type x y size\n{rows}"
+    )
+    state = deformable.state_in_file(dump, "droplets.deformable")
+    np.testing.assert_array_equal(state.packing.radius, [0.5, 0.7])
+    np.testing.assert_allclose(state.area, np.pi * np.array([0.5, 0.7]) ** 2, rtol=1e-12)
+    own = deformable.state_in_file(dump, "droplets.deformable", radii="size")
+    np.testing.assert_array_equal(own.packing.radius, [0.4, 0.6])
+    assert own.energy > 0
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("nowhere --species mixture", "'nowhere' cannot be read: No such file"),
+        ("shapes.dump --species none", "no species file 'none'"),
+        ("shapes.dump --species in.mixture", "in.mixture' cannot be read: could not convert"),
+        ("shapes.dump --species mixture --types soft", "type 2"),
+        ("shapes.dump --species mixture --types soft,hard", "Species 'hard' is not in the file"),
+        ("shapes.dump --species mixture --frame 9", "no frame 9"),
+        ("shapes.dump --species mixture --radii size", "no column size"),
+        ("shapes.dump --species mixture --law sector", "the sector law has no tension"),
+        ("shapes.dump --species mixture --out a.txt", "a picture is one of"),
+        ("walled.dump --species mixture", "not periodic along x"),
+        ("mixture --species mixture", "'mixture' cannot be read|mixture"),
+    ],
+)
+def test_nonsense_is_told(
+    words: str, message: str, dumped: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(dumped)
+    text = (dumped / "shapes.dump").read_text()
+    (dumped / "walled.dump").write_text(text.replace("pp pp pp", "ff pp pp"))
+    errors = deformable.ParameterError, deformable.FileError, deformable.LammpsError
+    with pytest.raises(errors, match=message) as caught:
+        app(["outline", *words.split()], standalone_mode=False)
+    assert "\n" not in str(caught.value)
+
+
+def test_law_must_be_one() -> None:
+    with pytest.raises(deformable.ParameterError, match=r"law must be .*balanced.*, not flat"):
+        deformable.state_in_file("a", "droplets.deformable", law="flat")
