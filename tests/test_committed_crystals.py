@@ -168,6 +168,11 @@ def test_deformable_particles_keep_their_order_longer(number: int) -> None:
     assert difference > 3.0 * error
 
 
+def test_the_log_is_that_of_the_small_run(capsys: pytest.CaptureFixture[str]) -> None:
+    results.show(json.loads((FOLDER / "quick.json").read_text()))
+    assert capsys.readouterr().out == (FOLDER / "quick.log").read_text()
+
+
 def write() -> None:
     text = PAGE.read_text()
     for table in results.TABLES:
