@@ -18,6 +18,11 @@ def tables(printed: str) -> list[np.ndarray]:
     ]
 
 
+def rows(printed: str) -> np.ndarray:
+    """The columns of a table below its head."""
+    return np.array([re.findall(r"\d[.\d]*", row) for row in printed.splitlines()[1:]], float).T
+
+
 def test_restitution(tmp_path: Path) -> None:
     """Restitution and sliding in closed form; energies balance; the log is that of a run."""
     pytest.importorskip("matplotlib")
@@ -37,3 +42,17 @@ def test_restitution(tmp_path: Path) -> None:
     logged = tables((EXAMPLES / "restitution" / "restitution.log").read_text())
     np.testing.assert_allclose(logged[0][:, :3], head_on[:, :3], rtol=0, atol=2e-4)
     np.testing.assert_allclose(logged[1][:, :4], off_center[:, :4], rtol=0, atol=2e-3)
+
+
+@pytest.mark.slow
+def test_heap(tmp_path: Path) -> None:
+    """The angle grows with the friction of contacts; the log is that of a run."""
+    pytest.importorskip("matplotlib")
+    folder = shutil.copytree(EXAMPLES / "heap", tmp_path / "heap")
+    _, angle, error, stay, used = rows(output("python", "heap.py", cwd=folder, MPLBACKEND="agg"))
+    assert angle[-1] > angle[0] + 2 * np.hypot(error[0], error[-1])
+    assert stay[-1] > stay[0]
+    assert (used < 0.6).all()  # at rest
+    _, logged, uncertain, *_ = rows((EXAMPLES / "heap" / "heap.log").read_text())
+    # other last digits make other heaps
+    assert (np.abs(logged - angle) < 4 * np.hypot(uncertain, error) + 1).all()
