@@ -142,6 +142,15 @@ class Analysis(ABC):
         with np.errstate(divide="ignore"):
             return self.filled_area / self._cells.area
 
+    @property
+    def cell_sides(self) -> NDArray[np.int64]:
+        """Number of neighbors in the Voronoi cells, see `local_phi`, shape (N,).
+
+        It is 6 on a triangular lattice, and 6 in the mean of all particles of a periodic box
+        without walls. Particles with 5 and with 7 are disclinations, pairs of them dislocations.
+        """
+        return np.bincount(self._cells.i[self._cells.length > 0.0], minlength=len(self.packing))
+
     def hexatic(self, k: int = 6) -> NDArray[np.complex128]:
         """Bond-orientational order of each particle, shape (N,).
 

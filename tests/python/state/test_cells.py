@@ -129,6 +129,18 @@ def test_hexatic_order_of_lattices() -> None:
         square.hexatic(0)
 
 
+def test_sides_are_those_of_the_voronoi_diagram() -> None:
+    """Of equal particles by scipy, of all sizes 6 in the mean (Euler), and 6 on a lattice."""
+    equal = deformable.push_off(deformable.polydisperse(40, np.full(40, 0.5), seed=3).at(0.8))
+    pairs = Voronoi(tiled(equal)).ridge_points
+    expected = np.bincount(pairs.ravel(), minlength=40)[:40]
+    assert np.array_equal(state_of(equal).cell_sides, expected)
+    assert set(expected) > {5, 6, 7}
+    unequal = deformable.push_off(deformable.bidisperse(40, seed=3).at(0.8))
+    assert state_of(unequal).cell_sides.mean() == 6.0
+    assert np.array_equal(state_of(crystal(0.01)).cell_sides, np.full(16, 6))
+
+
 def test_turned_order_has_a_phase() -> None:
     """At the wall too: neighbors are in directions of the lattice, if there are fewer."""
     ring = np.exp(1j * (np.arange(6) * np.pi / 3 + 0.2))
@@ -153,6 +165,8 @@ def test_sides_at_walls_do_not_count() -> None:
         [[1.0, 1.0]], [0], [0.5], np.eye(2), walls=deformable.rectangle(3, 2)
     )
     assert np.isnan(state_of(alone).hexatic()).all()
+    assert state.cell_sides.tolist() == [1, 1]
+    assert state_of(alone).cell_sides.tolist() == [0]
 
 
 def test_colors_of_local_phi(state: deformable.State) -> None:
