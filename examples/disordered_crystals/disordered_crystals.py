@@ -24,6 +24,8 @@ LAWS = {
     "soft rings": deformable.Ring(kA=1.0, kP=0.1, contact="curved"),
     "droplets": deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved"),
 }
+DENSEST = ("disks", "rings")  # steps of eta leave the others no room at phi = 0.99
+
 # The spread eta of the sizes goes up, and then down.
 UP = tuple(n / 100 for n in (0, 1, 2, 5, 10, 15, 20, 25, *range(30, 52, 3), 55, 60))
 DOWN = (0.5, 0.4, 0.3, 0.2, 0.1, 0.0)
@@ -50,8 +52,9 @@ FULL = {
             (1024, 0.94, 4, LAWS),
             (256, 0.92, 4, LAWS),
             (256, 0.94, 8, LAWS),
-            (256, 0.97, 4, LAWS),
-            (256, 0.99, 2, ("disks", "rings")),  # its steps of eta leave droplets no room
+            (256, 0.97, 8, LAWS),
+            (256, 0.99, 4, DENSEST),
+            (4096, 0.94, 2, ("disks",)),
         )
         for seed in range(1, packings + 1)
         for law in laws
