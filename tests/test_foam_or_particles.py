@@ -57,7 +57,7 @@ def test_small_run(tmp_path: Path) -> None:
             assert row["coordination"][-1] == pytest.approx(6.0, abs=1e-9)
 
 
-FILES = [FOLDER / f"rows_{number}.json" for number in (512, 64)]
+FILES = [FOLDER / f"rows_{number}.json" for number in (512, 64, 2048)]
 ROWS = fits.read(FILES)
 FOAM = fits.chosen(ROWS, "foam", 512)
 TABLES = (fits.laws_table, fits.equal_table, fits.costs_table)

@@ -2,7 +2,7 @@
 
 python foam_or_particles.py --number 32 --seeds 2      ten seconds
 python foam_or_particles.py                            512 particles in 8 packings: the page's
-python foam_or_particles.py --number 2048 --seeds 2 --laws foam
+python foam_or_particles.py --number 2048 --seeds 5 --laws disks
 """
 
 import argparse
