@@ -17,12 +17,12 @@ _LONG = 60
 
 
 def number_or_nan(value: object) -> float:
-    """The value as a float; nan if it is not a single number."""
+    """The value as a float; nan if it is not a single number, nor is True or False."""
     try:
         array = np.asarray(value)
     except ValueError:  # rows of unequal length
         return math.nan
-    return float(array) if array.ndim == 0 and array.dtype.kind in "biuf" else math.nan
+    return float(array) if array.ndim == 0 and array.dtype.kind in "iuf" else math.nan
 
 
 def finite(name: str, value: float) -> float:
@@ -63,7 +63,8 @@ def count(name: str, value: int) -> int:
 
 def whole(name: str, value: int) -> int:
     """The value, if it is a whole number."""
-    number = value if isinstance(value, int) else number_or_nan(value)
+    exact = isinstance(value, int) and not isinstance(value, bool)
+    number = value if exact else number_or_nan(value)
     if not number % 1 == 0:
         raise ParameterError(f"{name} must be a whole number, not {shown(value)}")
     return int(number)
@@ -75,7 +76,7 @@ def numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
         array = np.array(values)
     except ValueError:
         array = np.array(None)
-    if array.dtype.kind not in "biuf" or not np.isfinite(array).all():
+    if array.dtype.kind not in "iuf" or not np.isfinite(array).all():
         raise ParameterError(f"{name} must be finite numbers, not {shown(values)}")
     return array.astype(np.float64)
 
