@@ -38,7 +38,7 @@ def flow(rate, strain):
     with deformable.Run("start").simulation() as sim:
         how = {"rate": rate, "friction": DRAG} if rate else {"tolerance": 1e-4}
         states = deformable.shear(sim, strain, round(strain / STEP), **how)
-        rows = [(state.strain, -state.stress[0, 1], state.pressure) for state in states]
+        rows = [(state.strain, state.shear_stress, state.pressure) for state in states]
     return np.transpose(rows)
 
 

@@ -54,7 +54,7 @@ def gel(adhesion, seed):
 def measure(adhesion, seed):
     """What is drawn and printed of a gel, with three of its states."""
     states = list(gel(adhesion, seed))
-    stress = np.array([-state.stress[0, 1] for state in states])
+    stress = np.array([state.shear_stress for state in states])
     energy = np.array([state.energy for state in states])
     area = np.linalg.det(states[0].packing.box)
     films = [films_of(state) for state in states]

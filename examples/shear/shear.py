@@ -14,7 +14,7 @@ with deformable.Simulation(jammed.at(PHI), deformable.Ring()) as sim:
     states = list(deformable.shear(sim, STRAIN, STEPS, tolerance=1e-4))
 
 strain = STRAIN * np.arange(1, STEPS + 1) / STEPS
-stress = np.array([-state.stress[0, 1] for state in states])
+stress = np.array([state.shear_stress for state in states])
 pressure = np.array([state.pressure for state in states])
 flowing = strain > 0.2
 # in a plastic event the stress falls by more than it rises in an elastic step
@@ -27,7 +27,7 @@ print(f"plastic events {len(events)} in a strain of {STRAIN:g}")
 figure, (curve, picture) = plt.subplots(1, 2, figsize=(11, 4.6), layout="constrained")
 curve.plot(strain, stress, label="shear stress")
 first = np.array([0.0, 0.05])
-curve.plot(first, modulus * first - start.stress[0, 1], "--", label="modulus")
+curve.plot(first, modulus * first + start.shear_stress, "--", label="modulus")
 curve.plot(strain[events + 1], stress[events + 1], ".", color="tab:red", label="plastic events")
 curve.set(xlabel="shear strain", ylabel="shear stress [kA]")
 curve.legend()

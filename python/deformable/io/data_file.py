@@ -1,4 +1,4 @@
-"""The LAMMPS data file of a saved state: its packing, its motion and its films."""
+"""The LAMMPS data file of a saved state: its packing, and what a motion goes on with."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..formats.lammps_data import data_file, read_data_file, sphere_columns
 from ..model.packing import Packing
+from .directions import direction_lines, directions_in
 from .films import Films, film_lines, films_in
 from .lammps_commands import atom_style
 
@@ -22,19 +23,21 @@ class Motion(NamedTuple):
         time: of the motion so far [time].
         strain: shear strain so far; None without shear.
         films: those that there are, see `films.py`; None if nothing sticks.
+        directions: in which particles propel themselves, shape (N, 2); None if they do not.
     """
 
     velocities: NDArray[np.float64]
     time: float = 0.0
     strain: float | None = None
     films: Films | None = None
+    directions: NDArray[np.float64] | None = None
 
 
 def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
     """A packing as a LAMMPS data file.
 
     Its title has the time and the strain where these are not 0, and the number of recorded frames,
-    if given. Films are comments at its end.
+    if given. Films and directions are comments at its end.
     """
     style = atom_style(packing)
     title = f"LAMMPS data file by lammps-deformable, units lj, atom_style {style}, two-dimensional"
@@ -55,7 +58,7 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
         origin=packing.origin.tolist(),
         velocities=motion.velocities if motion.velocities.any() else None,
     )
-    return text + film_lines(motion.films)
+    return text + film_lines(motion.films) + direction_lines(motion.directions)
 
 
 def packing_in(text: str, radii: list[float]) -> Packing:
@@ -85,7 +88,7 @@ def motion_in(text: str, number: int) -> Motion:
     """The motion in a data file of so many atoms, as `packing_file` or `write_data` writes it.
 
     Raises:
-        ValueError: velocities are missing or damaged.
+        ValueError: velocities or directions are missing or damaged.
     """
     title, _, body = text.partition("\n")
     time, strain = (re.search(rf", {name} ([^,]+)", title) for name in ("time", "strain"))
@@ -102,4 +105,5 @@ def motion_in(text: str, number: int) -> Motion:
         float(time[1]) if time else 0.0,
         float(strain[1]) if strain else None,
         films_in(text),
+        directions_in(text, number),
     )

@@ -24,8 +24,8 @@ def creep(
     sim: Simulation,
     stress: float,
     time: float,
-    steps: int,
-    friction: float,
+    steps: int = 10,
+    friction: float | None = None,
     viscosity: float | None = None,
     temperature: float | None = None,
     timestep: float | None = None,
@@ -37,7 +37,7 @@ def creep(
 
         viscosity d(strain)/dt = stress - sigma
 
-    with sigma = -stress[0, 1] of the state, and particles move in it as in `shear` at a rate. Below
+    with sigma the `shear_stress` of the state. Particles move in it as in `shear` at a rate. Below
     the yield stress the strain ends where sigma is the stress; above it the packing flows. LAMMPS'
     *fix deform/pressure* with *remap x* shears the box, *fix brownian* moves the particles.
 
@@ -46,7 +46,7 @@ def creep(
         stress: shear stress, of either sign [energy/length^2].
         time: in all [time].
         steps: number of states, after equal parts of the time.
-        friction: as in `shear` [1/time].
+        friction: as in `shear` at a rate, must be given [1/time].
         viscosity: of the liquid, in two dimensions [1/time]; the friction if not given.
         temperature: as in `shear`.
         timestep: as in `shear`.
@@ -67,7 +67,7 @@ def creep(
     before = sim.strain or 0.0
 
     def states() -> Iterator[State]:
-        held = -float(sim.state().stress[0, 1])
+        held = sim.state().shear_stress
         fastest = 2.0 * (abs(stress) + abs(held)) / viscosity
         if fastest == 0.0:
             raise ParameterError("stress must not be 0 in a packing that has none")

@@ -95,7 +95,7 @@ def flow(
                 if strain is not None:
                     sim.strain = strain
                 state = replace(state, strain=sim.strain)
-                bar.set_postfix(stress=f"{-state.stress[0, 1]:.3g}")
+                bar.set_postfix(stress=f"{state.shear_stress:.3g}")
                 bar.update()
                 yield state
                 refuse_restarted(sim, lmp)

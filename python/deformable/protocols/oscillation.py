@@ -112,7 +112,7 @@ def _relaxed(
     with progress("shearing", unit="state", total=len(strains)) as bar:
         for strain in strains:
             state = sheared_state(sim, strain - before, strain, tolerance)
-            bar.set_postfix(stress=f"{-state.stress[0, 1]:.3g}")
+            bar.set_postfix(stress=f"{state.shear_stress:.3g}")
             bar.update()
             yield state
             before = strain
@@ -191,7 +191,7 @@ def dynamic_modulus(
             timestep,
             seed,
         )
-        stress = np.array([-float(each.stress[0, 1]) for each in states])
+        stress = np.array([each.shear_stress for each in states])
     phase = 2.0 * np.pi * np.arange(1, steps + 1) / steps
     cycle = stress.reshape(-1, steps)[discarded:]
     storage, loss = (

@@ -42,7 +42,7 @@ class Shearable(Protocol[S_co]):
 def shear(
     sim: Simulation | Disks,
     strain: float,
-    steps: int,
+    steps: int = 10,
     tolerance: float | None = None,
     rate: float | None = None,
     friction: float | None = None,
@@ -53,8 +53,8 @@ def shear(
     """Shear in equal steps, relaxing after each one, or at a rate; the area of the box stays.
 
     After step n the upper side of the box has moved along x by strain n / steps times its height.
-    The shear stress that resists is -stress[0, 1] of the state, whose `strain` counts all calls of
-    `shear` for one simulation. A box whose tilt exceeds half its width is replaced by the
+    A state has the `shear_stress` that resists, and the `strain` of all calls of `shear` for one
+    simulation. A box whose tilt exceeds half its width is replaced by the
     equivalent box with the smallest tilt, so that strains may be large.
 
     With a rate particles are overdamped, with a friction against the mean flow u = (rate y, 0),
@@ -138,7 +138,7 @@ def shear_steps(
     with progress("shearing", unit="step", total=steps, initial=done) as bar:
         for n in range(done + 1, steps + 1):
             state = sheared_state(sim, strain / steps, before + strain * n / steps, tolerance)
-            bar.set_postfix(stress=f"{-state.stress[0, 1]:.3g}")
+            bar.set_postfix(stress=f"{state.shear_stress:.3g}")
             bar.update()
             yield state
 

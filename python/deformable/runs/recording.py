@@ -115,7 +115,7 @@ def shear_in(
     sim: Simulation,
     folder: str | Path,
     strain: float,
-    steps: int,
+    steps: int = 10,
     tolerance: float = TOLERANCE,
     parameters: Mapping[str, Any] | None = None,
     overwrite: bool = False,

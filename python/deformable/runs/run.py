@@ -141,7 +141,7 @@ class Run:
     def simulation(self, comm: MPI.Comm | None = None) -> Simulation:
         """A simulation of the last state: the same particles, box and law.
 
-        Velocities, films, time and shear strain go on from those of the state.
+        Velocities, films, directions, time and shear strain go on from those of the state.
 
         Args:
             comm: as for `Simulation`.
@@ -152,7 +152,7 @@ class Run:
         sim = Simulation(packing, law, comm)
         place_velocities(sim.lmp, motion.velocities)
         run(sim.lmp, "\n".join(memory_commands(motion.films)))
-        sim.time, sim.strain = motion.time, motion.strain
+        sim.time, sim.strain, sim.directions = motion.time, motion.strain, motion.directions
         return sim
 
     def append(
@@ -185,7 +185,7 @@ class Run:
     def shear(
         self,
         strain: float,
-        steps: int,
+        steps: int = 10,
         tolerance: float = TOLERANCE,
         parameters: Mapping[str, Any] | None = None,
         comm: MPI.Comm | None = None,
@@ -219,7 +219,8 @@ class Run:
         if done is None:
             raise FileError(
                 f"the run in '{self.folder}' cannot be resumed, as its last states are none of "
-                "compress_in or shear_in: go on with Run.compress (in the shell: --append)"
+                "compress_in or shear_in: go on with Run.compress (in the shell: --append), or "
+                "with Run.append of a protocol, such as move, of Run.simulation()"
             )
         communicator(comm).barrier()  # all ranks have read the folder
         if done >= parameters["steps"]:

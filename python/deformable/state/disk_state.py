@@ -20,13 +20,14 @@ from .linear_response import LinearResponse
 from .numbers import numbers_of
 from .pictures import Pictures
 from .sides import Sides, bearing, between, by_centers, by_strains, joined, with_walls
+from .stressed import Stressed
 
 if TYPE_CHECKING:
     from ..model.picture import Halves
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DiskState(ContactNetwork, LinearResponse, Analysis, Pictures):
+class DiskState(Stressed, ContactNetwork, LinearResponse, Analysis, Pictures):
     """A snapshot of soft disks of contact stiffness k. Particles are numbered from 0.
 
     Attributes:
@@ -63,11 +64,6 @@ class DiskState(ContactNetwork, LinearResponse, Analysis, Pictures):
     def filled_area(self) -> NDArray[np.float64]:
         """pi R^2 of each particle, shape (N,) [length^2]."""
         return np.pi * self.packing.radius**2
-
-    @property
-    def pressure(self) -> float:
-        """Pressure of the packing, half the trace of `stress` [k]."""
-        return float(np.trace(self.stress) / 2.0)
 
     @property
     def particle_pressure(self) -> NDArray[np.float64]:

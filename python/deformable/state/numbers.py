@@ -16,13 +16,13 @@ class _Snapshot(Protocol):
     @property
     def packing(self) -> Packing: ...
     @property
-    def stress(self) -> NDArray[np.float64]: ...
-    @property
     def strain(self) -> float | None: ...
     @property
     def phi(self) -> float: ...
     @property
     def pressure(self) -> float: ...
+    @property
+    def shear_stress(self) -> float: ...
     @property
     def energy(self) -> float: ...
     @property
@@ -46,7 +46,7 @@ def numbers_of(state: _Snapshot) -> dict[str, Any]:
         "strain": state.strain,
         "phi": state.phi,
         "pressure": state.pressure,
-        "shear_stress": -float(state.stress[0, 1]),  # positive if it resists shear along x
+        "shear_stress": state.shear_stress,
         "energy": state.energy,
         "coordination": state.coordination,
         "rattlers": int(np.sum(state.rattlers)),

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..core import angles
 from ..model.packing import Packing
 from ..model.polygons import PolygonModel, Polygons
+from .stressed import Stressed
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,7 +76,7 @@ def steiner_point(outline: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PolygonState:
+class PolygonState(Stressed):
     """A snapshot, the same on every rank. Polygons are numbered from 0.
 
     Attributes:
@@ -116,11 +117,6 @@ class PolygonState:
     def phi(self) -> float:
         """Packing fraction, sum of the polygons' areas over the area of the box."""
         return float(np.sum(self.area) / np.prod(self.packing.box.diagonal()))
-
-    @property
-    def pressure(self) -> float:
-        """Pressure of the packing, half the trace of `stress` [energy/length^2]."""
-        return float(np.trace(self.stress) / 2.0)
 
     @property
     def area_deficit(self) -> NDArray[np.float64]:

@@ -33,13 +33,14 @@ from .numbers import numbers_of
 from .parallels import Parallels
 from .pictures import Pictures
 from .ring_response import RingResponse
+from .stressed import Stressed
 
 if TYPE_CHECKING:
     from ..model.picture import Halves
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class State(ContactNetwork, RingResponse, Parallels, Analysis, Pictures, Exports):
+class State(Stressed, ContactNetwork, RingResponse, Parallels, Analysis, Pictures, Exports):
     """A snapshot, the same on every rank. Particles are numbered from 0.
 
     Attributes:
@@ -117,11 +118,6 @@ class State(ContactNetwork, RingResponse, Parallels, Analysis, Pictures, Exports
     def filled_area(self) -> NDArray[np.float64]:
         """Area of each particle with its skin, shape (N,) [length^2]."""
         return filled_area(self.area, self.perimeter, self._skin)
-
-    @property
-    def pressure(self) -> float:
-        """Pressure of the packing, half the trace of `stress` [energy/length^2]."""
-        return float(np.trace(self.stress) / 2.0)
 
     @property
     def area_deficit(self) -> NDArray[np.float64]:
@@ -229,7 +225,8 @@ class State(ContactNetwork, RingResponse, Parallels, Analysis, Pictures, Exports
                 accurate_step(packing, law, pressure, now),
                 accurate_step(packing, law, pressure, max(now, TEMPERATURE)),
             )
-            motion = Motion(self.velocities, self.time, self.strain, self.films)
+            history = self.velocities, self.time, self.strain, self.films, self.directions
+            motion = Motion(*history)
             save(folder, packing, law, steps, self.numbers(), motion, parameters, frames)
 
     def numbers(self) -> dict[str, Any]:

@@ -53,7 +53,7 @@ def test_persistence(free: deformable.Packing, inertia: bool) -> None:
 
 
 def test_directions_go_on(free: deformable.Packing, tmp_path: Path) -> None:
-    """In a second call, in a simulation from a state, and in a record."""
+    """In a second call, in a simulation from a state or of a folder, and in a record."""
     with deformable.Simulation(free, deformable.Ring()) as sim:
         motion = move(sim, 20, 0.5, every=10, seed=1, inertia=False, **ACTIVE)
         *_, first = deformable.record(motion, tmp_path / "run")
@@ -68,6 +68,14 @@ def test_directions_go_on(free: deformable.Packing, tmp_path: Path) -> None:
         other = next(move(sim, 1, 0.5, seed=2, inertia=False, **ACTIVE))
     assert turned(third, first).std() == pytest.approx(deviation, rel=5.0 / np.sqrt(2 * NUMBER))
     assert abs(np.cos(turned(other, first)).mean()) < 5.0 / np.sqrt(2 * NUMBER)
+    with deformable.Run(tmp_path / "run").simulation() as sim:
+        np.testing.assert_allclose(sim.directions, first.directions, rtol=0, atol=1e-15)
+        fourth = next(move(sim, 1, 0.5, seed=2, inertia=False, **ACTIVE))
+    np.testing.assert_allclose(fourth.directions, third.directions, rtol=0, atol=1e-12)
+    data = tmp_path / "run" / "packing.data"
+    data.write_text(data.read_text().rpartition("# direction")[0])
+    with pytest.raises(deformable.FileError, match="it has directions of 1599 of 1600 atoms"):
+        deformable.Run(tmp_path / "run").simulation()
     assert first.values("direction") == pytest.approx(np.arctan2(*first.directions.T[::-1]))
     ax = first.plot(color_by="direction")
     assert ax.collections[0].get_clim() == pytest.approx((-np.pi, np.pi))

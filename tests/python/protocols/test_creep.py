@@ -62,10 +62,12 @@ def test_a_large_stress_makes_it_flow_through_flips(rest: deformable.State) -> N
     ("values", "message"),
     [
         ({"stress": np.nan}, "stress must be a finite number, not nan"),
+        ({"stress": True}, "stress must be a finite number, not True"),
         ({"time": 0.0}, "time must be a positive number, not 0"),
         ({"steps": 0}, "steps must be at least 1, not 0"),
         ({"friction": -1.0}, "friction must not be negative, not -1"),
         ({"friction": 0.0}, "need a friction above 0"),
+        ({"friction": None}, "a flow needs the friction of particles"),
         ({"viscosity": 0.0}, "viscosity must be a positive number, not 0"),
         ({"timestep": 1e9}, "timestep = .* take at most"),
     ],

@@ -94,6 +94,7 @@ def test_shear_stress_of_a_series_resists(tmp_path: Path) -> None:
     with (tmp_path / "run" / "series.csv").open(newline="") as file:
         stress = [float(row["shear_stress"]) for row in csv.DictReader(file)]
     assert stress == pytest.approx([-state.stress[0, 1] for state in states], rel=1e-6)
+    assert [state.shear_stress for state in states] == [-state.stress[0, 1] for state in states]
     assert stress[2] > stress[1] > stress[0]
 
 
