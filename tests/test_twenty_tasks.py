@@ -1,0 +1,61 @@
+"""The calls of the table of twenty tasks in the cookbook do what they say."""
+
+import math
+import re
+import warnings
+from pathlib import Path
+
+import deformable
+import networkx
+import numpy as np
+import pytest
+
+PAGE = Path(__file__).parents[1] / "docs" / "cookbook.md"
+ROW = re.compile(r"^\| \[(?P<task>[^]]+)\]\([^)]+\) \| (?P<calls>`.+`) \| \d \|$", re.MULTILINE)
+ROWS = ROW.findall(PAGE.read_text().partition("## Twenty tasks")[2])
+SMALLER = {
+    "bidisperse(64": "bidisperse(16",
+    "rectangle(12, 12)": "rectangle(6, 6)",
+    "r_max=3.0": "r_max=1.5",
+    "(1, 2)])": "(1, 2)], workers=1)",
+}
+
+
+def smaller(call: str) -> str:
+    """The same of 16 particles, in this process."""
+    for large, small in SMALLER.items():
+        call = call.replace(large, small)
+    return call
+
+
+def test_there_are_twenty() -> None:
+    assert len(ROWS) == 20
+
+
+@pytest.fixture(scope="module")
+def names(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
+    """What the text above the table begins with, in a folder of its own."""
+    folder = tmp_path_factory.mktemp("tasks")
+    jammed = deformable.jam(deformable.bidisperse(16, seed=1)).at(0.87)
+    jammed.to_file(folder / "start.dump")
+    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+        state = sim.relax()
+        list(deformable.record(deformable.shear(sim, strain=0.02, steps=1), folder / "run"))
+    run = deformable.Run(folder / "run")
+    given = {"folder": folder, "jammed": jammed, "state": state, "run": run}
+    public = {name: getattr(deformable, name) for name in deformable.__all__}
+    return {**public, "networkx": networkx, "numpy": np, "math": math, **given}
+
+
+@pytest.mark.parametrize(("task", "calls"), ROWS, ids=[task for task, _ in ROWS])
+def test_task(
+    task: str, calls: str, names: dict[str, object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each call in turn."""
+    monkeypatch.chdir(names["folder"])
+    space = dict(names)
+    with deformable.Simulation(names["state"], deformable.Ring()) as space["sim"]:
+        for call in map(smaller, re.findall(r"`([^`]+)`", calls)):
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", deformable.UnjammedWarning)
+                exec(call, space)
