@@ -71,12 +71,15 @@ def whole(name: str, value: int) -> int:
 
 
 def numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
-    """The values as an array, if all of them are finite numbers."""
+    """The values as an array, if all of them are finite numbers; a mask counts as 0 and 1.
+
+    So `species=radius > 0.5` makes two species.
+    """
     try:
         array = np.array(values)
     except ValueError:
         array = np.array(None)
-    if array.dtype.kind not in "iuf" or not np.isfinite(array).all():
+    if array.dtype.kind not in "biuf" or not np.isfinite(array).all():
         raise ParameterError(f"{name} must be finite numbers, not {shown(values)}")
     return array.astype(np.float64)
 

@@ -130,3 +130,9 @@ def test_colors_have_names(state: deformable.State) -> None:
     for wrong in ("energy", "beauty", 3, None):
         with pytest.raises(deformable.ParameterError, match=r"area_deficit.*pressure.*not"):
             state.values(wrong)
+
+
+def test_a_mask_makes_two_species() -> None:
+    radius = np.array([0.5, 0.7])
+    packing = deformable.Packing.from_arrays([[1, 1], [3, 1]], radius, (4, 2), radius > 0.6)
+    assert packing.species.tolist() == [0, 1]
