@@ -67,7 +67,7 @@ def move(
 
     Args:
         sim: of the law `Ring`; it ends in the last state.
-        steps: number of time steps.
+        steps: number of time steps, where other protocols count states.
         timestep: length of a step [time]; if not given, a fifth of the longest stable one, which
             depends on the pressure in the particles and on the temperature; where these grow, steps
             become shorter. Give one if other forces than those of contacts, by fixes of `sim.lmp`,
