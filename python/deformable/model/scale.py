@@ -103,9 +103,10 @@ def per_particle(
         values = np.asarray(None)
     fits = values.shape == (number,) and values.dtype.kind in "biuf"
     if not fits or np.isinf(values).any() or np.isnan(values).all():
+        kind = "real " if np.iscomplexobj(values) else ""
         raise ParameterError(
             f"color_by must name a value of each particle, such as {', '.join(sorted(names))}, or "
-            f"be {number} numbers, not {shown(color_by)}"
+            f"be {number} {kind}numbers, not {shown(color_by)}"
         )
     return values.astype(np.float64)
 

@@ -61,10 +61,14 @@ def correlation(
 
 
 def _by_distance(function: Any, r_max: float, system: tuple[Any, Floats], **values: Any) -> Any:
-    try:
-        return function.compute(system, **values)
-    except RuntimeError as error:
-        raise ParameterError(f"r_max = {r_max:g} is too large for the box: {error}") from None
+    box, _ = system
+    most = min(box.Lx / np.hypot(1.0, box.xy), box.Ly) / 2.0
+    if r_max >= most:
+        raise ParameterError(
+            f"r_max = {r_max:g} is too large for the box: it must be below {most:.4g}, half the "
+            "distance of opposite sides"
+        )
+    return function.compute(system, **values)
 
 
 def _room_around(packing: Packing, r: Floats) -> tuple[float, Floats]:

@@ -39,6 +39,7 @@ def test_walls_and_own_values() -> None:
     [
         ({"color_by": "pressure"}, "such as radius, species, or be 32 numbers, not 'pressure'"),
         ({"color_by": [1.0, 2.0]}, r"or be 32 numbers, not \[1.0, 2.0\]"),
+        ({"color_by": [1j] * 32}, r"or be 32 real numbers, not \[1j, "),
         ({"cmap": "rainbows"}, "cmap .*'rainbows'"),
         ({"vmin": 1.0, "vmax": 1.0}, "vmin must be below vmax"),
         ({"ax": "axes"}, "ax must be of the kind Axes"),

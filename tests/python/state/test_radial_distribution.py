@@ -74,5 +74,9 @@ def test_refusals() -> None:
     for arguments, message in told:
         with pytest.raises(deformable.ParameterError, match=message):
             state.hexatic_correlation(*arguments)
-    with pytest.raises(deformable.ParameterError, match="r_max = 99 is too large for the box"):
-        state.radial_distribution(99.0)
+    leaning = deformable.bidisperse(10, aspect=1.5, tilt=0.4)
+    (lx, _), (xy, ly) = leaning.box
+    most = min(ly, lx * ly / np.hypot(xy, ly)) / 2.0
+    with pytest.raises(deformable.ParameterError, match=f"r_max = 99 .* below {most:.4g}, half"):
+        state_of(leaning).radial_distribution(99.0)
+    assert len(state_of(leaning).radial_distribution(0.999 * most)[0])
