@@ -257,8 +257,8 @@ void BalancedForces::warn_limited()
   if (comm->me == 0)
     error->warning(
         FLERR, "Contact lines would tilt by more than 0.3 rad or bend by more than 30 degrees, as "
-               "between particles beyond the model: they are held there. 'compute ID all pair' "
-               "counts them");
+               "between particles beyond the model: they are held there, or straight. "
+               "'compute ID all pair' counts them");
 }
 
 /* ---------------------------------------------------------------------- */

@@ -36,6 +36,7 @@ void CurvedLines::predict(double slope)
 void CurvedLines::begin()
 {
   const NearPairs &p = *pairs;
+  held = false;
   part = 1.0;
   last_imbalance = 0.0;
   for (std::vector<double> *const v : {&next_sine, &next_bend}) v->resize(p.size);
@@ -52,8 +53,9 @@ void CurvedLines::begin()
   take();
 }
 
-void CurvedLines::straighten()
+void CurvedLines::straighten(bool hold)
 {
+  held = hold;
   for (std::vector<double> *const v : {&next_sine, &next_bend})
     std::fill(v->begin(), v->end(), 0.0);
   part = 1.0;
@@ -95,7 +97,7 @@ double CurvedLines::imbalance()
   const int *const side = pairs->side[0].data() + pairs->remote, own = batches->contacts;
   remote->exchange(side, own, batches->slope.data(), slope_rate.data());
   remote->exchange(side, own, per_pressure.data(), free_radius.data());
-  double worst = kernels.find_lines(arrays(), 0, pairs->wall);
+  double worst = held ? 0.0 : kernels.find_lines(arrays(), 0, pairs->wall);
   if (films) worst = std::max(worst, films->find(outline(), next_bend.data(), part));
   return remote->largest(worst);
 }
@@ -131,7 +133,8 @@ void CurvedLines::remember()
     int found = 0;
     for (int k = begin; k < end; ++k)
       found += ((p.force[k] > 0.0 || (p.sticks && p.attached[k])) &&
-                (std::fabs(p.tilt[k]) >= LARGEST_SINE || std::fabs(p.bend[k]) >= LARGEST_BEND)) ||
+                (held || std::fabs(p.tilt[k]) >= LARGEST_SINE ||
+                 std::fabs(p.bend[k]) >= LARGEST_BEND)) ||
                (p.sticks && p.attached[k] && is_held(k));
     return found;
   };

@@ -39,8 +39,8 @@ class CurvedLines {
   // Of pairs that are straight yet: their lines take the first of the past tilts and bends.
   void begin();
 
-  // All lines are straight, and perpendicular to lines of centers.
-  void straighten();
+  // All lines are straight, and perpendicular to lines of centers; held: they stay so in this solution.
+  void straighten(bool held);
 
   // The largest imbalance of a line for the present forces, on all ranks. Also finds the next tilts and bends.
   double imbalance();
@@ -69,6 +69,7 @@ class CurvedLines {
   std::vector<double> next_sine, next_bend;                     // see LineArrays
   std::vector<double> slope_rate, per_pressure, free_radius;    // see OutlineArrays
   double part = 1.0, last_imbalance = 0.0;
+  bool held = false;
   bool is_held(int k) const;
   deformable::OutlineArrays outline();
   deformable::LineArrays arrays();

@@ -73,19 +73,20 @@ bool ForceSolver::solve()
   Evaluation now = first_evaluation();
 
   local_corrections = 0;
-  bool is_anew = false;
+  int anew = 0;
   // beyond confluence, curved lines may have no balance: so many evaluations that do not halve the imbalance are enough
   constexpr int STUCK = 200;
   double halved = std::numeric_limits<double>::infinity();
   int since = evaluations();
   for (;;) {
-    if (!now.exists && !is_anew) {    // forces were extrapolated too far: anew, even beyond maxeval
-      is_anew = true;
+    // Forces were extrapolated too far: anew, even beyond maxeval. Where curved lines lead astray once more, straight ones.
+    if (!now.exists && anew < (lines ? 2 : 1)) {
+      ++anew;
       halved = std::numeric_limits<double>::infinity();
       since = evaluations();
       forget();
       pipeline.start_from_nothing();
-      if (lines) lines->straighten();
+      if (lines) lines->straighten(anew == 2);
       now = pipeline.evaluate();
     }
     if (is_balanced(now) || !may_go_on() || !std::isfinite(now.force)) break;
