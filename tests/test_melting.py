@@ -19,7 +19,7 @@ pytest.importorskip("freud")
 FOLDER = Path(__file__).parents[1] / "examples" / "melting"
 melting = example("melting", "melting")
 results = melting.results
-RESULT = json.loads((FOLDER / "small.json").read_text())
+RESULT, MIDDLE = (json.loads((FOLDER / f"{n}.json").read_text()) for n in ("small", "middle"))
 README = (FOLDER / "README.md").read_text()
 
 
@@ -112,7 +112,8 @@ def test_decay_of_a_power_is_its_exponent() -> None:
 
 def test_readme_has_the_committed_numbers() -> None:
     for lines in (results.table, results.start_table):
-        assert "\n".join(lines(RESULT)) in README
+        for data in (RESULT, MIDDLE):
+            assert "\n".join(lines(data)) in README
     text = README.replace("\n  ", " ").replace("\n", " ")
     assert results.summary(RESULT) in text
     assert results.summary(RESULT) in (FOLDER / "small.log").read_text()
@@ -120,6 +121,26 @@ def test_readme_has_the_committed_numbers() -> None:
     apart = [results.difference(*hot, name) for name in ("psi_6", "defects", "p", "energy")]
     worst = max(abs(value) / error for value, error in apart)
     assert f"agree within {worst:.1f} of their errors" in text
+
+
+def test_committed_crystal_of_256_droplets_melts_at_lower_temperatures() -> None:
+    """Its order falls to less than half of that of 64 droplets, and the neighbors part."""
+    small, middle = (
+        results.runs(data)[number, 0.08, "crystal"]
+        for number, data in ((64, RESULT), (256, MIDDLE))
+    )
+    orders, parts = (
+        [results.value(legs, name)[0] for legs in (small, middle)]
+        for name in ("psi_6", "neighbors apart")
+    )
+    assert orders[1] < 0.5 * orders[0]
+    assert parts[0] < 0.05 < 0.5 < parts[1]
+    cold = results.runs(MIDDLE)[256, 0.06, "crystal"]
+    assert results.value(cold, "neighbors apart")[0] < 0.05
+    hot = [results.runs(MIDDLE)[256, 0.1, start] for start in melting.STARTS]
+    for name in ("psi_6", "defects", "p", "energy"):
+        value, error = results.difference(*hot, name)
+        assert abs(value) < error, name
 
 
 @pytest.mark.parametrize("temperature", [0.02, 0.06, 0.08])
@@ -139,6 +160,6 @@ def test_committed_gas_follows_virial_coefficients() -> None:
 
 
 def test_committed_baths_have_their_temperature() -> None:
-    for legs in results.runs(RESULT).values():
+    for legs in [*results.runs(RESULT).values(), *results.runs(MIDDLE).values()]:
         found, error = results.value(legs, "T over bath")
         assert abs(found - 1.0) < 5.0 * max(error, 0.01)
