@@ -15,6 +15,8 @@ def example(folder: str, name: str) -> ModuleType:
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    for other in path.parent.glob("*.py"):  # another folder may have scripts of the same names
+        sys.modules.pop(other.stem, None)
     sys.path.insert(0, str(path.parent))
     try:
         spec.loader.exec_module(module)

@@ -87,6 +87,7 @@ bool ForceSolver::solve()
       forget();
       pipeline.start_from_nothing();
       if (lines) lines->straighten(anew == 2);
+      if (anew == 2) allowed = evaluations() + max_evaluations;
       now = pipeline.evaluate();
     }
     if (is_balanced(now) || !may_go_on() || !std::isfinite(now.force)) break;
