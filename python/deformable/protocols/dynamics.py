@@ -100,9 +100,8 @@ class Dynamics:
                 f"timestep = {timestep:g} is longer than the persistence of {self.persistence:g}: "
                 "take a twentieth of it, or leave it out"
             )
-        longest = self._longest(
-            state, 0.0, self._hot(state)
-        )  # how hard the drive pushes is a guess
+        # without the drive: how hard it pushes is a guess
+        longest = self._longest(state, 0.0, self._hot(state))
         if timestep <= longest:
             return
         pressure, temperature = float(state.particle_pressure.max()), self._hot(state)

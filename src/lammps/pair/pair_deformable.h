@@ -55,8 +55,8 @@ struct LoadedContact {
   int i, j;         // local indices; of a wall its code < 0
   int second;       // local index of the particle whose image j is, or -1: it is on another rank
   double nx, ny;    // normal of the contact line, from i to j
-  double height,
-      shift;    // of the middle of its film from the center of i: along (nx, ny) and (-ny, nx)
+  // of the middle of its film from the center of i: along (nx, ny) and (-ny, nx)
+  double height, shift;
   double force;
   bool one_side;    // the other side has a row, and a force, of its own
 };
