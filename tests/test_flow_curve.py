@@ -32,7 +32,7 @@ def test_script(tmp_path: Path) -> None:
     text("python", "flow_curve.py", "--number", "16", "--strain", "3.1", cwd=tmp_path)
     data = json.loads((tmp_path / "flow_curve.json").read_text())
     stress = [np.mean(row["blocks"]) for row in data["runs"]]
-    assert stress[3] > 1.2 * stress[0] > 0.0
+    assert stress[3] > 1.2 * stress[0] > 0.0  # 1.9 times by the committed fit of 128 droplets
     assert 0.0 < stress[4] < stress[3]
     assert (tmp_path / "flow_curve.png").stat().st_size > 10_000
 
