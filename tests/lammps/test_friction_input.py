@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from grains import BOX, SPECIES, Grains
 from scene import Scene
+from test_friction import cloud
 from test_refusals import refuses
 
 PAIR = [[-0.98, 0.0], [0.98, 0.0]]
@@ -135,3 +136,86 @@ def test_ids_stay(tmp_path):
     scene = Grains(PAIR, 1, "0.5 1 0", tmp_path)
     with refuses("reset_atoms id"):
         scene.run("reset_atoms id")
+
+
+NUMBERS = {
+    "0.5 0.6 0.1 damp 0.2 types * wall 0.1 0.2 0.3 0.4": "",
+    "v_mu v_kt v_gt damp v_gn types * wall 0.1 v_kw 0.3 v_gw": (
+        "variable mu equal 0.5\nvariable kt equal 0.6\nvariable gt equal 0.1\n"
+        "variable gn equal 0.2\nvariable kw equal 0.2\nvariable gw equal 2*v_gn\n"
+    ),
+}
+
+
+def test_variables_that_rest_are_numbers(tmp_path):
+    """Defined before or after the fix."""
+    found = []
+    for words, variables in NUMBERS.items():
+        walls = "fix floor all deformable/wall plane 0 -0.98 0 1"
+        v = [[0.3, -0.2], [0.3, 0.2]]
+        scene = Grains(PAIR, 1, words, tmp_path, v, 0.1, commands=walls, dt=0.02)
+        scene.run(variables + "run 10")
+        assert set(scene.rows[:, 1] > 0) == {True, False}
+        found.append(scene.rows)
+    np.testing.assert_array_equal(*found)
+
+
+def test_ramps(tmp_path):
+    """Each step has the coefficients of its variables; those of types stay."""
+    x, radii, v, spin = cloud()
+    scene = Grains(
+        x, radii, "v_mu v_kt 0 damp v_gn", tmp_path, v, spin, dt=0.04,
+        commands="variable mu equal ramp(0,0.1)\nvariable kt equal 0.5+0.1*step*dt\n"
+        "variable gn equal vdisplace(0,0.05)",
+    )  # fmt: skip
+    slid = 0
+    for _ in range(4):
+        scene.run("run 50")
+        _, _, _, _, _, force, friction, _, xi, slides = scene.rows.T
+        kt = 0.5 + 0.1 * 0.04 * scene.lmp.get_thermo("step")
+        np.testing.assert_allclose(friction, kt * xi, rtol=1e-12, atol=1e-15)
+        held = np.abs(friction[slides > 0])
+        np.testing.assert_allclose(held, 0.1 * force[slides > 0], rtol=1e-12)
+        slid += len(held)
+        assert scene.terms["stored"] == pytest.approx(0.5 * kt * np.sum(xi**2), rel=1e-12)
+    assert slid > 10
+    assert scene.terms["damping"] > 0
+
+
+def test_the_work_of_a_ramp_is_no_loss(tmp_path):
+    """While kt grows the spring gains xi^2/2 dkt, which nothing has lost."""
+    lost = []
+    for dt in (0.02, 0.01):
+        scene = Grains(
+            PAIR, 1, "inf v_kt 0", tmp_path, [[-0.01, -0.05], [-0.01, 0.05]], 0.02, dt=dt,
+            commands="variable kt equal 0.1+0.2*step*dt\n"
+            "group a id 1\ngroup b id 2\nfix press a spring couple b 0.5 0 0 0 1.8",
+        )  # fmt: skip
+        scene.run(f"run {int(2 / dt)}")
+        assert scene.terms["contacts"] == 1
+        lost.append(abs(scene.terms["dashpots"]))
+    assert lost[0] < 0.01 * scene.terms["stored"]
+    assert lost[1] < 0.3 * lost[0]  # second order in the step
+
+
+VARIABLES = {
+    "nothing": ("", "Fix rub .*: v_mu needs an equal-style variable: use 'variable mu equal"),
+    "atom": ("variable mu atom x", "Fix rub .*: v_mu needs an equal-style variable"),
+    "negative": (
+        "variable mu equal 0.1-step",
+        "Fix rub .*: mu must be 0, positive or inf, not -0.9",
+    ),
+    "too stiff": (
+        "variable mu equal 1\nvariable kt equal step*step",
+        "Fix rub .*the time step 0.5",
+    ),
+}
+
+
+@pytest.mark.parametrize(("commands", "message"), VARIABLES.values(), ids=VARIABLES)
+def test_variables_that_are_refused(commands, message, tmp_path):
+    kt = "v_kt" if "kt" in commands else "0.1"
+    scene = Grains(PAIR, 1, f"v_mu {kt} 0", tmp_path, dt=0.5)
+    scene.run(commands)
+    with refuses(message):
+        scene.run("run 4")

@@ -60,3 +60,23 @@ def test_beside_another_pair_style(tmp_path):
     scene.run("run 400")
     assert scene.terms["sliding"] > 1e-4
     assert scene.balance() == pytest.approx(before, rel=1e-4)
+
+
+def test_rerun(tmp_path):
+    """Files have neither springs nor spins: each snapshot has what its velocities say."""
+    x, radii, v, _ = cloud()
+    made = Grains(x, radii, "0.5 0.6 0.1 damp 0.1", tmp_path, v, dt=0.04)
+    made.run(f"dump all all custom 100 {tmp_path}/states id x y vx vy\nrun 400")
+    made.lmp.close()
+    scene = Grains(x, radii, "0.5 0.6 0.1 damp 0.1", tmp_path, v, dt=0.04)
+    for step in (200, 300, 400):
+        scene.run(f"rerun {tmp_path}/states first 200 last {step} dump x y vx vy")
+        i, j, _, _, angle, force, friction, damping, xi, _ = scene.rows.T
+        assert len(i) > 2
+        way = scene.v[j.astype(int) - 1] - scene.v[i.astype(int) - 1]
+        n = np.column_stack([np.cos(angle), np.sin(angle)])
+        t = np.column_stack([-n[:, 1], n[:, 0]])
+        along, across = 0.1 * np.sum(way * t, axis=1), 0.1 * np.sum(way * n, axis=1)
+        np.testing.assert_array_equal(xi, 0)
+        np.testing.assert_allclose(friction, np.clip(along, -0.5 * force, 0.5 * force), atol=1e-8)
+        np.testing.assert_allclose(damping, np.minimum(across, force), atol=1e-8)

@@ -26,10 +26,11 @@ RememberedContact *ContactMemory::find(int i, double partner, const ContactPlace
   return found;
 }
 
-RememberedContact &ContactMemory::add(int i, double partner, const ContactPlace &place)
+RememberedContact &ContactMemory::add(int i, double partner, double kt, const ContactPlace &place)
 {
   RememberedContact contact = {};
   contact.partner = partner;
+  contact.kt = kt;
   contact.place = place;
   rows[i].push_back(contact);
   return rows[i].back();

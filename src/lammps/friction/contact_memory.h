@@ -38,7 +38,7 @@ class ContactMemory {
   // The contact with this partner whose place is the nearest one, as a small box has several images of it; or null. Between
   // a particle and its own image both directions are one.
   RememberedContact *find(int i, double partner, const ContactPlace &, bool own_image);
-  RememberedContact &add(int i, double partner, const ContactPlace &);
+  RememberedContact &add(int i, double partner, double kt, const ContactPlace &);
 
   std::vector<RememberedContact> &of(int i) { return rows[i]; }
 

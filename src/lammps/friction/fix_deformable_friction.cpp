@@ -52,11 +52,14 @@ int FixDeformableFriction::setmask()
 }
 
 /* ----------------------------------------------------------------------
-   Before the first step of a run contacts keep what they have.
+   Before the first step of a run contacts keep what they have. Snapshots of
+   rerun follow the first one within a run, and do not follow from each other.
 ------------------------------------------------------------------------- */
 
 void FixDeformableFriction::setup_pre_reverse(int, int vflag)
 {
+  if (update->ntimestep != update->firststep)
+    for (int i = 0; i < atom->nlocal; ++i) memory.clear(i);
   dt = 0.0;
   rub_all(vflag);
 }
@@ -69,6 +72,10 @@ void FixDeformableFriction::pre_reverse(int, int vflag)
 
 void FixDeformableFriction::rub_all(int vflag)
 {
+  if (coefficients.vary()) {
+    coefficients.evaluate();
+    check_time_step();
+  }
   v_init(vflag);
   if (vflag_atom)
     for (int i = atom->nlocal; i < atom->nlocal + atom->nghost; ++i) std::fill_n(vatom[i], 6, 0.0);
@@ -161,7 +168,7 @@ void FixDeformableFriction::rub(const LoadedContact &contact)
   RememberedContact *remembered = memory.find(i, partner, place, own_image);
   const bool is_new = !remembered;
   if (is_new) {
-    remembered = &memory.add(i, partner, place);
+    remembered = &memory.add(i, partner, c.kt, place);
     make_room(i);
   }
   RememberedContact &m = *remembered;
@@ -173,7 +180,7 @@ void FixDeformableFriction::rub(const LoadedContact &contact)
     const Speeds before = is_new ? now : speeds(sides, m.place, dt);
     rubbed = deformable::rub(c, m.xi, 0.5 * dt * (before.along + now.along), dt, contact.force);
     damping = deformable::damping(c.gn, 0.5 * dt * (before.normal + now.normal), dt, contact.force);
-    lose(sides, m, rubbed, damping, before, now);
+    lose(sides, m, 0.5 * (m.kt + c.kt), rubbed, damping, before, now);
   } else {
     rubbed.force = std::clamp(is_new ? c.gt * now.along : m.force, -most, most);
     damping = std::min(is_new ? c.gn * now.normal : m.damping, std::max(contact.force, 0.0));
@@ -192,15 +199,17 @@ void FixDeformableFriction::rub(const LoadedContact &contact)
 }
 
 /* ----------------------------------------------------------------------
-   Of a step between two forces on this contact.
+   Of a step between two forces on this contact. If kt changes it is the mean
+   one: what the change itself does to the spring is no loss.
 ------------------------------------------------------------------------- */
 
-void FixDeformableFriction::lose(const Sides &sides, const RememberedContact &m, const Rub &rubbed,
-                                 double damping, const Speeds &before, const Speeds &now)
+void FixDeformableFriction::lose(const Sides &sides, const RememberedContact &m, double kt,
+                                 const Rub &rubbed, double damping, const Speeds &before,
+                                 const Speeds &now)
 {
   const double half = 0.5 * dt;
   const deformable::RubLoss loss =
-      deformable::loss(m.kt, {m.xi, m.force, false}, rubbed, half * (before.along + now.along));
+      deformable::loss(kt, {m.xi, m.force, false}, rubbed, half * (before.along + now.along));
   output[SLIDING] += loss.sliding;
   output[DASHPOTS] += loss.dashpot;
   output[DAMPING] += half * (m.damping * before.normal + damping * now.normal);
@@ -269,7 +278,7 @@ void FixDeformableFriction::end(int i, const RememberedContact &m)
   if (m.partner > 0.0 && partner < 0) return;    // it is gone
   const Sides sides = {i, partner, i};
   const Speeds before = speeds(sides, m.place, dt);
-  lose(sides, m, {0.0, 0.0, false}, 0.0, before, before);
+  lose(sides, m, m.kt, {0.0, 0.0, false}, 0.0, before, before);
 }
 
 /* ----------------------------------------------------------------------

@@ -58,11 +58,13 @@ class FixDeformableFriction : public Fix {
   void unpack_reverse_comm(int, int *, double *) override;
 
  private:
-  const FrictionCoefficients coefficients;
+  FrictionCoefficients coefficients;
   std::vector<PairDeformable *> pairs;    // several within a hybrid style
   bool told = false;                      // of spins
   void check_spins();
-  void check_time_step();
+  double lightest = 0.0;    // mass of a particle of all ranks
+  void find_lightest();
+  void check_time_step() const;
 
   ContactMemory memory;
   enum { STORED, SLIDING, DASHPOTS, DAMPING, CONTACTS, SLIDES, OUTPUTS };
@@ -89,8 +91,8 @@ class FixDeformableFriction : public Fix {
   void rub(const LoadedContact &);
   bool find_sides(const LoadedContact &, Sides &, ContactPlace &) const;
   Speeds speeds(const Sides &, const ContactPlace &, double age) const;
-  void lose(const Sides &, const RememberedContact &, const deformable::Rub &, double damping,
-            const Speeds &before, const Speeds &now);
+  void lose(const Sides &, const RememberedContact &, double kt, const deformable::Rub &,
+            double damping, const Speeds &before, const Speeds &now);
   void push(const Sides &, const ContactPlace &, const Pushes &);
   void sweep();
   void end(int i, const RememberedContact &);

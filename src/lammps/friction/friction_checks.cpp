@@ -50,7 +50,9 @@ void FixDeformableFriction::init()
     atom->map_set();
   }
   check_spins();
-  check_time_step();
+  coefficients.find_variables();
+  find_lightest();
+  if (!coefficients.vary()) check_time_step();    // variables have no values before the first step
 }
 
 /* ----------------------------------------------------------------------
@@ -81,21 +83,25 @@ void FixDeformableFriction::check_spins()
                    id);
 }
 
-void FixDeformableFriction::check_time_step()
+void FixDeformableFriction::find_lightest()
 {
-  if (update->whichflag != 1) return;    // minimizers pass over friction
-  constexpr double SPHERE = 3.5;         // 1 + m R^2/I; 3 of a disk
-  double least = std::numeric_limits<double>::infinity(), mass;
+  double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < atom->nlocal; ++i)
     if (atom->mask[i] & groupbit)
       least = std::min(least, atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]]);
-  MPI_Allreduce(&least, &mass, 1, MPI_DOUBLE, MPI_MIN, world);
-  const double longest = coefficients.largest_time_step(mass, atom->omega_flag ? SPHERE : 1.0);
+  MPI_Allreduce(&least, &lightest, 1, MPI_DOUBLE, MPI_MIN, world);
+}
+
+void FixDeformableFriction::check_time_step() const
+{
+  if (update->whichflag != 1) return;    // minimizers pass over friction
+  constexpr double SPHERE = 3.5;         // 1 + m R^2/I; 3 of a disk
+  const double longest = coefficients.largest_time_step(lightest, atom->omega_flag ? SPHERE : 1.0);
   if (update->dt > longest)
     error->all(FLERR,
                "Fix {} deformable/friction: the time step {:.6g} is too long for these stiffnesses "
                "and particles of mass {:.6g}: use {:.3g} or less, or smaller kt, gt or damp",
-               id, update->dt, mass, longest);
+               id, update->dt, lightest, longest);
 }
 
 void FixDeformableFriction::reset_dt()
