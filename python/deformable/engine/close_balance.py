@@ -1,10 +1,14 @@
-"""Simulations whose balanced contacts are right to rounding."""
+"""Simulations whose contacts are balanced more or less closely than to 1e-8."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
 from mpi4py import MPI
 
-from ..io.lammps_commands import close_balance_command
+from ..io.lammps_commands import balance_command
 from ..model.laws import Law
 from ..model.packing import Packing
 from .disks import Disks
@@ -12,12 +16,33 @@ from .followed import setup
 from .lammps import run
 from .simulation import Simulation
 
+# The default of the pair style, and what rounding leaves.
+_USUAL, _CLOSE = 1e-8, 1e-13
+
 
 def closely_balanced(packing: Packing, law: Law | None) -> Disks | Simulation:
     """A simulation on this rank alone, whose contacts are balanced to rounding; None: disks."""
     if law is None:
         return Disks(packing)
     sim = Simulation(packing, law, MPI.COMM_SELF)
-    run(sim.lmp, close_balance_command(packing, law))
-    sim._setup = setup(sim.lmp)  # which knows the former command
+    _balance(sim, packing, _CLOSE)
     return sim
+
+
+@contextmanager
+def balanced_to(sim: Simulation, packing: Packing, tolerance: float | None) -> Iterator[None]:
+    """Leave this imbalance to the contacts of a simulation meanwhile; None: the usual one."""
+    lmp = sim.lmp
+    if tolerance is not None:
+        _balance(sim, packing, tolerance)
+    try:
+        yield
+    finally:
+        if tolerance is not None and not sim.closed and sim.lmp is lmp:
+            _balance(sim, packing, _USUAL)
+
+
+def _balance(sim: Simulation, packing: Packing, tolerance: float) -> None:
+    run(sim.lmp, balance_command(packing, sim.law, tolerance))
+    # which knows the former command
+    sim._setup = replace(sim._setup, definition=setup(sim.lmp).definition)

@@ -131,12 +131,12 @@ def law_commands(packing: Packing, law: Law, file: str) -> str:
     return commands + minimizer_commands(skin=0.1 * smallest, dmax=0.005 * smallest)
 
 
-def close_balance_command(packing: Packing, law: Law) -> str:
-    """Command that lets LAMMPS balance contacts to rounding, not to 1e-8; empty without balance."""
+def balance_command(packing: Packing, law: Law, tolerance: float) -> str:
+    """Command for the imbalance that LAMMPS leaves to contacts; empty if the law has no balance."""
     if not isinstance(law, Ring) or law.contact == "radical":
         return ""
     whose = "type" if packing.particle_radii is None else "atom"
-    arguments = f"{pair_style_arguments(law)} balance 1e-13 200 radius {whose}"
+    arguments = f"{pair_style_arguments(law)} balance {tolerance!r} 1000 radius {whose}"
     return f"pair_style {pair_style(law)} {arguments}"
 
 

@@ -143,6 +143,8 @@ def test_a_motion_may_outlive_its_simulation(loose: deformable.Packing) -> None:
         ({"steps": 150}, "multiple of every, not 150 and 100: give another every"),
         ({"steps": 10, "timestep": -1.0, "every": 3}, "timestep .* -1"),
         ({"seed": 0}, "seed .* not 0"),
+        ({"tolerance": 0.0}, "tolerance .* not 0"),
+        ({"tolerance": 1.0}, "tolerance must be below 1, not 1"),
     ],
 )
 def test_refusals(loose: deformable.Packing, values: dict[str, float], message: str) -> None:
@@ -248,3 +250,35 @@ def test_particles_of_any_size_and_stiffness_move() -> None:
             pace.append(next(move(sim, 1, temperature=1e-6, every=1, seed=1)).time)
     # 1 and kP/R^2 = 1/0.49, to the power of 1/4
     assert pace[1] / pace[0] == pytest.approx(0.49**0.25)
+
+
+@pytest.mark.parametrize("contact", ["balanced", "curved"])
+def test_contacts_are_balanced_to_the_tolerance_meanwhile(
+    loose: deformable.Packing, contact: str
+) -> None:
+    with deformable.Simulation(loose, deformable.Ring(kP=0.3, contact=contact)) as sim:
+        (state,) = move(sim, 20, temperature=1e-4, friction=0.1, seed=1, tolerance=1e-3)
+        imbalance = sim.lmp.numpy.extract_compute("deformable_beyond", 0, 1)[3]
+        assert 1e-8 < imbalance <= 1e-3
+        after = sim.state()
+        imbalance = sim.lmp.numpy.extract_compute("deformable_beyond", 0, 1)[3]
+        assert imbalance <= 1e-8
+    assert state.energy == pytest.approx(after.energy, rel=1e-3)  # it is least with the right ones
+
+
+def test_radical_contacts_need_no_balance(loose: deformable.Packing) -> None:
+    energies = []
+    for tolerance in (None, 1e-3):
+        with deformable.Simulation(loose, deformable.Ring(contact="radical")) as sim:
+            (state,) = move(sim, 20, temperature=1e-5, seed=1, tolerance=tolerance)
+        energies.append(state.energy)
+    assert energies[0] == energies[1]
+
+
+def test_a_tolerance_hides_no_other_law(loose: deformable.Packing) -> None:
+    with deformable.Simulation(loose, deformable.Ring()) as sim:
+        motion = move(sim, 20, 0.01, temperature=1e-5, every=10, seed=1, tolerance=1e-4)
+        next(motion)
+        sim.lmp.command("pair_style deformable/ring")
+        with pytest.raises(deformable.LammpsError, match="cannot follow pair_style"):
+            next(motion)
