@@ -28,7 +28,8 @@ set_target_properties(deformable_batches PROPERTIES POSITION_INDEPENDENT_CODE ON
 set(BATCH_OBJECTS $<TARGET_OBJECTS:deformable_batches>)
 function(add_level level lanes)
   set(library deformable_batches_${level})
-  add_library(${library} OBJECT ${DEFORMABLE_DIR}/src/batches/forces.cpp
+  add_library(${library} OBJECT ${DEFORMABLE_DIR}/src/batches/droplets.cpp
+                                ${DEFORMABLE_DIR}/src/batches/forces.cpp
                                 ${DEFORMABLE_DIR}/src/batches/rings.cpp)
   target_link_libraries(${library} PRIVATE deformable_core)
   target_compile_definitions(${library} PRIVATE DEFORMABLE_LEVEL=${level} DEFORMABLE_LANES=${lanes})

@@ -10,7 +10,9 @@ namespace deformable {
   namespace LEVEL {                                                                                \
   extern const BatchKernel sector_kernels[], ring_kernels[];                                       \
   extern const ForceKernels force_kernels;                                                         \
-  static const BatchKernels kernels = {#LEVEL, sector_kernels, ring_kernels, force_kernels};       \
+  extern const DropletKernels droplet_kernels;                                                     \
+  static const BatchKernels kernels = {#LEVEL, sector_kernels, ring_kernels, force_kernels,        \
+                                       droplet_kernels};                                           \
   }
 
 DEFORMABLE_KERNELS_OF(plain)

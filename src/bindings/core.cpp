@@ -23,4 +23,5 @@ NB_MODULE(core, m)
   deformable::bind_arithmetic(m);
   deformable::bind_energy_blocks(m);
   deformable::bind_ring_blocks(m);
+  deformable::bind_droplets(m);
 }

@@ -45,6 +45,7 @@ void bind_disk_pairs(nb::module_ &m);
 void bind_arithmetic(nb::module_ &m);
 void bind_energy_blocks(nb::module_ &m);
 void bind_ring_blocks(nb::module_ &m);
+void bind_droplets(nb::module_ &m);
 
 }    // namespace deformable
 

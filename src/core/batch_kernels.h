@@ -4,6 +4,7 @@
 #define DEFORMABLE_BATCH_KERNELS_H
 
 #include "contact_block.h"
+#include "droplet_kernels.h"
 #include "force_kernels.h"
 
 namespace deformable {
@@ -22,6 +23,7 @@ struct BatchKernels {
   // Beyond MOST_IN_BATCH: rings that change their perimeter; beyond twice that: with a tension.
   const BatchKernel *ring;
   const ForceKernels &forces;
+  const DropletKernels &droplets;
 };
 
 // The kernels of this level, or the fastest ones of this processor for an empty name. Null if the level is unknown,
