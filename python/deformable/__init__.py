@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from .engine.polygon_simulation import PolygonSimulation as PolygonSimulation
     from .engine.simulation import Simulation as Simulation
     from .model.crystal import triangular as triangular
+    from .model.friction import Friction as Friction
     from .model.laws import Ring as Ring
     from .model.laws import Sector as Sector
     from .model.packing import Packing as Packing
@@ -90,6 +91,7 @@ _HOMES = {
     "Disks": "engine.disks",
     "DynamicModulus": "protocols.oscillation",
     "FileError": "common.errors",
+    "Friction": "model.friction",
     "LammpsError": "common.errors",
     "Modulus": "protocols.moduli",
     "Packing": "model.packing",

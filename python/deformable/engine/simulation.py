@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from ..common.validate import expect, positive, zero_or_more
 from ..core import dot
-from ..io.films import film_commands
-from ..io.lammps_commands import law_commands, pair_style, species_file
+from ..io.lammps_commands import pair_style, species_file
 from ..model.filled import filled_area
+from ..model.friction import Friction, check_friction
 from ..model.lattice import shown_box
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing
@@ -30,13 +30,11 @@ from .lammps import (
     close_lammps,
     communicator,
     gather,
-    open_lammps,
-    place_velocities,
     place_walls,
     run,
-    shared_file,
     wall_forces,
 )
+from .opening import BEYOND, IMBALANCE, LOST, THERMO, particles_in_lammps, with_spins
 from .pair_errors import refuse_without_area, run_forces
 from .pair_results import evaluate
 from .relaxation import (
@@ -46,8 +44,6 @@ from .relaxation import (
     minimize_command,
     minimize_until_relaxed,
     stress,
-    thermo_commands,
-    virial_command,
 )
 from .relaxed_warnings import warn_of
 from .rigidity import BALANCED, Rigidity
@@ -71,16 +67,6 @@ _PATIENCE = 60_000
 # Imbalance of contacts at most.
 _UNBALANCED = 0.01
 
-# Set anew before each state: its energy must not depend on the thermo output of a user.
-_THERMO = thermo_commands("c_deformable_energy c_deformable_beyond[1]").strip()
-
-# Energy and stress of the contacts alone: forces that a user adds have no place in a saved state.
-_COMPUTES = """
-compute deformable_energy all pe pair
-compute deformable_beyond all pair {style}
-"""
-_BEYOND, _IMBALANCE, _LOST = 0, 3, 5
-
 
 class Simulation(Watched, Engine):
     """Deformable particles in LAMMPS.
@@ -94,12 +80,15 @@ class Simulation(Watched, Engine):
             rank runs a simulation of its own, the fast way for many small packings.
         walls: one shape or several, see `Packing`; those of the packing if not given. Centers must
             be between them: `Packing.between` and `push_off` make such packings.
+        friction: of the contacts, which then rub and damp, and turn the particles; these get radii
+            of their own (`Packing.particle_radii`). Contacts slip freely if not given.
 
     Attributes:
         lmp: the LAMMPS instance, for any command of LAMMPS. Particles may be added, deleted or
             changed as long as their IDs stay 1 to N and their masses 1; the law, its species, the
             boundaries and the thermo output belong to this object.
         law: the contact law.
+        friction: of the contacts; None if they slip.
         comm: the communicator.
         callback: a function that is told how relaxations go on; None if not set.
         time: of all calls of `move`, and of flows, so far [time]; relaxations take none.
@@ -108,7 +97,7 @@ class Simulation(Watched, Engine):
     Raises:
         ParameterError: no packing or no law; or radii too large for LAMMPS' neighbor bins, choose
             another length unit; or a center on the wrong side of a wall, or an obstacle that does
-            not fit into the periodic box.
+            not fit into the periodic box; or friction with the law `Sector`, whose contacts stick.
         LammpsError: LAMMPS refuses the packing or the law.
     """
 
@@ -118,10 +107,12 @@ class Simulation(Watched, Engine):
         law: Law,
         comm: MPI.Comm | None = None,
         walls: Wall | Sequence[Wall] | None = None,
+        friction: Friction | None = None,
     ) -> None:
         expect("packing", packing, Packing, State)
         expect("law", law, Ring, Sector)
-        self.law, self.comm = law, communicator(comm)
+        expect("friction", friction, Friction, type(None))
+        self.law, self.friction, self.comm = law, friction, communicator(comm)
         packing, state = parts(self.comm.bcast(packing))  # those of other machines may differ
         if walls is not None:
             packing = replace(packing, walls=as_walls(walls))
@@ -153,36 +144,34 @@ class Simulation(Watched, Engine):
         """
         expect("packing", packing, Packing, State)
         packing, state = parts(packing)
-        species_file(self.law, packing.radii)  # or fail before the old LAMMPS is gone
+        self._check(packing)  # or fail before the old LAMMPS is gone
         close_lammps(self.lmp)
         self._rigidity.start = self._rigidity.start and packing
         self._open(packing, state)
 
     def _open(self, packing: Packing, state: State | None) -> None:
         law = self.law
+        self._check(packing)
+        if self.friction:
+            packing = with_spins(packing)
         self.time, self.strain, self.directions = state.history if state else (0.0, None, None)
         self._species, self._radii = packing.species, packing.radii
-        species = species_file(law, self._radii)  # or fail before LAMMPS is open
         self._check_walls(packing.walls, packing.box)
         check_centers(packing.walls, packing.box, packing.positions)
         check_sticky_walls(packing, law)
         self._walls = packing.walls
-        self.lmp = open_lammps(packing, self.comm)
-        with shared_file(self.comm, species) as file:
-            run(self.lmp, law_commands(packing, law, file))
-        place_walls(self.lmp, packing.walls)
-        films = state.films_at(packing.walls) if state else None
-        run(self.lmp, film_commands(law, packing.walls, films))
-        if state:
-            place_velocities(self.lmp, state.velocities)
-        stress_of = virial_command("pair fix" if packing.walls else "pair")
-        run(self.lmp, stress_of + _COMPUTES.format(style=pair_style(law)) + _THERMO)
+        self.lmp = particles_in_lammps(packing, law, self.comm, self.friction, state)
         self._setup = setup(self.lmp)
         self._smallest_radius = float(packing.radius.min())
         self._largest_radius = float(packing.radius.max())
         stiffness = law.single_contact_stiffness(self._smallest_radius)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
         self._single_contact_force = stiffness * self._smallest_radius
+
+    def _check(self, packing: Packing) -> None:
+        species_file(self.law, packing.radii)
+        if self.friction:
+            check_friction(self.friction, packing, self.law)
 
     def _check_walls(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
         reach = 1.0 + (self.law.reach if isinstance(self.law, Ring) else 0.0)
@@ -252,7 +241,7 @@ class Simulation(Watched, Engine):
             force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
             command = minimize_command(float(force), iterations)
             run_forces(self.lmp, f"timestep {timestep!r}\n{command}", self._walls)
-            return left if self._told(_IMBALANCE) > tolerance else iterations
+            return left if self._told(IMBALANCE) > tolerance else iterations
 
         def evaluate() -> Forces:
             forces = self._evaluate(minimum_contact_force)
@@ -263,7 +252,7 @@ class Simulation(Watched, Engine):
             evaluate(), tolerance, _PATIENCE, minimize, evaluate, lambda forces: forces.largest
         )
         run(self.lmp, "velocity all set 0 0 0")  # FIRE leaves velocities
-        unbalanced = self._told(_IMBALANCE) > max(tolerance, _UNBALANCED)  # forces say nothing then
+        unbalanced = self._told(IMBALANCE) > max(tolerance, _UNBALANCED)  # forces say nothing then
         state = self._snapshot(forces, stalled=forces.residual > tolerance or unbalanced)
         unjammed = self._rigidity.lost(state.packing.phi, self._loose, self._balanced)
         warn_of(state, tolerance, unjammed)
@@ -296,7 +285,7 @@ class Simulation(Watched, Engine):
         # commands given to `lmp` may have changed the particles
         self._species = species = gather(self.lmp, "type", 1).astype(np.int64) - 1
         style = pair_style(self.law)
-        self._results, self._contact_rows = evaluate(self.lmp, style, _THERMO, self._walls)
+        self._results, self._contact_rows = evaluate(self.lmp, style, THERMO, self._walls)
         area, perimeter, contacts, pressure, _, length = self._results.T
         by_particle = self.lmp.extract_setting("radius_flag")
         self._particle_radii = gather(self.lmp, "radius", 1) if by_particle else None
@@ -332,7 +321,7 @@ class Simulation(Watched, Engine):
             stress=stress(self.lmp, packing.area if packing.walls else None),
             residual=forces.residual,
             stalled=stalled,
-            beyond=round(self._told(_BEYOND)),
+            beyond=round(self._told(BEYOND)),
             velocities=gather(self.lmp, "v", 3)[:, :2],
             time=self.time,
             strain=self.strain,
@@ -340,7 +329,7 @@ class Simulation(Watched, Engine):
             root=self.comm.rank == 0,
             wall_forces=wall_forces(self.lmp, self._walls),
             films=attached(rows) if sticks(self.law, self._walls) else None,
-            lost_energy=self._told(_LOST),
+            lost_energy=self._told(LOST),
             unsaved=unsaved(self.lmp, self._setup),
         )
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.adhesion import matrix_of
+from ..model.by_pair import pair_matrix
 from ..model.laws import Law, Ring
 from ..model.packing import Packing
 from ..model.polygon_walls import Walls
@@ -103,7 +103,7 @@ def species_file(law: Law, radii: Sequence[float] | NDArray[np.float64]) -> str:
         words = [f"s{n}", *map(repr, values)]
         lines.append(" ".join(words + ["tension", repr(tension)] * (tension != 0.0)))
     if isinstance(law, Ring) and law.sticks:
-        matrix = matrix_of(law.adhesion, len(radii)).tolist()
+        matrix = pair_matrix("adhesion", law.adhesion, len(radii)).tolist()
         lines += [
             f"adhesion s{i + 1} s{j + 1} {matrix[i][j]!r}"
             for i, j in zip(*np.triu_indices(len(radii)), strict=True)

@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from .. import core
 from ..common.errors import ParameterError
 from ..common.validate import positive, shown
-from .adhesion import Adhesion, adhesion_of, check_adhesion, matrix_of
+from .adhesion import adhesion_of, check_adhesion
+from .by_pair import ByPair, pair_matrix
 
 # A ring of constant perimeter bulges by (pi/2 - 1) R at most, when it is pressed flat. A reach f
 # finds the lines of much smaller neighbors up to (1 + f + 1/(1 + f)) R/2, so that 1.8 is enough.
@@ -98,7 +99,7 @@ class Ring:
     skin: float | Sequence[float] = 0.0
     contact: str = "balanced"
     tension: float | Sequence[float] = 0.0
-    adhesion: Adhesion = 0.0
+    adhesion: ByPair = 0.0
 
     def __post_init__(self) -> None:
         if not isinstance(self.contact, str) or self.contact not in _REACH:
@@ -157,7 +158,7 @@ class Ring:
                 radius, or a particle would collapse by its tension.
         """
         found = [per_species(values, len(radii)) for values in self._parameters]
-        matrix_of(self.adhesion, len(radii))
+        pair_matrix("adhesion", self.adhesion, len(radii))
         for kA, kP, skin, tension, radius in zip(*found, radii, strict=True):
             _refuse(core.invalid_skin(skin, radius))
             _refuse(core.unstable_radius(radius - skin, kA, kP, tension))

@@ -13,6 +13,7 @@ from ..common.validate import positive, whole, zero_or_more
 from ..engine.followed import rub_and_spin
 from ..engine.lammps import gather, place, run
 from ..engine.simulation import Simulation
+from ..model.friction import Friction
 from ..model.laws import Sector
 from ..model.timestep import ACCURATE, longest_overdamped_step, longest_step, pressure_under
 from ..state.state import State
@@ -26,6 +27,14 @@ _FLATTEN = 1000
 
 # dr/dt = F/friction + noise, by Euler's method. It draws the noise within a step, not at its ends.
 _BROWNIAN = "fix deformable_move all brownian {temperature!r} {seed} gamma_t {friction!r} rng {rng}"
+
+# Damped motion of particles that turn: spins decay as velocities do, I dw/dt = - friction I w.
+_DAMPED = """
+fix deformable_move all nve/sphere disc
+fix deformable_drag all viscous {friction!r}
+variable deformable_inertia atom 0.5*mass*radius^2
+fix deformable_turn all viscous/sphere {friction!r} scale v_deformable_inertia
+"""
 
 # Forces along directions that diffuse, as a fix of this package.
 _PROPULSION = "fix deformable_propel all deformable/propel {force!r} {persistence!r} {seed}"
@@ -51,8 +60,9 @@ class Dynamics:
         persistence: time for which they drive themselves in about one direction; None if they do
             not [time].
         part: of the usual time step that is taken, as the box is less damped than the particles.
-        limit: time steps must not exceed this one because of the drive [time].
+        limit: time steps are at most this one because of the drive or the drag [time].
         timestep: that a user has given [time].
+        rubbing: friction of the contacts, if they have one.
     """
 
     temperature: float | None = None
@@ -63,6 +73,7 @@ class Dynamics:
     part: float = 1.0
     limit: float = np.inf
     timestep: float | None = None
+    rubbing: Friction | None = None
 
     def longest_step(self, state: State) -> float:
         """The longest stable time step where the drive pushes particles together [time]."""
@@ -80,6 +91,8 @@ class Dynamics:
                 steps.append(_SETTLED / self.friction)
         if self.persistence is not None:
             steps.append(_PERSISTED * self.persistence)
+        if self.rubbing:
+            steps.append(self.rubbing.accurate_step)
         return min(steps)
 
     def _longest(self, state: State, drive: float, temperature: float) -> float:
@@ -99,6 +112,11 @@ class Dynamics:
             raise ParameterError(
                 f"timestep = {timestep:g} is longer than the persistence of {self.persistence:g}: "
                 "take a twentieth of it, or leave it out"
+            )
+        if self.rubbing and timestep > self.rubbing.longest_step:
+            raise ParameterError(
+                f"timestep = {timestep:g} is too long for springs and dashpots of contacts that "
+                f"rub: take at most {self.rubbing.longest_step:.2g}, or leave it out"
             )
         # without the drive: how hard it pushes is a guess
         longest = self._longest(state, 0.0, self._hot(state))
@@ -122,6 +140,8 @@ class Dynamics:
             mover = _BROWNIAN.format(
                 temperature=temperature or 1.0, seed=seed, friction=self.friction, rng=rng
             )
+        elif self.friction and spins:
+            mover = _DAMPED.format(friction=self.friction).strip()
         elif self.friction:
             mover = _BATH.format(temperature=temperature, time=1.0 / self.friction, seed=seed)
         else:
@@ -160,7 +180,15 @@ def dynamics_of(
         raise ParameterError("without inertia particles need a friction above 0 to move against")
     if seed is not None and not 0 < whole("seed", seed) < 2**31:
         raise ParameterError(f"seed must lie between 1 and 2^31 - 1, not {seed}")
-    return Dynamics(temperature, friction, bool(inertia), timestep=timestep)
+    turning = bool(friction and inertia) and rub_and_spin(sim.lmp)
+    return Dynamics(
+        temperature,
+        friction,
+        bool(inertia),
+        limit=_SETTLED / friction if turning else np.inf,
+        timestep=timestep,
+        rubbing=sim.friction,
+    )
 
 
 @contextmanager
@@ -173,10 +201,11 @@ def moving(sim: Simulation, dynamics: Dynamics, seed: int) -> Iterator[None]:
     """
     refuse_second_motion(sim)
     lmp, spins = sim.lmp, rub_and_spin(sim.lmp)
-    if spins and dynamics.friction:
+    if spins and dynamics.friction and (dynamics.temperature or not dynamics.inertia):
+        how = "in a heat bath" if dynamics.inertia else "without inertia"
         raise ParameterError(
-            "the contacts rub (fix deformable/friction), but particles that move against a "
-            "friction do not turn: leave it out, or add 'fix viscous/sphere' to sim.lmp instead"
+            f"contacts rub, and particles {how} do not turn: leave out temperature or friction, "
+            "and let particles have inertia"
         )
     fixes = dynamics.commands(seed, spins)
     run(lmp, fixes)
@@ -186,7 +215,8 @@ def moving(sim: Simulation, dynamics: Dynamics, seed: int) -> Iterator[None]:
         yield
     finally:
         if not sim.closed and sim.lmp is lmp:  # a caller may close it before the motion ends
-            run(lmp, "\n".join(f"unfix {fix.split()[1]}" for fix in fixes.splitlines()))
+            names = [line.split()[1] for line in fixes.splitlines() if line.startswith("fix ")]
+            run(lmp, "\n".join(f"unfix {name}" for name in names))
 
 
 def refuse_second_motion(sim: Simulation) -> None:

@@ -7,7 +7,7 @@ import deformable
 import numpy as np
 import pytest
 from deformable.io.lammps_commands import species_file, wall_commands
-from deformable.model.adhesion import matrix_of
+from deformable.model.by_pair import pair_matrix
 
 DROPLET: dict[str, Any] = {"kA": math.inf, "kP": 0.0, "tension": 1.0, "contact": "curved"}
 MATRIX = [[0.3, 0.1], [0.1, 0.0]]
@@ -20,7 +20,7 @@ def test_a_number_and_a_matrix() -> None:
     for given in (0.2, np.float32(0.2), MATRIX, np.array(MATRIX)):
         law = deformable.Ring(**DROPLET, adhesion=given)
         assert law.sticks
-        assert matrix_of(law.adhesion, 2).shape == (2, 2)
+        assert pair_matrix("adhesion", law.adhesion, 2).shape == (2, 2)
         assert eval(repr(law), {"Ring": deformable.Ring, "inf": math.inf}) == law
     law = deformable.Ring(**DROPLET, adhesion=MATRIX)
     assert law.adhesion == ((0.3, 0.1), (0.1, 0.0))

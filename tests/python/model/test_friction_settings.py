@@ -1,0 +1,96 @@
+"""Friction of contacts as settings."""
+
+import math
+from typing import Any
+
+import deformable
+import numpy as np
+import pytest
+from deformable.io.friction import friction_commands
+
+MATRIX = [[0.3, 0.1], [0.1, 0.0]]
+FIX = "fix deformable_friction all deformable/friction "
+
+
+@pytest.mark.parametrize(
+    ("friction", "words"),
+    [
+        (deformable.Friction(0.5, 1), "0.5 1.0 0.0 damp 0.0"),
+        (deformable.Friction(math.inf, 1.0, 0.1, np.float32(0.25)), "inf 1.0 0.1 damp 0.25"),
+        (
+            deformable.Friction(MATRIX, 1.0, damp=np.array(MATRIX)),
+            "0.3 1.0 0.0 damp 0.3 types 1 1 0.3 1.0 0.0 0.3 types 1 2 0.1 1.0 0.0 0.1 "
+            "types 2 2 0.0 1.0 0.0 0.0",
+        ),
+        (
+            deformable.Friction(0.5, 1.0, walls=deformable.Friction(0.1, 2.0, 0.3, 0.4)),
+            "0.5 1.0 0.0 damp 0.0 types * wall 0.1 2.0 0.3 0.4",
+        ),
+    ],
+    ids=["numbers", "infinite", "matrices", "walls"],
+)
+def test_the_fix(friction: deformable.Friction, words: str) -> None:
+    assert friction_commands(friction, 2) == FIX + words + "\n"
+    assert eval(repr(friction), {"Friction": deformable.Friction, "inf": math.inf}) == friction
+    assert hash(friction) != hash(deformable.Friction(9.0, 9.0))
+
+
+def test_no_friction_no_fix() -> None:
+    assert friction_commands(None, 2) == ""
+
+
+def test_time_steps() -> None:
+    """kt dt^2 + 2 gt dt = m/7 and 2 damp dt = m/2, of the hardest pair."""
+    assert deformable.Friction(0.5, 1.0).longest_step == pytest.approx(math.sqrt(1 / 7))
+    assert deformable.Friction(0.5, 0.0, damp=2.0).longest_step == pytest.approx(1 / 8)
+    hard = deformable.Friction(0.5, [[1.0, 2.0], [2.0, 4.0]])
+    assert hard.longest_step == pytest.approx(math.sqrt(1 / 28))
+    walled = deformable.Friction(0.5, 1.0, walls=deformable.Friction(0.5, 16.0))
+    assert walled.longest_step == pytest.approx(math.sqrt(1 / 112))
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"mu": -0.1}, "mu must be 0, positive or inf, not -0.1"),
+        ({"mu": math.nan}, "mu must be 0, positive or inf, not nan"),
+        ({"mu": "rough"}, "mu must be a number, or a matrix.*'rough'"),
+        ({"mu": [0.1, 0.2]}, "mu must be a number, or a matrix"),
+        ({"mu": [[0.1, 0.2], [0.3, 0.1]]}, "mu must be symmetric, but species 0 and 1"),
+        ({"mu": [[0.1, -0.2], [-0.2, 0.1]]}, "mu must be 0, positive or inf, not -0.2"),
+        ({"mu": MATRIX, "kt": np.ones((3, 3))}, "3 species, so the matrix of mu.*not 2"),
+        ({"kt": math.inf}, "kt must be 0 or positive and finite, not inf"),
+        ({"kt": -1.0}, "kt must be 0 or positive and finite, not -1"),
+        ({"gt": -1.0}, "gt must be 0 or positive and finite, not -1"),
+        ({"damp": -1.0}, "damp must be 0 or positive and finite, not -1"),
+        ({"walls": 0.5}, "walls must be of the kind Friction"),
+        ({"walls": deformable.Friction(MATRIX, 1.0)}, "walls has one number"),
+    ],
+)
+def test_refused(values: dict[str, Any], message: str) -> None:
+    with pytest.raises(deformable.ParameterError, match=message) as error:
+        deformable.Friction(**({"mu": 0.5, "kt": 1.0} | values))
+    assert "\n" not in str(error.value)
+
+
+PACKING = deformable.Packing([[1.0, 1.0], [3.0, 1.0]], [0, 1], [0.5, 0.7], [4.0, 2.0])
+
+
+@pytest.mark.parametrize(
+    ("law", "friction", "walls", "message"),
+    [
+        (deformable.Sector(), deformable.Friction(0.5, 1.0), None, "Sector stick: take Ring"),
+        (deformable.Ring(), deformable.Friction(np.ones((3, 3)), 1.0), None, "2 species.*not 3"),
+        (
+            deformable.Ring(),
+            deformable.Friction(MATRIX, 1.0),
+            deformable.rectangle(4, 2),
+            r"give it walls=Friction\(",
+        ),
+        (deformable.Ring(), 0.5, None, "friction must be of the kind Friction"),
+    ],
+)
+def test_simulations_without(law: Any, friction: Any, walls: Any, message: str) -> None:
+    with pytest.raises(deformable.ParameterError, match=message) as error:
+        deformable.Simulation(PACKING, law, walls=walls, friction=friction)
+    assert "\n" not in str(error.value)
