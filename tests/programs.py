@@ -1,9 +1,13 @@
 """Programs of this environment, as a user starts them."""
 
+import contextlib
+import io
 import os
 import subprocess
 import sys
+import warnings
 from pathlib import Path
+from unittest import mock
 
 BIN = Path(sys.executable).parent
 # Waiting ranks give way: without it, more ranks than cores take a hundred times as long.
@@ -34,3 +38,25 @@ def output(*words: object, cwd: Path, **options: object) -> str:
     done = program(*words, cwd=cwd, **options)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
+
+
+def command(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """The command `deformable` in this process, which has loaded what it loads in half a second."""
+    from deformable.cli.main import main
+
+    arguments = ["deformable", *map(str, words)]
+    here, code = Path.cwd(), None
+    with (
+        contextlib.redirect_stdout(io.StringIO()) as out,
+        contextlib.redirect_stderr(io.StringIO()) as error,
+        mock.patch("sys.argv", arguments),
+        warnings.catch_warnings(),
+    ):
+        os.chdir(cwd)
+        try:
+            main()
+        except SystemExit as end:
+            code = end.code
+        finally:
+            os.chdir(here)
+    return subprocess.CompletedProcess(arguments, code or 0, out.getvalue(), error.getvalue())

@@ -23,7 +23,7 @@ from ..model.polygons import PolygonModel
 from ..plugin import directory, potentials
 from .compress import compress_command
 from .jam import jam_command
-from .options import Command, Group, choice_option, one_rank_prints, refuse_ranks
+from .options import Command, CommandLineError, Group, choice_option, one_rank_prints, refuse_ranks
 from .outline import outline_command
 from .plot import movie_command, plot_command
 from .shear import shear_command
@@ -73,6 +73,10 @@ def main() -> None:
         if end.code == _INTERRUPTED and MPI.COMM_WORLD.rank == 0:
             print(_GOES_ON, file=sys.stderr)
         raise
+    except CommandLineError as error:
+        if MPI.COMM_WORLD.rank == 0:
+            print(f"error: {error}", file=sys.stderr)
+        sys.exit(2)
     except (
         ParameterError,
         FileError,

@@ -49,6 +49,10 @@ def choice_option(names: Iterable[str], help: str) -> Any:
     return typer.Option(parser=choose, metavar="|".join(names), help=help)
 
 
+class CommandLineError(ParameterError):
+    """A command that cannot begin. All ranks read the same command line, so that rank 0 tells."""
+
+
 class Command(TyperCommand):
     """A command whose errors are one line that names the option and its value.
 
@@ -73,7 +77,7 @@ class Command(TyperCommand):
             given[name] = [value] if sign else list(islice(words, counts[name]))
             for value in given[name]:
                 if value.startswith("--"):
-                    raise ParameterError(_needs(name, counts[name], value))
+                    raise CommandLineError(_needs(name, counts[name], value))
         with _one_line(given):
             return super().parse_args(ctx, args)
 
@@ -107,7 +111,7 @@ def _one_line(given: Mapping[str, list[str]]) -> Iterator[None]:
             names = error.param.opts
             values = next((given[name] for name in (*names, "") if name in given), [])
             message = f"{shlex.join([names[0], *values])}: {error.message}"
-        raise ParameterError(message) from None
+        raise CommandLineError(message) from None
 
 
 @contextmanager
@@ -134,4 +138,4 @@ def is_given(context: typer.Context, name: str) -> bool:
 def refuse_ranks(reason: str) -> None:
     """Refuse mpiexec for a command that does not share its work over ranks."""
     if MPI.COMM_WORLD.size > 1:
-        raise ParameterError(f"{reason}: start it without mpiexec")
+        raise CommandLineError(f"{reason}: start it without mpiexec")

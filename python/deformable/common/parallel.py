@@ -20,7 +20,6 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, TypeVar
 
-from joblib import Memory
 from mpi4py import MPI
 
 from .. import core
@@ -174,6 +173,8 @@ def call_once(folder: Path, function: Callable[..., T], /, *arguments: Any, **ke
         arguments: of the call; they must pickle.
         keywords: of the call, as `arguments`.
     """
+    from joblib import Memory  # loads in a sixth of a second, which most calls need not wait for
+
     memory = Memory(str(make_folder(folder) / core.version), verbose=0)
     result: T = memory.cache(function)(*arguments, **keywords)
     return result

@@ -6,7 +6,7 @@ import deformable
 import numpy as np
 import pytest
 from deformable.cli.main import app
-from programs import program
+from programs import command
 
 
 @pytest.fixture
@@ -18,7 +18,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jammed: deformable.Pac
 
 
 def test_it_begins_with_the_packing_as_it_is(here: Path, jammed: deformable.Packing) -> None:
-    done = program("deformable", "compress", "--from", "a.xyz", "--steps", "1", cwd=here)
+    done = command("compress", "--from", "a.xyz", "--steps", "1", cwd=here)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith(f"32 particles at phi = {jammed.phi:.5f}")
     with deformable.Simulation(jammed, deformable.Ring()) as sim:

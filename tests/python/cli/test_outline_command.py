@@ -7,7 +7,7 @@ import deformable
 import numpy as np
 import pytest
 from deformable.cli.main import app
-from programs import program
+from programs import command, program
 
 SCRIPT = '''
 units lj
@@ -68,7 +68,7 @@ def test_state_is_that_of_lammps(dumped: Path) -> None:
 
 def test_files(dumped: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     words = f"{dumped / 'shapes.dump'} --species {dumped / 'mixture'} --law curved"
-    done = program("deformable", "outline", *words.split(), "--types", "soft,stiff", cwd=tmp_path)
+    done = command("outline", *words.split(), "--types", "soft,stiff", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines() == ["wrote outlines.png", "wrote outlines.vtp"]
     assert (tmp_path / "outlines.png").stat().st_size > 10_000

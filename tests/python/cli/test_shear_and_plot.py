@@ -7,11 +7,11 @@ from pathlib import Path
 
 import deformable
 import pytest
-from programs import program
+from programs import command
 
 
 def run(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    result = program("deformable", *arguments, cwd=cwd)
+    result = command(*arguments, cwd=cwd)
     assert "Traceback" not in result.stdout + result.stderr
     return result
 

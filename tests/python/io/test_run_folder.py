@@ -8,12 +8,12 @@ import pytest
 from deformable.cli import main as cli
 from deformable.io.run_folder import holds, refuse
 from deformable.report import writing
-from programs import output, program
+from programs import command
 
 
 def run(*arguments: str, cwd: Path) -> str:
     """The one line of error with which a command ends."""
-    result = program("deformable", *arguments, cwd=cwd)
+    result = command(*arguments, cwd=cwd)
     assert (result.returncode, result.stdout, result.stderr.count("\n")) == (2, "", 1)
     return result.stderr
 
@@ -22,7 +22,7 @@ def run(*arguments: str, cwd: Path) -> str:
 def jam_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     cwd = tmp_path_factory.mktemp("jammed")
     ask = ("jam", "8", "--seeds", "1", "--law", "disk", "--workers", "1")
-    output("deformable", *ask, cwd=cwd)
+    assert command(*ask, cwd=cwd).returncode == 0
     return cwd / "jam"
 
 

@@ -21,7 +21,7 @@ SMALLEST = Plan(
     pareto=[(8, 1, 57, 0.015, 1, (38,), (38,))],
     smooth=[(8, 1, 38, 0.015, 1)],
     friction=[(MODELS[0], 0.04, 2), (MODELS[1], 0.04, 2, 1e-2)],
-    hysteresis=[(6, 1, model, 0.015, 2) for model in MODELS],
+    hysteresis=[(4, 2, model, 0.03, 2) for model in MODELS],
     crystal=[(MODELS[0], 0.03)],
     large=(8, 3, 0.03, PolygonModel(vertices=16)),
     mixtures=[(8, 1, 0.03, 38, (1.0, 10.0), (0.1, math.inf))],
@@ -53,6 +53,7 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(writing, "QUICK", SMALLEST)
+        patch.setattr("os.sched_getaffinity", lambda _: {0})  # calls stay in this process
         lines = []
         write_report(folder, quick=True, print_once=lines.append)
     assert len(lines) == 12

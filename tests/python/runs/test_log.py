@@ -60,8 +60,7 @@ def test_of_disks(jammed: deformable.Packing, tmp_path: Path) -> None:
 
 SCRIPT = """
 import deformable
-start = deformable.jam(deformable.bidisperse(16, seed=1))
-sim = deformable.Simulation(start, deformable.Ring())
+sim = deformable.Simulation(deformable.triangular(4, 4, phi=0.92), deformable.Ring())
 for _ in range(2):
     steps = deformable.compress(sim, 0.01, 1, tolerance=0.01)
     list(deformable.log(steps, "log.csv", append=True))

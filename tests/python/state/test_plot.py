@@ -8,7 +8,7 @@ import deformable
 import numpy as np
 import pytest
 from exact_balance import exactly_balanced
-from programs import program
+from programs import command
 
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("agg")
@@ -206,14 +206,14 @@ def test_movie_from_the_shell(run: tuple[Path, list[deformable.State]], tmp_path
     from PIL import Image
 
     ask = ["--forces", "--color-by", "shape_parameter"]
-    done = program("deformable", "movie", run[0], *ask, cwd=tmp_path)
+    done = command("movie", run[0], *ask, cwd=tmp_path)
     assert (done.returncode, done.stdout) == (0, "wrote movie.gif\n")
     assert (tmp_path / "movie.gif").stat().st_size > 10_000
     ask += ["--cmap", "gray", "--vmin", "8", "--vmax", "9", "--out", "black.gif"]
-    assert program("deformable", "movie", run[0], *ask, cwd=tmp_path).returncode == 0
+    assert command("movie", run[0], *ask, cwd=tmp_path).returncode == 0
     with Image.open(tmp_path / "black.gif") as image:  # no particle reaches the first color
         middle = np.array(image.convert("L"))[150:250, 150:250]
     assert np.mean(middle < 128) > 0.5
-    failed = program("deformable", "movie", "nowhere", cwd=tmp_path)
+    failed = command("movie", "nowhere", cwd=tmp_path)
     assert failed.returncode == 2
     assert failed.stderr.startswith("error: no saved run in 'nowhere'")
