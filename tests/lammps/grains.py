@@ -26,7 +26,7 @@ class Grains(Scene):
         x, radii: of the particles.
         friction: mu kt gt and more words of the fix.
         v, spin: velocities (N, 2) and angular velocities (N,).
-        law: of laws.EXACT. kind: drop, a droplet of tension 1, or ring.
+        law: of laws.EXACT. kind: drop, a droplet of tension 1, or ring; of all, or of each.
         commands: after the fix, before fix nve/sphere.
     """
 
@@ -36,12 +36,13 @@ class Grains(Scene):
     ):  # fmt: skip
         radii = np.broadcast_to(np.asarray(radii, float), len(x))
         (folder / "species").write_text(SPECIES.format(radius=radii.max()))
+        kinds = [kind] * len(x) if isinstance(kind, str) else kind
         options = {"box": BOX, **options}
         super().__init__(
             np.asarray(x, float),
-            [kind] * len(x),
+            kinds,
             style=f"{EXACT[law]} radius atom",
-            coeff=f"pair_coeff * * {folder / 'species'} {kind}",
+            coeff=f"pair_coeff * * {folder / 'species'} {' '.join(dict.fromkeys(kinds))}",
             radii=radii,
             commands=f"fix rub all deformable/friction {friction}\n{commands}\n{move}\n",
             **options,

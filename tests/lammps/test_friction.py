@@ -107,6 +107,52 @@ def test_energy_and_momenta(law, kind, tmp_path):
     assert errors[1] < 0.06 * errors[0]  # 1/64; 1/8 if it were of first order
 
 
+FRICTION = {
+    "springs that never slip": ("drop", "inf 0.6 0"),
+    "most contacts slide": ("ring", "0.3 0.6 0.05 damp 0.05"),
+    "all slide": ("drop", "0.01 0.6 0.2 damp 0.02"),
+    "no springs": ("drop", "0.3 0 0.1"),
+}
+
+
+@ring_laws
+@pytest.mark.parametrize(("kind", "words"), FRICTION.values(), ids=FRICTION)
+def test_half_the_step_is_a_quarter_of_the_error(law, kind, words, tmp_path):
+    """A crystal under pressure, whose contacts stay: what is between them has no jumps."""
+    rng, a = np.random.default_rng(0), 1.95
+    row = a * np.sqrt(0.75)
+    x = np.array([[a * (i + 0.5 * (j % 2)), row * j] for j in range(4) for i in range(4)])
+    x += rng.uniform(-0.02, 0.02, x.shape)
+    v, spin, errors = rng.normal(0, 0.02, x.shape), rng.normal(0, 0.1, len(x)), []
+    for dt in (0.04, 0.02):
+        options = {"law": law, "kind": kind, "dt": dt, "box": (0, 4 * a, 0, 4 * row)}
+        scene = Grains(x, 1, words, tmp_path, v, spin, **options)
+        scene.run("run 0 post no")
+        before, found = scene.balance(), []
+        for _ in range(20):
+            scene.run(f"run {int(0.4 / dt)} post no")
+            found.append(scene.balance() - before)
+        errors.append(np.sqrt(np.mean(np.square(found))))
+    # the next term is smaller by (w dt)^2 < 0.01; steps in which sliding begins or ends add chance
+    assert errors[0] / errors[1] == pytest.approx(4, abs=0.5)
+
+
+@ring_laws
+def test_momenta_of_a_mixture(law, tmp_path):
+    """Rings and droplets of many sizes: lines tilt and bend, and types rub in their own ways."""
+    x, radii, v, spin = cloud()
+    kinds = ["drop" if k // 2 % 2 else "ring" for k in range(len(x))]
+    words = WORDS + " types 1 2 inf 0.3 0.2 0 types 2 2 0.1 0.5 0 0.3"
+    scene = Grains(x, radii, words, tmp_path, v, spin, law=law, kind=kinds, dt=0.04, **BIG)
+    turn, pairs = scene.angular_momentum(), set()
+    for _ in range(20):
+        scene.run("run 50 post no")
+        pairs |= {kinds[int(i) - 1] + kinds[int(j) - 1] for i, j in scene.rows[:, :2]}
+        assert np.abs(np.sum(scene.v, axis=0)).max() < 1e-14
+        assert scene.angular_momentum() == pytest.approx(turn, abs=1e-13)
+    assert len(pairs) == 4
+
+
 @ring_laws
 def test_coulombs_bound_and_the_losses_of_each_step(law, tmp_path):
     """No contact bears more than mu f, in no step; nothing that is lost comes back."""
