@@ -1,6 +1,7 @@
 #include "fix_deformable_friction.h"
 
 #include "pair/pair_deformable.h"
+#include "trigonometry.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -86,9 +87,9 @@ void FixDeformableFriction::rub_all(int vflag)
   sweep();
   if (vflag_atom) comm->reverse_comm(this);
 
-  size_local_rows = static_cast<int>(values.size()) / COLUMNS;
+  size_local_rows = static_cast<int>(values.size());
   rows.resize(size_local_rows + 1);
-  for (int r = 0; r < size_local_rows; ++r) rows[r] = &values[r * COLUMNS];
+  for (int r = 0; r < size_local_rows; ++r) rows[r] = values[r].data();
   array_local = rows.data();
 }
 
@@ -115,34 +116,43 @@ bool FixDeformableFriction::find_sides(const LoadedContact &c, Sides &sides,
   return c.second >= 0;
 }
 
+// Of the half step before.
+FixDeformableFriction::Velocity FixDeformableFriction::velocity(const Sides &s) const
+{
+  const double *const *const v = atom->v, *const *const omega = atom->omega;
+  const double *const own = v[s.particle];
+  Velocity w = {-own[0], -own[1], 0.0, 0.0};
+  if (atom->omega_flag) w.spin = omega[s.particle][2];
+  if (s.partner < 0) return w;
+  w.x += v[s.partner][0];
+  w.y += v[s.partner][1];
+  if (atom->omega_flag) w.other_spin = omega[s.partner][2];
+  return w;
+}
+
 /* ----------------------------------------------------------------------
-   At the middle of a contact, from the velocities of the half step: with its
-   present place, or with that at the begin of the step, its age.
+   At the middle of a contact: with its present place, or with that at the
+   begin of the step, its age.
 ------------------------------------------------------------------------- */
 
-FixDeformableFriction::Speeds FixDeformableFriction::speeds(const Sides &s, const ContactPlace &p,
-                                                            double age) const
+inline FixDeformableFriction::Speeds FixDeformableFriction::speeds(const Sides &s,
+                                                                   const Velocity &w,
+                                                                   const ContactPlace &p,
+                                                                   double age) const
 {
-  const double *const v = atom->v[s.particle];
-  const bool spins = atom->omega_flag;
-  const double spin = spins ? atom->omega[s.particle][2] : 0.0;
-  double wx = 0.0, wy = 0.0, vx = spin * p.by - v[0], vy = -spin * p.bx - v[1];
-  if (s.partner >= 0) {
-    const double *const other = atom->v[s.partner];
-    const double turn = spins ? atom->omega[s.partner][2] : 0.0;
-    vx += other[0] - turn * (p.by - p.y);
-    vy += other[1] + turn * (p.bx - p.x);
-  } else if (dt > 0.0 && pairs.front()->has_wall(s.partner)) {
-    const double *const x = atom->x[s.particle];
+  const double vx = w.x + w.spin * p.by - w.other_spin * (p.by - p.y);
+  const double vy = w.y - w.spin * p.bx + w.other_spin * (p.bx - p.x);
+  Speeds found = {p.nx * vy - p.ny * vx, p.nx * vx + p.ny * vy, 0.0, 0.0};
+  if (s.partner < 0 && dt > 0.0 && pairs.front()->has_wall(s.partner)) {
+    const double *const x = atom->x[s.particle], *const v = atom->v[s.particle];
     const Motion::Way way = pairs.front()->wall(s.partner).way(
         pairs.front()->wall_feature(s.partner), x[0] + p.bx - age * v[0], x[1] + p.by - age * v[1]);
-    wx = way.x / dt;
-    wy = way.y / dt;
-    vx += wx;
-    vy += wy;
+    found.wall_along = (p.nx * way.y - p.ny * way.x) / dt;
+    found.wall_normal = (p.nx * way.x + p.ny * way.y) / dt;
+    found.along += found.wall_along;
+    found.normal += found.wall_normal;
   }
-  return {p.nx * vy - p.ny * vx, p.nx * vx + p.ny * vy, p.nx * wy - p.ny * wx,
-          p.nx * wx + p.ny * wy};
+  return found;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -172,12 +182,13 @@ void FixDeformableFriction::rub(const LoadedContact &contact)
     make_room(i);
   }
   RememberedContact &m = *remembered;
-  const Speeds now = speeds(sides, place, 0.0);
+  const Velocity w = velocity(sides);
+  const Speeds now = speeds(sides, w, place, 0.0);
   const double most = deformable::most_friction(c.mu, contact.force);
   Rub rubbed = {m.xi, 0.0, false};
   double damping = 0.0;
   if (dt > 0.0) {
-    const Speeds before = is_new ? now : speeds(sides, m.place, dt);
+    const Speeds before = is_new ? now : speeds(sides, w, m.place, dt);
     rubbed = deformable::rub(c, m.xi, 0.5 * dt * (before.along + now.along), dt, contact.force);
     damping = deformable::damping(c.gn, 0.5 * dt * (before.normal + now.normal), dt, contact.force);
     lose(sides, m, 0.5 * (m.kt + c.kt), rubbed, damping, before, now);
@@ -192,10 +203,9 @@ void FixDeformableFriction::rub(const LoadedContact &contact)
   output[CONTACTS] += part;
   if (rubbed.slides) output[SLIDES] += part;
   const double *const x = atom->x[sides.particle];
-  values.insert(values.end(),
-                {static_cast<double>(atom->tag[i]), is_wall ? 0.0 : partner, x[0] + place.bx,
-                 x[1] + place.by, std::atan2(place.ny, place.nx), contact.force, rubbed.force,
-                 damping, rubbed.xi, rubbed.slides ? 1.0 : 0.0});
+  values.push_back({static_cast<double>(atom->tag[i]), is_wall ? 0.0 : partner, x[0] + place.bx,
+                    x[1] + place.by, deformable::angle_of(place.nx, place.ny), contact.force,
+                    rubbed.force, damping, rubbed.xi, rubbed.slides ? 1.0 : 0.0});
 }
 
 /* ----------------------------------------------------------------------
@@ -277,7 +287,7 @@ void FixDeformableFriction::end(int i, const RememberedContact &m)
       m.partner < 0.0 ? static_cast<int>(m.partner) : atom->map(static_cast<tagint>(m.partner));
   if (m.partner > 0.0 && partner < 0) return;    // it is gone
   const Sides sides = {i, partner, i};
-  const Speeds before = speeds(sides, m.place, dt);
+  const Speeds before = speeds(sides, velocity(sides), m.place, dt);
   lose(sides, m, m.kt, {0.0, 0.0, false}, 0.0, before, before);
 }
 

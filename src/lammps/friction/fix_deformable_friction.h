@@ -21,6 +21,7 @@ FixStyle(deformable/friction,FixDeformableFriction);
 #include "contact_memory.h"
 #include "friction_coefficients.h"
 
+#include <array>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -71,7 +72,7 @@ class FixDeformableFriction : public Fix {
   double output[OUTPUTS] =
       {};    // of this rank; losses of all runs so far, others of the last call
   static constexpr int COLUMNS = 10;
-  std::vector<double> values;    // see array_local
+  std::vector<std::array<double, COLUMNS>> values;    // see array_local
   std::vector<double *> rows;
 
   // A particle, which remembers the contact, and its partner. Local indices, of a wall its code < 0.
@@ -82,6 +83,10 @@ class FixDeformableFriction : public Fix {
   struct Pushes {
     double along, normal;
   };
+  // Of the partner's center past the particle's, and both spins.
+  struct Velocity {
+    double x, y, spin, other_spin;
+  };
   // Of the partner's side past the particle's; and of the partner's alone if that is a wall.
   struct Speeds {
     double along, normal, wall_along, wall_normal;
@@ -90,7 +95,8 @@ class FixDeformableFriction : public Fix {
   void rub_all(int vflag);
   void rub(const LoadedContact &);
   bool find_sides(const LoadedContact &, Sides &, ContactPlace &) const;
-  Speeds speeds(const Sides &, const ContactPlace &, double age) const;
+  Velocity velocity(const Sides &) const;
+  Speeds speeds(const Sides &, const Velocity &, const ContactPlace &, double age) const;
   void lose(const Sides &, const RememberedContact &, double kt, const deformable::Rub &,
             double damping, const Speeds &before, const Speeds &now);
   void push(const Sides &, const ContactPlace &, const Pushes &);
