@@ -1,13 +1,13 @@
 """The example of a flow curve: its script, and its committed figures."""
 
 import json
-import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 from example_modules import example
 from programs import program
+from test_example_materials import part_of
 from test_example_scripts import text
 
 pytest.importorskip("matplotlib")
@@ -23,16 +23,18 @@ def test_a_strain_without_blocks_is_refused(tmp_path: Path) -> None:
 
 
 def test_script(tmp_path: Path) -> None:
-    """A few droplets at a few rates: stress rises with the rate."""
-    script = (EXAMPLE / "flow_curve.py").read_text()
-    rates = re.findall(r"^RATES = .*$", script, re.M)
-    assert len(rates) == 1
-    script = script.replace(rates[0], "RATES = (5e-3, 1e-2, 2e-2, 4e-2)")
-    (tmp_path / "flow_curve.py").write_text(script)
-    text("python", "flow_curve.py", "--number", "16", "--strain", "3.1", cwd=tmp_path)
+    """A few droplets at a few rates: stress rises with the rate.
+
+    By the committed fit of 128 droplets it is 0.040 at the slowest rate and 0.076 at the fastest.
+    Means over a strain of 1 spread by 0.003 there, so those of 16 droplets by 0.008: the difference
+    is four times its error, of strains of 1 and 5.
+    """
+    smaller = {"RATES": (1e-2, 2e-2, 4e-2, 8e-2), "STEP": 0.02, "BEGIN, BLOCK": (1.0, 0.5)}
+    part_of(EXAMPLE / "flow_curve.py", tmp_path, **smaller)
+    text("python", "flow_curve.py", "--number", "16", "--strain", "2.1", cwd=tmp_path, ranks=1)
     data = json.loads((tmp_path / "flow_curve.json").read_text())
     stress = [np.mean(row["blocks"]) for row in data["runs"]]
-    assert stress[3] > 1.2 * stress[0] > 0.0  # 1.9 times by the committed fit of 128 droplets
+    assert stress[3] > stress[0] > 0.0
     assert 0.0 < stress[4] < stress[3]
     assert (tmp_path / "flow_curve.png").stat().st_size > 10_000
 
