@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from .engine.disks import Disks as Disks
     from .engine.polygon_simulation import PolygonSimulation as PolygonSimulation
     from .engine.simulation import Simulation as Simulation
+    from .engine.spheres import Spheres as Spheres
+    from .model.crystal import cubic as cubic
     from .model.crystal import triangular as triangular
     from .model.friction import Friction as Friction
     from .model.laws import Ring as Ring
@@ -48,7 +50,6 @@ if TYPE_CHECKING:
     from .protocols.compression import compress as compress
     from .protocols.creep import creep as creep
     from .protocols.jamming import jam as jam
-    from .protocols.jamming import push_off as push_off
     from .protocols.moduli import Modulus as Modulus
     from .protocols.moduli import bulk_modulus as bulk_modulus
     from .protocols.moduli import shear_modulus as shear_modulus
@@ -58,6 +59,7 @@ if TYPE_CHECKING:
     from .protocols.oscillation import oscillate as oscillate
     from .protocols.polish import polish as polish
     from .protocols.shear import shear as shear
+    from .protocols.starts import push_off as push_off
     from .runs.analysis import export as export
     from .runs.log import log as log
     from .runs.movie import movie as movie
@@ -70,6 +72,7 @@ if TYPE_CHECKING:
     from .state.displacements import unwrapped as unwrapped
     from .state.polygon_state import PolygonState as PolygonState
     from .state.secondary import resolve_secondary as resolve_secondary
+    from .state.sphere_state import SphereState as SphereState
     from .state.state import State as State
     from .studies.comparison import Comparison as Comparison
     from .studies.comparison import compare as compare
@@ -103,6 +106,8 @@ _HOMES = {
     "Sector": "model.laws",
     "Segment": "model.walls",
     "Simulation": "engine.simulation",
+    "SphereState": "state.sphere_state",
+    "Spheres": "engine.spheres",
     "StalledWarning": "common.errors",
     "State": "state.state",
     "UnjammedWarning": "common.errors",
@@ -114,6 +119,7 @@ _HOMES = {
     "compress": "protocols.compression",
     "compress_in": "runs.recording",
     "creep": "protocols.creep",
+    "cubic": "model.crystal",
     "dynamic_modulus": "protocols.oscillation",
     "export": "runs.analysis",
     "jackknife": "common.fits",
@@ -126,7 +132,7 @@ _HOMES = {
     "polish": "protocols.polish",
     "polydisperse": "model.random_packing",
     "predict": "studies.comparison",
-    "push_off": "protocols.jamming",
+    "push_off": "protocols.starts",
     "record": "runs.recording",
     "rectangle": "model.walls",
     "resolve_secondary": "state.secondary",

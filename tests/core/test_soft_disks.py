@@ -1,4 +1,4 @@
-"""Soft disks: energy, virial and gradient of listed pairs."""
+"""Soft disks and spheres: energy, virial and gradient of listed pairs."""
 
 import deformable
 import numpy as np
@@ -18,11 +18,25 @@ def test_values_of_three_pairs() -> None:
     assert gradient == pytest.approx([0.288, 0.384, -0.288, -0.384, 0.0, 0.0], rel=1e-14)
 
 
-def test_gradient_is_that_of_finite_differences() -> None:
+def test_spheres_in_a_plane_are_disks() -> None:
+    """In any of the three planes."""
+    expected = deformable.core.SoftDisks(3, FIRST, SECOND, SHIFT, CONTACT)(X, 1.2)
+    for axis in range(3):
+        shift, x = (np.insert(values, axis, 0.0, axis=1) for values in (SHIFT, X))
+        spheres = deformable.core.SoftSpheres(3, FIRST, SECOND, shift, CONTACT)
+        energy, virial, gradient = spheres(x, 1.2)
+        assert (energy, virial) == pytest.approx(expected[:2], rel=1e-14)
+        flat = np.insert(expected[2].reshape(-1, 2), axis, 0.0, axis=1)
+        assert gradient == pytest.approx(flat.ravel(), rel=1e-14)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_gradient_is_that_of_finite_differences(dimension: int) -> None:
     rng, step = np.random.default_rng(1), 1e-6
     i, j = np.triu_indices(20, 1)
-    disks = deformable.core.SoftDisks(20, i, j, np.zeros((190, 2)), np.full(190, 0.4))
-    x, way = rng.random((20, 2)), rng.normal(size=(20, 2))
+    kernel = deformable.core.SoftDisks if dimension == 2 else deformable.core.SoftSpheres
+    disks = kernel(20, i, j, np.zeros((190, dimension)), np.full(190, 0.4))
+    x, way = rng.random((20, dimension)), rng.normal(size=(20, dimension))
     above, below = (disks(x + sign * step * way, 1.3)[0] for sign in (1.0, -1.0))
     slope = float(disks(x, 1.3)[2] @ way.ravel())
     assert slope == pytest.approx((above - below) / (2.0 * step), rel=1e-6)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import LammpsError, ParameterError, UnjammedWarning
+from ..model.filled import root
 from ..model.onset import excess_phi, natural_pressure
 from ..model.packing import Packing
 
@@ -89,7 +90,7 @@ def reach(sim: Scalable, name: str, target: float, relax: Callable[[], S]) -> S:
         change = float(np.clip(change, -longest, longest))
         phi = state.packing.phi
         try:
-            sim.deform(sim.box * float(np.sqrt(phi / (phi + change))))
+            sim.deform(sim.box * root(phi / (phi + change), state.packing.dimension))
             state = relax()
         except LammpsError as error:
             raise _unreached(name, target, state, str(error)) from None

@@ -2,64 +2,21 @@
 
 from __future__ import annotations
 
-import warnings
-from dataclasses import replace
-from itertools import combinations_with_replacement
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..common.errors import StalledWarning
-from ..common.validate import expect, positive, zero_or_more
-from ..core import unit_vectors
-from ..io.lammps_commands import minimizer_commands
-from ..model.lattice import fractional
+from ..common.validate import expect
 from ..model.packing import Packing
+from ..model.plane import refuse_space
 from ..model.room import Distances, check_fit
 from ..model.walls import Wall
 from ..state.disk_state import DiskState
-from .followed import refuse_other, setup
-from .free_box import check_free, relax_free_box
-from .lammps import Engine, gather, local_array, open_lammps, run
-from .relaxation import (
-    TOLERANCE,
-    Forces,
-    force_rounding,
-    largest_force,
-    largest_force_told,
-    minimize_command,
-    minimize_until_relaxed,
-    stress,
-    thermo_commands,
-    virial_command,
-)
-
-if TYPE_CHECKING:
-    from lammps import lammps
-
-# Contact stiffness and mass are 1, so times count in contact periods: a step of 0.05 was fastest,
-# from 0.1 on FIRE is at its stability limit.
-_CONTACTS = """
-compute pairs all property/local patom1 patom2 cutoff {cutoff}
-compute overlaps all pair/local dist force cutoff {cutoff}
-timestep 0.05
-"""
-
-# The same disks with radii of their own: grains without friction and damping. LAMMPS has no energy
-# for them, but FIRE needs their forces only.
-_GRAINS = """
-comm_modify vel yes
-pair_style gran/hooke 1.0 NULL 0.0 NULL 0.0 0
-pair_coeff * *
-"""
-
-# Centers closer than this part of the box are at one place, where a contact has no direction. They
-# are separated by this part of the smallest radius, on a spiral of golden angles.
-_SAME_PLACE = 1e-12
-_SEPARATION = 1e-3
-_GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
+from .followed import setup
+from .lammps import run
+from .relaxation import Forces
+from .soft_particles import SoftParticles
 
 # Walls repel disks as other disks do, U = k/2 (R - h)^2 at the distance h.
 _WALLS = """
@@ -67,11 +24,8 @@ fix deformable_walls all external pf/callback 1 1
 fix_modify deformable_walls virial yes
 """
 
-# Iterations after which a relaxation counts as stalled: large packings relax slowly near the onset.
-_PATIENCE = 2_000_000
 
-
-class Disks(Engine):
+class Disks(SoftParticles[DiskState]):
     """Soft disks in LAMMPS, U = k/2 (R_i + R_j - d)^2 of each pair that overlaps, k = 1.
 
     A wall at the distance h adds k/2 (R - h)^2. It does not stop a disk whose center has passed it.
@@ -90,21 +44,16 @@ class Disks(Engine):
         ParameterError: no packing, or an obstacle that does not fit into the periodic box.
     """
 
+    _kind = "soft disks"
+
     def __init__(self, packing: Packing) -> None:
         expect("packing", packing, Packing)
-        start = separated(packing)
-        self._radii, self._radius = start.radii, start.radius
-        self._follow(start.walls, start.box)
-        self.lmp = open_disks(start)
+        refuse_space("Disks", packing.dimension, "take `Spheres`")
+        super().__init__(packing)
         if self._walls:
             run(self.lmp, _WALLS)
             self.lmp.set_fix_external_callback("deformable_walls", self._repel)
-        self._setup = setup(self.lmp)
-
-    @property
-    def walls(self) -> tuple[Wall, ...]:
-        """The walls, where they are now."""
-        return self._walls
+            self._setup = setup(self.lmp)
 
     def _follow(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
         check_fit(walls, box, float(self._radius.max()))
@@ -133,152 +82,11 @@ class Disks(Engine):
         xy = float(np.sum(lever[..., 0] * forces[..., 1]))
         self.lmp.fix_external_set_virial_global("deformable_walls", [xx, yy, 0.0, xy, 0.0, 0.0])
 
-    def relax(
-        self,
-        tolerance: float = TOLERANCE,
-        minimum_contact_force: float = 0.0,
-        pressure: float | None = None,
-        box: str = "size",
-    ) -> DiskState:
-        """Minimize the energy by FIRE until no force exceeds a part of the mean contact force.
-
-        Args:
-            tolerance: largest force on a particle over the mean contact force.
-            minimum_contact_force: replaces the mean contact force, if not 0: a loose packing has
-                none [k length].
-            pressure: of the state; the box is free to reach it, to 1e-6 [k].
-            box: what is free at a pressure, see `Simulation.relax`.
-
-        Returns:
-            The relaxed state; its `stalled` is true if the tolerance was not reached.
-
-        Raises:
-            ParameterError: a value is out of range, or the pressure cannot be reached.
-
-        Warns:
-            StalledWarning: the tolerance was not reached, e.g. in very large packings at onset.
-
-        Source: FIRE: Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006).
-        """
-        positive("tolerance", tolerance)
-        minimum_contact_force = zero_or_more("minimum_contact_force", minimum_contact_force)
-        check_free(box, self._walls, pressure)
-        if pressure is not None:
-            least = max(minimum_contact_force, pressure * float(self._radius.min()))
-            return relax_free_box(self, pressure, box, lambda: self.relax(tolerance, least))
-        if minimum_contact_force == 0.0:
-            forces = self._evaluate_now()  # the scale of forces is in the contacts
-        else:
-            refuse_other(self.lmp, self._setup)
-            self._radius = self._packing().radius
-            forces = Forces(np.inf, minimum_contact_force, force_rounding(self.box, stiffness=1.0))
-
-        def minimize(forces: Forces, left: int) -> int:
-            force = max(tolerance * forces.scale, 0.9 * forces.rounding)
-            before = self.lmp.extract_global("ntimestep")
-            run(self.lmp, minimize_command(force, left))
-            return max(self.lmp.extract_global("ntimestep") - before, 1)
-
-        # the scale falls in a loose packing
-        forces = minimize_until_relaxed(
-            forces, tolerance, _PATIENCE, minimize, lambda: self._evaluate(minimum_contact_force)
-        )
-        stalled = forces.residual > tolerance
-        state = self._snapshot(forces, stalled)
-        if stalled:
-            warnings.warn(
-                f"{len(state.packing)} soft disks did not relax at phi = {state.phi:.6f}: "
-                + largest_force_told(state.residual, "the mean contact force", tolerance),
-                StalledWarning,
-                stacklevel=3,
-            )
-        return state
-
-    def state(self) -> DiskState:
-        """The present state, not relaxed."""
-        return self._snapshot(self._evaluate_now(), stalled=False)
-
-    def _evaluate_now(self) -> Forces:
-        """The forces at the present positions."""
-        refuse_other(self.lmp, self._setup)
-        self._radius = self._packing().radius  # for the walls
-        run(self.lmp, "run 0 post no")
-        return self._evaluate()
-
-    def _packing(self) -> Packing:
-        """The packing that LAMMPS has."""
-        by_particle = self.lmp.extract_setting("radius_flag")
-        return Packing(
-            positions=gather(self.lmp, "x", 3)[:, :2],
-            species=gather(self.lmp, "type", 1).astype(np.int64) - 1,
-            radii=self._radii,
-            box=self.box,
-            particle_radii=gather(self.lmp, "radius", 1) if by_particle else None,
-            walls=self._walls,
-        )
-
-    def _evaluate(self, minimum_contact_force: float = 0.0) -> Forces:
-        """The forces of the last run, see `relax`."""
-        self._contact_forces = local_array(self.lmp, "overlaps", 2)[:, 1]
-        self._pairs = local_array(self.lmp, "pairs", 2).astype(np.int64) - 1
-        positions = gather(self.lmp, "x", 3)[:, :2]
+    def _forces_of_contacts(self) -> NDArray[np.float64]:
+        positions = self._positions()
         overlap, *_ = self._overlaps(positions, np.arange(len(positions)))
         self._wall_pairs = np.argwhere(overlap.T > 0.0)
-        self._contact_forces = np.append(self._contact_forces, overlap[overlap > 0.0])
-        mean = float(self._contact_forces.mean()) if self._contact_forces.size else 0.0
-        rounding = force_rounding(self.box, stiffness=1.0)
-        return Forces(largest_force(self.lmp), minimum_contact_force or mean, rounding)
+        return np.append(super()._forces_of_contacts(), overlap[overlap > 0.0])
 
     def _snapshot(self, forces: Forces, stalled: bool) -> DiskState:
-        """The state at the last run."""
-        packing = self._packing()
-        return DiskState(
-            packing=packing,
-            law=None,
-            energy=float(0.5 * np.sum(self._contact_forces**2)),  # of stiffness 1
-            stress=stress(self.lmp, packing.area if packing.walls else None),
-            pairs=self._pairs,
-            wall_pairs=self._wall_pairs,
-            residual=forces.residual,
-            stalled=stalled,
-            strain=self.strain,
-        )
-
-
-def separated(packing: Packing) -> Packing:
-    """The packing with no two centers at one place; the same for the same packing."""
-    place = np.rint(fractional(packing.positions, packing.box) / _SAME_PLACE)
-    _, first, group = np.unique(
-        place % round(1.0 / _SAME_PLACE), axis=0, return_index=True, return_inverse=True
-    )
-    if len(first) == len(packing):
-        return packing
-    group = group.ravel()
-    order = np.argsort(group, kind="stable")
-    start = np.searchsorted(group[order], group[order])
-    rank = np.empty(len(packing))
-    rank[order] = np.arange(len(packing)) - start  # 0, 1, ... among the centers at each place
-    distance = _SEPARATION * float(packing.radius.min()) * np.sqrt(rank)
-    spiral = distance[:, None] * unit_vectors(_GOLDEN * rank)
-    return replace(packing, positions=packing.positions + spiral)
-
-
-def open_disks(packing: Packing, comm: MPI.Comm = MPI.COMM_SELF) -> lammps:
-    """A LAMMPS with soft disks, U = overlap^2/2 of each pair, ready for FIRE."""
-    smallest = float(packing.radius.min())
-    lmp = open_lammps(packing, comm)
-    by_species = packing.particle_radii is None
-    if by_species:
-        run(lmp, "pair_style harmonic/cut")
-        for (i, a), (j, b) in combinations_with_replacement(enumerate(packing.radii, start=1), 2):
-            run(lmp, f"pair_coeff {i} {j} 0.5 {float(a + b)!r}")  # LAMMPS' energy has no 1/2
-    else:
-        run(lmp, _GRAINS)
-    run(lmp, _CONTACTS.format(cutoff="type" if by_species else "radius"))
-    run(
-        lmp,
-        virial_command()
-        + thermo_commands("")
-        + minimizer_commands(skin=0.3 * smallest, dmax=0.01 * smallest),
-    )
-    return lmp
+        return DiskState(**self._values(forces, stalled), wall_pairs=self._wall_pairs)

@@ -1,4 +1,4 @@
-"""Soft disks without LAMMPS: energy and enthalpy with their gradient, for minimizers."""
+"""Soft disks and spheres without LAMMPS: energy and enthalpy with gradients, for minimizers."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from .. import core
 from ..common.factored import factored
+from ..model.lattice import lengths
 from ..model.neighbors import near_pairs
 from ..model.packing import Packing
-from ..model.room import Distances, stretched
+from ..model.room import Distances, free_room, stretched
 
 Floats = NDArray[np.float64]
 
@@ -45,9 +46,11 @@ class Enthalpy:
 
         dH/dX_i = e^s (sum of the forces of i, with opposite sign)    dH/dt = 2 A (P - p) / l
 
+    For spheres A is the volume, l^2 = 3 A/(2 <R>), and each other 2 in these formulas is a 3.
+
     Args:
         packing: where the disks start; no two centers at one place.
-        pressure: P [k]; None keeps the box, and P A = 0.
+        pressure: P [k], of spheres [k/length]; None keeps the box, and P A = 0.
 
     Attributes:
         pressure: p of the last evaluation, (sum_c o_c d_c + sum over walls o h) / (2 A) [k].
@@ -58,23 +61,28 @@ class Enthalpy:
         self._start, self._applied, self._keeps_box = packing, pressure or 0.0, pressure is None
         self._radius, self._smallest = packing.radius, float(packing.radius.min())
         self._distances = Distances(packing.walls, packing.box) if packing.walls else None
-        self._length, self._phi = float(np.sqrt(2.0 * packing.area)), packing.phi
+        self._dimension, self._phi = packing.dimension, packing.phi
+        self._room = free_room(packing.walls, packing.box)
+        # a pressure times this length is one over the stiffness of contacts, as that of disks is
+        self._thickness = 1.0 if self._dimension == 2 else 2.0 * float(self._radius.mean())
+        self._length = float(np.sqrt(self._dimension * self._room / self._thickness))
         self._listed: tuple[Floats, float] | None = None
 
     @property
     def start(self) -> Floats:
-        """Variables of the packing, shape (2 N + 1,)."""
+        """Variables of the packing, shape (d N + 1,)."""
         return np.append(self._start.positions, 0.0)
 
     @property
     def softest(self) -> float:
         """About the stiffness of the softest modes at the pressure."""
-        return _SHIFT * self._applied + _SHIFT_OF_SIZE / len(self._radius) ** 2
+        return _SHIFT * self._applied * self._thickness + _SHIFT_OF_SIZE / len(self._radius) ** 2
 
     @property
     def mass(self) -> Floats:
         """Of the variables: in proportion to the number of contacts that a disk may have."""
-        return np.append(np.repeat(0.5 * (1.0 + self._radius / self._smallest), 2), 1.0)
+        of_each = 0.5 * (1.0 + self._radius / self._smallest)
+        return np.append(np.repeat(of_each, self._dimension), 1.0)
 
     def packing(self, z: Floats) -> Packing:
         """The packing with these variables."""
@@ -94,11 +102,12 @@ class Enthalpy:
             gradient += scale * np.sum(overlap[..., None] * out, axis=0).ravel()
             energy += 0.5 * float(np.sum(overlap**2))
             virial += scale * float(np.sum(overlap * height))
-        area = self._start.area * scale**2
-        self.pressure, self.phi = virial / (2.0 * area), self._phi / scale**2
+        larger = scale**self._dimension
+        area = self._room * larger
+        self.pressure, self.phi = virial / (self._dimension * area), self._phi / larger
         if self._keeps_box:
             return energy, np.append(gradient, 0.0)
-        growth = 2.0 * area * (self._applied - self.pressure) / self._length
+        growth = self._dimension * area * (self._applied - self.pressure) / self._length
         return energy + self._applied * area, np.append(gradient, growth)
 
     def preconditioner(self, z: Floats) -> Callable[[Floats], Floats]:
@@ -114,11 +123,11 @@ class Enthalpy:
         """
         from scipy.sparse import csr_matrix, identity
 
-        pressure = self._applied
+        pressure, dimension = self._applied, self._dimension
         x, scale = self._unpacked(z)
         self._list(x, scale)
         apart = x[self._j] - x[self._i] + self._shift
-        lever = np.hypot(*apart.T)
+        lever = lengths(apart)
         direction = apart / np.maximum(lever, np.finfo(float).tiny)[:, None]
         gap, i, j = scale * lever - self._contact, self._i, self._j
         if self._distances:  # a wall is a partner that does not move
@@ -128,24 +137,24 @@ class Enthalpy:
             gap = np.append(gap, scale * height - self._radius)
             direction = np.concatenate([direction, out.reshape(-1, 2)])
             i, j = np.append(i, number), np.append(j, np.full_like(number, -1))
-        smoothing = 2.0 * _SMOOTHING * pressure * self._smallest
+        smoothing = 2.0 * _SMOOTHING * pressure * self._thickness * self._smallest
         share = 0.5 * (1.0 - gap / np.hypot(gap, 2.0 * smoothing))
         near = share > _SMALLEST_SHARE
         share, lever, direction = share[near], scale * lever[near], scale * direction[near]
-        count, first = 2 * len(x), 2 * np.stack([i[near], j[near]], axis=1)
+        count, first = dimension * len(x), dimension * np.stack([i[near], j[near]], axis=1)
         values = np.stack(
             [-direction, np.where(j[near] < 0, 0.0, 1.0)[:, None] * direction], axis=1
         )
-        columns = np.maximum(first, 0)[..., None] + np.arange(2)
-        ends = np.arange(0, columns.size + 1, 4)
+        columns = np.maximum(first, 0)[..., None] + np.arange(dimension)
+        ends = np.arange(0, columns.size + 1, 2 * dimension)
         rigidity = csr_matrix((values.ravel(), columns.ravel(), ends), shape=(len(share), count))
         weighted = rigidity.T.multiply(share).tocsr()
         shift = self.softest
         inverse = factored(weighted @ rigidity + shift * identity(count))
         coupling = weighted @ lever / self._length
         response = inverse(coupling)
-        area = self._start.area * scale**2
-        work = 4.0 * pressure * area + core.dot(share, lever**2)
+        area = self._room * scale**dimension
+        work = dimension**2 * pressure * area + core.dot(share, lever**2)
         stiffness = work / self._length**2 + shift - core.dot(coupling, response)
 
         def solve(gradient: Floats) -> Floats:
@@ -157,7 +166,7 @@ class Enthalpy:
 
     def _unpacked(self, z: Floats) -> tuple[Floats, float]:
         """Centers in the box of the packing, and e^s."""
-        return z[:-1].reshape(-1, 2), math.exp(z[-1] / self._length)
+        return z[:-1].reshape(-1, self._dimension), math.exp(z[-1] / self._length)
 
     def _list(self, x: Floats, scale: float) -> None:
         """List near pairs, unless all that overlap are in the last list."""
@@ -165,7 +174,7 @@ class Enthalpy:
         if self._listed:
             before, size = self._listed
             step = x - before
-            moved = scale * float(np.hypot(*step.T).max())
+            moved = scale * float(lengths(step).max())
             ratio = scale / size
             widest = 2.0 * float(self._radius.max() if ratio < 1.0 else self._smallest)
             if ratio * (widest + skin) - 2.0 * moved > widest:
@@ -175,4 +184,5 @@ class Enthalpy:
         self._i, self._j, shift = near_pairs(placed, skin)
         self._shift = shift / scale
         self._contact = self._radius[self._i] + self._radius[self._j]
-        self._pairs = core.SoftDisks(len(x), self._i, self._j, self._shift, self._contact)
+        kernel = core.SoftDisks if self._dimension == 2 else core.SoftSpheres
+        self._pairs = kernel(len(x), self._i, self._j, self._shift, self._contact)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..common.errors import LammpsError, ParameterError
 from ..common.validate import positive, shown
 from ..model.onset import excess_phi, natural_pressure
+from ..model.plane import refuse_space
 from ..model.walls import Wall
 from .box_search import (
     REACHED,
@@ -46,17 +47,21 @@ class Stressed(Relaxed, Protocol):
 
     @property
     def stress(self) -> Floats: ...
+    @property
+    def residual(self) -> float: ...
 
 
 S = TypeVar("S", bound=Stressed)
 
 
-def check_free(box: str, walls: tuple[Wall, ...], pressure: float | None) -> None:
+def check_free(
+    box: str, walls: tuple[Wall, ...], pressure: float | None, dimension: int = 2
+) -> None:
     """Refuse what cannot be free, and a pressure that cannot be.
 
     Raises:
-        ParameterError: there is no such name, or walls cannot follow; or the pressure is missing
-            or not above 0.
+        ParameterError: there is no such name, or walls or a box in space cannot follow; or the
+            pressure is missing or not above 0.
     """
     if pressure is not None:
         positive("pressure", pressure)
@@ -64,6 +69,8 @@ def check_free(box: str, walls: tuple[Wall, ...], pressure: float | None) -> Non
         raise ParameterError(f"box must be size, sides or shape, not {shown(box)}")
     if pressure is None and box != "size":
         raise ParameterError(f"box='{box}' needs a pressure to relax at: give pressure too")
+    if box != "size":
+        refuse_space(f"box='{box}'", dimension, "take box='size', or `deform` the box yourself")
     if walls and box != "size":
         raise ParameterError(
             f"box='{box}' is not for walls, and there are {len(walls)}, the first a "

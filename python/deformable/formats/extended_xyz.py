@@ -28,20 +28,23 @@ def xyz_frame(
     positions: NDArray[np.float64],
     radius: NDArray[np.float64],
     origin: Sequence[float],
-    shut: tuple[bool, bool],
+    shut: Sequence[bool],
 ) -> str:
-    """Text of a frame of a two-dimensional system, with every digit; see `dump_frame`."""
-    (lx, _), (xy, ly) = box.tolist()
-    x0, y0 = origin
-    ends = " ".join("F" if each else "T" for each in shut)
+    """Text of a frame, with every digit; see `dump_frame`."""
+    dimension, height = len(box), "" if len(box) == 3 else "0 "
+    rows = [list(map(repr, vector[: n + 1])) for n, vector in enumerate(box.tolist())]
+    rows += [["0", "0", "1"]] * (3 - dimension)
+    vectors = " ".join(word for row in rows for word in [*row, "0", "0"][:3])
+    corner = " ".join([*map(repr, origin), "-0.5"][:3])
+    ends = " ".join("F" if each else "T" for each in (*shut[:2], False))
     head = [
-        f'Lattice="{lx!r} 0 0 {xy!r} {ly!r} 0 0 0 1"',
-        f'Origin="{x0!r} {y0!r} -0.5"',
-        f'pbc="{ends} T"',
+        f'Lattice="{vectors}"',
+        f'Origin="{corner}"',
+        f'pbc="{ends}"',
         "Properties=species:S:1:pos:R:3:radius:R:1",
     ]
-    rows = zip(species.tolist(), positions.tolist(), radius.tolist(), strict=True)
-    lines = [f"{kind + 1} {x!r} {y!r} 0 {r!r}" for kind, (x, y), r in rows]
+    table = zip(species.tolist(), positions.tolist(), radius.tolist(), strict=True)
+    lines = [f"{kind + 1} {' '.join(map(repr, x))} {height}{r!r}" for kind, x, r in table]
     return "\n".join([str(len(species)), " ".join(head), *lines]) + "\n"
 
 
@@ -79,12 +82,12 @@ def read_xyz_frame(count: int, head: str, rows: list[str]) -> Particles:
     box = None
     if "lattice" in said:
         box = _numbers("Lattice", said["lattice"], 9).reshape(3, 3)
-    origin = _numbers("Origin", said.get("origin", "0 0 0"), 3)[:2]
+    origin = _numbers("Origin", said.get("origin", "0 0 0"), 3)
     ends = [end[:1].upper() != "F" for end in said.get("pbc", "T T T").split()]
     if len(ends) != 3:
         raise ValueError(f"pbc must be three letters T or F, not {said['pbc']}")
     ids = np.arange(1, count + 1)
-    return Particles(positions, box, ids, types, columns, origin, (ends[0], ends[1]), kinds)
+    return Particles(positions, box, ids, types, columns, origin, ends, kinds)
 
 
 def _numbers(name: str, words: str, count: int) -> NDArray[np.float64]:

@@ -39,7 +39,7 @@ _SUFFIXES = {
     ".gsd": _GSD,
 }
 
-_TITLE = "LAMMPS data file by lammps-deformable, units lj, atom_style sphere, two-dimensional"
+_TITLE = "LAMMPS data file by lammps-deformable, units lj, atom_style sphere, {}-dimensional"
 
 
 def read_particles(
@@ -85,18 +85,18 @@ def write_particles(
     radius: Floats,
     types: int,
     origin: Floats,
-    shut: tuple[bool, bool],
+    shut: Sequence[bool],
 ) -> None:
     """Write particles of mass 1 in the format of the suffix.
 
     Args:
         path: of the file; an older one is replaced.
-        box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
+        box: lattice vectors as rows, those of a packing, shape (d, d) [length].
         species: of the particles, from 0, shape (N,).
-        positions: shape (N, 2) [length].
+        positions: shape (N, d) [length].
         radius: of the particles, shape (N,) [length].
         types: number of species.
-        origin: lower left corner of the box, shape (2,) [length].
+        origin: lower left corner of the box, shape (d,) [length].
         shut: whether the box is not periodic along x and y.
 
     Raises:
@@ -116,7 +116,8 @@ def write_particles(
         return
     if kind == _DATA:
         columns = [species + 1, *sphere_columns(radius)]
-        text = data_file(_TITLE, "sphere", box, types, columns, positions, origin=corner)
+        title = _TITLE.format("two" if len(box) == 2 else "three")
+        text = data_file(title, "sphere", box, types, columns, positions, origin=corner)
     elif kind == _DUMP:
         text = dump_frame(0, box, species, positions, {"radius": radius}, corner, shut)
     else:

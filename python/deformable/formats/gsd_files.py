@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..common.optional import optional
 from .particles import Particles, check_frame
+from .universes import in_space
 
 
 def write_gsd(
@@ -19,29 +20,35 @@ def write_gsd(
     radius: NDArray[np.float64],
     types: int,
 ) -> None:
-    """Write a frame of a two-dimensional system; types are A, B, ... Directions are periodic.
+    """Write a frame; types are A, B, ... Directions are periodic.
 
     Args:
         path: of the file.
-        box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
+        box: lattice vectors as rows, those of a packing, shape (d, d) [length].
         species: of the particles, from 0, shape (N,).
-        positions: from the lower left corner of the box, shape (N, 2) [length].
+        positions: from the lower left corner of the box, shape (N, d) [length].
         radius: of the particles, shape (N,) [length].
         types: number of species.
     """
     hoomd = optional("gsd.hoomd", "gsd")
-    (lx, _), (xy, ly) = box.tolist()
-    g = positions[:, 1] / ly
-    fractions = np.column_stack([(positions[:, 0] - g * xy) / lx, g])
+    dimension = len(box)
+    space = np.zeros((3, 3))  # a plane has no height there
+    space[:dimension, :dimension] = box
+    (lx, *_), (xy, ly, _), (xz, yz, lz) = space.tolist()
+    x, y, z = in_space(positions).T
+    h = z / lz if lz else z + 0.5  # in the middle
+    g = (y - h * yz) / ly
+    fractions = np.column_stack([(x - h * xz - g * xy) / lx, g, h])
     image = np.floor(fractions)
-    f, g = (fractions - image - 0.5).T  # the box is about the origin, and particles are in it
+    # the box is about the origin, and particles are in it
+    f, g, h = (fractions - image - 0.5).T
     frame = hoomd.Frame()
-    frame.configuration.dimensions = 2
-    frame.configuration.box = [lx, ly, 0.0, xy / ly, 0.0, 0.0]
+    frame.configuration.dimensions = dimension
+    frame.configuration.box = [lx, ly, lz, xy / ly, *((xz / lz, yz / lz) if lz else (0.0, 0.0))]
     particles = frame.particles
     particles.N = len(species)
-    particles.position = np.column_stack([lx * f + xy * g, ly * g, np.zeros(len(species))])
-    particles.image = np.column_stack([image, np.zeros(len(species))]).astype(np.int32)
+    particles.position = np.column_stack([lx * f + xy * g + xz * h, ly * g + yz * h, lz * h])
+    particles.image = image.astype(np.int32)
     particles.types = [_letters(n) for n in range(types)]
     particles.typeid = species
     particles.diameter = 2.0 * radius
@@ -67,14 +74,14 @@ def read_gsd(path: Path, number: int) -> Particles:
     lx, ly, lz, xy, xz, yz = frame.configuration.box.astype(np.float64).tolist()
     box = np.array([[lx, 0.0, 0.0], [xy * ly, ly, 0.0], [xz * lz, yz * lz, lz]])
     particles, count = frame.particles, frame.particles.N
-    image = particles.image * [1.0, 1.0, 0.0]
+    image = particles.image * [1.0, 1.0, float(frame.configuration.dimensions == 3)]
     return Particles(
         particles.position + image @ box,
         box,
         np.arange(1, count + 1),
         np.array(particles.types)[particles.typeid],
         {name: getattr(particles, name) for name in ("diameter", "mass", "charge")},
-        -0.5 * box[:2, :2].sum(axis=0),
+        -0.5 * box.sum(axis=0),
         names=particles.types,
         count=len(particles.types),
     )

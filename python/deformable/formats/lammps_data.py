@@ -36,43 +36,45 @@ def data_file(
     columns: Sequence[NDArray[Any]],
     positions: NDArray[np.float64],
     bonds: NDArray[np.int64] | None = None,
-    origin: Sequence[float] = (0, 0),
+    origin: Sequence[float] = (0, 0, 0),
     velocities: NDArray[np.float64] | None = None,
 ) -> str:
-    """Text of the LAMMPS data file of a two-dimensional system, with every digit.
+    """Text of a LAMMPS data file, with every digit.
 
     Args:
         title: first line.
         style: LAMMPS atom_style; masses are 1, or given by atom for `sphere`.
-        box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
+        box: lattice vectors as rows, those of a packing, shape (d, d) [length].
         types: number of atom types, and of bond types if there are bonds.
         columns: values of the style between ID and position of an atom, arrays of shape (N,).
-        positions: of the atoms, shape (N, 2) [length].
+        positions: of the atoms, shape (N, d) [length].
         bonds: type and both atoms of each bond, shape (M, 3).
-        origin: lower left corner of the box [length].
-        velocities: of the atoms, shape (N, 2) [length/time]; at rest if not given.
+        origin: lower left corner of the box, d numbers [length].
+        velocities: of the atoms, shape (N, d) [length/time]; at rest if not given.
     """
-    (lx, _), (xy, ly) = np.asarray(box, dtype=np.float64).tolist()
-    x0, y0 = origin
+    vectors = np.asarray(box, dtype=np.float64)
+    dimension, height = len(vectors), " 0" * (3 - len(vectors))
     lines = [title, "", f"{len(positions)} atoms", f"{types} atom types"]
     if bonds is not None:
         lines += [f"{len(bonds)} bonds", f"{types} bond types"]
-    lines += [
-        f"{x0!r} {plus(x0, lx)} xlo xhi",
-        f"{y0!r} {plus(y0, ly)} ylo yhi",
-        "-0.5 0.5 zlo zhi",
-        f"{xy!r} 0 0 xy xz yz",
-        "",
-    ]
+    sides = zip("xyz", origin, vectors.diagonal().tolist(), strict=False)
+    lines += [f"{low!r} {plus(low, side)} {axis}lo {axis}hi" for axis, low, side in sides]
+    if dimension == 2:
+        lines += ["-0.5 0.5 zlo zhi", f"{float(vectors[1, 0])!r} 0 0 xy xz yz", ""]
+    else:
+        xy, xz, yz = vectors[np.tril_indices(3, -1)].tolist()
+        lines += [f"{xy!r} {xz!r} {yz!r} xy xz yz", ""]
     if style != "sphere":
         lines += ["Masses", "", *(f"{n} 1" for n in range(1, types + 1)), ""]
     lines += [f"Atoms # {style}", ""]
     rows = zip(*(column.tolist() for column in columns), *positions.T.tolist(), strict=True)
-    lines += [f"{n} {' '.join(map(repr, row))} 0" for n, row in enumerate(rows, start=1)]
+    lines += [f"{n} {' '.join(map(repr, row))}{height}" for n, row in enumerate(rows, start=1)]
     if velocities is not None:
-        spin = " 0 0 0" if style == "sphere" else ""
+        rest = height + (" 0 0 0" if style == "sphere" else "")
         lines += ["", "Velocities", ""]
-        lines += [f"{n} {x!r} {y!r} 0{spin}" for n, (x, y) in enumerate(velocities.tolist(), 1)]
+        lines += [
+            f"{n} {' '.join(map(repr, v))}{rest}" for n, v in enumerate(velocities.tolist(), 1)
+        ]
     if bonds is not None:
         lines += ["", "Bonds", ""]
         lines += [f"{n} {a} {b} {c}" for n, (a, b, c) in enumerate(bonds.tolist(), start=1)]
@@ -116,10 +118,12 @@ def read_data_file(text: str) -> Particles:
     columns = columns_of(atoms, names)
     order = by_ids(columns["id"])
     ids, kinds, *place = (columns.pop(name)[order] for name in ("id", "type", "x", "y", "z"))
-    (xlo, xhi, *_), (ylo, yhi, *_) = words["xhi"], words["yhi"]
+    ends = [words[name][:2] for name in ("xhi", "yhi")]
+    ends.append(words["zhi"][:2] if len(words.get("zhi", ())) == 4 else ["-0.5", "0.5"])
     tilts = words["yz"] if len(words.get("yz", ())) == 6 else ["0", "0", "0"]
     xy, xz, yz = map(float, tilts[:3])
-    box = np.array([[minus(xhi, xlo), 0.0, 0.0], [xy, minus(yhi, ylo), 0.0], [xz, yz, 1.0]])
+    box = np.diag([minus(high, low) for low, high in ends])
+    box[np.tril_indices(3, -1)] = xy, xz, yz
     count = int(words["types"][0]) if len(words.get("types", ())) == 3 else 0
     return Particles(
         np.column_stack(place),
@@ -127,7 +131,7 @@ def read_data_file(text: str) -> Particles:
         ids.astype(np.int64),
         kinds.astype(np.int64),
         {name: column[order] for name, column in columns.items()},
-        np.array([float(xlo), float(ylo)]),
+        np.array([float(low) for low, _ in ends]),
         count=count,
     )
 

@@ -26,34 +26,45 @@ def dump_frame(
     species: NDArray[np.int64],
     positions: NDArray[np.float64],
     columns: Mapping[str, NDArray[Any]],
-    origin: Sequence[float] = (0, 0),
-    shut: tuple[bool, bool] = (False, False),
+    origin: Sequence[float] = (0, 0, 0),
+    shut: Sequence[bool] = (False, False, False),
 ) -> str:
-    """Text of a frame of a two-dimensional system, with every digit.
+    """Text of a frame, with every digit.
 
     Args:
         number: of the frame.
-        box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
+        box: lattice vectors as rows, those of a packing, shape (d, d) [length].
         species: of the particles, from 0, shape (N,).
-        positions: shape (N, 2) [length].
+        positions: shape (N, d) [length].
         columns: further values of the particles by name, arrays of shape (N,).
-        origin: lower left corner of the box [length].
+        origin: lower left corner of the box [length]; 0 of one that is tilted.
         shut: whether the box is not periodic along x and y.
     """
-    (lx, _), (xy, ly) = box.tolist()
-    x0, y0 = origin
-    ends = " ".join("ff" if each else "pp" for each in shut)
+    dimension, height = len(box), "" if len(box) == 3 else "0 "
+    ends = " ".join("ff" if each else "pp" for each in (*shut[:2], False))
+    sides, tilts = box.diagonal().tolist(), box[np.tril_indices(dimension, -1)].tolist()
     # LAMMPS gives the bounding box of a tilted cell and the tilts beside it.
-    edges = (
-        [f"{ends} pp", f"{x0!r} {plus(x0, lx)}", f"{y0!r} {plus(y0, ly)}", "-0.5 0.5"]
-        if xy == 0.0
-        else [
-            f"xy xz yz {ends} pp",
-            f"{min(0.0, xy)!r} {plus(lx, max(0.0, xy))} {xy!r}",
+    if not any(tilts):
+        edges = [f"{low!r} {plus(low, side)}" for low, side in zip(origin, sides, strict=False)]
+        edges = [ends, *[*edges, "-0.5 0.5"][:3]]
+    elif dimension == 2:
+        (lx, ly), (xy,) = sides, tilts
+        (left, right) = _overhang(xy)
+        edges = [
+            f"xy xz yz {ends}",
+            f"{left!r} {plus(lx, right)} {xy!r}",
             f"0 {ly!r} 0",
             "-0.5 0.5 0",
         ]
-    )
+    else:
+        (lx, ly, lz), (xy, xz, yz) = sides, tilts
+        (left, right), (low, high) = _overhang(xy, xz), _overhang(yz)
+        edges = [
+            f"xy xz yz {ends}",
+            f"{left!r} {plus(lx, right)} {xy!r}",
+            f"{low!r} {plus(ly, high)} {xz!r}",
+            f"0 {lz!r} {yz!r}",
+        ]
     lines = ["ITEM: TIMESTEP", str(number), "ITEM: NUMBER OF ATOMS", str(len(species))]
     lines += [f"ITEM: BOX BOUNDS {edges[0]}", *edges[1:]]
     lines.append("ITEM: ATOMS id type x y z " + " ".join(columns))
@@ -63,9 +74,16 @@ def dump_frame(
         *(column.tolist() for column in columns.values()),
         strict=True,
     )
-    for n, (kind, (x, y), *values) in enumerate(rows, start=1):
-        lines.append(f"{n} {kind + 1} {x!r} {y!r} 0 " + " ".join(map(repr, values)))
+    for n, (kind, place, *values) in enumerate(rows, start=1):
+        words = " ".join(map(repr, place))
+        lines.append(f"{n} {kind + 1} {words} {height}" + " ".join(map(repr, values)))
     return "\n".join(lines) + "\n"
+
+
+def _overhang(*tilts: float) -> tuple[float, float]:
+    """How far the corners of a tilted cell are below 0 and above its side."""
+    corners = [0.0, *tilts, sum(tilts)]
+    return min(corners), max(corners)
 
 
 def frame_texts(path: Path) -> Sequence[slice]:
@@ -114,22 +132,23 @@ def read_dump_frame(text: str) -> Particles:
 
 def _box(
     words: list[str], edges: list[list[str]]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], tuple[bool, bool]]:
-    """Lattice vectors, lower left corner, and whether x and y are periodic."""
+) -> tuple[NDArray[np.float64], NDArray[np.float64], list[bool]]:
+    """Lattice vectors, lower left corner, and which directions are periodic."""
     if words[:1] == ["abc"]:
         raise ValueError("its box is a general one: dump without triclinic/general")
     tilted = words[:3] == ["xy", "xz", "yz"]
     if len(edges) < 3 or any(len(edge) < 2 + tilted for edge in edges):
         raise ValueError("the bounds of its box are incomplete")
     xy, xz, yz = (float(edge[2]) for edge in edges) if tilted else (0.0, 0.0, 0.0)
-    lx, ly, lz = (minus(high, low) for low, high, *_ in edges)
-    x0, y0 = float(edges[0][0]), float(edges[1][0])
-    if xy:  # these are the bounds of the tilted box
-        low, high, *_ = edges[0]
-        lx, x0 = minus(high, low, repr(abs(xy))), minus(low, repr(min(0.0, xy)))
-    ends = [end == "pp" for end in words[3 * tilted :]] or [True, True]
-    box = np.array([[lx, 0.0, 0.0], [xy, ly, 0.0], [xz, yz, lz]])
-    return box, np.array([x0, y0]), (ends[0], ends[1])
+    # these are the bounds of the tilted box
+    below, above = zip(_overhang(xy, xz), _overhang(yz), (0.0, 0.0), strict=True)
+    lows, highs = zip(*(edge[:2] for edge in edges), strict=True)
+    lower = [minus(low, repr(a)) for low, a in zip(lows, below, strict=True)]
+    over = [(repr(b), repr(-a)) for a, b in zip(below, above, strict=True)]
+    box = np.diag([minus(h, low, *o) for h, low, o in zip(highs, lows, over, strict=True)])
+    box[np.tril_indices(3, -1)] = xy, xz, yz
+    ends = [end == "pp" for end in words[3 * tilted :]] or [True, True, True]
+    return box, np.array(lower), ends
 
 
 def _positions(
@@ -143,8 +162,11 @@ def _positions(
         place = np.column_stack([columns.pop(x), columns.pop(y)])
         heights = columns.pop(z) if z in columns else np.zeros(len(place))
         if suffix.startswith("s"):
-            (lx, _, _), (xy, ly, _), _ = box.tolist()
-            f, g = place.T
-            place = origin + np.column_stack([lx * f + xy * g, ly * g])
+            (lx, _, _), (xy, ly, _), (xz, yz, lz) = box.tolist()
+            f, g, h = *place.T, heights
+            x0, y0, z0 = origin.tolist()
+            return np.column_stack(
+                [x0 + (lx * f + xy * g + xz * h), y0 + (ly * g + yz * h), z0 + lz * h]
+            )
         return np.column_stack([place, heights])
     raise ValueError(f"it has no positions, such as x and y, among its columns {' '.join(columns)}")

@@ -1,4 +1,4 @@
-"""Particles as a file has them, and what of it makes a plane packing."""
+"""Particles as a file has them, and what of it makes a packing."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ class Particles:
     Attributes:
         positions: shape (N, 3) [length].
         box: lattice vectors as rows, shape (3, 3) [length]; None if the file has none.
-        origin: lower left corner of the box, shape (2,) [length].
-        periodic: whether the box is, along x and y.
+        origin: lower left corner of the box, shape (3,) [length].
+        periodic: whether the box is, along x, y and z.
         ids: as the file has them, shape (N,).
         types: numbers from 1, or names, shape (N,).
         names: of all types; none if these are numbers.
@@ -47,40 +47,44 @@ class Particles:
     ids: NDArray[np.int64]
     types: NDArray[Any]
     columns: Mapping[str, NDArray[Any]]
-    origin: Floats = field(default_factory=lambda: np.zeros(2))
-    periodic: tuple[bool, bool] = (True, True)
+    origin: Floats = field(default_factory=lambda: np.zeros(3))
+    periodic: Sequence[bool] = (True, True, True)
     names: Sequence[str] = ()
     count: int = 0
 
-    @property
-    def plane_positions(self) -> Floats:
-        """x and y, shape (N, 2) [length].
+    def places(self, dimension: int = 2) -> Floats:
+        """Positions, shape (N, d) [length].
 
         Raises:
-            ValueError: a number is not finite, or the particles are not in one plane.
+            ValueError: a number is not finite, or the particles are not in one plane and should be.
         """
         wrong = np.argwhere(~np.isfinite(self.positions))
         if len(wrong) > 0:
             n, axis = wrong[0]
             raise ValueError(f"{'xyz'[axis]} of atom {self.ids[n]} is {self.positions[n, axis]}")
+        if dimension == 3:
+            return self.positions
         low, high = self.positions.min(axis=0), self.positions.max(axis=0)
         spread = high - low
         if spread[2] > _PLANE * max(spread[0], spread[1]):
             raise ValueError(
                 f"its atoms fill space, z goes from {low[2]:.6g} to {high[2]:.6g}, but a packing "
-                "is plane: write the atoms of one z to a file of their own"
+                "in the plane has one z: read it with dimension=3, or write the atoms of one z to "
+                "a file of their own"
             )
         return self.positions[:, :2]
 
-    @property
-    def plane_box(self) -> Floats:
-        """((lx, 0), (xy, ly)), shape (2, 2) [length].
+    def lattice(self, dimension: int = 2) -> Floats:
+        """((lx, 0), (xy, ly)), or ((lx, 0, 0), (xy, ly, 0), (xz, yz, lz)), shape (d, d) [length].
 
         Raises:
             ValueError: there is no box, or another one.
         """
         if self.box is None:
-            raise ValueError("it has no box: give one, such as box=(lx, ly)")
+            form = "(lx, ly)" if dimension == 2 else "(lx, ly, lz)"
+            raise ValueError(f"it has no box: give one, such as box={form}")
+        if dimension == 3:
+            return self._space_box(self.box)
         wrong = ~np.isfinite(self.box).all() or (self.box.diagonal()[:2] <= 0.0).any()
         sides = np.abs(self.box).max()
         if wrong or np.abs(self.box[[0, 0, 1, 2, 2], [1, 2, 2, 0, 1]]).max() > _PLANE * sides:
@@ -89,6 +93,18 @@ class Particles:
                 "vectors (lx, 0, 0) and (xy, ly, 0), with the third one along z"
             )
         return np.array([[self.box[0, 0], 0.0], self.box[1, :2]])
+
+    @staticmethod
+    def _space_box(box: Floats) -> Floats:
+        above = np.abs(np.triu(box, 1)).max()
+        if not (np.isfinite(box).all() and (box.diagonal() > 0.0).all()) or (
+            above > _PLANE * np.abs(box).max()
+        ):
+            raise ValueError(
+                f"its box is {shown(box.tolist())}, but that of a packing has lattice vectors "
+                "(lx, 0, 0), (xy, ly, 0) and (xz, yz, lz)"
+            )
+        return np.tril(box)
 
     @property
     def species(self) -> NDArray[np.int64]:

@@ -25,9 +25,9 @@ def universe_of(
     """A Universe of one frame.
 
     Args:
-        box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
+        box: lattice vectors as rows, shape (d, d) [length].
         species: of the particles, from 0, shape (N,).
-        positions: from the lower left corner of the box, shape (N, 2) [length].
+        positions: from the lower left corner of the box, shape (N, d) [length].
         radius: of the particles, shape (N,) [length].
     """
     import MDAnalysis
@@ -78,11 +78,15 @@ def read_universe(universe: Universe, number: int, wanted: Sequence[str]) -> Par
 
 
 def in_space(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Vectors of the plane with z = 0, shape (N, 3)."""
-    return np.column_stack([vectors, np.zeros(len(vectors))])
+    """Vectors of the plane with z = 0, those of space as they are, shape (N, 3)."""
+    return np.column_stack([vectors, np.zeros((len(vectors), 3 - vectors.shape[1]))])
 
 
 def box_in_space(box: NDArray[np.float64]) -> list[float]:
-    """Lengths and angles [degrees] of a box of MDAnalysis, as high as its longer side is long."""
+    """Lengths and angles [degrees] of a box; that of a plane is as high as its longer side."""
+    if len(box) == 3:
+        from MDAnalysis.lib.mdamath import triclinic_box
+
+        return [float(number) for number in triclinic_box(*box)]
     a, b = np.linalg.norm(box, axis=1).tolist()
     return [a, b, max(a, b), 90.0, 90.0, float(np.degrees(np.arctan2(box[1, 1], box[1, 0])))]

@@ -76,10 +76,10 @@ def packing_in(text: str, radii: list[float]) -> Packing:
         raise ValueError(f"atom IDs must be 1 to {len(found.ids)}")
     own = "diameter" in found.columns
     return Packing(
-        positions=found.plane_positions,
+        positions=found.places(),
         species=found.species,
         radii=np.array(radii),
-        box=found.plane_box,
+        box=found.lattice(),
         particle_radii=found.radius("diameter") if own else None,
     )
 

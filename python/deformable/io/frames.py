@@ -191,10 +191,10 @@ def read_frame(
     own = bool((values["radius"] != largest[species]).any())
     np.maximum.at(largest, species, values["radius"])
     packing = Packing(
-        found.plane_positions,
+        found.places(),
         species,
         largest,
-        found.plane_box,
+        found.lattice(),
         values["radius"] if own else None,
     )
     return packing, np.column_stack([values["vx"], values["vy"]]), from_columns(values)

@@ -17,13 +17,16 @@ from ..model.walls import Polygon, Wall
 
 SETUP = """
 units lj
-dimension 2
-boundary {boundary} p
+dimension {dimension}
+boundary {boundary}
 atom_style {style}
 atom_modify map yes
 newton on
 box tilt large
 """
+
+# Of particles in a periodic box in the plane, without radii of their own.
+PLANE = SETUP.format(dimension=2, boundary="p p p", style="atomic")
 
 _LAW = """
 pair_style {style} {arguments} radius {whose}
@@ -57,8 +60,17 @@ WALL = "deformable_wall_{}"
 
 
 def boundary(walls: Sequence[Wall]) -> str:
-    """LAMMPS boundary of x and y: fixed where a container closes the box."""
-    return " ".join("f" if shut else "p" for shut in closed(walls))
+    """LAMMPS boundary: fixed where a container closes the box."""
+    return " ".join("f" if shut else "p" for shut in (*closed(walls), False))
+
+
+def setup_commands(packing: Packing) -> str:
+    """Commands to run before LAMMPS has a box."""
+    return SETUP.format(
+        dimension=packing.dimension,
+        style=atom_style(packing),
+        boundary=boundary(packing.walls),
+    )
 
 
 def wall_commands(walls: Sequence[Wall]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..model.laws import Law
 from ..model.packing import Packing
 from .films import Films, film_commands
-from .lammps_commands import SETUP, atom_style, boundary, law_commands, wall_commands
+from .lammps_commands import law_commands, setup_commands, wall_commands
 from .run_folder import DATA, SCRIPT, SPECIES
 
 # Of the motion that the comments of a script propose [energy].
@@ -54,7 +54,7 @@ def script(
     commands = law_commands(packing, law, SPECIES) + wall_commands(packing.walls)
     commands += film_commands(law, packing.walls, films)
     commands += f"timestep {timestep!r}\n"
-    setup = SETUP.format(style=atom_style(packing), boundary=boundary(packing.walls))
+    setup = setup_commands(packing)
     velocity = "" if moves else f"# velocity all create {TEMPERATURE!r} 12345\n"
     motion = {"moving": moving, "velocity": velocity}
     return _SCRIPT.format(script=SCRIPT, setup=setup, data=DATA, law=commands, **motion).lstrip()

@@ -1,17 +1,28 @@
-"""The triangular lattice, the densest packing of equal particles."""
+"""Crystals of equal particles: the triangular lattice, and the cubic ones in three dimensions."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from ..common.errors import ParameterError
-from ..common.validate import count, positive
+from ..common.validate import count, numbers, positive, shown
 from .packing import Packing
 
 # Packing fraction of disks that touch.
 TOUCH = math.pi / math.sqrt(12.0)
+
+# Particles in the cubic cell, in its sides, and the distance of neighbors.
+_CUBIC = {
+    "sc": ([(0.0, 0.0, 0.0)], 1.0),
+    "bcc": ([(0.0, 0.0, 0.0), (0.5, 0.5, 0.5)], math.sqrt(0.75)),
+    "fcc": (
+        [(0.0, 0.0, 0.0), (0.5, 0.5, 0.0), (0.5, 0.0, 0.5), (0.0, 0.5, 0.5)],
+        math.sqrt(0.5),
+    ),
+}
 
 
 def triangular(columns: int, rows: int, radius: float = 0.5, phi: float = TOUCH) -> Packing:
@@ -52,3 +63,46 @@ def triangular(columns: int, rows: int, radius: float = 0.5, phi: float = TOUCH)
         box=2.0 * radius * np.diag([columns, height * rows]),
     )
     return touching.at(phi)
+
+
+def cubic(
+    lattice: str, cells: int | Sequence[int], radius: float = 0.5, phi: float | None = None
+) -> Packing:
+    """Equal spheres on a cubic lattice that fits into its periodic box.
+
+        cubic("fcc", 4, phi=0.8)
+
+    Neighbors touch from the packing fraction pi/sqrt(18) = 0.7405 on in fcc, sqrt(3) pi/8 = 0.6802
+    in bcc, pi/6 = 0.5236 in sc.
+
+    Args:
+        lattice: `fcc` (face-centered), `bcc` (body-centered) or `sc` (simple cubic).
+        cells: number of cubic cells along each side of the box, or along x, y and z; a cell has 4,
+            2 or 1 spheres.
+        radius: of the spheres [length].
+        phi: packing fraction, sum 4 pi R^3 / (3 box volume), at most 10; that of spheres that touch
+            if not given.
+
+    Returns:
+        The packing, cell by cell.
+
+    Raises:
+        ParameterError: a value is out of range, or there is no such lattice.
+    """
+    if not isinstance(lattice, str) or lattice not in _CUBIC:
+        raise ParameterError(f"lattice must be {', '.join(_CUBIC)}, not {shown(lattice)}")
+    sides = numbers("cells", cells)
+    if sides.shape not in ((), (3,)):
+        raise ParameterError(f"cells must be one number, or three, not {shown(cells)}")
+    along = [count("cells", side) for side in np.broadcast_to(sides, 3).tolist()]
+    basis, distance = _CUBIC[lattice]
+    corners = np.stack(np.meshgrid(*map(np.arange, along), indexing="ij"), axis=-1)
+    places = (corners.reshape(-1, 1, 3) + np.array(basis)).reshape(-1, 3)
+    side = 2.0 * positive("radius", radius) / distance
+    touching = Packing(
+        positions=side * places,
+        species=np.zeros(len(places), dtype=np.int64),
+        radii=np.array([radius]),
+        box=side * np.array(along, dtype=np.float64),
+    )
+    return touching if phi is None else touching.at(phi)

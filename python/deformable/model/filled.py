@@ -1,4 +1,4 @@
-"""The area that a particle fills."""
+"""The area or volume that particles fill."""
 
 from __future__ import annotations
 
@@ -17,3 +17,15 @@ def filled_area(area: Floats, perimeter: Floats, skin: Floats) -> Floats:
         skin: shape (N,) [length].
     """
     return area + skin * perimeter + np.pi * skin**2
+
+
+def undeformed(radius: Floats, dimension: int) -> float:
+    """Area of all disks, sum pi R^2, or volume of all spheres, sum 4 pi R^3/3."""
+    if dimension == 2:
+        return float(np.pi * np.sum(radius**2))
+    return float(4.0 / 3.0 * np.pi * np.sum(radius**3))
+
+
+def root(ratio: float, dimension: int) -> float:
+    """The ratio of lengths to a ratio of areas, or of volumes."""
+    return float(np.sqrt(ratio) if dimension == 2 else np.cbrt(ratio))

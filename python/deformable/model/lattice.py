@@ -6,6 +6,11 @@ minimizer of disks makes another packing of that.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import reduce
+from itertools import combinations
+from operator import add
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -19,64 +24,89 @@ _MOST_TILTED = 30.0
 
 
 def cartesian(fractions: Floats, box: Floats) -> Floats:
-    """Positions x = f box, shape (..., 2) [length].
+    """Positions x = f box, shape (..., d) [length].
 
     Args:
-        fractions: f, or whole numbers of lattice vectors, shape (..., 2).
-        box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
+        fractions: f, or whole numbers of lattice vectors, shape (..., d).
+        box: lattice vectors as rows, ((lx, 0), (xy, ly)) or, in three dimensions,
+            ((lx, 0, 0), (xy, ly, 0), (xz, yz, lz)), shape (d, d) [length].
     """
-    f, g = fractions[..., 0], fractions[..., 1]
-    (lx, _), (xy, ly) = box.tolist()
-    return np.stack([f * lx + g * xy, g * ly], axis=-1)
+    axes = range(len(box))
+    columns = ([fractions[..., k] * box[k, axis] for k in axes if k >= axis] for axis in axes)
+    return np.stack([reduce(add, parts) for parts in columns], axis=-1)
 
 
 def fractional(positions: Floats, box: Floats) -> Floats:
-    """Fractions f with x = f box, shape (..., 2); see `cartesian`."""
-    (lx, _), (xy, ly) = box.tolist()
-    g = positions[..., 1] / ly
-    return np.stack([(positions[..., 0] - g * xy) / lx, g], axis=-1)
+    """Fractions f with x = f box, shape (..., d); see `cartesian`."""
+    found = np.empty(np.shape(positions))
+    for axis in reversed(range(len(box))):
+        left = positions[..., axis]
+        for k in range(axis + 1, len(box)):
+            left = left - found[..., k] * box[k, axis]
+        found[..., axis] = left / box[axis, axis]
+    return found
 
 
-def nearest_image(vectors: Floats, box: Floats, shut: tuple[bool, bool]) -> Floats:
-    """Vectors between images that are nearest along y, and then along x, shape (n, 2) [length].
+def nearest_image(vectors: Floats, box: Floats, shut: Sequence[bool]) -> Floats:
+    """Vectors between images that are nearest along the last axis, and so on to x, shape (n, d).
 
     Args:
-        vectors: between any images, shape (n, 2) [length].
-        box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length].
-        shut: whether walls close the directions x and y, which then have no images.
+        vectors: between any images, shape (n, d) [length].
+        box: lattice vectors as rows, see `cartesian`, shape (d, d) [length].
+        shut: whether walls close each direction, which then has no images.
     """
-    (lx, _), (xy, ly) = box.tolist()
-    x, y = vectors.T
-    up = 0.0 if shut[1] else np.rint(y / ly)
-    x, y = x - up * xy, y - up * ly
-    across = 0.0 if shut[0] else np.rint(x / lx)
-    return np.column_stack([x - across * lx, y])
+    found = np.array(vectors)
+    for axis in reversed(range(len(box))):
+        if not shut[axis]:
+            found -= np.rint(found[:, axis] / box[axis, axis])[:, None] * box[axis]
+    return found
 
 
-def lattice_vectors(box: ArrayLike) -> NDArray[np.float64]:
-    """The box, if it is ((lx, 0), (xy, ly)) with finite numbers, lx, ly > 0 and |xy| <= 30 lx.
+def lengths(vectors: Floats) -> Floats:
+    """Lengths of vectors, shape (..., d), with the digits of `np.hypot`."""
+    found: Floats = reduce(np.hypot, np.moveaxis(vectors, -1, 0))
+    return found
 
-    (lx, ly) stands for a rectangle.
+
+def widths(box: Floats) -> Floats:
+    """Distances between opposite sides of the box, shape (d,) [length]."""
+    if len(box) == 2:
+        found: Floats = np.prod(box.diagonal()) / np.hypot(*box[::-1].T)
+        return found
+    sides = np.cross(np.roll(box, -1, axis=0), np.roll(box, -2, axis=0))
+    return np.prod(box.diagonal()) / lengths(sides)
+
+
+def lattice_vectors(box: ArrayLike) -> Floats:
+    """The box, if it has the form of `cartesian`, sides above 0, and tilts of at most 30 sides.
+
+    (lx, ly) stands for a rectangle, (lx, ly, lz) for a cuboid.
     """
     vectors = numbers("box", box)
-    if vectors.shape == (2,):
+    if vectors.shape in ((2,), (3,)):
         vectors = np.diag(vectors)
-    if vectors.shape != (2, 2) or vectors[0, 1] != 0.0 or not (vectors.diagonal() > 0.0).all():
+    square = vectors.shape in ((2, 2), (3, 3))
+    if not square or np.triu(vectors, 1).any() or not (vectors.diagonal() > 0.0).all():
         raise ParameterError(
-            "box must be (lx, ly) or ((lx, 0), (xy, ly)) with lx, ly > 0, not "
+            "box must be (lx, ly) or ((lx, 0), (xy, ly)) with lx, ly > 0, or in three dimensions "
+            "(lx, ly, lz) or ((lx, 0, 0), (xy, ly, 0), (xz, yz, lz)), not "
             f"{shown(vectors.tolist())}"
         )
-    (lx, _), (xy, _) = vectors.tolist()
-    if abs(xy) > _MOST_TILTED * lx:
-        raise ParameterError(
-            f"box must be tilted by at most {_MOST_TILTED:g} of its widths, not {xy / lx:.3g}: the "
-            f"box with xy = {xy - lx * np.rint(xy / lx):.6g} has the same images"
-        )
+    for upper, lower in combinations(range(len(vectors)), 2):
+        tilt, side = vectors[lower, upper], vectors[upper, upper]
+        if abs(tilt) > _MOST_TILTED * side:
+            name = "xyz"[upper] + "xyz"[lower]
+            raise ParameterError(
+                f"box must be tilted by at most {_MOST_TILTED:g} of its widths, not "
+                f"{tilt / side:.3g}: the box with {name} = "
+                f"{tilt - side * np.rint(tilt / side):.6g} has the same images"
+            )
     vectors.setflags(write=False)
     return vectors
 
 
-def shown_box(box: NDArray[np.float64]) -> str:
+def shown_box(box: Floats) -> str:
     """A box in a few words, for `repr`."""
-    (lx, _), (xy, ly) = box.tolist()
-    return f"box {lx:.4g} x {ly:.4g}" + (f" tilted by {xy:.4g}" if xy else "")
+    tilts = [f"{tilt:.4g}" for tilt in box[np.tril_indices(len(box), -1)].tolist() if tilt]
+    sides = " x ".join(f"{side:.4g}" for side in box.diagonal().tolist())
+    return f"box {sides}" + (f" tilted by {', '.join(tilts)}" if tilts else "")

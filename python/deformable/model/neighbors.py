@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .lattice import cartesian, fractional
+from .lattice import cartesian, fractional, lengths, widths
 from .packing import Packing
 from .room import closed
 
@@ -37,37 +38,48 @@ def near_pairs(packing: Packing, skin: float) -> tuple[Integers, Integers, Float
 
     Returns:
         Numbers i and j of the particles, shape (M,), and the lattice vector that is to be added to
-        r_j - r_i, shape (M, 2) [length]; sorted by i, j and that vector.
+        r_j - r_i, shape (M, d) [length]; sorted by i, j and that vector.
     """
     from scipy.spatial import cKDTree
 
-    box, radius = packing.box, packing.radius
+    box, radius, dimension = packing.box, packing.radius, packing.dimension
+    shut = closed(packing.walls, dimension)
     reach = 2.0 * float(radius.max()) + skin
     fractions = fractional(packing.positions, box)
-    cell = np.where(closed(packing.walls), 0.0, np.floor(fractions))
+    cell = np.where(shut, 0.0, np.floor(fractions))
     fractions = fractions - cell
-    # the box is so wide between its sides along each direction
-    width = np.prod(box.diagonal()) / np.hypot(*box[::-1].T)
-    margin = reach / width
-    counts = np.where(closed(packing.walls), 0, np.ceil(margin)).astype(int).tolist()
-    images = [(np.arange(len(packing)), np.zeros((len(packing), 2)))]
+    margin = reach / widths(box)
+    counts = np.where(shut, 0, np.ceil(margin)).astype(int).tolist()
+    images = [(np.arange(len(packing)), np.zeros((len(packing), dimension)))]
     for step in product(*(range(-count, count + 1) for count in counts)):
         if any(step):
             moved = fractions + step
             inside = ((moved >= -margin) & (moved <= 1.0 + margin)).all(axis=1)
             number = np.flatnonzero(inside)
-            images.append((number, np.broadcast_to(np.array(step, float), (len(number), 2))))
+            images.append((number, np.tile(np.array(step, float), (len(number), 1))))
     number = np.concatenate([which for which, _ in images])
     lattice = np.concatenate([steps for _, steps in images])
     tree = cKDTree(cartesian(fractions[number] + lattice, box))
     i, image = np.sort(tree.query_pairs(reach, output_type="ndarray").astype(np.int64), axis=1).T
     j, step = number[image], lattice[image]
     # particles of the box come first; i with an image of j is also j with the opposite image of i
-    once = (i < j) | ((i == j) & ((step[:, 0] > 0) | ((step[:, 0] == 0) & (step[:, 1] > 0))))
+    once = (i < j) | ((i == j) & forward(step))
     once &= i < len(packing)
     i, j, image, step = i[once], j[once], image[once], step[once]
     apart = tree.data[image] - tree.data[i]
-    near = np.hypot(*apart.T) < radius[i] + radius[j] + skin
+    near = lengths(apart) < radius[i] + radius[j] + skin
     i, j, step = i[near], j[near], step[near] + cell[i[near]] - cell[j[near]]
-    order = np.lexsort((step[:, 1], step[:, 0], j, i))
+    order = np.lexsort((*step.T[::-1], j, i))
     return i[order], j[order], cartesian(step[order], box)
+
+
+def forward(steps: NDArray[Any]) -> NDArray[np.bool_]:
+    """Whether the first number that is not 0 is above it: one of each image and its opposite.
+
+    Args:
+        steps: numbers of lattice vectors, shape (M, d).
+    """
+    found = np.zeros(len(steps), dtype=bool)
+    for step in steps.T[::-1]:
+        found = (step > 0) | ((step == 0) & found)
+    return found

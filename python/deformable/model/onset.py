@@ -18,11 +18,12 @@ def natural_pressure(packing: Packing, law: Law | None) -> float:
         <kA R0^2 kP / (kA R0^2 + kP) + tension/R0>
 
     is the mean over deformable particles, with their mean radius R0: kA R0^2 if the perimeter is
-    conserved, kP if the area is, tension/R0 of droplets. For soft disks it is their stiffness, 1.
+    conserved, kP if the area is, tension/R0 of droplets. For soft disks it is their stiffness, 1,
+    for soft spheres 1/(2 R0).
     """
-    if law is None:
-        return 1.0
     r0 = float(packing.radius.mean())
+    if law is None:
+        return 1.0 if packing.dimension == 2 else 0.5 / r0
     kA, kP, _, tension = law.species_parameters(packing.radii).of(packing.species)
     compliance = 1.0 / (kA * r0**2) + 1.0 / np.where(kP > 0.0, kP, np.inf)
     stiffness = np.where(kP > 0.0, 1.0 / np.where(compliance > 0.0, compliance, 1.0), 0.0)

@@ -1,4 +1,4 @@
-"""Packings: undeformed disks of any sizes in a periodic box, or between walls."""
+"""Packings: undeformed disks, or spheres, of any sizes in a periodic box, or between walls."""
 
 from __future__ import annotations
 
@@ -14,8 +14,10 @@ from ..common.errors import ParameterError
 from ..common.optional import optional
 from ..common.validate import expect, numbers, positive, shown, whole
 from ..model import room
+from .filled import root, undeformed
 from .lattice import fractional, lattice_vectors, shown_box
 from .packing_files import PackingFiles
+from .plane import refuse_space
 from .scale import Scale, limited, per_particle
 from .scale import scale as scale_of
 from .walls import Wall, as_walls
@@ -35,23 +37,25 @@ _FARTHEST = 1e6
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Packing(PackingFiles):
-    """Disks in a periodic two-dimensional box, or between walls.
+    """Disks in a periodic two-dimensional box, or between walls; or spheres in a periodic box.
 
     Attributes:
-        positions: centers, shape (N, 2) [length].
+        positions: centers, shape (N, 2), of spheres (N, 3) [length].
         species: species of each particle, counted from 0, shape (N,).
         radii: undeformed radius of each species, shape (number of species,) [length].
         box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length]; (lx, ly) may be
-            given for a rectangle.
+            given for a rectangle. Of spheres ((lx, 0, 0), (xy, ly, 0), (xz, yz, lz)), or
+            (lx, ly, lz).
         particle_radii: undeformed radius of each particle, shape (N,) [length], or None: the radius
             of its species. If given, `radii` are the largest radii that a species allows.
         walls: one shape or several: `Plane`, `Circle`, `Disk`, `Segment`, `Polygon`. Where a
             container of planes and circles closes a direction, the box is not periodic and spans
-            it, whatever is given. Obstacles repeat with the box.
+            it, whatever is given. Obstacles repeat with the box. Spheres have none.
 
     Raises:
-        ParameterError: shapes disagree, a number is not finite, a radius or box length is not
-            positive, a species has no radius, or a particle is larger than its species allows.
+        ParameterError: shapes disagree, there are walls in three dimensions, a number is not
+            finite, a radius or box length is not positive, a species has no radius, or a particle
+            is larger than its species allows.
     """
 
     positions: NDArray[np.float64]
@@ -73,14 +77,22 @@ class Packing(PackingFiles):
             array.setflags(write=False)
             object.__setattr__(self, name, array)
         object.__setattr__(self, "walls", as_walls(self.walls))
-        box = room.box_between(self.walls, lattice_vectors(self.box))
-        object.__setattr__(self, "box", lattice_vectors(box))
-        n = self.species.size
-        if n == 0 or self.positions.shape != (n, 2) or self.species.shape != (n,):
+        n, shape = self.species.size, self.positions.shape
+        if n == 0 or shape not in ((n, 2), (n, 3)) or self.species.shape != (n,):
             raise ParameterError(
-                f"positions must have shape (N, 2) and species (N,) with N > 0, "
-                f"not {self.positions.shape} and {self.species.shape}"
+                "positions must have shape (N, 2), or (N, 3) in three dimensions, and species (N,) "
+                f"with N > 0, not {shape} and {self.species.shape}"
             )
+        given = lattice_vectors(self.box)
+        if len(given) != self.dimension:
+            raise ParameterError(
+                f"positions have {self.dimension} columns, so that the box must have as many "
+                f"sides, not {len(given)}"
+            )
+        if self.walls:
+            refuse_space("a wall", self.dimension, "give the box without, it is periodic")
+        box = room.box_between(self.walls, given)
+        object.__setattr__(self, "box", lattice_vectors(box))
         boxes = np.abs(fractional(self.positions, self.box)).max(axis=1)
         if boxes.max() > _FARTHEST:
             far = int(boxes.argmax())
@@ -121,6 +133,11 @@ class Packing(PackingFiles):
         return f"<Packing: {count}, phi = {self.phi:.4f}, {shown_box(self.box)}>"
 
     @property
+    def dimension(self) -> int:
+        """2 of disks, 3 of spheres."""
+        return int(self.positions.shape[1])
+
+    @property
     def radius(self) -> NDArray[np.float64]:
         """Undeformed radius of each particle, shape (N,) [length]."""
         return self.radii[self.species] if self.particle_radii is None else self.particle_radii
@@ -128,21 +145,34 @@ class Packing(PackingFiles):
     @cached_property
     def area(self) -> float:
         """Area that is free to particles: of the box, or the container, without obstacles."""
-        return room.free_area(self.walls, self.box)
+        refuse_space("area", self.dimension, "take the volume")
+        return room.free_room(self.walls, self.box)
+
+    @property
+    def volume(self) -> float:
+        """Volume of the box of spheres [length^3]."""
+        if self.dimension == 2:
+            raise ParameterError("a packing in the plane has no volume: take the area")
+        return room.free_room(self.walls, self.box)
 
     @property
     def origin(self) -> NDArray[np.float64]:
-        """Lower left corner of the box, (0, 0) but for containers, shape (2,) [length]."""
+        """Lower left corner of the box, (0, 0) but for containers, shape (d,) [length]."""
         return room.bounds(self.walls, self.box)[0]
 
     @property
     def phi(self) -> float:
-        """Packing fraction of the undeformed disks, sum pi R^2 / `area`; overlaps count twice."""
-        return float(np.pi * np.sum(self.radius**2) / self.area)
+        """Packing fraction of the undeformed disks, sum pi R^2 / `area`; overlaps count twice.
+
+        Of spheres it is sum 4 pi R^3 / (3 `volume`).
+        """
+        free = room.free_room(self.walls, self.box)
+        return undeformed(self.radius, self.dimension) / free
 
     @property
     def outlines(self) -> list[NDArray[np.float64]]:
         """Circles of the undeformed disks, closed polygons of shape (m, 2) [length]."""
+        refuse_space("outlines", self.dimension, "take positions and radius")
         turn = np.linspace(0.0, 2.0 * np.pi, _POINTS)
         circle = np.column_stack([np.cos(turn), np.sin(turn)])
         return list(self.positions[:, None] + self.radius[:, None, None] * circle)
@@ -179,6 +209,7 @@ class Packing(PackingFiles):
             ParameterError: as `State.plot`.
             ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
         """
+        refuse_space("plot", self.dimension, "write a file for OVITO, `to_file`")
         optional("matplotlib", "plot")
         from .picture import draw
 
@@ -206,7 +237,7 @@ class Packing(PackingFiles):
         Raises:
             ParameterError: phi is not above 0, or above 10.
         """
-        factor = np.sqrt(self.phi / fraction_of(phi))
+        factor = root(self.phi / fraction_of(phi), self.dimension)
         if grow:
             own = None if self.particle_radii is None else self.particle_radii / factor
             return replace(self, radii=self.radii / factor, particle_radii=own)
@@ -230,6 +261,7 @@ class Packing(PackingFiles):
         Raises:
             ParameterError: walls leave no room.
         """
+        refuse_space("between", self.dimension, "spheres have no walls")
         packing = replace(self, walls=as_walls(walls))
         if seed is None:
             rng = np.random.default_rng(

@@ -16,6 +16,7 @@ from ..common.validate import expect, numbers, shown
 from ..formats.files import read_particles, write_particles
 from ..formats.particles import RADII, check_radii
 from .lattice import lattice_vectors
+from .plane import dimension_of
 from .room import closed
 from .walls import Wall, as_walls
 
@@ -38,6 +39,8 @@ class _Packing(Protocol):
     def box(self) -> Floats: ...
     @property
     def walls(self) -> tuple[Wall, ...]: ...
+    @property
+    def dimension(self) -> int: ...
     @property
     def radius(self) -> Floats: ...
     @property
@@ -64,9 +67,9 @@ class PackingFiles:
             Packing.from_arrays(positions, radii, box=(lx, ly))
 
         Args:
-            positions: centers, shape (N, 2) [length].
+            positions: centers, shape (N, 2), of spheres (N, 3) [length].
             radii: of each particle, shape (N,), or one number for all [length].
-            box: as that of a packing, or (lx, ly) [length].
+            box: as that of a packing, or (lx, ly), or (lx, ly, lz) [length].
             species: of each particle, counted from 0, shape (N,); one species if not given.
             walls: as those of a packing.
 
@@ -98,6 +101,7 @@ class PackingFiles:
         box: ArrayLike | None = None,
         walls: Wall | Sequence[Wall] = (),
         topology: str | Path | None = None,
+        dimension: int = 2,
     ) -> P:
         """The packing in a file of another program, or in one that `to_file` has written.
 
@@ -113,7 +117,7 @@ class PackingFiles:
         may call it, or each.
 
         Args:
-            path: of the file, which must be of one plane.
+            path: of the file, which must be of one plane if not said else.
             radii: one number [length]; or those of the types, such as `{1: 0.5, 2: 0.7}`; or the
                 name of a column or of an attribute of MDAnalysis' atoms. By default what the file
                 calls radius, diameter or radii; GSD has the diameter 1 where a file has none.
@@ -121,6 +125,7 @@ class PackingFiles:
             box: in the place of that of the file, as that of a packing, or (lx, ly) [length].
             walls: of the packing; no file has them. A box that is not periodic needs them.
             topology: file of the particles of a trajectory of MDAnalysis that has positions only.
+            dimension: 3 for a packing of spheres.
 
         Raises:
             FileError: the file cannot be read: it is damaged, not of one plane, lacks radii, the
@@ -132,24 +137,29 @@ class PackingFiles:
         expect("topology", topology, str, Path, type(None))
         expect("radii", radii, float, int, np.number, str, Mapping, type(None))
         check_radii(radii)
+        plane = dimension_of(dimension) == 2
         walls, given = as_walls(walls), None if box is None else lattice_vectors(box)
         wanted = (radii,) if isinstance(radii, str) else RADII
         found = read_particles(
             Path(path), frame, None if topology is None else Path(topology), wanted
         )
         with reading(f"'{path}'"):
-            places, radius = found.plane_positions, found.radius(radii)
-            shut = closed(walls)
+            places, radius = found.places(dimension), found.radius(radii)
+            shut = closed(walls, dimension)
             if given is None:
-                given = found.plane_box
-                for axis, periodic, walled in zip("xy", found.periodic, shut, strict=True):
+                given = found.lattice(dimension)
+                for axis, periodic, walled in zip("xyz", found.periodic, shut, strict=False):
                     if not (periodic or walled):
                         raise ValueError(
-                            f"its box is not periodic along {axis}: give the walls there, such as "
-                            "walls=rectangle(width, height), or a periodic box, as box=(lx, ly)"
+                            f"its box is not periodic along {axis}: give "
+                            + (
+                                "the walls there, such as walls=rectangle(width, height), or "
+                                * plane
+                            )
+                            + f"a periodic box, as box={'(lx, ly)' if plane else '(lx, ly, lz)'}"
                         )
                 if not walls:
-                    places = places - found.origin
+                    places = places - found.origin[:dimension]
             species = found.species
         return _of(cls, places, radius, given, species, walls, found.count)
 
@@ -181,7 +191,7 @@ class PackingFiles:
             self.radius,
             len(self.radii),
             self.origin,
-            closed(self.walls),
+            closed(self.walls, self.dimension),
         )
         if self.walls:
             warnings.warn(
@@ -194,9 +204,9 @@ class PackingFiles:
         """A Universe of MDAnalysis with one frame.
 
         Particles have `ids` and `types` (from 1, as in LAMMPS), `radii` and `masses`. MDAnalysis
-        has three dimensions: z is 0, and the box is as high as its longer side, so that searches
-        for neighbors find none above. Positions are rounded to 32 bits there, and count from the
-        lower left corner of the box, `Packing.origin`. Walls are left out.
+        has three dimensions: of a plane z is 0, and the box is as high as its longer side, so that
+        searches for neighbors find none above. Positions are rounded to 32 bits there, and count
+        from the lower left corner of the box, `Packing.origin`. Walls are left out.
         """
         from ..formats.universes import universe_of
 

@@ -1,4 +1,4 @@
-"""Disks of two or of any sizes at random places: where `jam` begins."""
+"""Disks, or spheres, of two or of any sizes at random places: where `jam` begins."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import ParameterError
 from ..common.validate import count, finite, numbers, positive, shown
+from .filled import root, undeformed
 from .lattice import cartesian
 from .packing import Packing, fraction_of, generator
+from .plane import dimension_of
 
 
 def bidisperse(
@@ -23,19 +25,23 @@ def bidisperse(
     tilt: float = 0.0,
     seed: int = 1,
     ratio: float | None = None,
+    dimension: int = 2,
 ) -> Packing:
     """Disks of two sizes at random positions, which may overlap: the start of `jam`.
+
+        bidisperse(512, ratio=1.2, dimension=3)
 
     Args:
         number: number of particles N.
         radii: radius of the small (species 0) and the large particles (species 1) [length];
             (0.5, 0.7) if neither these nor a ratio are given.
         fraction: number fraction of large particles, in [0, 1].
-        phi: packing fraction, sum pi R^2 / box area, at most 10.
-        aspect: height over width of the box, ly / lx.
+        phi: packing fraction, sum pi R^2 / box area, or sum 4 pi R^3 / 3 / box volume, at most 10.
+        aspect: height over width of the box, ly / lx; in three dimensions lz / lx, and ly = lx.
         tilt: shear of the box, xy / ly; 0 is a rectangle, at most 30 widths.
         seed: seed of numpy's default generator; the same seed gives the same packing anywhere.
         ratio: of the large to the small radius, in place of radii; the small radius is then 0.5.
+        dimension: 2, or 3 for spheres.
 
     Returns:
         The packing; large particles come last.
@@ -53,10 +59,10 @@ def bidisperse(
         raise ParameterError(f"radii must be two numbers, not {shown(radii)}")
     if not 0.0 <= fraction <= 1.0:
         raise ParameterError(f"fraction must lie between 0 and 1, not {fraction}")
-    positions = _random_positions(number, generator(seed))
+    positions = generator(seed).random((number, dimension_of(dimension)))
     small, large = (positive("radii", radius) for radius in pair)
     species = (np.arange(number) >= number - round(fraction * number)).astype(np.int64)
-    box = _box(np.where(species == 1, large, small), phi, aspect, tilt)
+    box = _box(np.where(species == 1, large, small), phi, aspect, tilt, dimension)
     return Packing(cartesian(positions, box), species, np.array([small, large]), box)
 
 
@@ -73,6 +79,7 @@ def polydisperse(
     aspect: float = 1.0,
     tilt: float = 0.0,
     seed: int = 1,
+    dimension: int = 2,
 ) -> Packing:
     """Disks of any sizes at random positions, which may overlap: the start of `jam`.
 
@@ -85,10 +92,11 @@ def polydisperse(
             function that draws all of them with a generator of random numbers. Those of a
             distribution are rounded to single precision: the last digits that scipy computes
             depend on the processor.
-        phi: packing fraction, sum pi R^2 / box area, at most 10.
-        aspect: height over width of the box, ly / lx.
+        phi: packing fraction, sum pi R^2 / box area, or sum 4 pi R^3 / 3 / box volume, at most 10.
+        aspect: height over width of the box, ly / lx; in three dimensions lz / lx, and ly = lx.
         tilt: shear of the box, xy / ly; 0 is a rectangle.
         seed: seed of numpy's default generator, for the positions and then the radii.
+        dimension: 2, or 3 for spheres.
 
     Returns:
         The packing, of one species; particles are in the order of their radii as given or drawn.
@@ -97,7 +105,7 @@ def polydisperse(
         ParameterError: a value is out of range, e.g. a drawn radius is not positive.
     """
     number, rng = count("number", number), generator(seed)
-    positions = _random_positions(number, rng)
+    positions = rng.random((number, dimension_of(dimension)))
     drawn: Any = radii
     if hasattr(radii, "rvs"):
         drawn = np.float32(radii.rvs(size=number, random_state=rng))
@@ -114,23 +122,18 @@ def polydisperse(
             f"radii must be positive, but {len(wrong)} of {number} are not, such as {wrong[0]:g}: "
             "take positive numbers only"
         )
-    box = _box(particle_radii, phi, aspect, tilt)
+    box = _box(particle_radii, phi, aspect, tilt, dimension)
     species = np.zeros(number, dtype=np.int64)
     largest = np.array([particle_radii.max()])
     return Packing(cartesian(positions, box), species, largest, box, particle_radii)
 
 
-def _random_positions(number: int, rng: np.random.Generator) -> NDArray[np.float64]:
-    """Positions in a unit square, shape (N, 2)."""
-    return rng.random((number, 2))
-
-
 def _box(
-    radius: NDArray[np.float64], phi: float, aspect: float, tilt: float
+    radius: NDArray[np.float64], phi: float, aspect: float, tilt: float, dimension: int
 ) -> NDArray[np.float64]:
-    """Lattice vectors of the box in which disks of these radii have phi, shape (2, 2) [length]."""
-    tilt = finite("tilt", tilt)
-    area = np.pi * np.sum(radius**2) / fraction_of(phi)
-    lx = np.sqrt(area / positive("aspect", aspect))
-    ly = aspect * lx
-    return np.array([[lx, 0.0], [tilt * ly, ly]])
+    """Lattice vectors of the box in which particles of these radii have phi, shape (d, d)."""
+    tilt, aspect = finite("tilt", tilt), positive("aspect", aspect)
+    lx = root(undeformed(radius, dimension) / fraction_of(phi) / aspect, dimension)
+    box = np.diag([lx] * (dimension - 1) + [aspect * lx])
+    box[1, 0] = tilt * box[1, 1]
+    return box

@@ -31,8 +31,10 @@ _TRIALS = 1000
 Floats = NDArray[np.float64]
 
 
-def closed(walls: Sequence[Wall]) -> tuple[bool, bool]:
-    """Whether walls close the directions x and y."""
+def closed(walls: Sequence[Wall], dimension: int = 2) -> tuple[bool, ...]:
+    """Whether walls close each direction; in three dimensions there are none."""
+    if not walls:
+        return (False,) * dimension
     if any(isinstance(wall, Circle) for wall in walls):
         return True, True
     shares = np.array([[0.0, 0.0], *(np.abs(_normal(w)) for w in walls if isinstance(w, Plane))])
@@ -41,15 +43,15 @@ def closed(walls: Sequence[Wall]) -> tuple[bool, bool]:
 
 
 def bounds(walls: Sequence[Wall], box: Floats) -> Floats:
-    """Lower left and upper right corner of the room, as rows, shape (2, 2) [length].
+    """Lower left and upper right corner of the room, as rows, shape (2, d) [length].
 
     In a direction that is not closed, the room goes from 0 to the length of the box.
 
     Raises:
         ParameterError: the container is open, or leaves no room, or the box is tilted.
     """
-    ends = np.array([[0.0, 0.0], box.diagonal()])
-    shut = closed(walls)
+    ends = np.array([np.zeros(len(box)), box.diagonal()])
+    shut = closed(walls, len(box))
     if not any(shut):
         return ends
     if box[1, 0] != 0.0:
@@ -61,7 +63,7 @@ def bounds(walls: Sequence[Wall], box: Floats) -> Floats:
 
 
 def box_between(walls: Sequence[Wall], box: Floats) -> Floats:
-    """The box with the length of the container along closed directions, shape (2, 2) [length]."""
+    """The box with the length of the container along closed directions, shape (d, d) [length]."""
     if not any(closed(walls)):
         return box
     low, high = bounds(walls, box)
@@ -155,8 +157,8 @@ def _round(wall: Circle | Disk) -> Any:
     return shapely.Point(wall.center).buffer(larger, quad_segs=_QUARTER)
 
 
-def free_area(walls: Sequence[Wall], box: Floats) -> float:
-    """Area of the container, or of the box, without obstacles [length^2].
+def free_room(walls: Sequence[Wall], box: Floats) -> float:
+    """Area of the container, or of the box, without obstacles [length^2]; volume of a box in space.
 
     Exact to rounding; only where a round wall crosses another one, to 1e-5 of the disk.
 
@@ -262,7 +264,7 @@ def random_places(
 ) -> Floats:
     """Random centers between walls, shape (number, 2) [length]."""
     low, high = bounds(walls, box)
-    free_area(walls, box)  # or there is no place
+    free_room(walls, box)  # or there is no place
     distances, places = Distances(walls, box), np.empty((0, 2))
     for _ in range(_TRIALS):
         tried = rng.random((number, 2))
@@ -299,10 +301,10 @@ def stretched(walls: Sequence[Wall], box: Floats, new: Floats) -> tuple[Wall, ..
     return tuple(wall.stretched(x, y) for wall in walls)
 
 
-def free_motions(walls: Sequence[Wall]) -> int:
+def free_motions(walls: Sequence[Wall], dimension: int = 2) -> int:
     """Number of motions of all particles together that no wall resists."""
     if not walls:
-        return 2
+        return dimension
     if all(isinstance(wall, Plane) for wall in walls):
         return 2 - sum(closed(walls))
     return int(_pivot(walls) is not None)

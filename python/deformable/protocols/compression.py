@@ -19,13 +19,15 @@ from ..engine.box_search import REACHED, Relaxed, reach, told_at_the_end
 from ..engine.disks import Disks
 from ..engine.polygon_simulation import PolygonSimulation
 from ..engine.simulation import Simulation
+from ..engine.soft_particles import SoftParticles
+from ..engine.spheres import Spheres
 
 S = TypeVar("S", bound=Relaxed)
 S_co = TypeVar("S_co", bound=Relaxed, covariant=True)
 
 
 class Compressible(Protocol[S_co]):
-    """A simulation in a periodic box: `Simulation`, `Disks` or `PolygonSimulation`."""
+    """A simulation in a periodic box: `Simulation`, `Disks`, `Spheres` or `PolygonSimulation`."""
 
     @property
     def box(self) -> NDArray[np.float64]: ...
@@ -54,7 +56,7 @@ def compress(
     box.
 
     Args:
-        sim: a `Simulation`, `Disks` or a `PolygonSimulation`; it ends in the last state.
+        sim: a `Simulation`, `Disks`, `Spheres` or a `PolygonSimulation`; it ends in the last state.
         strain: total linear strain, not 0, below 1; negative expands.
         steps: number of steps.
         tolerance: of each relaxation; by default that of `sim.relax`.
@@ -72,7 +74,7 @@ def compress(
     Warns:
         UnjammedWarning: an expansion has taken the packing apart; once, after the first such step.
     """
-    expect("sim", sim, Simulation, Disks, PolygonSimulation)
+    expect("sim", sim, Simulation, Disks, Spheres, PolygonSimulation)
     name, target = check_target(sim, steps, strain=strain, phi=phi, pressure=pressure)
     if name == "strain":
         states = remaining_steps(sim, sim.box, target, int(steps), 0, tolerance)
@@ -104,7 +106,7 @@ def check_target(sim: object, steps: int, **targets: float | None) -> tuple[str,
         return name, float(target)
     if name == "pressure" and isinstance(sim, PolygonSimulation):
         raise ParameterError("polygons have no target pressure: give strain or phi")
-    if positive(name, target) >= 1.0 and name == "phi" and not isinstance(sim, Disks):
+    if positive(name, target) >= 1.0 and name == "phi" and not isinstance(sim, SoftParticles):
         raise ParameterError(
             f"phi must be below 1, where particles that deform fill the whole area, not {target}"
         )

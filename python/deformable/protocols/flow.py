@@ -9,7 +9,6 @@ from dataclasses import replace
 from ..common.errors import ParameterError
 from ..common.progress import progress
 from ..common.validate import count
-from ..engine.disks import Disks
 from ..engine.lammps import run
 from ..engine.simulation import Simulation
 from ..state.state import State
@@ -22,7 +21,7 @@ _OF_A_STEP, _OF_A_PIECE = 5e-4, 0.02
 
 
 def flow_dynamics(
-    sim: Simulation | Disks,
+    sim: object,
     friction: float | None,
     temperature: float | None,
     timestep: float | None,
@@ -33,10 +32,11 @@ def flow_dynamics(
 
     Raises:
         ParameterError: a value is out of range, the friction is missing, a tolerance is given, or
-            these are `Disks`.
+            these are `Disks` or `Spheres`.
     """
-    if isinstance(sim, Disks):
-        raise ParameterError("Disks are sheared without a rate only: take Simulation and Ring")
+    if not isinstance(sim, Simulation):
+        kind = type(sim).__name__
+        raise ParameterError(f"{kind} are sheared without a rate only: take Simulation and Ring")
     if friction is None:
         raise ParameterError("a flow needs the friction of particles against it: give friction")
     if tolerance is not None:

@@ -11,7 +11,6 @@ from mpi4py import MPI
 from ..common.errors import ParameterError, StalledWarning, UnjammedWarning
 from ..common.progress import progress
 from ..common.validate import expect, positive
-from ..engine.disks import Disks, separated
 from ..engine.free_box import check_free
 from ..engine.relaxed_disks import (
     HUGE,
@@ -23,12 +22,13 @@ from ..engine.relaxed_disks import (
 )
 from ..engine.shared_disks import relax_on_ranks
 from ..engine.simulation import Simulation
+from ..engine.soft_particles import separated
 from ..engine.watching import Callback, check_callback
 from ..model.laws import Law, Ring, Sector
 from ..model.onset import excess_phi, natural_pressure, pressure_above_onset
 from ..model.packing import Packing
+from ..model.plane import check_law
 from ..model.sticking import refuse_adhesion
-from ..state.disk_state import DiskState
 from ..state.state import State
 from .stabilized import stabilized
 from .watch import Watch
@@ -62,10 +62,6 @@ _STAGES = (1000.0, 100.0, 10.0, 1.0)
 
 # Pressure of soft disks where a free shape of the box begins.
 _STABILIZED = 1e-3
-
-# Pressure of soft disks for `push_off`. It ends at forces of 1e-3 of this pressure times the
-# smallest radius, far below those of disks at random positions.
-_PUSHED_OFF = 1e-3
 
 # Below this part of the threshold the pressure of deformable particles does not tell how far the
 # onset is.
@@ -106,7 +102,8 @@ def jam(
     Args:
         packing: a packing below jamming, e.g. from `bidisperse`, or from `Packing.between` with
             walls, which are scaled with the box; particles may overlap.
-        law: contact law; soft disks of the energy k/2 (R_i + R_j - d)^2 if not given.
+        law: contact law; soft disks of the energy k/2 (R_i + R_j - d)^2 if not given, or soft
+            spheres.
         pressure: threshold of rigidity, in units of `natural_pressure`. The distance to the onset
             depends on the law: p ~ phi - phi_J for disks, p ~ (phi - phi_J)^3 for rings.
         step: first step of packing fraction.
@@ -126,7 +123,8 @@ def jam(
             those of soft disks. Its exception ends `jam`.
 
     Returns:
-        The jammed packing; phi is about 0.84 for an equal mixture of sizes 1 : 1.4.
+        The jammed packing; phi is about 0.84 for an equal mixture of disks of sizes 1 : 1.4, and
+        about 0.64 for spheres.
 
     Warns:
         StalledWarning: relaxations stalled, as with the sector law.
@@ -141,11 +139,12 @@ def jam(
     expect("packing", packing, Packing)
     if law is not None:
         expect("law", law, Ring, Sector)
+        check_law(law, packing.dimension)
         refuse_adhesion(law, packing.walls, ", whose packings have no pressure at an onset")
     positive("pressure", pressure)
     positive("step", step)
     positive("tolerance", tolerance)
-    check_free(box, packing.walls, pressure)
+    check_free(box, packing.walls, pressure, packing.dimension)
     if grow and box != "size":
         raise ParameterError(f"grow=True keeps the box, and box='{box}' changes it: leave out one")
     check_callback(callback)
@@ -157,7 +156,8 @@ def jam(
             free = stabilized(start, law, pressure, tolerance, box, comm, watch.tell)
             jammed, stalled, residual = free.packing, free.stalled, free.residual
         elif law is None:
-            disks = _jammed_disks(packing, _ABOVE * pressure, step, tolerance / _ABOVE, watch, comm)
+            threshold = _ABOVE * pressure * natural_pressure(packing, None)
+            disks = _jammed_disks(packing, threshold, step, tolerance / _ABOVE, watch, comm)
             jammed, stalled, residual = disks.packing, disks.stalled, disks.residual
             jammed = _grown(jammed, packing) if grow else jammed
         else:
@@ -197,18 +197,20 @@ def _jammed_disks(
     comm: MPI.Comm | None,
 ) -> RelaxedDisks:
     """Soft disks at this pressure [k]; for the other arguments see `jam`."""
+    unit = natural_pressure(packing, None)
+    loosest = _LOOSE * unit
 
     def relax(packing: Packing, rigid: tuple[float, float] | None = None) -> RelaxedDisks:
         if comm is None:
-            disks = relax_in_box(packing, _ROUGH, _LOOSE, watch.tell, rigid)
+            disks = relax_in_box(packing, _ROUGH, loosest, watch.tell, rigid)
         else:
-            disks = relax_on_ranks(packing, _ROUGH, _LOOSE, watch.tell, comm)
+            disks = relax_on_ranks(packing, _ROUGH, loosest, watch.tell, comm)
         watch.tell(0, disks.packing.phi, disks.pressure, disks.residual)
         return disks
 
     watch.begin("compression")
     start = relax(separated(packing))
-    if start.pressure > _LOOSE:
+    if start.pressure > loosest:
         raise ParameterError(
             f"packing is rigid already at phi = {packing.phi:.4f}: start from a lower phi, "
             "`packing.at(phi)`"
@@ -216,9 +218,9 @@ def _jammed_disks(
     loose = start.packing
     while True:
         # the packing of the last step is relaxed further
-        rigid = _RIGID if len(packing) >= _MANY and step > _FINEST else None
+        rigid = (_RIGID[0] * unit, _RIGID[1]) if len(packing) >= _MANY and step > _FINEST else None
         disks = relax(loose.at(loose.phi + step), rigid)
-        if disks.pressure <= _LOOSE:
+        if disks.pressure <= loosest:
             loose = disks.packing
         elif step > _FINEST:
             step /= 2.0
@@ -289,43 +291,6 @@ def _jammed_particles(
             change = max(change, min(2.0 * last, _FINEST))
         last = float(np.clip(change, -longest, longest))
         packing = state.packing.at(state.packing.phi + last, grow)
-
-
-def push_off(packing: Packing) -> Packing:
-    """Relax particles as soft disks, at constant packing fraction, to reduce their overlaps.
-
-    Disks at random positions overlap too deeply for contact lines in front of their centers. Soft
-    disks have no such limit. The result is a start for `Simulation`, at any packing fraction.
-
-    Args:
-        packing: e.g. from `bidisperse`, with any overlaps; or from `Packing.between`, its walls
-            repel the disks.
-
-    Returns:
-        The packing with balanced forces between its disks.
-
-    Warns:
-        StalledWarning: the forces are not balanced.
-    """
-    expect("packing", packing, Packing)
-    with Disks(packing) as disks, warnings.catch_warnings():
-        warnings.simplefilter("ignore", StalledWarning)  # with another text
-        pushed = disks.relax(1e-3, _PUSHED_OFF * float(packing.radius.min()))
-    if pushed.stalled:
-        warnings.warn(
-            f"separating the disks stalled: the largest force is {pushed.residual:.2g} of the mean "
-            "contact force",
-            StalledWarning,
-            stacklevel=2,
-        )
-    return pushed.packing
-
-
-def simulate(start: Packing | State | DiskState, law: Law | None) -> Disks | Simulation:
-    """A simulation of a contact law, or of soft disks, on this rank alone."""
-    if law is None or isinstance(start, DiskState):
-        return Disks(start if isinstance(start, Packing) else start.packing)
-    return Simulation(start, law, MPI.COMM_SELF)
 
 
 def _relaxed(

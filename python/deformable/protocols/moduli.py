@@ -9,9 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.validate import expect, positive
+from ..model.filled import root
+from ..model.plane import refuse_space
 from ..state.disk_state import DiskState
+from ..state.sphere_state import SphereState
 from ..state.state import State
-from .jamming import simulate
+from .starts import simulate
 from .tilt import sheared
 
 # Values at two strains, one twice the other, agree if they differ by at most this part of the
@@ -40,7 +43,10 @@ class Modulus:
 
 
 def shear_modulus(
-    state: State | DiskState, strain: float, tolerance: float = 1e-8, pure: bool = False
+    state: State | DiskState | SphereState,
+    strain: float,
+    tolerance: float = 1e-8,
+    pure: bool = False,
 ) -> Modulus:
     """G = d(shear stress)/d(shear strain) of a relaxed state, which does not change.
 
@@ -49,7 +55,8 @@ def shear_modulus(
     halved until two values agree. `state.elastic_moduli` has the limit of small strains at once.
 
     Args:
-        state: of a `Simulation` or of `Disks`, relaxed, with a pressure above zero or with films.
+        state: of a `Simulation`, of `Disks` or `Spheres`, relaxed, with a pressure above zero or
+            with films.
         strain: the first one. Contacts change at strains of some part of phi - phi_J, so that a
             hundredth of that is a good start.
         tolerance: of the relaxations: their largest force over the mean contact force. Forces that
@@ -65,6 +72,9 @@ def shear_modulus(
     Raises:
         ParameterError: a value is out of range.
     """
+    expect("state", state, State, DiskState, SphereState)
+    if pure:
+        refuse_space("pure=True", state.packing.dimension, "turn the packing, and shear it along x")
     if not pure:
         return _modulus(state, strain, tolerance, sheared, lambda stress: -float(stress[0, 1]))
     return _modulus(
@@ -76,26 +86,32 @@ def shear_modulus(
     )
 
 
-def bulk_modulus(state: State | DiskState, strain: float, tolerance: float = 1e-8) -> Modulus:
-    """K = d(pressure)/d(compressive strain of the area) of a relaxed state, as `shear_modulus`."""
+def bulk_modulus(
+    state: State | DiskState | SphereState, strain: float, tolerance: float = 1e-8
+) -> Modulus:
+    """K = d(pressure)/d(compressive strain of the area) of a relaxed state, as `shear_modulus`.
+
+    In three dimensions it is the strain of the volume.
+    """
+    expect("state", state, State, DiskState, SphereState)
+    dimension = state.packing.dimension
     return _modulus(
         state,
         strain,
         tolerance,
-        lambda box, compression: box * np.sqrt(1.0 - compression),
-        lambda stress: float(np.trace(stress) / 2.0),
+        lambda box, compression: box * root(1.0 - compression, dimension),
+        lambda stress: float(np.trace(stress) / dimension),
     )
 
 
 def _modulus(
-    state: State | DiskState,
+    state: State | DiskState | SphereState,
     strain: float,
     tolerance: float,
     deformed: Callable[[NDArray[np.float64], float], NDArray[np.float64]],
     component: Callable[[NDArray[np.float64]], float],
 ) -> Modulus:
     """Half the difference of a component of stress at two opposite strains, over the strain."""
-    expect("state", state, State, DiskState)
     positive("strain", strain)
     before, zero = np.inf, _AGREEMENT * abs(state.pressure)
     for halving in range(_HALVINGS + 1):

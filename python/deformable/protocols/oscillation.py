@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 
@@ -14,11 +15,13 @@ from ..common.steps import Steps
 from ..common.validate import count, expect, number_or_nan, positive, whole
 from ..engine.disks import Disks
 from ..engine.simulation import Simulation
+from ..engine.spheres import Spheres
 from ..state.disk_state import DiskState
+from ..state.sphere_state import SphereState
 from ..state.state import State
 from .flow import flow, flow_command, flow_dynamics, refuse_without_flow
-from .jamming import simulate
-from .shear import check_shear, sheared_state
+from .shear import S, Shearable, check_shear, sheared_state
+from .starts import simulate
 
 # States of a cycle at least: with three, the first harmonic is not told from a constant and others.
 _FEWEST = 8
@@ -35,7 +38,7 @@ variable deformable_rate equal {width!r}*{omega!r}*cos(v_deformable_phase)
 
 
 def oscillate(
-    sim: Simulation | Disks,
+    sim: Shearable[S],
     strain: float,
     period: float | None = None,
     cycles: int = 1,
@@ -45,7 +48,7 @@ def oscillate(
     temperature: float | None = None,
     timestep: float | None = None,
     seed: int | None = None,
-) -> Iterator[State | DiskState]:
+) -> Iterator[S]:
     """Shear to and fro, by strain sin(2 pi t/period) about the strain of the start.
 
     With a period particles flow as in `shear` at a rate: overdamped, with a friction against the
@@ -53,7 +56,7 @@ def oscillate(
     infinite one, each state is relaxed.
 
     Args:
-        sim: a `Simulation` or, without a period, `Disks`; it ends in the last state.
+        sim: a `Simulation` or, without a period, `Disks` or `Spheres`; it ends in the last state.
         strain: amplitude of the shear strain, above 0.
         period: of a cycle [time]; None or infinite: quasistatic.
         cycles: number of cycles.
@@ -71,7 +74,7 @@ def oscillate(
         ParameterError: see `shear`.
         LammpsError: see `shear`.
     """
-    expect("sim", sim, Simulation, Disks)
+    expect("sim", sim, Simulation, Disks, Spheres)
     strain = positive("strain", strain)
     check_shear(sim, strain, count("steps", steps))
     if steps < _FEWEST:
@@ -80,7 +83,7 @@ def oscillate(
     before = sim.strain or 0.0
     part = np.arange(1, steps * count("cycles", cycles) + 1) / steps
     strains = (before + strain * np.sin(2.0 * np.pi * (part % 1.0))).tolist()
-    states: Iterator[State | DiskState]
+    states: Iterator[S]
     if period is None or number_or_nan(period) == math.inf:
         refuse_without_flow("period", **flowing, seed=seed)
         states = _relaxed(sim, before, strains, tolerance)
@@ -90,7 +93,8 @@ def oscillate(
         dynamics = replace(dynamics, limit=period / _STEPS)
         omega = 2.0 * math.pi / period
         course = _course(omega, strain * float(sim.box[1, 1]))
-        states = flow(flows, dynamics, strain * omega, period / steps, strains, course, seed)
+        flowed = flow(flows, dynamics, strain * omega, period / steps, strains, course, seed)
+        states = cast(Iterator[S], flowed)
     return Steps("oscillate", states, lambda: replace(sim.state(), strain=before))
 
 
@@ -106,8 +110,8 @@ def _course(omega: float, width: float) -> Callable[[float], str]:
 
 
 def _relaxed(
-    sim: Simulation | Disks, before: float, strains: Sequence[float], tolerance: float | None
-) -> Iterator[State | DiskState]:
+    sim: Shearable[S], before: float, strains: Sequence[float], tolerance: float | None
+) -> Iterator[S]:
     """The relaxed states at these strains."""
     with progress("shearing", unit="state", total=len(strains)) as bar:
         for strain in strains:
@@ -139,7 +143,7 @@ class DynamicModulus:
 
 
 def dynamic_modulus(
-    state: State | DiskState,
+    state: State | DiskState | SphereState,
     strain: float,
     period: float | None = None,
     cycles: int = 3,
@@ -173,7 +177,7 @@ def dynamic_modulus(
         ParameterError: see `oscillate`.
         LammpsError: see `oscillate`.
     """
-    expect("state", state, State, DiskState)
+    expect("state", state, State, DiskState, SphereState)
     if count("cycles", cycles) < 2:
         raise ParameterError("cycles must be at least 2, as their scatter is the error, not 1")
     if whole("discarded", discarded) < 0:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,31 +16,37 @@ from ..common.steps import Steps
 from ..common.validate import count, expect, finite, positive
 from ..engine.disks import Disks
 from ..engine.simulation import Simulation
+from ..engine.spheres import Spheres
+from ..model.walls import Wall
 from ..state.disk_state import DiskState
+from ..state.sphere_state import SphereState
 from ..state.state import State
 from .flow import flow, flow_command, flow_dynamics, refuse_without_flow
 from .tilt import sheared, straighten
 
-S = TypeVar("S", bound=State | DiskState)
-S_co = TypeVar("S_co", bound=State | DiskState, covariant=True)
+S = TypeVar("S", bound=State | DiskState | SphereState)
+S_co = TypeVar("S_co", bound=State | DiskState | SphereState, covariant=True)
 
 
 class Shearable(Protocol[S_co]):
-    """A simulation in a periodic box: `Simulation` or `Disks`."""
+    """A simulation in a periodic box: `Simulation`, `Disks` or `Spheres`."""
 
     @property
     def lmp(self) -> Any: ...
     @property
     def box(self) -> NDArray[np.float64]: ...
+    @property
+    def walls(self) -> tuple[Wall, ...]: ...
 
     strain: float | None
 
     def deform(self, box: NDArray[np.float64]) -> None: ...
     def relax(self, tolerance: float = ...) -> S_co: ...
+    def state(self) -> S_co: ...
 
 
 def shear(
-    sim: Simulation | Disks,
+    sim: Shearable[S],
     strain: float,
     steps: int = 10,
     tolerance: float | None = None,
@@ -49,7 +55,7 @@ def shear(
     temperature: float | None = None,
     timestep: float | None = None,
     seed: int | None = None,
-) -> Iterator[State | DiskState]:
+) -> Iterator[S]:
     """Shear in equal steps, relaxing after each one, or at a rate; the area of the box stays.
 
     After step n the upper side of the box has moved along x by strain n / steps times its height.
@@ -65,7 +71,7 @@ def shear(
     particles in it, *fix brownian* adds the rest. Velocities are 0 in all states.
 
     Args:
-        sim: a `Simulation` or `Disks`; it ends in the last state.
+        sim: a `Simulation`, `Disks` or `Spheres`; it ends in the last state.
         strain: total shear strain gamma; negative shears in the other direction.
         steps: number of steps, of which each yields a state.
         tolerance: of each relaxation; by default that of `sim.relax`.
@@ -87,11 +93,11 @@ def shear(
 
     Source: drag: Durian, Phys. Rev. Lett. 75, 4780 (1995).
     """
-    expect("sim", sim, Simulation, Disks)
+    expect("sim", sim, Simulation, Disks, Spheres)
     check_shear(sim, strain, steps)
     before, strain, steps = sim.strain or 0.0, float(strain), int(steps)
     flowing = {"friction": friction, "temperature": temperature, "timestep": timestep}
-    states: Iterator[State | DiskState]
+    states: Iterator[S]
     if rate is None:
         refuse_without_flow("rate", **flowing, seed=seed)
         states = shear_steps(sim, before, strain, steps, 0, tolerance)
@@ -101,11 +107,12 @@ def shear(
         course = flow_command(f"erate {math.copysign(rate, strain)!r}")
         strains = [before + n * strain / steps for n in range(1, steps + 1)]
         duration = abs(strain) / rate / steps
-        states = flow(flows, dynamics, rate, duration, strains, lambda _: course, seed)
+        flowed = flow(flows, dynamics, rate, duration, strains, lambda _: course, seed)
+        states = cast(Iterator[S], flowed)
     return Steps("shear", states, lambda: replace(sim.state(), strain=before))
 
 
-def check_shear(sim: Simulation | Disks, strain: float, steps: int) -> None:
+def check_shear(sim: Shearable[Any], strain: float, steps: int) -> None:
     """Refuse what `shear` cannot do."""
     count("steps", steps)
     if finite("strain", strain) == 0.0:
@@ -113,7 +120,7 @@ def check_shear(sim: Simulation | Disks, strain: float, steps: int) -> None:
     refuse_walls(sim)
 
 
-def refuse_walls(sim: Simulation | Disks) -> None:
+def refuse_walls(sim: Shearable[Any]) -> None:
     """Refuse walls, which do not follow a shear.
 
     Raises:

@@ -11,14 +11,15 @@ from ..engine.lammps import run
 
 
 def sheared(points: NDArray[np.float64], strain: float) -> NDArray[np.float64]:
-    """Points, or the rows of a box, after simple shear along x, shape (n, 2) [length]."""
-    x, y = points.T
-    return np.column_stack([x + strain * y, y])
+    """Points, or the rows of a box, after simple shear along x, shape (n, d) [length]."""
+    moved = np.array(points)
+    moved[:, 0] += strain * points[:, 1]
+    return moved
 
 
 def straighten(sim: Any) -> None:
     """Replace the box by the equivalent one with the smallest tilt; the particles stay."""
-    (lx, _), (xy, _) = sim.box.tolist()
+    lx, xy = float(sim.box[0, 0]), float(sim.box[1, 0])
     widths = round(xy / lx)
     if widths:
         run(sim.lmp, f"change_box all xy final {xy - widths * lx!r} units box")

@@ -14,11 +14,10 @@ from ..common.validate import count, numbers, positive
 from ..model.packing import Packing
 from ..model.room import closed
 from . import contact_forces, displacements, local_strain
-from .cells import Cells, cells_of
 from .displacements import Snapshot
 from .exports import in_space
 from .local_strain import LocalStrain
-from .structure_factor import density_waves, structure_factor
+from .structure_factor import density_waves
 
 
 class Analysis(ABC):
@@ -33,8 +32,8 @@ class Analysis(ABC):
 
     @property
     @abstractmethod
-    def filled_area(self) -> NDArray[np.float64]:
-        """Area of each particle."""
+    def _filled(self) -> NDArray[np.float64]:
+        """Area of each particle, or its volume."""
 
     @property
     @abstractmethod
@@ -43,20 +42,21 @@ class Analysis(ABC):
 
     @cached_property
     def particle_stress(self) -> NDArray[np.float64]:
-        """Pressure tensor of each particle, compression positive, (N, 2, 2) [energy/length^2].
+        """Pressure tensor of each particle, compression positive, (N, d, d) [energy/length^d].
 
         It is the mean stress in a particle under the forces F of its contacts, which act where
         their lines cross the lines of centers, at x from its center:
 
             stress = -sum x F / filled_area        (symmetric part)
 
-        The sum of stress times `filled_area` over the particles is `stress` times `packing.area`.
+        The sum of stress times `filled_area` over the particles is `stress` times `packing.area`;
+        in three dimensions these are volumes.
         Between walls that holds for the trace, the pressure. A wall also exerts a torque on a
         particle, which `stress` has in its other components, and this tensor does not.
 
         Source: mean stress by Love and Weber; Bagi, Mech. Mater. 22, 165 (1996).
         """
-        return contact_forces.particle_stress(self._contact_forces, self.filled_area)
+        return contact_forces.particle_stress(self._contact_forces, self._filled)
 
     def graph(self) -> Any:
         """The contacts as a graph of networkx, a `MultiGraph` with particles as nodes.
@@ -66,8 +66,9 @@ class Analysis(ABC):
         Nodes are numbered as particles, and have `x`, `y`, `radius`, `species` and `rattler`. Each
         active contact is an edge, with the `force` along the line of centers, positive where it
         pushes [energy/length], the `distance` of the centers and the vector (`dx`, `dy`) from the
-        lower to the higher number [length]. Two particles may touch through several images. The
-        node -1 stands for all walls, and is there if a particle touches one.
+        lower to the higher number [length]; in three dimensions there are `z` and `dz` too. Two
+        particles may touch through several images. The node -1 stands for all walls, and is there
+        if a particle touches one.
 
         Raises:
             ImportError: networkx is missing (`pip install 'lammps-deformable[networkx]'`).
@@ -75,7 +76,7 @@ class Analysis(ABC):
         return contact_forces.graph(self.packing, self._contact_forces, self.rattlers)
 
     def displacements(self, before: Snapshot | Packing) -> NDArray[np.float64]:
-        """Displacements of the particles since an earlier state, shape (N, 2) [length].
+        """Displacements of the particles since an earlier state, shape (N, d) [length].
 
         Particles may have crossed the boundaries of the box. Each is followed by the image that is
         nearest to where the strain of the box alone would have brought it: in a box of the lengths
@@ -93,7 +94,7 @@ class Analysis(ABC):
         return displacements.displacements(before, self)
 
     def nonaffine(self, before: Snapshot | Packing) -> NDArray[np.float64]:
-        """`displacements` without the strain of the box, shape (N, 2) [length].
+        """`displacements` without the strain of the box, shape (N, d) [length].
 
         Without them the centers would keep their places in units of the lattice vectors.
         """
@@ -126,87 +127,6 @@ class Analysis(ABC):
         r_max = local_strain.usual_distance(start) if r_max is None else positive("r_max", r_max)
         return local_strain.local_strain(before, self, r_max)
 
-    @cached_property
-    def _cells(self) -> Cells:
-        return cells_of(self.packing)
-
-    @cached_property
-    def local_phi(self) -> NDArray[np.float64]:
-        """Packing fraction in the Voronoi cell of each particle, shape (N,).
-
-        The sides of cells are the radical axes of the undeformed circles, so that particles of all
-        sizes are within their cells. Cells end at walls, and pass through a `Segment`. Weighted by
-        the areas of cells, `filled_area / local_phi`, the mean is `phi`. It is infinite of a
-        particle within a larger one, which leaves it no cell.
-        """
-        with np.errstate(divide="ignore"):
-            return self.filled_area / self._cells.area
-
-    @property
-    def cell_sides(self) -> NDArray[np.int64]:
-        """Number of neighbors in the Voronoi cells, see `local_phi`, shape (N,).
-
-        It is 6 on a triangular lattice, and 6 in the mean of all particles of a periodic box
-        without walls. Particles with 5 and with 7 are disclinations, pairs of them dislocations.
-        """
-        return np.bincount(self._cells.i[self._cells.length > 0.0], minlength=len(self.packing))
-
-    def hexatic(self, k: int = 6) -> NDArray[np.complex128]:
-        """Bond-orientational order of each particle, shape (N,).
-
-            psi_k = sum l exp(i k theta) / sum l
-
-        over its neighbors, in the directions theta, with l the lengths of the sides of its Voronoi
-        cell, see `local_phi`. So it does not jump where neighbors change. |psi_6| is 1 on a
-        triangular lattice. The sides at walls do not count; psi is nan without neighbors.
-
-        Args:
-            k: number of directions, 4 for square order.
-
-        Raises:
-            ParameterError: k is no whole number above 0.
-
-        Source: Mickel et al., J. Chem. Phys. 138, 044501 (2013).
-        """
-        cells, number = self._cells, len(self.packing)
-        x, y = cells.direction.T
-        order = np.zeros(number, dtype=np.complex128)
-        np.add.at(order, cells.i, cells.length * (x + 1j * y) ** count("k", k))
-        total = np.bincount(cells.i, cells.length, minlength=number)
-        return np.divide(order, total, out=np.full(number, np.nan + 0j), where=total > 0.0)
-
-    def hexatic_correlation(
-        self, r_max: float, bins: int = 100, k: int = 6
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Correlation of the bond-orientational order over the distance, by freud.
-
-            g_k(r) = mean of Re conj(psi_k(i)) psi_k(j)
-
-        over all pairs of particles at the distance r, with psi_k of `hexatic`. On a triangular
-        lattice g_6 is 1. It tends to |mean psi_6|^2 in a crystal, falls as a power of r in a
-        hexatic phase, and exponentially in a fluid.
-
-        Args:
-            r_max: largest distance, below half of the box [length].
-            bins: number of intervals of the distance.
-            k: number of directions.
-
-        Returns:
-            Distances r, the middles of the intervals [length], and g, both of shape (bins,); g is
-            nan where no pair has such a distance.
-
-        Raises:
-            ParameterError: a value is out of range.
-            ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
-
-        Source: Nelson and Halperin, Phys. Rev. B 19, 2457 (1979).
-        """
-        r_max, bins = positive("r_max", r_max), count("bins", bins)
-        optional("freud", "freud")
-        from .radial_distribution import correlation
-
-        return correlation(self.to_freud(), self.hexatic(k), r_max, bins)
-
     def density_waves(self, k: ArrayLike) -> NDArray[np.complex128]:
         """Amplitudes of density waves of the centers, shape (M,).
 
@@ -216,7 +136,7 @@ class Analysis(ABC):
         positional order. N |rho_k|^2 is the structure factor at k.
 
         Args:
-            k: wave vectors of the periodic box, shape (M, 2) [1/length].
+            k: wave vectors of the periodic box, shape (M, d) [1/length].
 
         Raises:
             ParameterError: wrong shape, or a wave that does not fit into the box, or walls close a
@@ -224,33 +144,13 @@ class Analysis(ABC):
         """
         return density_waves(self.packing, numbers("k", k))
 
-    def structure_factor(
-        self, k_max: float, bins: int = 100
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The static structure factor S(k) of the centers.
-
-        The mean of |sum exp(i k r)|^2 / N over the wave vectors k of the periodic box with a length
-        in each interval, k = 0 left out.
-
-        Args:
-            k_max: largest wave number [1/length].
-            bins: number of intervals of the wave number.
-
-        Returns:
-            Wave numbers k, the middles of the intervals [1/length], and S, both of shape (bins,);
-            S is nan where the box has no wave vectors.
-
-        Raises:
-            ParameterError: a value is out of range, or walls close a direction.
-        """
-        return structure_factor(self.packing, positive("k_max", k_max), count("bins", bins))
-
     def to_freud(self) -> tuple[Any, NDArray[np.float64]]:
         """Box and points as freud takes them, (freud.box.Box, array of shape (N, 3)).
 
             freud.order.Hexatic().compute(state.to_freud())
 
-        The box is two-dimensional and has its center at the origin, so that the points are moved.
+        The box has the dimension of the packing and its center at the origin, so that the points
+        are moved.
         It is twice as long along directions that walls close, because freud finds no neighbors in
         boxes that are not periodic; walls themselves are left out. freud's densities count the
         empty part: `radial_distribution` does not. Import freud before `deformable` to call
@@ -260,6 +160,10 @@ class Analysis(ABC):
             ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
         """
         freud = optional("freud", "freud")
+        if self.packing.dimension == 3:
+            (lx, *_), (xy, ly, _), (xz, yz, lz) = self.packing.box.tolist()
+            space = freud.box.Box(lx, ly, lz, xy / ly, xz / lz, yz / lz)
+            return space, space.wrap(self.packing.positions - self.packing.box.sum(axis=0) / 2.0)
         (lx, _), (xy, ly) = self.packing.box.tolist()
         empty = np.where(closed(self.packing.walls), 2.0, 1.0)
         box = freud.box.Box(lx * empty[0], ly * empty[1], xy=xy / ly, is2D=True)

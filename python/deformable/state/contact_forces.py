@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from ..common.optional import optional
 from ..core import unit_vectors
+from ..model.lattice import lengths
+from ..model.neighbors import forward
 from ..model.packing import Packing
 from .contact_table import ContactTable
 
@@ -22,10 +24,10 @@ class ContactForces(NamedTuple):
     Attributes:
         i: a particle, shape (M,).
         j: the other one, not below i; -1 for a wall, shape (M,).
-        vector: from the center of i to that of j, or to the point of the wall, shape (M, 2)
+        vector: from the center of i to that of j, or to the point of the wall, shape (M, d)
             [length].
         part: of the vector that is within i: up to the contact line, 1 for a wall, shape (M,).
-        force: on i, shape (M, 2) [energy/length].
+        force: on i, shape (M, d) [energy/length].
     """
 
     i: Integers
@@ -38,9 +40,8 @@ class ContactForces(NamedTuple):
 def forces_of_table(packing: Packing, table: ContactTable) -> ContactForces:
     """Those of a `State`."""
     image = table["image"]
-    forward = (image[:, 0] > 0) | ((image[:, 0] == 0) & (image[:, 1] > 0))
     i, j = table["i"], table["j"]
-    rows = table[(i < j) | (j < 0) | ((i == j) & forward)]
+    rows = table[(i < j) | (j < 0) | ((i == j) & forward(image))]
     i, j = rows["i"], rows["j"]
     within = (packing.radius[i] - rows["indentation"]) / np.cos(rows["tilt"])
     return ContactForces(
@@ -57,12 +58,12 @@ def particle_stress(contacts: ContactForces, area: Floats) -> Floats:
 
     Args:
         contacts: of the state.
-        area: of each particle, shape (N,) [length^2].
+        area: of each particle, or its volume, shape (N,) [length^d].
     """
     moment = -contacts.vector[:, :, None] * contacts.force[:, None, :]
     moment = 0.5 * (moment + np.swapaxes(moment, 1, 2))
     pair, part = contacts.j >= 0, contacts.part[:, None, None]
-    total = np.zeros((len(area), 2, 2))
+    total = np.zeros((len(area), *moment.shape[1:]))
     np.add.at(total, contacts.i, part * moment)
     np.add.at(total, contacts.j[pair], ((1.0 - part) * moment)[pair])
     return total / area[:, None, None]
@@ -72,13 +73,15 @@ def graph(packing: Packing, contacts: ContactForces, rattlers: NDArray[np.bool_]
     """See `Analysis.graph`."""
     networkx = optional("networkx", "networkx")
     found = networkx.MultiGraph()
-    names = ("x", "y", "radius", "species", "rattler")
+    axes = "xyz"[: packing.dimension]
+    names = (*axes, "radius", "species", "rattler")
     columns = (*packing.positions.T, packing.radius, packing.species, rattlers)
     for n, values in enumerate(zip(*(column.tolist() for column in columns), strict=True)):
         found.add_node(n, **dict(zip(names, values, strict=True)))
-    distance = np.hypot(*contacts.vector.T)
+    distance = lengths(contacts.vector)
     push = -np.sum(contacts.force * contacts.vector, axis=1) / distance
     rows = (contacts.i, contacts.j, push, distance, *contacts.vector.T)
-    for i, j, force, length, dx, dy in zip(*(row.tolist() for row in rows), strict=True):
-        found.add_edge(i, j, force=force, distance=length, dx=dx, dy=dy)
+    steps = [f"d{axis}" for axis in axes]
+    for i, j, force, length, *step in zip(*(row.tolist() for row in rows), strict=True):
+        found.add_edge(i, j, force=force, distance=length, **dict(zip(steps, step, strict=True)))
     return found

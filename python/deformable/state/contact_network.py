@@ -9,24 +9,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.validate import zero_or_more
+from ..model.lattice import lengths
 from ..model.laws import Law
 from ..model.packing import Packing
 from ..model.room import free_motions
 from .contact_forces import ContactForces
 
 
-def without_rattlers(i: NDArray[np.int64], j: NDArray[np.int64], number: int) -> NDArray[np.bool_]:
+def without_rattlers(
+    i: NDArray[np.int64], j: NDArray[np.int64], number: int, dimension: int = 2
+) -> NDArray[np.bool_]:
     """Whether contacts remain after rattlers are removed one after another, shape (M,).
 
     Args:
         i: particle of each side of a contact, shape (M,).
         j: its partner, -1 for a wall, shape (M,).
         number: of particles.
+        dimension: a particle with at most as many contacts is a rattler.
     """
     remaining = np.ones(len(i), dtype=bool)
     while True:
         z = np.bincount(i[remaining], minlength=number)
-        rigid = np.append(z >= 3, True)  # the last one is for walls, j = -1
+        rigid = np.append(z > dimension, True)  # the last one is for walls, j = -1
         kept = remaining & rigid[i] & rigid[j]
         if (kept == remaining).all():
             return kept
@@ -37,7 +41,7 @@ class ContactNetwork(ABC):
     """Numbers of a state's contacts after rattlers are removed one after another.
 
     A rattler is a particle with fewer than three active contacts with other particles that are no
-    rattlers, or with walls.
+    rattlers, or with walls; in three dimensions with fewer than four.
     """
 
     packing: Packing
@@ -54,7 +58,8 @@ class ContactNetwork(ABC):
         """Pressure of the packing."""
 
     def __repr__(self) -> str:
-        law = "soft disks" if self.law is None else f"law {self.law!r}"
+        soft = "soft disks" if self.packing.dimension == 2 else "soft spheres"
+        law = soft if self.law is None else f"law {self.law!r}"
         numbers = f"phi = {self.phi:.4f}, pressure = {self.pressure:.3g}"
         return (
             f"<{type(self).__name__}: {len(self.packing)} particles, {law}, {numbers}, "
@@ -74,7 +79,7 @@ class ContactNetwork(ABC):
     @cached_property
     def _in_network(self) -> NDArray[np.bool_]:
         """Whether each of `_contact_sides` belongs to a contact without a rattler."""
-        return without_rattlers(*self._contact_sides, len(self.packing))
+        return without_rattlers(*self._contact_sides, len(self.packing), self.packing.dimension)
 
     @property
     def network_degree(self) -> NDArray[np.int64]:
@@ -84,7 +89,10 @@ class ContactNetwork(ABC):
 
     @property
     def rattlers(self) -> NDArray[np.bool_]:
-        """Particles with fewer than three active contacts with non-rattlers, shape (N,)."""
+        """Particles with fewer than three active contacts with non-rattlers, shape (N,).
+
+        In three dimensions with fewer than four.
+        """
         return self.network_degree == 0
 
     @property
@@ -101,17 +109,20 @@ class ContactNetwork(ABC):
 
     @property
     def isostatic_contacts(self) -> int:
-        """Smallest number of contacts that supports a pressure, 2 N' - 1 in a periodic box.
+        """Smallest number of contacts that supports a pressure, d N' - d + 1 in a periodic box.
 
-        The N' particles that are not rattlers have 2 N' - m degrees of freedom; one more contact
-        makes a state of self stress possible. m is the number of motions of all together that no
-        wall resists: 2 without walls, 1 in a channel or a round container, else 0. The result is 0
+        That is 2 N' - 1 in the plane, 3 N' - 2 in three dimensions. The N' particles that are not
+        rattlers have d N' - m degrees of freedom; one more contact makes a state of self stress
+        possible. m is the number of motions of all together that no
+        wall resists: d without walls, 1 in a channel or a round container, else 0. The result is 0
         if all are rattlers.
         """
         return self._isostatic(int(np.sum(~self.rattlers)))
 
     def _isostatic(self, rigid: int) -> int:
-        return max(2 * rigid + 1 - free_motions(self.packing.walls), 0) if rigid else 0
+        dimension = self.packing.dimension
+        free = free_motions(self.packing.walls, dimension)
+        return max(dimension * rigid + 1 - free, 0) if rigid else 0
 
     def excess_coordination(self, threshold: float = 0.0) -> float:
         """z - z_iso: how many more contacts than an isostatic network a particle has.
@@ -129,19 +140,21 @@ class ContactNetwork(ABC):
             ParameterError: the threshold is negative or no number.
         """
         i, j, _, _, force = self._contact_forces
-        strength, number = np.hypot(*force.T), len(self.packing)
-        kept = _network(i, j, number)
+        strength, size = lengths(force), (len(self.packing), self.packing.dimension)
+        kept = _network(i, j, *size)
         if zero_or_more("threshold", threshold) > 0.0 and kept.any():
             counts = strength >= threshold * strength[kept].mean()
             i, j = i[counts], j[counts]
-            kept = _network(i, j, number)
+            kept = _network(i, j, *size)
         i, j = i[kept], j[kept]
         rigid = len(np.unique(np.append(i, j[j >= 0])))
         return 2.0 * (len(i) - self._isostatic(rigid)) / rigid if rigid else 0.0
 
 
-def _network(i: NDArray[np.int64], j: NDArray[np.int64], number: int) -> NDArray[np.bool_]:
+def _network(
+    i: NDArray[np.int64], j: NDArray[np.int64], number: int, dimension: int
+) -> NDArray[np.bool_]:
     """As `without_rattlers`, of contacts that are listed once."""
     pair = j >= 0
     sides = np.append(i, j[pair]), np.append(j, i[pair])
-    return without_rattlers(*sides, number)[: len(i)]
+    return without_rattlers(*sides, number, dimension)[: len(i)]

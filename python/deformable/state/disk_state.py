@@ -10,24 +10,21 @@ from numpy.typing import NDArray
 
 from ..core import disk_blocks
 from ..model.neighbors import near_pairs
-from ..model.packing import Packing
-from .analysis import Analysis
 from .contact_forces import ContactForces
-from .contact_network import ContactNetwork
 from .disk_contacts import chords, halves
 from .hessian import Hessian
 from .linear_response import LinearResponse
-from .numbers import numbers_of
 from .pictures import Pictures
+from .plane_analysis import PlaneAnalysis
 from .sides import Sides, bearing, between, by_centers, by_strains, joined, with_walls
-from .stressed import Stressed
+from .soft_state import SoftState
 
 if TYPE_CHECKING:
     from ..model.picture import Halves
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DiskState(Stressed, ContactNetwork, LinearResponse, Analysis, Pictures):
+class DiskState(SoftState, LinearResponse, PlaneAnalysis, Pictures):
     """A snapshot of soft disks of contact stiffness k. Particles are numbered from 0.
 
     Attributes:
@@ -45,34 +42,12 @@ class DiskState(Stressed, ContactNetwork, LinearResponse, Analysis, Pictures):
 
     _NAMES: ClassVar[tuple[str, ...]] = ("filled_area", "particle_pressure", "rattlers")
 
-    packing: Packing
-    law: None
-    energy: float
-    stress: NDArray[np.float64]
-    pairs: NDArray[np.int64]
-    residual: float
-    stalled: bool
     wall_pairs: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
-    strain: float | None = None
-
-    @property
-    def phi(self) -> float:
-        """Packing fraction, sum pi R^2 / `packing.area`; overlaps count twice."""
-        return self.packing.phi
 
     @property
     def filled_area(self) -> NDArray[np.float64]:
         """pi R^2 of each particle, shape (N,) [length^2]."""
         return np.pi * self.packing.radius**2
-
-    @property
-    def particle_pressure(self) -> NDArray[np.float64]:
-        """Pressure of each disk, half the trace of `particle_stress`, shape (N,) [k]."""
-        return np.trace(self.particle_stress, axis1=1, axis2=2) / 2.0
-
-    def numbers(self) -> dict[str, Any]:
-        """The state in numbers, by name; `strain` is None without shear."""
-        return numbers_of(self)
 
     def particle_values(self) -> dict[str, NDArray[Any]]:
         """Values of the disks by the names of a trajectory, arrays of shape (N,)."""

@@ -33,7 +33,7 @@ def packing_of(name: str, given: Any) -> Packing:
 
 
 def affine(before: Snapshot | Packing, now: Snapshot, points: Floats) -> Floats:
-    """Points that follow the box from a state to a later one, shape (n, 2) [length].
+    """Points that follow the box from a state to a later one, shape (n, d) [length].
 
     Boxes whose tilts differ by their width have the same images. Of the boxes that are equivalent
     to that of the later state it is the one that its `strain` leads to or, if that is None, the
@@ -42,9 +42,10 @@ def affine(before: Snapshot | Packing, now: Snapshot, points: Floats) -> Floats:
     old, new = packing_of("before", before).box, packing_of("now", now).box
     strain = getattr(now, "strain", None)
     added = 0.0 if strain is None else strain - (getattr(before, "strain", None) or 0.0)
-    (lx, _), (xy, ly) = new.tolist()
+    lx, xy, ly = new[0, 0], new[1, 0], new[1, 1]
     expected = (old[1, 0] / old[1, 1] + added) * ly
-    box = np.array([[lx, 0.0], [xy + np.rint((expected - xy) / lx) * lx, ly]])
+    box = np.array(new)
+    box[1, 0] = xy + np.rint((expected - xy) / lx) * lx
     return cartesian(fractional(points, old), box)
 
 
@@ -56,12 +57,15 @@ def nonaffine(before: Snapshot | Packing, now: Snapshot) -> Floats:
             f"before has {len(old)} particles and this state {len(new)}: particles can only be "
             "followed between states with the same ones"
         )
-    if closed(old.walls) != closed(new.walls):
+    if old.dimension != new.dimension:
+        raise ParameterError(f"before has {old.dimension} dimensions, this state {new.dimension}")
+    shut = closed(new.walls, new.dimension)
+    if closed(old.walls, old.dimension) != shut:
         raise ParameterError(
             "before and this state are between other walls, which close other directions"
         )
     moved = new.positions - affine(before, now, old.positions)
-    return nearest_image(moved, new.box, closed(new.walls))
+    return nearest_image(moved, new.box, shut)
 
 
 def displacements(before: Snapshot | Packing, now: Snapshot) -> Floats:
@@ -85,7 +89,7 @@ def unwrapped(states: Iterable[Snapshot]) -> Floats:
             `shear`, `move`.
 
     Returns:
-        Shape (number of states, N, 2) [length].
+        Shape (number of states, N, d) [length].
 
     Raises:
         ParameterError: there are no states, or one has other numbers of particles.

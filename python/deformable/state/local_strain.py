@@ -13,7 +13,8 @@ from .displacements import Snapshot, affine, nonaffine, packing_of
 
 Floats = NDArray[np.float64]
 
-# Neighbors on a line do not tell a strain: the determinant of sum v v^T over its squared trace.
+# Neighbors on a line, or in a plane, do not tell a strain: the determinant of sum v v^T over the
+# power of its trace.
 _ON_A_LINE = 1e-10
 
 
@@ -22,7 +23,7 @@ class LocalStrain(NamedTuple):
 
     Attributes:
         gradient: of the displacement, du_a/dx_b, that fits the motion of the neighbors best, shape
-            (N, 2, 2); nan where all neighbors are on one line.
+            (N, d, d); nan where all neighbors are on one line, or in one plane.
         d2min: D^2_min, the sum over neighbors of the squared distance from that fit, shape (N,)
             [length^2].
         neighbors: their number, shape (N,).
@@ -34,7 +35,7 @@ class LocalStrain(NamedTuple):
 
     @property
     def strain(self) -> Floats:
-        """Symmetric part of the gradient, without rotation, shape (N, 2, 2)."""
+        """Symmetric part of the gradient, without rotation, shape (N, d, d)."""
         return 0.5 * (self.gradient + np.swapaxes(self.gradient, 1, 2))
 
 
@@ -45,12 +46,14 @@ def local_strain(before: Snapshot | Packing, now: Snapshot, r_max: float) -> Loc
     v = start.positions[j] + shift - start.positions[i]
     w = affine(before, now, v) + beside[j] - beside[i]
     i, v, w = np.concatenate([i, j]), np.concatenate([v, -v]), np.concatenate([w, -w])
-    total = np.zeros((2, len(start), 2, 2))
+    dimension = start.dimension
+    total = np.zeros((2, len(start), dimension, dimension))
     np.add.at(total[0], i, v[:, :, None] * v[:, None, :])
     np.add.at(total[1], i, (w - v)[:, :, None] * v[:, None, :])
     within, moved = total
-    flat = np.linalg.det(within) <= _ON_A_LINE * np.trace(within, axis1=1, axis2=2) ** 2
-    gradient = moved @ np.linalg.inv(np.where(flat[:, None, None], np.eye(2), within))
+    size = np.trace(within, axis1=1, axis2=2) ** dimension
+    flat = np.linalg.det(within) <= _ON_A_LINE * size
+    gradient = moved @ np.linalg.inv(np.where(flat[:, None, None], np.eye(dimension), within))
     gradient[flat] = np.nan
     left = w - v - np.einsum("mab,mb->ma", gradient[i], v)
     number = len(start)

@@ -37,12 +37,15 @@ class _Snapshot(Protocol):
 
 def numbers_of(state: _Snapshot) -> dict[str, Any]:
     """The numbers, by name, of particles and of soft disks; `strain` is None without shear."""
-    (lx, _), (xy, ly) = state.packing.box.tolist()
+    box, axes = state.packing.box, "xyz"[: state.packing.dimension]
+    sides = {f"l{axis}": float(box[k, k]) for k, axis in enumerate(axes)}
+    tilts = {
+        a + b: float(box[k, n]) for n, a in enumerate(axes) for k, b in enumerate(axes) if n < k
+    }
     return {
         "particles": len(state.packing),
-        "lx": lx,
-        "ly": ly,
-        "xy": xy,
+        **sides,
+        **tilts,
         "strain": state.strain,
         "phi": state.phi,
         "pressure": state.pressure,

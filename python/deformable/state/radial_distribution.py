@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..common.errors import ParameterError
 from ..common.optional import optional
 from ..core import unit_vectors
+from ..model.lattice import widths
 from ..model.packing import Packing
 from ..model.room import Distances, bounds
 
@@ -62,7 +63,10 @@ def correlation(
 
 def _by_distance(function: Any, r_max: float, system: tuple[Any, Floats], **values: Any) -> Any:
     box, _ = system
-    most = min(box.Lx / np.hypot(1.0, box.xy), box.Ly) / 2.0
+    if box.is2D:
+        most = min(box.Lx / np.hypot(1.0, box.xy), box.Ly) / 2.0
+    else:
+        most = float(widths(np.asarray(box.to_matrix()).T).min()) / 2.0
     if r_max >= most:
         raise ParameterError(
             f"r_max = {r_max:g} is too large for the box: it must be below {most:.4g}, half the "

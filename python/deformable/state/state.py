@@ -24,7 +24,6 @@ from ..model.laws import Law
 from ..model.packing import Packing
 from ..model.timestep import accurate_step
 from ..model.walls import Wall
-from .analysis import Analysis
 from .contact_forces import ContactForces, forces_of_table
 from .contact_network import ContactNetwork
 from .contact_table import ContactTable
@@ -32,6 +31,7 @@ from .exports import Exports
 from .numbers import numbers_of
 from .parallels import Parallels
 from .pictures import Pictures
+from .plane_analysis import PlaneAnalysis
 from .ring_response import RingResponse
 from .stressed import Stressed
 
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class State(Stressed, ContactNetwork, RingResponse, Parallels, Analysis, Pictures, Exports):
+class State(Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pictures, Exports):
     """A snapshot, the same on every rank. Particles are numbered from 0.
 
     Attributes:

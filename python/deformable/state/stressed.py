@@ -13,10 +13,10 @@ class Stressed:
 
     @property
     def pressure(self) -> float:
-        """Pressure of the packing, half the trace of `stress` [energy/length^2]."""
-        return float(np.trace(self.stress) / 2.0)
+        """Pressure of the packing, trace of `stress` over the dimension d [energy/length^d]."""
+        return float(np.trace(self.stress) / len(self.stress))
 
     @property
     def shear_stress(self) -> float:
-        """Shear stress that resists a shear along x, -`stress[0, 1]` [energy/length^2]."""
+        """Shear stress that resists a shear along x, -`stress[0, 1]` [energy/length^d]."""
         return -float(self.stress[0, 1])

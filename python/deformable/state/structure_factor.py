@@ -47,8 +47,8 @@ def structure_factor(packing: Packing, k_max: float, bins: int) -> tuple[Floats,
 def density_waves(packing: Packing, k: Floats) -> NDArray[np.complex128]:
     """See `Analysis.density_waves`."""
     _refuse_container(packing)
-    if k.ndim != 2 or k.shape[1] != 2:
-        raise ParameterError(f"k must have shape (M, 2), not {k.shape}")
+    if k.ndim != 2 or k.shape[1] != packing.dimension:
+        raise ParameterError(f"k must have shape (M, {packing.dimension}), not {k.shape}")
     periods = k @ packing.box.T / (2.0 * np.pi)
     off = np.abs(periods - np.rint(periods)).max(axis=1, initial=0.0)
     if off.max(initial=0.0) > _WHOLE:

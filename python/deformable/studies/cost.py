@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from mpi4py import MPI
 
-from ..engine.disks import open_disks
 from ..engine.lammps import run
 from ..engine.simulation import Simulation
+from ..engine.soft_particles import open_disks
 from ..io.lammps_commands import pair_style
 from ..model.lattice import cartesian, fractional
 from ..model.laws import Law, Ring, Sector

@@ -1,6 +1,7 @@
-"""Soft disks without LAMMPS: near pairs, energy, pressure, gradient, preconditioner."""
+"""Soft disks and spheres without LAMMPS: near pairs, energy, pressure, gradient, preconditioner."""
 
 import dataclasses
+from itertools import product
 
 import deformable
 import numpy as np
@@ -8,9 +9,19 @@ import pytest
 from deformable.engine.enthalpy import Enthalpy
 from deformable.engine.relaxed_disks import relax_at_pressure
 from deformable.model.neighbors import near_pairs
+from deformable.protocols.starts import soft
 
 SCENE = (deformable.Circle((0, 0), 4), deformable.Disk((1, 0.5), 0.6))
 CHANNEL = (deformable.Plane((0, 0), (0, 1)), deformable.Plane((0, 5), (0, -1)))
+
+
+def in_box(box: tuple[tuple[float, ...], ...]) -> deformable.Packing:
+    """Spheres of any sizes at random places in a tilted box."""
+    rng = np.random.default_rng(4)
+    places, radii = rng.random((10, 3)) @ np.array(box), rng.uniform(0.3, 0.5, 10)
+    return deformable.Packing.from_arrays(places, radii, box)
+
+
 PACKINGS = {
     "rectangle": deformable.bidisperse(30, phi=0.95, aspect=1.4, seed=1),
     "tilted": deformable.bidisperse(30, phi=0.95, tilt=-0.7, seed=2),
@@ -19,6 +30,8 @@ PACKINGS = {
     "sizes": deformable.polydisperse(20, np.linspace(0.1, 1.0, 20), phi=0.95, tilt=2.2),
     "circle": deformable.bidisperse(40).between(SCENE),
     "channel": deformable.bidisperse(20, phi=0.9).between(CHANNEL),
+    "cube": deformable.bidisperse(12, phi=0.8, dimension=3),
+    "leaning": in_box(((1.6, 0.0, 0.0), (0.9, 1.9, 0.0), (-0.7, 1.2, 1.7))),
 }
 
 
@@ -31,7 +44,7 @@ def strayed(packing: deformable.Packing) -> deformable.Packing:
     """The same packing, with some particles in other periodic images."""
     if packing.walls:
         return packing
-    cells = np.random.default_rng(1).integers(-2, 3, (len(packing), 2))
+    cells = np.random.default_rng(1).integers(-2, 3, packing.positions.shape)
     return dataclasses.replace(packing, positions=packing.positions + cells @ packing.box)
 
 
@@ -41,12 +54,13 @@ def test_near_pairs_are_all_pairs(packing: deformable.Packing) -> None:
     skin = 0.2
     i, j, shift = near_pairs(packing, skin)
     apart = packing.positions[j] + shift - packing.positions[i]
-    distance = np.hypot(*apart.T)
+    distance = np.linalg.norm(apart, axis=1)
     assert (distance < packing.radius[i] + packing.radius[j] + skin).all()
     x = packing.positions
-    shut = deformable.model.room.closed(packing.walls)
-    spans = [range(1) if closed else range(-12, 13) for closed in shut]
-    steps = np.array([(a, b) for a in spans[0] for b in spans[1]]) @ packing.box
+    shut = deformable.model.room.closed(packing.walls, packing.dimension)
+    farthest = 12 if packing.dimension == 2 else 8
+    spans = [range(1) if closed else range(-farthest, farthest + 1) for closed in shut]
+    steps = np.array(list(product(*spans))) @ packing.box
     all_distances = np.linalg.norm((x[:, None] - x)[:, :, None] + steps, axis=-1)
     near = all_distances < (packing.radius[:, None] + packing.radius)[..., None] + skin
     assert 2 * len(i) == near.sum() - len(packing)  # but itself
@@ -55,18 +69,18 @@ def test_near_pairs_are_all_pairs(packing: deformable.Packing) -> None:
 def test_energy_and_pressure_are_those_of_disks_in_lammps(packing: deformable.Packing) -> None:
     enthalpy = Enthalpy(strayed(packing), None)
     energy, gradient = enthalpy(enthalpy.start)
-    with deformable.Disks(packing) as disks:
+    with soft(packing) as disks:
         state = disks.state()
-        forces = np.array(disks.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
+        forces = np.array(disks.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, : packing.dimension]
     assert energy == pytest.approx(state.energy, rel=1e-12)
     assert enthalpy.pressure == pytest.approx(state.pressure, rel=1e-12)
-    assert gradient[:-1].reshape(-1, 2) == pytest.approx(-forces, abs=1e-12)
+    assert gradient[:-1].reshape(forces.shape) == pytest.approx(-forces, abs=1e-12)
 
 
 def test_gradient_is_that_of_finite_differences(packing: deformable.Packing) -> None:
     enthalpy = Enthalpy(packing, 0.1)
     rng, step = np.random.default_rng(3), 1e-5
-    z = enthalpy.start + np.append(np.zeros(2 * len(packing)), 0.3)  # in a larger box
+    z = enthalpy.start + np.append(np.zeros(packing.positions.size), 0.3)  # in a larger box
     _, gradient = enthalpy(z)
     for _ in range(4):
         direction = rng.normal(size=len(z))
@@ -74,7 +88,7 @@ def test_gradient_is_that_of_finite_differences(packing: deformable.Packing) -> 
         assert gradient @ direction == pytest.approx((above - below) / (2 * step), rel=1e-6)
 
 
-@pytest.mark.parametrize("name", ["tilted", "circle"])
+@pytest.mark.parametrize("name", ["tilted", "circle", "cube"])
 def test_preconditioner_is_symmetric_and_follows_the_hessian(name: str) -> None:
     """Contacts count by a half to one, and 5 P is added to stiffnesses of about 1."""
     relaxed = relax_at_pressure(PACKINGS[name], 0.01, 1e-4, 1000, lambda *values: None).packing
@@ -90,9 +104,10 @@ def test_preconditioner_is_symmetric_and_follows_the_hessian(name: str) -> None:
     assert 0.5 < solve(hessian) @ hessian / (one @ hessian) < 2.0
 
 
-def test_list_of_pairs_follows_large_steps() -> None:
+@pytest.mark.parametrize("name", ["tilted", "leaning"])
+def test_list_of_pairs_follows_large_steps(name: str) -> None:
     """Steps of any size give the energy of a new list."""
-    packing = PACKINGS["tilted"]
+    packing = PACKINGS[name]
     enthalpy, rng = Enthalpy(packing, 0.1), np.random.default_rng(6)
     z = enthalpy.start
     for size in (1e-3, 1e-2, 0.1, 1.0):
@@ -100,17 +115,17 @@ def test_list_of_pairs_follows_large_steps() -> None:
         fresh = Enthalpy(packing, 0.1)
         assert enthalpy(z)[0] == pytest.approx(fresh(z)[0], rel=1e-12)
         there = enthalpy.packing(z)
-        with deformable.Disks(there) as disks:
+        with soft(there) as disks:
             assert disks.state().pressure == pytest.approx(enthalpy.pressure, rel=1e-9)
 
 
-@pytest.mark.parametrize("name", ["tilted", "circle"])
+@pytest.mark.parametrize("name", ["tilted", "circle", "cube"])
 def test_relaxation_at_a_pressure(name: str) -> None:
     """The box keeps its shape, and has the pressure."""
     packing = PACKINGS[name]
     found = relax_at_pressure(packing, 0.01, 1e-8, 1000, lambda *values: None)
     assert not found.stalled
-    with deformable.Disks(found.packing) as disks:
+    with soft(found.packing) as disks:
         state = disks.state()
     assert [state.pressure, found.pressure] == pytest.approx([0.01, 0.01], rel=1e-6)
     assert state.residual < 1e-6

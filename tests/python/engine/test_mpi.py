@@ -133,7 +133,7 @@ for law, pressure in ((None, 1e-7), (deformable.Ring(contact="radical"), 1e-10))
     jammed = deformable.jam(loose, law, pressure=pressure, tolerance=1e-5, comm=comm)
     everywhere = comm.allgather(jammed.positions)
     assert all(np.array_equal(jammed.positions, other) for other in everywhere)
-    with deformable.protocols.jamming.simulate(jammed, law) as sim:
+    with deformable.protocols.starts.simulate(jammed, law) as sim:
         state = sim.state()
     unit = deformable.protocols.jamming.natural_pressure(jammed, law)
     if comm.rank == 0:

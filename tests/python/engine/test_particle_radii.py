@@ -8,8 +8,8 @@ import deformable
 import numpy as np
 import pytest
 from deformable import core
-from deformable.engine.disks import open_disks
 from deformable.engine.lammps import gather, run
+from deformable.engine.soft_particles import open_disks
 from scipy import stats
 
 RADICAL = deformable.Ring(kA=2.0, contact="radical")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from brute_force import shapes
 from deformable.engine.relaxation import TOLERANCE
-from deformable.protocols.jamming import simulate
+from deformable.protocols.starts import simulate
 
 pytestmark = pytest.mark.filterwarnings("error")
 

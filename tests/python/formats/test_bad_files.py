@@ -46,7 +46,7 @@ TEXTS = {"dump": DUMP, "data": DATA, "xyz": XYZ}
 
 # kind of the file, what is changed to what in it, and what is told
 BAD = [
-    ("dump", "1.5 0.5 0 0.4", "1.5 0.5 0.7 0.4", "fill space, z goes from 0 to 0.7, but a packing"),
+    ("dump", "1.5 0.5 0 0.4", "1.5 0.5 0.7 0.4", "from 0 to 0.7, but a packing .*dimension=3"),
     ("data", "1.5 0.5 0\n", "1.5 0.5 9\n", "fill space, z goes from 0 to 9"),
     ("xyz", "1.5 0.5 0 ", "1.5 0.5 -1 ", "fill space, z goes from -1 to 0"),
     ("dump", "1.5 0.5", "nan 0.5", "x of atom 2 is nan"),

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from deformable import Packing
 from deformable.engine.lammps import silent_lammps
+from deformable.io.lammps_commands import PLANE
 from mpi4py import MPI
 
 
@@ -66,7 +67,7 @@ def test_lammps_reads_what_goes_out(tilted: Packing, tmp_path: Path) -> None:
     """The data file, and the positions of the dump after the particles have moved away."""
     tilted.to_file(tmp_path / "out.data")
     tilted.to_file(tmp_path / "out.lammpstrj")
-    lmp = silent_lammps(MPI.COMM_SELF, "sphere")
+    lmp = silent_lammps(MPI.COMM_SELF, PLANE.replace("atomic", "sphere"))
     lmp.command(f"read_data {tmp_path / 'out.data'}")
     for _ in range(2):
         places = np.array(lmp.gather_atoms("x", 1, 3)).reshape(-1, 3)[:, :2]

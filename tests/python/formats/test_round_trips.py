@@ -131,9 +131,10 @@ def test_arrays() -> None:
         ({"species": [0, 1]}, "species must be 3 whole numbers"),
         ({"species": [0, 1, -1]}, "species must be 3 whole numbers"),
         ({"species": [0, 1, 0.5]}, "species must be 3 whole numbers"),
-        ({"box": (2, 3, 4)}, r"box must be \(lx, ly\) or"),
+        ({"box": (2, 3, 4)}, "positions have 2 columns, so that the box must .* not 3"),
         ({"box": (2, 0)}, r"box must be \(lx, ly\) or"),
-        ({"positions": [[0.0, 0.0, 1.0]] * 3}, r"positions must have shape \(N, 2\)"),
+        ({"positions": [[0.0, 0.0, 1.0]] * 3}, "positions have 3 columns"),
+        ({"positions": [[0.0]] * 3}, r"positions must have shape \(N, 2\)"),
         ({"positions": []}, "positions must have shape"),
     ],
 )

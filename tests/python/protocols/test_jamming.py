@@ -12,7 +12,8 @@ import pytest
 from deformable.engine import relaxed_disks
 from deformable.engine.relaxed_disks import RelaxedDisks, Report, relax_at_pressure, relax_in_box
 from deformable.protocols import jamming
-from deformable.protocols.jamming import natural_pressure, simulate
+from deformable.protocols.jamming import natural_pressure
+from deformable.protocols.starts import simulate
 from mpi4py import MPI
 
 RADICAL, BALANCED = (deformable.Ring(contact=contact) for contact in ("radical", "balanced"))

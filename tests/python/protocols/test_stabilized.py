@@ -6,7 +6,8 @@ from typing import Any
 import deformable
 import numpy as np
 import pytest
-from deformable.protocols.jamming import natural_pressure, simulate
+from deformable.protocols.jamming import natural_pressure
+from deformable.protocols.starts import simulate
 
 KINDS: dict[str, tuple[deformable.Ring | None, float]] = {
     "disks": (None, 1e-6),

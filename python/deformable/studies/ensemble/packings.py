@@ -20,9 +20,11 @@ from ...common.validate import zero_or_more
 from ...engine.relaxation import TOLERANCE
 from ...model.laws import LAWS, Law, Ring
 from ...model.random_packing import bidisperse
-from ...protocols.jamming import jam, natural_pressure, simulate
+from ...protocols.jamming import jam, natural_pressure
 from ...protocols.moduli import bulk_modulus, shear_modulus
+from ...protocols.starts import simulate
 from ...state.disk_state import DiskState
+from ...state.sphere_state import SphereState
 from ...state.state import State
 
 # Means are over packings with equal values of these columns.
@@ -129,7 +131,7 @@ def packing_name(law: str, onset_pressure: float, number: int, seed: int) -> str
     return f"{law.replace(_TENSION, '_')}_{onset_pressure:g}_{number}_{seed}"
 
 
-def _numbers(state: State | DiskState, unit: float) -> Row:
+def _numbers(state: State | DiskState | SphereState, unit: float) -> Row:
     return {
         "phi": state.phi,
         "pressure": state.pressure / unit,
@@ -142,7 +144,7 @@ def _numbers(state: State | DiskState, unit: float) -> Row:
     }
 
 
-def _moduli(state: State | DiskState, excess_phi: float, unit: float) -> Row:
+def _moduli(state: State | DiskState | SphereState, excess_phi: float, unit: float) -> Row:
     strain = _STRAIN * excess_phi
     found = {
         "shear": [shear_modulus(state, strain, _MODULUS_TOLERANCE, pure) for pure in (False, True)],

@@ -14,11 +14,11 @@ import numpy as np
 from mpi4py import MPI
 
 from ... import core
-from ...engine.disks import open_disks
 from ...engine.lammps import run
 from ...engine.polygon_simulation import PolygonSimulation
 from ...engine.relaxation import TOLERANCE, minimize_command
 from ...engine.simulation import Simulation
+from ...engine.soft_particles import open_disks
 from ...model.laws import Law, per_species
 from ...model.packing import Packing
 from ...model.polygons import PolygonModel

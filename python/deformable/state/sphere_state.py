@@ -1,0 +1,65 @@
+"""A state of soft spheres: a snapshot, which later steps do not change."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.lattice import lengths
+from ..model.neighbors import near_pairs
+from .contact_forces import ContactForces
+from .in_space import InSpace
+from .soft_state import SoftState
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SphereState(InSpace, SoftState):
+    """A snapshot of soft spheres of contact stiffness k. Particles are numbered from 0.
+
+    Attributes:
+        packing: centers, species, radii and box.
+        law: None, which stands for soft spheres.
+        energy: of all particles [k length^2].
+        stress: pressure tensor of the packing, compression positive, shape (3, 3) [k/length].
+        pairs: numbers of particles that overlap, each pair once, shape (M, 2).
+        residual: largest force on a particle over the mean contact force; 0 without contacts.
+        stalled: the relaxation stopped before the tolerance.
+        strain: shear strain of all calls of `shear`; None before the first one.
+    """
+
+    @property
+    def filled_volume(self) -> NDArray[np.float64]:
+        """4 pi R^3/3 of each particle, shape (N,) [length^3]."""
+        return 4.0 / 3.0 * np.pi * self.packing.radius**3
+
+    @property
+    def _filled(self) -> NDArray[np.float64]:
+        return self.filled_volume
+
+    def particle_values(self) -> dict[str, NDArray[Any]]:
+        """Values of the spheres by name, arrays of shape (N,)."""
+        return {
+            "radius": self.packing.radius,
+            "volume": self.filled_volume,
+            "pressure": self.particle_pressure,
+            "contacts": np.bincount(self.pairs.ravel(), minlength=len(self.packing)),
+            "rattler": self.rattlers.astype(int),
+        }
+
+    @property
+    def _contact_forces(self) -> ContactForces:
+        packing, radius = self.packing, self.packing.radius
+        i, j, shift = near_pairs(packing, 0.0)
+        vector = packing.positions[j] + shift - packing.positions[i]
+        distance = lengths(vector)
+        overlap = radius[i] + radius[j] - distance
+        part = (radius[i] - 0.5 * overlap) / distance
+        return ContactForces(i, j, vector, part, -(overlap / distance)[:, None] * vector)
+
+    @property
+    def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        i, j = self.pairs.T
+        return np.concatenate([i, j]), np.concatenate([j, i])
