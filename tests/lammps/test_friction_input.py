@@ -219,3 +219,36 @@ def test_variables_that_are_refused(commands, message, tmp_path):
     scene.run(commands)
     with refuses(message):
         scene.run("run 4")
+
+
+SPRINGS = {
+    "springs 1 2 3": "fix_modify rub springs: .* 7 numbers for each contact, not 3",
+    "springs 1 2 0 0 x 0 0": "Expected floating point parameter.*x",
+    "lost 1 2": "",
+    "spring none": "",
+}
+
+
+@pytest.mark.parametrize(("words", "message"), SPRINGS.items())
+def test_springs_that_are_refused(words, message, tmp_path):
+    scene = Grains(PAIR, 1, "0.5 1 0", tmp_path)
+    with refuses(message):
+        scene.run(f"fix_modify rub {words}")
+
+
+def test_springs_are_given(tmp_path):
+    """A contact that is stretched from the begin; that of particles apart is forgotten."""
+    x = [[-0.99, 0], [0.99, 0], [0, 4]]
+    scene = Grains(x, 1, "0.5 0.1 0", tmp_path, dt=1e-3)
+    scene.run("fix_modify rub lost 3 4 5\nfix_modify rub springs 9 9 0 0 0 0 0")
+    scene.run("fix_modify rub springs 1 2 1.98 0 0.05 0.005 0 1 3 1 4 0.5 0.05 0\nrun 1")
+    ((*_, force, friction, _, xi, slides),) = scene.rows
+    assert xi == pytest.approx(0.05, rel=1e-4)
+    assert friction == pytest.approx(0.005, rel=1e-4)
+    assert friction < 0.5 * force
+    assert not slides
+    terms = scene.terms
+    assert terms["stored"] == pytest.approx(0.1 * 0.05**2 / 2, rel=1e-3)
+    assert [round(terms[name]) for name in ("sliding", "dashpots", "damping")] == [3, 4, 5]
+    scene.run("fix_modify rub springs none\nrun 0")
+    assert scene.rows[0, 8] == 0

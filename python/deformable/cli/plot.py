@@ -31,6 +31,7 @@ LastColor = Annotated[
 ]
 Contacts = Annotated[bool, typer.Option("--contacts", help="Draw the contacts.")]
 Forces = Annotated[bool, typer.Option("--forces", help="Draw the force chains.")]
+Spins = Annotated[bool, typer.Option("--spins", help="Draw the spins, with friction.")]
 
 
 def check_picture(out: Path) -> None:
@@ -74,6 +75,7 @@ def plot_command(
     ] = None,
     contacts: Contacts = False,
     forces: Forces = False,
+    spins: Spins = False,
 ) -> None:
     """Draw a state of a run."""
     refuse_ranks("a picture is drawn by one process")
@@ -87,7 +89,7 @@ def plot_command(
         except IndexError as error:
             raise ParameterError(str(error)) from None
     colors = {"cmap": cmap, "vmin": vmin, "vmax": vmax}
-    draw(state, out, color_by, contacts=contacts, forces=forces, title=title, **colors)
+    draw(state, out, color_by, contacts=contacts, forces=forces, spins=spins, title=title, **colors)
 
 
 def movie_command(
@@ -101,10 +103,11 @@ def movie_command(
     vmax: LastColor = None,
     contacts: Contacts = False,
     forces: Forces = False,
+    spins: Spins = False,
     rate: Annotated[int, typer.Option(help="Pictures per second.")] = 10,
 ) -> None:
     """Draw each state of a recorded run as a movie."""
     refuse_ranks("a movie is drawn by one process")
     colors = {"color_by": color_by, "cmap": cmap, "vmin": vmin, "vmax": vmax}
-    Run(run).movie(out, contacts=contacts, forces=forces, rate=rate, **colors)
+    Run(run).movie(out, contacts=contacts, forces=forces, spins=spins, rate=rate, **colors)
     print_once(f"wrote {out}")

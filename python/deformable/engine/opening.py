@@ -5,16 +5,25 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
 from mpi4py import MPI
 
-from ..io.films import film_commands
-from ..io.friction import friction_commands
+from ..io.data_file import Motion
+from ..io.films import film_commands, memory_commands
 from ..io.lammps_commands import law_commands, pair_style, species_file
+from ..io.rubbing import FRICTION, friction_commands, spring_commands
 from ..model.friction import Friction
 from ..model.laws import Law
 from ..model.packing import Packing
-from ..state.state import State
-from .lammps import open_lammps, place_velocities, place_walls, run, shared_file
+from .lammps import (
+    Engine,
+    open_lammps,
+    place,
+    place_velocities,
+    place_walls,
+    run,
+    shared_file,
+)
 from .relaxation import thermo_commands, virial_command
 
 if TYPE_CHECKING:
@@ -34,7 +43,7 @@ compute deformable_beyond all pair {style}
 
 
 def particles_in_lammps(
-    packing: Packing, law: Law, comm: MPI.Comm, friction: Friction | None, state: State | None
+    packing: Packing, law: Law, comm: MPI.Comm, friction: Friction | None
 ) -> lammps:
     """A LAMMPS with a packing and its law, and the computes of states.
 
@@ -43,7 +52,6 @@ def particles_in_lammps(
         law: of their contacts.
         comm: ranks that share the work.
         friction: of the contacts, if they rub: particles need radii of their own then.
-        state: whose films and velocities go on, if any.
 
     Raises:
         LammpsError: LAMMPS refuses the packing or the law.
@@ -52,14 +60,22 @@ def particles_in_lammps(
     with shared_file(comm, species_file(law, packing.radii)) as file:
         run(lmp, law_commands(packing, law, file))
     place_walls(lmp, packing.walls)
-    films = state.films_at(packing.walls) if state else None
-    run(lmp, film_commands(law, packing.walls, films))
+    run(lmp, film_commands(law, packing.walls))
     run(lmp, friction_commands(friction, len(packing.radii)))
-    if state:
-        place_velocities(lmp, state.velocities)
     stress_of = virial_command("pair fix" if packing.walls or friction else "pair")
     run(lmp, stress_of + _COMPUTES.format(style=pair_style(law)) + THERMO)
     return lmp
+
+
+def go_on(sim: Engine, motion: Motion) -> None:
+    """Let a simulation go on with a motion, where it has the packing of the same moment."""
+    lmp, rubbing = sim.lmp, motion.rubbing
+    place_velocities(lmp, motion.velocities)
+    run(lmp, "\n".join(memory_commands(motion.films)))
+    if rubbing is not None and lmp.has_id("fix", FRICTION):
+        place(lmp, "omega", np.outer(rubbing.spins, [0.0, 0.0, 1.0]))
+        run(lmp, spring_commands(rubbing))
+    sim.time, sim.strain, sim.directions = motion.time, motion.strain, motion.directions
 
 
 def with_spins(packing: Packing) -> Packing:

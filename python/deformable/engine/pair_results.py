@@ -6,10 +6,15 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 
+from ..io.rubbing import FRICTION, Rubbing
+from ..model.friction import Friction
+from ..model.packing import Packing
 from ..model.walls import Wall
-from ..state.contact_table import ROWS
+from ..state.contact_table import ROWS, ContactTable, contact_table
+from ..state.rubbing import RUBBING_ROWS, rubbing_table
 from .lammps import gather, local_array, run
 from .pair_errors import run_forces
 
@@ -50,3 +55,28 @@ def evaluate(
         return of_particles, local_array(lmp, "deformable_rows", len(ROWS))
     finally:
         run(lmp, "unfix deformable_results\nuncompute deformable_rows")
+
+
+def contacts_of(
+    lmp: lammps,
+    comm: MPI.Comm,
+    rows: NDArray[np.float64],
+    packing: Packing,
+    friction: Friction | None,
+) -> tuple[ContactTable, Rubbing | None]:
+    """The table of contacts after an evaluation; and what goes on where they rub.
+
+    Args:
+        lmp: with the fix of friction, if there is one.
+        comm: its ranks.
+        rows: of the contacts on all ranks.
+        packing: of the particles.
+        friction: of the contacts.
+    """
+    if friction is None:
+        return contact_table(rows, packing), None
+    own = local_array(lmp, FRICTION, len(RUBBING_ROWS), fix=True)
+    table, springs = rubbing_table(rows, packing, np.concatenate(comm.allgather(own)))
+    stored, sliding, dashpots, damping = (lmp.extract_fix(FRICTION, 0, 1, n) for n in range(4))
+    spins = np.ascontiguousarray(gather(lmp, "omega", 3)[:, 2])
+    return table, Rubbing(spins, springs, (sliding, dashpots, damping), stored)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..common.validate import expect, positive, zero_or_more
 from ..core import dot
+from ..io.data_file import Motion
 from ..io.lammps_commands import pair_style, species_file
 from ..model.filled import filled_area
 from ..model.friction import Friction, check_friction
@@ -22,7 +23,7 @@ from ..model.room import check_centers, check_fit, free_room
 from ..model.sticking import check_sticky_walls, sticks
 from ..model.timestep import STIFFNESS_PER_PRESSURE
 from ..model.walls import Wall, as_walls
-from ..state.contact_table import attached, contact_table
+from ..state.contact_table import attached
 from ..state.state import State, parts
 from .followed import has_other_fixes, refuse_forces_of_motion, refuse_other, setup, unsaved
 from .free_box import check_free, relax_free_box
@@ -35,9 +36,9 @@ from .lammps import (
     run,
     wall_forces,
 )
-from .opening import BEYOND, IMBALANCE, LOST, THERMO, particles_in_lammps, with_spins
+from .opening import BEYOND, IMBALANCE, LOST, THERMO, go_on, particles_in_lammps, with_spins
 from .pair_errors import refuse_without_area, run_forces
-from .pair_results import evaluate
+from .pair_results import contacts_of, evaluate
 from .relaxation import (
     TOLERANCE,
     Forces,
@@ -82,7 +83,8 @@ class Simulation(Watched, Engine):
         walls: one shape or several, see `Packing`; those of the packing if not given. Centers must
             be between them: `Packing.between` and `push_off` make such packings.
         friction: of the contacts, which then rub and damp, and turn the particles; these get radii
-            of their own (`Packing.particle_radii`). Contacts slip freely if not given.
+            of their own (`Packing.particle_radii`). That of a state if not given; contacts of a
+            packing slip freely then.
 
     Attributes:
         lmp: the LAMMPS instance, for any command of LAMMPS. Particles may be added, deleted or
@@ -114,8 +116,9 @@ class Simulation(Watched, Engine):
         expect("packing", packing, Packing, State)
         expect("law", law, Ring, Sector)
         expect("friction", friction, Friction, type(None))
-        self.law, self.friction, self.comm = law, friction, communicator(comm)
+        self.law, self.comm = law, communicator(comm)
         packing, state = parts(self.comm.bcast(packing))  # those of other machines may differ
+        self.friction = state.friction if state and friction is None else friction
         if walls is not None:
             packing = replace(packing, walls=as_walls(walls))
         self._rigidity = Rigidity(packing)
@@ -156,13 +159,14 @@ class Simulation(Watched, Engine):
         self._check(packing)
         if self.friction:
             packing = with_spins(packing)
-        self.time, self.strain, self.directions = state.history if state else (0.0, None, None)
         self._species, self._radii = packing.species, packing.radii
         self._check_walls(packing.walls, packing.box)
         check_centers(packing.walls, packing.box, packing.positions)
         check_sticky_walls(packing, law)
         self._walls = packing.walls
-        self.lmp = particles_in_lammps(packing, law, self.comm, self.friction, state)
+        self.lmp = particles_in_lammps(packing, law, self.comm, self.friction)
+        still = Motion(np.zeros_like(packing.positions))
+        go_on(self, state.motion.at(state.packing.walls, packing.walls) if state else still)
         self._setup = setup(self.lmp)
         self._smallest_radius = float(packing.radius.min())
         self._largest_radius = float(packing.radius.max())
@@ -312,6 +316,7 @@ class Simulation(Watched, Engine):
         packing = Packing(
             positions, self._species, self._radii, self.box, self._particle_radii, self._walls
         )
+        table, rubbing = contacts_of(self.lmp, self.comm, rows, packing, self.friction)
         return State(
             packing=packing,
             law=self.law,
@@ -328,11 +333,13 @@ class Simulation(Watched, Engine):
             velocities=gather(self.lmp, "v", 3)[:, :2],
             time=self.time,
             strain=self.strain,
-            contact_table=contact_table(rows, packing),
+            contact_table=table,
             root=self.comm.rank == 0,
             wall_forces=wall_forces(self.lmp, self._walls),
             films=attached(rows) if sticks(self.law, self._walls) else None,
-            lost_energy=self._told(LOST),
+            lost_energy=self._told(LOST) + sum(rubbing.lost if rubbing else ()),
+            friction=self.friction,
+            rubbing=rubbing,
             unsaved=unsaved(self.lmp, self._setup),
         )
 

@@ -38,6 +38,7 @@ def data_file(
     bonds: NDArray[np.int64] | None = None,
     origin: Sequence[float] = (0, 0, 0),
     velocities: NDArray[np.float64] | None = None,
+    spins: NDArray[np.float64] | None = None,
 ) -> str:
     """Text of a LAMMPS data file, with every digit.
 
@@ -51,6 +52,7 @@ def data_file(
         bonds: type and both atoms of each bond, shape (M, 3).
         origin: lower left corner of the box, d numbers [length].
         velocities: of the atoms, shape (N, d) [length/time]; at rest if not given.
+        spins: angular velocities beside them, shape (N,), of `sphere` [1/time]; 0 if not given.
     """
     vectors = np.asarray(box, dtype=np.float64)
     dimension, height = len(vectors), " 0" * (3 - len(vectors))
@@ -70,10 +72,14 @@ def data_file(
     rows = zip(*(column.tolist() for column in columns), *positions.T.tolist(), strict=True)
     lines += [f"{n} {' '.join(map(repr, row))}{height}" for n, row in enumerate(rows, start=1)]
     if velocities is not None:
-        rest = height + (" 0 0 0" if style == "sphere" else "")
+        turns = [""] * len(positions)
+        if style == "sphere":
+            about_z = np.zeros(len(positions)) if spins is None else spins
+            turns = [f" 0 0 {w!r}" for w in about_z.tolist()]
+        moving = zip(velocities.tolist(), turns, strict=True)
         lines += ["", "Velocities", ""]
         lines += [
-            f"{n} {' '.join(map(repr, v))}{rest}" for n, v in enumerate(velocities.tolist(), 1)
+            f"{n} {' '.join(map(repr, v))}{height}{turn}" for n, (v, turn) in enumerate(moving, 1)
         ]
     if bonds is not None:
         lines += ["", "Bonds", ""]

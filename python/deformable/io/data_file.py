@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from ..formats.lammps_data import data_file, read_data_file, sphere_columns
 from ..model.packing import Packing
+from ..model.walls import Wall
 from .directions import direction_lines, directions_in
 from .films import Films, film_lines, films_in
 from .lammps_commands import atom_style
+from .rubbing import Rubbing, rubbing_in, rubbing_lines
 
 
 class Motion(NamedTuple):
@@ -24,6 +26,7 @@ class Motion(NamedTuple):
         strain: shear strain so far; None without shear.
         films: those that there are, see `films.py`; None if nothing sticks.
         directions: in which particles propel themselves, shape (N, 2); None if they do not.
+        rubbing: spins, and what contacts that rub remember; None if they do not.
     """
 
     velocities: NDArray[np.float64]
@@ -31,13 +34,34 @@ class Motion(NamedTuple):
     strain: float | None = None
     films: Films | None = None
     directions: NDArray[np.float64] | None = None
+    rubbing: Rubbing | None = None
+
+    @property
+    def moves(self) -> bool:
+        """Whether any particle moves or spins."""
+        spins = self.rubbing is not None and self.rubbing.spins.any()
+        return bool(self.velocities.any() or spins)
+
+    def at(self, former: tuple[Wall, ...], walls: tuple[Wall, ...]) -> Motion:
+        """The motion between walls in the place of former ones, whose numbers contacts know.
+
+        Films and springs of walls are left out if the kinds of the walls are others.
+        """
+        if [wall.kind for wall in walls] == [wall.kind for wall in former]:
+            return self
+        films, rubbing = self.films, self.rubbing
+        if films is not None:
+            films = films[films[:, 1] > 0]
+        if rubbing is not None:
+            rubbing = rubbing._replace(springs=rubbing.springs[rubbing.springs[:, 1] > 0])
+        return self._replace(films=films, rubbing=rubbing)
 
 
 def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
     """A packing as a LAMMPS data file.
 
     Its title has the time and the strain where these are not 0, and the number of recorded frames,
-    if given. Films and directions are comments at its end.
+    if given. Films, directions and springs of contacts are comments at its end.
     """
     style = atom_style(packing)
     title = f"LAMMPS data file by lammps-deformable, units lj, atom_style {style}, two-dimensional"
@@ -56,9 +80,11 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
         columns,
         packing.positions,
         origin=packing.origin.tolist(),
-        velocities=motion.velocities if motion.velocities.any() else None,
+        velocities=motion.velocities if motion.moves else None,
+        spins=motion.rubbing.spins if motion.rubbing else None,
     )
-    return text + film_lines(motion.films) + direction_lines(motion.directions)
+    memory = film_lines(motion.films) + rubbing_lines(motion.rubbing)
+    return text + memory + direction_lines(motion.directions)
 
 
 def packing_in(text: str, radii: list[float]) -> Packing:
@@ -92,18 +118,21 @@ def motion_in(text: str, number: int) -> Motion:
     """
     title, _, body = text.partition("\n")
     time, strain = (re.search(rf", {name} ([^,]+)", title) for name in ("time", "strain"))
-    velocities = np.zeros((number, 2))
+    velocities, spins = np.zeros((number, 2)), np.zeros(number)
     _, _, section = body.partition("\nVelocities\n\n")
-    rows = [row.split()[:3] for row in section.partition("\n\n")[0].splitlines()]
+    rows = [row.split() for row in section.partition("\n\n")[0].splitlines()]
     if rows:
-        ids, *columns = np.array(rows, dtype=np.float64).T
+        ids, vx, vy, _, *turn = np.array(rows, dtype=np.float64).T
         if sorted(ids) != list(range(1, number + 1)):
             raise ValueError(f"it has velocities of {len(ids)} of {number} atoms")
-        velocities[ids.astype(np.int64) - 1] = np.column_stack(columns)
+        order = ids.astype(np.int64) - 1
+        velocities[order] = np.column_stack([vx, vy])
+        spins[order] = turn[2] if len(turn) > 2 else 0.0
     return Motion(
         velocities,
         float(time[1]) if time else 0.0,
         float(strain[1]) if strain else None,
         films_in(text),
         directions_in(text, number),
+        rubbing_in(text, spins),
     )

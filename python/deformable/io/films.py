@@ -6,7 +6,6 @@ a wall, as compute deformable/contact tells it.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 from ..model.laws import Law
 from ..model.sticking import sticks
 from ..model.walls import Wall
+from .comments import comment_lines, rows_in_comments
 
 Films = NDArray[np.int64]
 
@@ -47,10 +47,7 @@ def memory_commands(films: Films | None) -> list[str]:
 
 def film_lines(films: Films | None) -> str:
     """Comments at the end of a data file; none without a memory."""
-    if films is None:
-        return ""
-    rows = "".join(f"# attached {row}\n" for row in _rows(films))
-    return "\n" + (rows or "# attached none\n")
+    return comment_lines("attached", films, _FILMS)
 
 
 def films_in(text: str) -> Films | None:
@@ -59,11 +56,7 @@ def films_in(text: str) -> Films | None:
     Raises:
         ValueError: they are damaged.
     """
-    rows = re.findall(r"^# attached (.+)$", text, re.MULTILINE)
-    if not rows:
-        return None
-    words = [word for row in rows for word in row.split() if word != "none"]
-    return np.array(words, np.int64).reshape(-1, 2)
+    return rows_in_comments(text, "attached", 2, int)
 
 
 def as_films(given: Sequence[Sequence[int]] | None) -> Films | None:

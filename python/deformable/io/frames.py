@@ -17,7 +17,10 @@ from ..formats.lammps_dump import dump_frame, read_dump_frame
 from ..model.packing import Packing
 from ..model.room import closed
 from . import series
+from .data_file import Motion
 from .directions import from_columns
+from .films import as_films
+from .rubbing import rubbing_from_json
 from .run_folder import DATA, SERIES, SETUPS, TRAJECTORY
 
 
@@ -175,9 +178,12 @@ def _dump_frame(number: int, packing: Packing, columns: Mapping[str, NDArray[Any
 
 
 def read_frame(
-    frame: str, radii: Sequence[float]
-) -> tuple[Packing, NDArray[np.float64], NDArray[np.float64] | None]:
-    """Packing, velocities and directions (or None) of a frame as `record` writes it.
+    frame: str,
+    radii: Sequence[float],
+    saved: Mapping[str, Any],
+    clock: tuple[float, float | None],
+) -> tuple[Packing, Motion]:
+    """A packing and its motion from a frame as `record` writes it.
 
     Particles may have been added or deleted and their radii and species changed since. They have
     radii of their own where these are others than those of their species.
@@ -185,6 +191,8 @@ def read_frame(
     Args:
         frame: its text, without the first line.
         radii: of the species.
+        saved: its setup, with films and springs of contacts.
+        clock: time and strain.
     """
     found = read_dump_frame(frame)
     values, species, largest = found.columns, found.species, np.array(radii)
@@ -197,4 +205,7 @@ def read_frame(
         found.lattice(),
         values["radius"] if own else None,
     )
-    return packing, np.column_stack([values["vx"], values["vy"]]), from_columns(values)
+    velocities = np.column_stack([values["vx"], values["vy"]])
+    films, directions = as_films(saved.get("films")), from_columns(values)
+    rubbing = rubbing_from_json(saved, values)
+    return packing, Motion(velocities, *clock, films, directions, rubbing)

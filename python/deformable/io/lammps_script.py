@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from ..model.friction import Friction
 from ..model.laws import Law
 from ..model.packing import Packing
-from .films import Films, film_commands
+from .data_file import Motion
+from .films import film_commands
 from .lammps_commands import law_commands, setup_commands, wall_commands
+from .rubbing import friction_commands, spring_commands
 from .run_folder import DATA, SCRIPT, SPECIES
 
 # Of the motion that the comments of a script propose [energy].
@@ -21,15 +24,18 @@ thermo_style custom step pe ke press
 thermo_modify norm no format float %.16g
 run 0
 
-# To relax it:
-# minimize 0 1e-12 10000 20000
-
-# To let it move at constant energy (not with deformable/sector):
+{relaxing}# To let it move at constant energy (not with deformable/sector):
 # timestep {moving!r}
-{velocity}# fix move all nve
+{velocity}# fix move all {integrator}
 # fix plane all enforce2d
 # thermo 100
 # run 1000
+"""
+
+
+_RELAXING = """# To relax it:
+# minimize 0 1e-12 10000 20000
+
 """
 
 
@@ -38,8 +44,8 @@ def script(
     law: Law,
     timestep: float,
     moving: float,
-    moves: bool = False,
-    films: Films | None = None,
+    motion: Motion,
+    friction: Friction | None,
 ) -> str:
     """Text of a LAMMPS script that reads a saved packing and evaluates it.
 
@@ -48,13 +54,21 @@ def script(
         law: its contact law.
         timestep: of a minimization [time].
         moving: time step of a motion at the temperature `TEMPERATURE` [time].
-        moves: whether the saved particles have velocities.
-        films: that there are, if particles stick.
+        motion: of the saved particles, with films and springs of contacts.
+        friction: of the contacts, if they rub.
     """
     commands = law_commands(packing, law, SPECIES) + wall_commands(packing.walls)
-    commands += film_commands(law, packing.walls, films)
+    commands += film_commands(law, packing.walls, motion.films)
+    commands += friction_commands(friction, len(packing.radii)) + spring_commands(motion.rubbing)
     commands += f"timestep {timestep!r}\n"
     setup = setup_commands(packing)
-    velocity = "" if moves else f"# velocity all create {TEMPERATURE!r} 12345\n"
-    motion = {"moving": moving, "velocity": velocity}
-    return _SCRIPT.format(script=SCRIPT, setup=setup, data=DATA, law=commands, **motion).lstrip()
+    velocity = "" if motion.moves else f"# velocity all create {TEMPERATURE!r} 12345\n"
+    integrator = "nve/sphere disc" if friction else "nve"
+    relaxing = "" if friction else _RELAXING  # minimizers pass over friction
+    proposed = {
+        "moving": moving,
+        "velocity": velocity,
+        "integrator": integrator,
+        "relaxing": relaxing,
+    }
+    return _SCRIPT.format(script=SCRIPT, setup=setup, data=DATA, law=commands, **proposed).lstrip()

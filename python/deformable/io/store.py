@@ -7,18 +7,19 @@ import math
 from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..common.errors import FileError
 from ..common.files import make_folder, reading, write_whole
 from ..common.versions import versions
+from ..model.friction import Friction
 from ..model.laws import LAWS, Law
 from ..model.packing import Packing
 from ..model.walls import KINDS, Wall
 from .data_file import Motion, motion_in, packing_file, packing_in
-from .films import Films, as_films
 from .lammps_commands import species_file
 from .lammps_script import script
+from .rubbing import rubbing_as_json
 from .run_folder import DATA, SCRIPT, SPECIES, SUMMARY, refuse
 
 
@@ -31,6 +32,7 @@ def save(
     motion: Motion,
     parameters: Mapping[str, Any] | None = None,
     frames: int | None = None,
+    friction: Friction | None = None,
 ) -> None:
     """Write a state. Only one rank may call this.
 
@@ -43,36 +45,49 @@ def save(
         motion: of its particles.
         parameters: anything JSON for the summary.
         frames: number of recorded frames up to this state, if any.
+        friction: of its contacts, if they rub.
     """
     folder = make_folder(folder)
     summary = {
         "state": dict(numbers),
-        **setup(packing, law),
+        **setup(packing, law, friction),
         "parameters": {name: _strict(value) for name, value in (parameters or {}).items()},
         "versions": versions(),
     }
     write_whole(folder / SPECIES, species_file(law, packing.radii))
-    moves = bool(motion.velocities.any())
-    write_whole(folder / SCRIPT, script(packing, law, *timesteps, moves, motion.films))
+    write_whole(folder / SCRIPT, script(packing, law, *timesteps, motion, friction))
     write_whole(folder / SUMMARY, json.dumps(summary, indent=2, default=str) + "\n")
     # last: it completes the state
     write_whole(folder / DATA, packing_file(packing, motion, frames))
 
 
-def setup(packing: Packing, law: Law, films: Films | None = None) -> dict[str, Any]:
-    """What a state is made of besides its particles: law, radii of species, walls, and films."""
+class Setup(NamedTuple):
+    """What a state is made of besides its particles."""
+
+    law: Law
+    radii: list[float]
+    walls: tuple[Wall, ...]
+    friction: Friction | None
+
+
+def setup(packing: Packing, law: Law, friction: Friction | None) -> dict[str, Any]:
+    """Law, radii of species, walls, and friction if contacts rub, as JSON."""
     settings = {name: _strict(value) for name, value in asdict(law).items() if name != "contact"}
     return {
         "law": {"name": law.name} | settings,
         "radii": packing.radii.tolist(),
         "walls": [{"shape": wall.kind, **asdict(wall)} for wall in packing.walls],
-        **({} if films is None else {"films": films.tolist()}),
+        **({} if friction is None else {"friction": _strict(asdict(friction))}),
     }
 
 
-def read_setup(
-    saved: Mapping[str, Any],
-) -> tuple[Law, list[float], tuple[Wall, ...], Films | None]:
+def memory(motion: Motion) -> dict[str, Any]:
+    """Films, and springs of contacts, as JSON; nothing without."""
+    films = {} if motion.films is None else {"films": motion.films.tolist()}
+    return films | rubbing_as_json(motion.rubbing)
+
+
+def read_setup(saved: Mapping[str, Any]) -> Setup:
     """The inverse of `setup`.
 
     Raises:
@@ -84,13 +99,16 @@ def read_setup(
         raise ValueError(f"there is no law {name!r}")
     law = replace(LAWS[name], **{key: _setting(value) for key, value in settings.items()})
     walls = tuple(_wall(**each) for each in saved.get("walls", []))
-    return law, saved["radii"], walls, as_films(saved.get("films"))
+    friction = _friction(saved["friction"]) if "friction" in saved else None
+    return Setup(law, saved["radii"], walls, friction)
 
 
 def _strict(value: Any) -> Any:
     """Infinity as a string, because JSON has none."""
     if isinstance(value, tuple):
         return [_strict(each) for each in value]
+    if isinstance(value, dict):
+        return {name: _strict(each) for name, each in value.items()}
     return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -128,6 +146,12 @@ def _setting(value: Any) -> Any:
         return value
 
 
+def _friction(saved: Mapping[str, Any]) -> Friction:
+    settings = {name: _setting(value) for name, value in saved.items() if name != "walls"}
+    walls = saved["walls"]
+    return Friction(**settings, walls=None if walls is None else _friction(walls))
+
+
 def _wall(shape: str, **values: Any) -> Wall:
     """A wall of the summary."""
     if shape not in KINDS:
@@ -135,18 +159,18 @@ def _wall(shape: str, **values: Any) -> Wall:
     return KINDS[shape](**values)
 
 
-def read(folder: Path) -> tuple[Packing, Law]:
-    """The packing in a folder, with every digit, and its contact law.
+def read(folder: Path) -> tuple[Packing, Law, Friction | None]:
+    """The packing in a folder, with every digit, its contact law, and friction if contacts rub.
 
     Raises:
         FileError: a file is missing or damaged, or the folder holds other results.
     """
     summary = summary_in(refuse(folder, but="compression"))
     with reading(folder / SUMMARY):
-        law, radii, walls, _ = read_setup(summary)
+        law, radii, walls, friction = read_setup(summary)
     with reading(folder / DATA):
         packing = packing_in(_text(folder / DATA, folder), radii)
-        return (replace(packing, walls=walls) if walls else packing), law
+        return (replace(packing, walls=walls) if walls else packing), law, friction
 
 
 def read_motion(folder: Path, number: int) -> Motion:

@@ -14,6 +14,7 @@ from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from ..common.validate import expect
+from .marks import Mark
 from .room import closed, container, obstacles
 from .scale import Scale, color_map
 from .walls import Wall
@@ -85,6 +86,7 @@ def draw(
     halves: Sequence[Halves] | None = None,
     cmap: str | None = None,
     colorbar: bool = True,
+    marks: Sequence[Mark] = (),
 ) -> Axes:
     """Draw outlines and walls with all periodic images that reach into the box.
 
@@ -101,6 +103,7 @@ def draw(
             are magenta.
         cmap: name of one of matplotlib's color maps; if not given, one for the signs of the values.
         colorbar: draw a bar of the colors beside the axes, or below if the box is wide.
+        marks: further lines of the particles, drawn on top of all.
 
     Raises:
         ParameterError: there is no such color map.
@@ -121,6 +124,8 @@ def draw(
     lines: list[Floats] = []
     chains: list[Floats] = []
     pushes: list[float] = []
+    marked: list[list[Floats]] = [[] for _ in marks]
+    widths_of_marks: list[list[float]] = [[] for _ in marks]
     to_fraction = np.linalg.inv(box)
     for n, (outline, center) in enumerate(zip(outlines, packing.positions, strict=True)):
         fraction = outline @ to_fraction
@@ -136,6 +141,9 @@ def draw(
                     ends, forces = halves[n]
                     chains += [np.array([center, end]) - shift for end in ends]
                     pushes += (on.widest * forces / on.force).tolist()
+                for k, mark in enumerate(marks):
+                    marked[k] += [line - shift for line in mark.lines[n]]
+                    widths_of_marks[k] += mark.widths[n]
     particles = PolyCollection(
         images, array=np.array(colors), cmap=colors_of, edgecolors="0.2", linewidths=0.6
     )
@@ -153,6 +161,8 @@ def draw(
         drawn.append(
             LineCollection(chains, colors=signs, linewidths=widths, capstyle="round", alpha=0.6)
         )
+    for mark, found, widths in zip(marks, marked, widths_of_marks, strict=True):
+        drawn.append(LineCollection(found, colors=mark.color, linewidths=widths, capstyle="round"))
     for collection in drawn:
         ax.add_collection(collection)
         collection.set_clip_path(frame)

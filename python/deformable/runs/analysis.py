@@ -30,7 +30,7 @@ def universe(folder: Path) -> Universe:
 
     from .plane_reader import PlaneReader
 
-    packing, _ = read(folder)
+    packing, *_ = read(folder)
     check_frames(folder)
     trajectory = recorded(folder, TRAJECTORY)
     times = [time for time, _ in clock_of(folder)]

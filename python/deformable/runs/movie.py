@@ -35,6 +35,7 @@ def movie(
     vmin: float | None = None,
     vmax: float | None = None,
     label: str | None = None,
+    spins: bool = False,
 ) -> None:
     """Draw states as a movie, all with the same scale of colors and forces.
 
@@ -49,6 +50,7 @@ def movie(
         vmin: value of the first color; that of the scale of all states if not given.
         vmax: value of the last color; that of the scale of all states if not given.
         label: see `State.plot`.
+        spins: see `State.plot`.
 
     Raises:
         ParameterError: the format is another, ffmpeg is missing, or there are no states or no such
@@ -91,6 +93,8 @@ def movie(
     ):
         for state in frames:
             figure.clear()
-            state.plot(figure.subplots(), color_by, contacts, forces, on, cmap, label=label)
+            state.plot(
+                figure.subplots(), color_by, contacts, forces, on, cmap, label=label, spins=spins
+            )
             writer.grab_frame()
             bar.update()

@@ -20,14 +20,14 @@ from ..common.errors import ParameterError
 from ..common.files import make_folder
 from ..common.steps import Steps, start_of
 from ..common.validate import expect, positive
-from ..engine.lammps import run
+from ..engine.opening import go_on
 from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
 from ..io import frames
-from ..io.films import Films, memory_commands
+from ..io.data_file import Motion
 from ..io.run_folder import DATA, SERIES, refuse
 from ..io.series import refuse_foreign
-from ..io.store import setup
+from ..io.store import memory, setup
 from ..model.packing import Packing
 from ..protocols.compression import check_target, refuse_present, remaining_steps, steps_towards
 from ..protocols.shear import check_shear, shear_steps
@@ -237,13 +237,13 @@ def _begun(
             pass
     elif start.root:
         start.save(folder, parameters, frames=first)
-    yield from steps_of(sim, start.packing, start.films, folder, parameters, done=0)
+    yield from steps_of(sim, start.packing, start.motion, folder, parameters, done=0)
 
 
 def steps_of(
     sim: Simulation,
     packing: Packing,
-    films: Films | None,
+    motion: Motion,
     folder: Path,
     parameters: Mapping[str, Any],
     done: int,
@@ -252,10 +252,8 @@ def steps_of(
     start = parameters["start"]
     target, goal = _target(parameters)
     steps = (goal, parameters["steps"], done, parameters["tolerance"])
-    time, strain = sim.time, sim.strain
     sim.restart(packing)
-    run(sim.lmp, "\n".join(memory_commands(films)))
-    sim.time, sim.strain = time, strain
+    go_on(sim, motion)
     if parameters.get("protocol") == "shear":
         states = shear_steps(sim, start.get("strain") or 0.0, *steps)
     elif target == "strain":
@@ -291,7 +289,11 @@ def write(
                 if frames.frames_in(folder) > 0 == first:  # another run is replaced
                     (folder / DATA).unlink(missing_ok=True)
                 frames.keep_frames(folder, first)
-            frames.append_setup(folder, number, setup(state.packing, state.law, state.films))
+            frames.append_setup(
+                folder,
+                number,
+                setup(state.packing, state.law, state.friction) | memory(state.motion),
+            )
             values, numbers = state.particle_values(), state.numbers()
             frames.append_frame(folder, number, state.packing, values, numbers)
             state.save(folder, parameters, frames=number + 1)

@@ -28,11 +28,11 @@ from ..common.files import reading
 from ..common.progress import progress
 from ..common.steps import Steps, start_of
 from ..common.validate import expect
-from ..engine.lammps import communicator, place_velocities, run
+from ..engine.lammps import communicator
+from ..engine.opening import go_on
 from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
 from ..io import frames
-from ..io.films import memory_commands
 from ..io.run_folder import refuse
 from ..io.store import read, read_motion, read_setup, summary_in
 from ..protocols.shear import check_shear
@@ -116,21 +116,16 @@ class Run:
         with progress("replaying", unit="state", total=len(numbers)) as bar:
             for number in numbers:
                 with reading(f"frame {number} of {self.folder / frames.TRAJECTORY}"):
-                    law, radii, walls, films = read_setup(frames.setup_of(setups, number))
+                    saved = frames.setup_of(setups, number)
+                    law, radii, walls, friction = read_setup(saved)
                     if number >= len(texts):
                         raise LookupError("it is missing")
-                    packing, velocities, directions = frames.read_frame(texts[number], radii)
+                    now = clock[number] if number < len(clock) else (0.0, None)
+                    packing, motion = frames.read_frame(texts[number], radii, saved, now)
                     packing = replace(packing, walls=walls)
-                    time, strain = clock[number] if number < len(clock) else (0.0, None)
-                with Simulation(packing, law) as sim:
-                    run(sim.lmp, "\n".join(memory_commands(films)))
-                    yield replace(
-                        sim.state(),
-                        velocities=velocities,
-                        directions=directions,
-                        time=time,
-                        strain=strain,
-                    )
+                with Simulation(packing, law, friction=friction) as sim:
+                    go_on(sim, motion)
+                    yield replace(sim.state(), directions=motion.directions)
                 bar.update()
 
     @property
@@ -141,18 +136,17 @@ class Run:
     def simulation(self, comm: MPI.Comm | None = None) -> Simulation:
         """A simulation of the last state: the same particles, box and law.
 
-        Velocities, films, directions, time and shear strain go on from those of the state.
+        Velocities, spins, films, springs of contacts, directions, time and shear strain go on from
+        those of the state.
 
         Args:
             comm: as for `Simulation`.
         """
         communicator(comm).barrier()  # rank 0 may still be writing
-        packing, law = read(self.folder)
+        packing, law, friction = read(self.folder)
         motion = read_motion(self.folder, len(packing))
-        sim = Simulation(packing, law, comm)
-        place_velocities(sim.lmp, motion.velocities)
-        run(sim.lmp, "\n".join(memory_commands(motion.films)))
-        sim.time, sim.strain, sim.directions = motion.time, motion.strain, motion.directions
+        sim = Simulation(packing, law, comm, friction=friction)
+        go_on(sim, motion)
         return sim
 
     def append(
@@ -213,8 +207,8 @@ class Run:
             FileError: the run is another one, or its files cannot be read.
         """
         communicator(comm).barrier()  # rank 0 may still be writing
-        packing, _ = read(self.folder)
-        films = read_motion(self.folder, len(packing)).films
+        packing, *_ = read(self.folder)
+        motion = read_motion(self.folder, len(packing))
         parameters, done = self.parameters, self.steps_done
         if done is None:
             raise FileError(
@@ -229,7 +223,7 @@ class Run:
         sim = self.simulation(comm)
         if done > 0:
             sim.relax(np.finfo(float).max)  # relaxed already: this only finds whether it is rigid
-        return Steps("Run.resume", steps_of(sim, packing, films, self.folder, parameters, done))
+        return Steps("Run.resume", steps_of(sim, packing, motion, self.folder, parameters, done))
 
     @property
     def steps_done(self) -> int | None:

@@ -66,9 +66,10 @@ class Analysis(ABC):
         Nodes are numbered as particles, and have `x`, `y`, `radius`, `species` and `rattler`. Each
         active contact is an edge, with the `force` along the line of centers, positive where it
         pushes [energy/length], the `distance` of the centers and the vector (`dx`, `dy`) from the
-        lower to the higher number [length]; in three dimensions there are `z` and `dz` too. Two
-        particles may touch through several images. The node -1 stands for all walls, and is there
-        if a particle touches one.
+        lower to the higher number [length]; in three dimensions there are `z` and `dz` too, and
+        with friction `friction` and `sliding`, see `State.contact_table`. Two particles may touch
+        through several images. The node -1 stands for all walls, and is there if a particle touches
+        one.
 
         Raises:
             ImportError: networkx is missing (`pip install 'lammps-deformable[networkx]'`).

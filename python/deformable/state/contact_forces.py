@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +19,10 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
+# Columns of the table where contacts rub, which edges of the graph have too.
+_OF_EDGES = ("friction", "sliding")
+
+
 class ContactForces(NamedTuple):
     """All active contacts, each once.
 
@@ -28,6 +33,8 @@ class ContactForces(NamedTuple):
             [length].
         part: of the vector that is within i: up to the contact line, 1 for a wall, shape (M,).
         force: on i, shape (M, d) [energy/length].
+        rubbing: `friction` and `sliding` of each by name, see `rubbing.RUBBING`; of contacts that
+            slip freely none.
     """
 
     i: Integers
@@ -35,6 +42,7 @@ class ContactForces(NamedTuple):
     vector: Floats
     part: Floats
     force: Floats
+    rubbing: Mapping[str, NDArray[Any]] = {}
 
 
 def forces_of_table(packing: Packing, table: ContactTable) -> ContactForces:
@@ -50,6 +58,7 @@ def forces_of_table(packing: Packing, table: ContactTable) -> ContactForces:
         vector=rows["distance"][:, None] * unit_vectors(rows["angle"] - rows["tilt"]),
         part=np.where(j < 0, 1.0, within / rows["distance"]),
         force=rows["force_vector"],
+        rubbing={name: rows[name] for name in _OF_EDGES if name in (table.dtype.names or ())},
     )
 
 
@@ -80,8 +89,9 @@ def graph(packing: Packing, contacts: ContactForces, rattlers: NDArray[np.bool_]
         found.add_node(n, **dict(zip(names, values, strict=True)))
     distance = lengths(contacts.vector)
     push = -np.sum(contacts.force * contacts.vector, axis=1) / distance
-    rows = (contacts.i, contacts.j, push, distance, *contacts.vector.T)
-    steps = [f"d{axis}" for axis in axes]
-    for i, j, force, length, *step in zip(*(row.tolist() for row in rows), strict=True):
-        found.add_edge(i, j, force=force, distance=length, **dict(zip(steps, step, strict=True)))
+    steps = {f"d{axis}": step for axis, step in zip(axes, contacts.vector.T, strict=True)}
+    of_edges = {"force": push, "distance": distance, **steps, **contacts.rubbing}
+    ends = (contacts.i, contacts.j)
+    for i, j, *edge in zip(*(row.tolist() for row in (*ends, *of_edges.values())), strict=True):
+        found.add_edge(i, j, **dict(zip(of_edges, edge, strict=True)))
     return found

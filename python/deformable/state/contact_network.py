@@ -139,8 +139,8 @@ class ContactNetwork(ABC):
         Raises:
             ParameterError: the threshold is negative or no number.
         """
-        i, j, _, _, force = self._contact_forces
-        strength, size = lengths(force), (len(self.packing), self.packing.dimension)
+        contacts, size = self._contact_forces, (len(self.packing), self.packing.dimension)
+        i, j, strength = contacts.i, contacts.j, lengths(contacts.force)
         kept = _network(i, j, *size)
         if zero_or_more("threshold", threshold) > 0.0 and kept.any():
             counts = strength >= threshold * strength[kept].mean()

@@ -40,7 +40,17 @@ ContactTable = NDArray[np.void]
 
 
 def contact_table(rows: NDArray[np.float64], packing: Packing) -> ContactTable:
-    """All contacts, sorted by (i, j, image).
+    """All contacts, sorted by (i, j, image), with the forces on the particles.
+
+    Arguments as of `sides_of`.
+    """
+    table = sides_of(rows, packing)
+    react(table)
+    return table
+
+
+def sides_of(rows: NDArray[np.float64], packing: Packing) -> ContactTable:
+    """Both sides of all contacts, each with the force vector of its own energy.
 
     Args:
         rows: of compute deformable/contact on all ranks, shape (M, len(ROWS)).
@@ -65,13 +75,21 @@ def contact_table(rows: NDArray[np.float64], packing: Packing) -> ContactTable:
     apart = packing.positions[i] + table["distance"][pair, None] * out - packing.positions[j]
     table["image"][pair] = np.rint(apart @ np.linalg.inv(packing.box)).astype(np.int64)
     table = np.concatenate([table, _missing_sides(table[pair], packing)])
-    table = table[_order(table["i"], table["j"], table["image"])]
-    pair = table["j"] >= 0
+    return table[_order(table["i"], table["j"], table["image"])]
+
+
+def react(table: ContactTable) -> None:
+    """Add to the force vector of each side the opposite of that of the other side."""
+    pair, other = other_sides(table)
     both = table["force_vector"][pair]
-    # in this order the other sides come in the order of their own
-    other = _order(table["j"][pair], table["i"][pair], -table["image"][pair])
     table["force_vector"][pair] -= both[other]
-    return table
+
+
+def other_sides(table: ContactTable) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+    """Which sides are those of pairs; and of each of these the number of the other one."""
+    pair = table["j"] >= 0
+    # in this order the other sides come in the order of their own
+    return pair, _order(table["j"][pair], table["i"][pair], -table["image"][pair])
 
 
 def attached(rows: NDArray[np.float64]) -> NDArray[np.int64]:

@@ -41,7 +41,7 @@ def chords(packing: Packing, contacts: ContactForces) -> list[list[Floats]]:
 
 def _sides(contacts: ContactForces) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats, Floats]:
     """Disk, other one, vector and part of both sides of contacts, see `ContactForces`."""
-    i, j, vector, part, _ = contacts
+    i, j, vector, part, *_ = contacts
     pair = j >= 0
     return (
         np.append(i, j[pair]),

@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..common.errors import ParameterError
 from ..common.optional import optional
 from ..common.validate import expect
 from ..model import scale as scales
+from ..model.marks import Mark
 from ..model.packing import Packing
 from ..model.scale import Scale, limited, per_particle
 
@@ -30,6 +32,7 @@ _LABELS = {
     "pressure": "pressure in the particle",
     "area_deficit": "area deficit $A_0 - A$",
     "arc_radius": "smallest radius of curvature",
+    "spin": "spin [1/time]",
     "direction": "direction of propulsion [rad]",
     "shape_parameter": r"shape parameter $P^2 / 4 \pi A$",
 }
@@ -70,6 +73,16 @@ class Pictures(ABC):
     def _halves(self) -> list[Halves]:
         """Where the contacts of each particle are, (m, 2), and their forces, (m,)."""
 
+    def _marks(self, contacts: bool, forces: bool, spins: bool) -> list[Mark]:
+        """What friction adds to these parts of a picture.
+
+        Raises:
+            ParameterError: there are no spins to draw.
+        """
+        if spins:
+            raise ParameterError("there are no spins: give the simulation a friction")
+        return []
+
     def plot(
         self,
         ax: Axes | None = None,
@@ -83,6 +96,7 @@ class Pictures(ABC):
         title: str | None = None,
         colorbar: bool = True,
         label: str | None = None,
+        spins: bool = False,
     ) -> Axes:
         """Draw the outlines, colored by a value of each particle; returns the axes.
 
@@ -99,9 +113,11 @@ class Pictures(ABC):
                 or of a column of the trajectory, e.g. `pressure`; or these numbers, shape (N,).
                 A particle whose number is nan is gray.
             contacts: draw the contacts, the straight or curved parts that outlines share; of soft
-                disks the chords of their overlaps.
+                disks the chords of their overlaps. Those that slide are green.
             forces: draw the force chains: lines between centers, with widths proportional to the
-                forces; those of films that pull are magenta.
+                forces; those of films that pull are magenta. Friction is a bar along the contact,
+                green where it slides, whose length is that part of the radius that friction is of
+                the force, at most all of it.
             scale: of colors and forces, to use one for several pictures, see
                 `deformable.model.scale`.
             cmap: name of one of matplotlib's color maps. If not given, `YlGnBu`, or `BrBG` if 0 is
@@ -112,10 +128,11 @@ class Pictures(ABC):
             colorbar: draw a bar of the colors. One bar of several pictures is
                 `figure.colorbar(axes.collections[0], ax=all_axes)`.
             label: of the bar; that of the name if not given.
+            spins: draw an arrow in each particle, the longer the faster it turns.
 
         Raises:
             ParameterError: `color_by` is no such attribute and no such numbers, there is no such
-                color map, or the `vmin` is not below `vmax`.
+                color map, the `vmin` is not below `vmax`, or there are no spins.
             ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
         """
         optional("matplotlib", "plot")
@@ -140,6 +157,7 @@ class Pictures(ABC):
             halves if forces else None,
             cmap,
             colorbar,
+            self._marks(contacts, forces, spins),
         )
 
     def values(self, color_by: str | ArrayLike) -> Floats:

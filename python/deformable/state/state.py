@@ -18,12 +18,14 @@ from ..io.data_file import Motion
 from ..io.directions import as_columns
 from ..io.films import Films
 from ..io.lammps_script import TEMPERATURE
+from ..io.rubbing import Rubbing, spin_column
 from ..io.store import save
 from ..model.filled import filled_area
+from ..model.friction import Friction
 from ..model.laws import Law
+from ..model.marks import Mark
 from ..model.packing import Packing
 from ..model.timestep import accurate_step
-from ..model.walls import Wall
 from .contact_forces import ContactForces, forces_of_table
 from .contact_network import ContactNetwork
 from .contact_table import ContactTable
@@ -62,7 +64,8 @@ class State(Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pi
         contact_table: active contacts, with a row for each side, sorted by (i, j, image):
             structured array with the fields i, j (-1 for a wall), image (2,), angle, distance,
             indentation, length, force, position (2,), tilt, half_angle, force_vector (2,),
-            contact_angle, attached, see `contact_table.COLUMNS`.
+            contact_angle, attached, see `contact_table.COLUMNS`. With friction also friction,
+            damping, spring, sliding, see `rubbing.RUBBING`, and the forces have these parts.
         root: whether this process writes files (rank 0 of the run).
         time: of all calls of `move`, and of flows, so far, 0 without motion [time].
         strain: shear strain of all calls of `shear` so far; None before the first one.
@@ -70,10 +73,14 @@ class State(Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pi
             [energy/length].
         films: contacts that stick, with IDs from 1 as in LAMMPS, see `io.films`, shape (M, 2); None
             without adhesion.
-        lost_energy: what particles that stick have lost in all calls of `move` of the simulation,
-            where they have attached and let go: with it their energy is conserved [energy].
+        lost_energy: what particles have lost in all calls of `move` of the simulation, where they
+            have attached and let go, and where contacts rub and damp: with it, and with
+            `spring_energy`, their energy is conserved [energy].
         directions: in which particles propel themselves, unit vectors, shape (N, 2); None in other
             states than those of `move` with a propulsion.
+        friction: of the contacts; None if they slip.
+        rubbing: spins, springs of contacts and what was lost, see `io.rubbing`; None without
+            friction.
         unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
             pairs; empty without.
     """
@@ -103,11 +110,14 @@ class State(Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pi
     films: Films | None = None
     lost_energy: float = 0.0
     directions: NDArray[np.float64] | None = None
+    friction: Friction | None = None
+    rubbing: Rubbing | None = None
     unsaved: str = ""
 
     def __post_init__(self) -> None:
-        for array in (value for value in vars(self).values() if isinstance(value, np.ndarray)):
-            array.setflags(write=False)
+        for array in (*vars(self).values(), *(self.rubbing or ())):
+            if isinstance(array, np.ndarray):
+                array.setflags(write=False)
 
     @property
     def phi(self) -> float:
@@ -131,8 +141,19 @@ class State(Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pi
 
     @property
     def kinetic_energy(self) -> float:
-        """Sum of v^2/2, as masses are 1 [energy]."""
-        return float(np.sum(self.velocities**2) / 2.0)
+        """Sum of v^2/2, as masses are 1; with friction also of R^2 w^2/4 for spins w [energy]."""
+        spins = 0.0 if self.rubbing is None else self.packing.radius * self.rubbing.spins
+        return float(np.sum(self.velocities**2) / 2.0 + np.sum(spins**2) / 4.0)
+
+    @property
+    def spins(self) -> NDArray[np.float64] | None:
+        """Angular velocities of the particles, shape (N,) [1/time]; None without friction."""
+        return None if self.rubbing is None else self.rubbing.spins
+
+    @property
+    def spring_energy(self) -> float:
+        """Energy of the springs along contacts, sum of kt xi^2/2; 0 without friction [energy]."""
+        return 0.0 if self.rubbing is None else self.rubbing.stored
 
     @property
     def temperature(self) -> float:
@@ -157,19 +178,10 @@ class State(Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pi
         return forces_of_table(self.packing, self.contact_table)
 
     @property
-    def history(self) -> tuple[float, float | None, NDArray[np.float64] | None]:
-        """Time, strain and directions, which go on with a simulation from this state."""
-        return self.time, self.strain, self.directions
-
-    def films_at(self, walls: tuple[Wall, ...]) -> Films | None:
-        """`films` between walls in the place of the present ones, of which they know the numbers.
-
-        Films of walls are left out if the kinds of the walls are others.
-        """
-        same = [wall.kind for wall in walls] == [wall.kind for wall in self.packing.walls]
-        if self.films is None or same:
-            return self.films
-        return self.films[self.films[:, 1] > 0]
+    def motion(self) -> Motion:
+        """What goes on with a simulation from this state, beside the packing."""
+        history = self.velocities, self.time, self.strain, self.films, self.directions
+        return Motion(*history, self.rubbing)
 
     @cached_property
     def outlines(self) -> list[NDArray[np.float64]]:
@@ -187,6 +199,16 @@ class State(Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pi
 
     def _halves(self) -> list[Halves]:
         return [(table["position"], table["force"]) for table in self.contact_tables]
+
+    def _marks(self, contacts: bool, forces: bool, spins: bool) -> list[Mark]:
+        if self.rubbing is None:
+            return super()._marks(contacts, forces, spins)
+        from .rubbing_marks import friction_bars, sliding_contacts, spin_arrows
+
+        packing, tables = self.packing, self.contact_tables
+        marks = [sliding_contacts(self.outlines, packing, tables)] if contacts else []
+        marks += friction_bars(packing, tables) if forces else []
+        return marks + (spin_arrows(packing, self.rubbing.spins) if spins else [])
 
     def save(
         self,
@@ -225,9 +247,10 @@ class State(Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pi
                 accurate_step(packing, law, pressure, now),
                 accurate_step(packing, law, pressure, max(now, TEMPERATURE)),
             )
-            history = self.velocities, self.time, self.strain, self.films, self.directions
-            motion = Motion(*history)
-            save(folder, packing, law, steps, self.numbers(), motion, parameters, frames)
+            numbers = self.numbers()
+            save(
+                folder, packing, law, steps, numbers, self.motion, parameters, frames, self.friction
+            )
 
     def numbers(self) -> dict[str, Any]:
         """The state in numbers, by name.
@@ -254,6 +277,7 @@ class State(Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pi
             "vx": self.velocities[:, 0],
             "vy": self.velocities[:, 1],
             **as_columns(self.directions),
+            **spin_column(self.rubbing),
         }
 
     def step_limits(self) -> tuple[Packing, Law, float, float]:

@@ -15,6 +15,9 @@ using namespace FixConst;
 using deformable::Friction;
 using deformable::Rub;
 
+// Between runs the elastic force of a contact may change by this part of it, as contacts are balanced to 1e-8.
+static constexpr double BALANCED = 1e-6;
+
 /* ---------------------------------------------------------------------- */
 
 FixDeformableFriction::FixDeformableFriction(LAMMPS *lmp, int narg, char **arg)
@@ -195,7 +198,7 @@ void FixDeformableFriction::rub(const LoadedContact &contact)
   } else {
     rubbed.force = std::clamp(is_new ? c.gt * now.along : m.force, -most, most);
     damping = std::min(is_new ? c.gn * now.normal : m.damping, std::max(contact.force, 0.0));
-    rubbed.slides = std::fabs(rubbed.force) >= (1.0 - 1e-12) * most;
+    rubbed.slides = std::fabs(rubbed.force) >= (1.0 - BALANCED) * most;
   }
   m = {partner, c.kt, place, rubbed.xi, rubbed.force, damping, 1.0};
   push(sides, place, {rubbed.force, damping});
@@ -205,7 +208,8 @@ void FixDeformableFriction::rub(const LoadedContact &contact)
   const double *const x = atom->x[sides.particle];
   values.push_back({static_cast<double>(atom->tag[i]), is_wall ? 0.0 : partner, x[0] + place.bx,
                     x[1] + place.by, deformable::angle_of(place.nx, place.ny), contact.force,
-                    rubbed.force, damping, rubbed.xi, rubbed.slides ? 1.0 : 0.0});
+                    rubbed.force, damping, rubbed.xi, rubbed.slides ? 1.0 : 0.0,
+                    is_wall ? partner : 0.0});
 }
 
 /* ----------------------------------------------------------------------

@@ -36,6 +36,7 @@ class FixDeformableFriction : public Fix {
   static constexpr const char *STYLE = "contact/friction";    // see FixDeformableWall
 
   int setmask() override;
+  int modify_param(int, char **) override;
   void init() override;
   void reset_dt() override;
   void setup_pre_reverse(int, int) override;
@@ -63,6 +64,7 @@ class FixDeformableFriction : public Fix {
   std::vector<PairDeformable *> pairs;    // several within a hybrid style
   bool told = false;                      // of spins
   void check_spins();
+  void find_partners();
   double lightest = 0.0;    // mass of a particle of all ranks
   void find_lightest();
   void check_time_step() const;
@@ -71,7 +73,7 @@ class FixDeformableFriction : public Fix {
   enum { STORED, SLIDING, DASHPOTS, DAMPING, CONTACTS, SLIDES, OUTPUTS };
   double output[OUTPUTS] =
       {};    // of this rank; losses of all runs so far, others of the last call
-  static constexpr int COLUMNS = 10;
+  static constexpr int COLUMNS = 11;
   std::vector<std::array<double, COLUMNS>> values;    // see array_local
   std::vector<double *> rows;
 
@@ -103,6 +105,7 @@ class FixDeformableFriction : public Fix {
   void sweep();
   void end(int i, const RememberedContact &);
   void make_room(int i);
+  void give_spring(const double *words);
   double total(int n) const;
 };
 

@@ -45,14 +45,22 @@ void FixDeformableFriction::init()
   if (!atom->tag_enable)
     error->all(FLERR, "Fix {} deformable/friction needs atom IDs: use 'atom_modify id yes'", id);
   comm->ghost_velocity = 1;
-  if (atom->map_style == Atom::MAP_NONE) {    // for partners that are not in contact any more
-    atom->map_init();
-    atom->map_set();
-  }
+  find_partners();
   check_spins();
   coefficients.find_variables();
   find_lightest();
   if (!coefficients.vary()) check_time_step();    // variables have no values before the first step
+}
+
+/* ----------------------------------------------------------------------
+   Particles by their IDs: partners that are not in contact any more.
+------------------------------------------------------------------------- */
+
+void FixDeformableFriction::find_partners()
+{
+  if (atom->map_style != Atom::MAP_NONE) return;
+  atom->map_init();
+  atom->map_set();
 }
 
 /* ----------------------------------------------------------------------

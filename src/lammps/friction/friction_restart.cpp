@@ -6,9 +6,11 @@
 
 #include "atom.h"
 #include "comm.h"
+#include "error.h"
 
 #include <algorithm>
 #include <cstdio>
+#include <string>
 
 using namespace LAMMPS_NS;
 
@@ -96,6 +98,53 @@ void FixDeformableFriction::write_restart(FILE *file)
 void FixDeformableFriction::restart(char *buffer)
 {
   if (comm->me == 0) std::copy_n(reinterpret_cast<const double *>(buffer), OUTPUTS, output);
+}
+
+/* ----------------------------------------------------------------------
+   The same from a text: fix_modify ID springs none, or springs I J x y xi f_t f_d ...,
+   and fix_modify ID lost E_sliding E_dashpots E_damping
+------------------------------------------------------------------------- */
+
+int FixDeformableFriction::modify_param(int narg, char **arg)
+{
+  constexpr int LOSSES = 3, WORDS = 7;
+  const std::string word = arg[0];
+  const auto number = [&](int n) { return utils::numeric(FLERR, arg[n], false, lmp); };
+  if (word == "lost" && narg > LOSSES) {
+    for (int n = 0; n < LOSSES; ++n) output[SLIDING + n] = comm->me == 0 ? number(1 + n) : 0.0;
+    return 1 + LOSSES;
+  }
+  if (word != "springs" || narg < 2) return 0;
+  if (narg == 2 && std::string(arg[1]) == "none") {
+    for (int i = 0; i < atom->nlocal; ++i) memory.clear(i);
+    return narg;
+  }
+  if ((narg - 1) % WORDS)
+    error->all(FLERR,
+               "fix_modify {} springs: expected 'none', or {} numbers for each contact, not {} "
+               "words",
+               id, WORDS, narg - 1);
+  find_partners();
+  for (int n = 1; n < narg; n += WORDS) {
+    double words[WORDS];
+    for (int k = 0; k < WORDS; ++k) words[k] = number(n + k);
+    give_spring(words);
+  }
+  return narg;
+}
+
+void FixDeformableFriction::give_spring(const double *words)
+{
+  const int i = atom->map(static_cast<tagint>(words[0]));
+  if (i < 0 || i >= atom->nlocal) return;    // another rank has it
+  ContactPlace place = {};
+  place.x = words[2];
+  place.y = words[3];
+  RememberedContact &m = memory.add(i, words[1], 0.0, place);
+  m.xi = words[4];
+  m.force = words[5];
+  m.damping = words[6];
+  make_room(i);
 }
 
 /* ----------------------------------------------------------------------

@@ -6,7 +6,7 @@ from typing import Any
 import deformable
 import numpy as np
 import pytest
-from deformable.io.friction import friction_commands
+from deformable.io.rubbing import friction_commands
 
 MATRIX = [[0.3, 0.1], [0.1, 0.0]]
 FIX = "fix deformable_friction all deformable/friction "

@@ -15,14 +15,15 @@ def fluid() -> deformable.Packing:
 def test_particles_turn_and_energy_balances() -> None:
     """Kinetic, of spins too, potential, stored and lost."""
     with deformable.Simulation(fluid(), deformable.Ring(), friction=FRICTION) as sim:
-        sums = []
-        for state in deformable.move(sim, 600, temperature=1e-5, seed=1, every=200):
-            spin = np.array(sim.lmp.gather("omega", 1, 3))[2::3]
-            rotation = 0.25 * np.sum(state.packing.radius**2 * spin**2)
-            rubbed = sim.lmp.extract_fix("deformable_friction", 0, 0)
-            sums.append(state.kinetic_energy + state.energy + rotation + rubbed)
-        assert np.abs(spin).max() > 1e-4
-        assert sim.lmp.extract_fix("deformable_friction", 0, 1, 1) > 0
+        states = list(deformable.move(sim, 600, temperature=1e-5, seed=1, every=200))
+        spin = np.array(sim.lmp.gather("omega", 1, 3))[2::3]
+        rubbed = sim.lmp.extract_fix("deformable_friction", 0, 0)
+    *_, state = states
+    np.testing.assert_array_equal(state.spins, spin)
+    assert np.abs(spin).max() > 1e-4
+    assert state.spring_energy + state.lost_energy == pytest.approx(rubbed, rel=1e-12)
+    assert state.rubbing.lost[0] > 0
+    sums = [s.kinetic_energy + s.energy + s.spring_energy + s.lost_energy for s in states]
     assert sums == pytest.approx([sums[0]] * 3, rel=1e-3)
 
 

@@ -1,0 +1,132 @@
+"""Runs whose contacts rub: springs, spins and losses go on from states, files and records."""
+
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from contact_laws import contacts
+from deformable.model.laws import LAWS
+
+ROUGH = deformable.Friction(
+    [[0.4, 0.2], [0.2, np.inf]],
+    1e-2,
+    1e-3,
+    damp=1e-3,
+    walls=deformable.Friction(0.2, 1e-2),
+)
+STEP = {"timestep": 0.05, "every": 100}
+
+
+def begun(law: deformable.Ring) -> deformable.Simulation:
+    """In motion between walls, with springs."""
+    walls = (*deformable.rectangle(5.5, 5), deformable.Disk((3, 3), 0.6))
+    packing = deformable.bidisperse(14, seed=3).between(walls, seed=1).at(0.84)
+    sim = deformable.Simulation(deformable.push_off(packing), law, friction=ROUGH)
+    list(deformable.move(sim, 100, temperature=1e-4, seed=1, **STEP))
+    return sim
+
+
+# Contacts are balanced to 1e-8 from the forces before: what has none, begins from others.
+BALANCE = {"balanced": 1e-8, "curved": 1e-8, "radical": 1e-13}
+
+
+def same(a: deformable.State, b: deformable.State, part: float) -> None:
+    """All that goes on, to this part of its size."""
+    assert a.friction == b.friction
+    assert a.time == b.time
+    for name in ("energy", "kinetic_energy", "spring_energy", "lost_energy", "pressure"):
+        assert getattr(a, name) == pytest.approx(getattr(b, name), rel=part)
+    pairs = [(a.packing.positions, b.packing.positions), (a.velocities, b.velocities)]
+    pairs += [(a.spins, b.spins), (a.contact_table["friction"], b.contact_table["friction"])]
+    pairs += [(a.contact_table["spring"], b.contact_table["spring"])]
+    for one, other in pairs:
+        np.testing.assert_allclose(one, other, rtol=0, atol=part * np.abs(other).max())
+    np.testing.assert_array_equal(a.contact_table["sliding"], b.contact_table["sliding"])
+
+
+@contacts
+def test_motion_goes_on(contact: str, tmp_path: Path) -> None:
+    """From a state, a saved one and a recorded one as if it had never stopped, to rounding."""
+    with begun(LAWS[contact]) as sim:
+        motion = deformable.move(sim, 200, **STEP)
+        before, state = list(deformable.record(motion, tmp_path / "run"))
+        assert 0 < before.contact_table["sliding"].sum() < len(before.contact_table)
+        *_, end = deformable.move(sim, 200, **STEP)
+    state.save(tmp_path / "saved")
+    run = deformable.Run(tmp_path / "run")
+    same(run[-1], state, BALANCE[contact])
+    same(run[1], before, BALANCE[contact])
+    for again in (
+        deformable.Simulation(state, LAWS[contact]),
+        deformable.Run(tmp_path / "saved").simulation(),
+        deformable.Run(tmp_path / "run").simulation(),
+        deformable.Simulation(run[-1], LAWS[contact]),
+    ):
+        with again:
+            *_, found = deformable.move(again, 200, **STEP)
+        # small differences grow in 200 steps: particles collide once or twice
+        same(found, end, 1e3 * BALANCE[contact])
+
+
+def test_without_springs_it_does_not_go_on(tmp_path: Path) -> None:
+    """A packing alone has lost them: the comparison above can fail."""
+    with begun(LAWS["balanced"]) as sim:
+        state = sim.state()
+        *_, end = deformable.move(sim, 200, **STEP)
+    lost = state.rubbing._replace(springs=state.rubbing.springs[:0])
+    forgetful = deformable.State(**{**vars(state), "rubbing": lost})
+    with deformable.Simulation(forgetful, state.law) as sim:
+        *_, found = deformable.move(sim, 200, **STEP)
+    assert np.abs(found.packing.positions - end.packing.positions).max() > 1e-5
+
+
+def test_other_walls_or_no_friction(tmp_path: Path) -> None:
+    with begun(LAWS["balanced"]) as sim:
+        state = sim.state()
+    assert (state.rubbing.springs[:, 1] < 0).any()
+    with deformable.Simulation(state, state.law, walls=deformable.Circle((2.7, 2.5), 4)) as sim:
+        springs = sim.state().rubbing.springs
+    assert len(springs) > 0
+    assert (springs[:, 1] > 0).all()
+    with deformable.Simulation(state.packing, state.law) as sim:
+        assert sim.state().rubbing is None
+
+
+def test_lammps_takes_it_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By the script that is saved, in a process of its own."""
+    from lammps import lammps
+
+    with begun(LAWS["balanced"]) as sim:
+        state = sim.state()
+        state.save(tmp_path)
+        *_, end = deformable.move(sim, 200, **STEP)
+    monkeypatch.chdir(tmp_path)
+    lmp = lammps(cmdargs=["-log", "none", "-screen", "none"])
+    lmp.file("in.lammps")
+    assert lmp.get_thermo("pe") == pytest.approx(state.energy, rel=1e-12)
+    lmp.commands_string("fix move all nve/sphere disc\nfix plane all enforce2d\ntimestep 0.05")
+    lmp.command("run 200")
+    found = np.reshape(lmp.gather("x", 1, 3), (-1, 3))[:, :2]
+    lost = sum(lmp.extract_fix("deformable_friction", 0, 1, n) for n in (1, 2, 3))
+    lmp.close()
+    np.testing.assert_allclose(found, end.packing.positions, rtol=0, atol=1e-5)
+    assert lost == pytest.approx(end.lost_energy, rel=1e-5)
+
+
+def test_damaged_springs(tmp_path: Path) -> None:
+    with begun(LAWS["balanced"]) as sim:
+        sim.state().save(tmp_path)
+    file = tmp_path / "packing.data"
+    file.write_text(file.read_text().replace("# spring 1", "# spring x 1", 1))
+    with pytest.raises(deformable.FileError, match=r"\A[^\n]*packing.data"):
+        deformable.Run(tmp_path).simulation()
+
+
+def test_nothing_unsaved_is_told(recwarn: pytest.WarningsRecorder, tmp_path: Path) -> None:
+    with begun(LAWS["balanced"]) as sim:
+        sim.state().save(tmp_path / "one")
+        assert not [w for w in recwarn if w.category is deformable.UnsavedWarning]
+        sim.lmp.command("fix rub all deformable/friction 0.1 1e-3 0")
+        with pytest.warns(deformable.UnsavedWarning, match="friction of contacts"):
+            sim.state().save(tmp_path / "two")
