@@ -1,7 +1,6 @@
 """A compression that is killed and resumed gives the files of one that was not, byte for byte."""
 
 import json
-import signal
 import subprocess
 import sys
 import time
@@ -11,21 +10,23 @@ import deformable
 import numpy as np
 import pytest
 from deformable.cli import main as cli
-from programs import program
+from programs import command, program
 
 FILES = (
     *("packing.data", "species.deformable", "in.lammps", "summary.json"),
     *("series.csv", "trajectory.lammpstrj", "setups.jsonl"),
 )
 
-# A command that kills itself before it opens for writing, renames or removes a file of the run for
-# the n-th time, or in the middle of the n-th text that it appends.
-VICTIM = """
-import os, signal, sys
+# Commands that kill themselves before they open for writing, rename or remove a file of the run for
+# the n-th time, or in the middle of the n-th text that they append. Each is a process of its own,
+# from a fork of one that has loaded what they need, and has no MPI yet.
+VICTIMS = """
+import json, os, signal, sys
+import mpi4py
+mpi4py.rc.initialize = False
+from mpi4py import MPI
 from deformable.cli import main as cli
 from deformable.io import series
-
-how, count = sys.argv.pop(1), int(sys.argv.pop(1))
 
 def strike():
     global count
@@ -46,11 +47,18 @@ def torn(path, text):
         strike()
         file.write(text[len(text) // 2 :])
 
-if how == "before":
-    sys.addaudithook(watch)
-else:
-    series.append = torn
-cli.main()
+for how, count, *words in json.loads(sys.argv[1]):
+    child = os.fork()
+    if child == 0:
+        MPI.Init()
+        if how == "before":
+            sys.addaudithook(watch)
+        else:
+            series.append = torn
+        sys.argv = ["deformable", "compress", "--out", "run", *words]
+        cli.main()
+    _, status = os.waitpid(child, 0)
+    assert os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGKILL, (how, count)
 """
 
 # at 0.6 % a step the packing rearranges, so that other last digits would show
@@ -58,13 +66,13 @@ START = ("--number", "16", "--strain", "0.03", "--steps", "5", "--seed", "5")
 
 
 def compress(*options: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    return program("deformable", "compress", "--out", "run", *options, cwd=cwd)
+    return command("compress", "--out", "run", *options, cwd=cwd)
 
 
-def killed(how: str, count: int, *options: str, cwd: Path) -> None:
-    command = ("python", "-c", VICTIM, how, count, "compress", "--out", "run", *options)
-    result = program(*command, cwd=cwd)
-    assert result.returncode == -signal.SIGKILL, result.stderr
+def killed(*victims: tuple[object, ...], cwd: Path) -> None:
+    """Commands, one after another: how and when each dies, and its options."""
+    result = program("python", "-c", VICTIMS, json.dumps(victims), cwd=cwd)
+    assert result.returncode == 0, result.stderr
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -81,18 +89,24 @@ def uninterrupted(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
 
 
 def test_killed_again_and_again(uninterrupted: dict[str, bytes], tmp_path: Path) -> None:
-    killed("torn", 1, *START, cwd=tmp_path)  # within the line of its law and walls
     again = (*START, "--overwrite")
-    killed("torn", 3, *again, cwd=tmp_path)  # within the row of the start
-    killed("before", 19, *again, cwd=tmp_path)  # before its packing, which is written last
+    killed(
+        ("torn", 1, *START),  # within the line of its law and walls
+        ("torn", 3, *again),  # within the row of the start
+        ("before", 19, *again),  # before its packing, which is written last
+        cwd=tmp_path,
+    )
     result = compress("--resume", cwd=tmp_path)  # there is no run yet
     assert (result.returncode, result.stderr.count("\n")) == (2, 1)
     assert "packing.data is missing" in result.stderr
 
-    killed("before", 20, *again, cwd=tmp_path)  # before the frame of the first step
-    killed("torn", 3, "--resume", cwd=tmp_path)  # within the frame of the second step
-    killed("torn", 2, "--resume", cwd=tmp_path)  # within its row
-    killed("before", 23, "--resume", cwd=tmp_path)  # between summary and packing of the third step
+    killed(
+        ("before", 20, *again),  # before the frame of the first step
+        ("torn", 3, "--resume"),  # within the frame of the second step
+        ("torn", 2, "--resume"),  # within its row
+        ("before", 23, "--resume"),  # between summary and packing of the third step
+        cwd=tmp_path,
+    )
     result = compress("--resume", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert [line.split()[0] for line in result.stdout.splitlines()] == [
@@ -123,7 +137,7 @@ def test_the_same_command_resumes(
     """Another option is refused, and so is going further from an interrupted run."""
     monkeypatch.chdir(tmp_path)
     law = ("--kA", "1", "--kP", "inf", "--radii", "0.5", "0.7", "--law", "balanced")
-    killed("torn", 8, *START, *law, cwd=tmp_path)
+    killed(("torn", 8, *START, *law), cwd=tmp_path)
     broken = contents(tmp_path / "run")
     for option, saved, given in (
         ("--seed", "5", "2"),
