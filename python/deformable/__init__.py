@@ -58,6 +58,7 @@ if TYPE_CHECKING:
     from .protocols.oscillation import dynamic_modulus as dynamic_modulus
     from .protocols.oscillation import oscillate as oscillate
     from .protocols.polish import polish as polish
+    from .protocols.settling import settle as settle
     from .protocols.shear import shear as shear
     from .protocols.starts import push_off as push_off
     from .runs.analysis import export as export
@@ -136,6 +137,7 @@ _HOMES = {
     "record": "runs.recording",
     "rectangle": "model.walls",
     "resolve_secondary": "state.secondary",
+    "settle": "protocols.settling",
     "shear": "protocols.shear",
     "shear_in": "runs.recording",
     "shear_modulus": "protocols.moduli",

@@ -1,0 +1,112 @@
+"""Jamming with friction: packing fraction and contacts at the onset over the friction of contacts.
+
+python frictional_jamming.py          20 s: 32 droplets at three coefficients of friction
+python frictional_jamming.py large    five minutes of processor time: 64 droplets at seven
+"""
+
+import argparse
+import json
+import math
+import time
+from pathlib import Path
+
+import deformable
+import numpy as np
+import results
+
+# Droplets of radii 1 : 1.4 and mass 1 that keep their area. A contact has the stiffness 2 to 4, so
+# that these springs and dashpots are as stiff, and damp a bounce nearly.
+LAW = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
+SPRING, DASHPOT, DAMPING = 1.0, 0.5, 1.0
+TIMESTEP = 0.08  # the longest stable one for any contacts of these droplets
+LOOSE = 0.7
+
+# particles, packings, coefficients of friction, pressures one after another, inertial number
+PLANS = {
+    "small": (32, 4, (0.0, 0.1, 10.0), (5e-4, 2e-3), 5e-3),
+    "large": (64, 20, (0.0, 0.01, 0.03, 0.1, 0.3, 1.0, 10.0), (1e-4, 4e-4, 1.6e-3), 2e-3),
+}
+
+# A contact is fully mobilized from this part of Coulomb's bound on.
+MOBILIZED = 0.999
+
+
+def network(pairs, number, least):
+    """Which contacts remain once particles with fewer than `least` are removed, one by one."""
+    kept = np.ones(len(pairs), dtype=bool)
+    while True:
+        degree = np.bincount(pairs[kept].ravel(), minlength=number)
+        stays = kept & (degree[pairs] >= least).all(axis=1)
+        if (stays == kept).all():
+            return kept
+        kept = stays
+
+
+def measure(sim, state, mu):
+    """Numbers of a state at rest.
+
+    A particle is a rattler with fewer than three contacts, and with friction fewer than two.
+    """
+    rows = contacts(sim)
+    pairs, normal, along = rows[:, :2].astype(int) - 1, rows[:, 5], np.abs(rows[:, 6])
+    kept = network(pairs, len(state.packing), 2 if mu else 3)
+    rigid, count = len(np.unique(pairs[kept])), int(kept.sum())
+    used = along[kept] / (mu * normal[kept]) if mu else np.zeros(count)
+    force = np.linalg.norm(np.reshape(sim.lmp.gather("f", 1, 3), (-1, 3)), axis=1)
+    torque = np.reshape(sim.lmp.gather("torque", 1, 3), (-1, 3))[:, 2] / state.packing.radius
+    numbers = {
+        "phi": state.phi,
+        "pressure": state.pressure,
+        "rigid": rigid,
+        "contacts": count,
+        "z": 2.0 * count / rigid,
+        "mobilized": int(np.sum(used > MOBILIZED)),
+        "mobilization": used.mean(),
+        "coulomb": np.max(along - mu * normal) / normal.mean(),
+        "force": force.max() / normal.mean(),
+        "torque": np.abs(torque).max() / normal.mean(),
+        "at_rest": not state.stalled,
+    }
+    return {name: n if isinstance(n, int) else float(f"{n:.6g}") for name, n in numbers.items()}
+
+
+def contacts(sim):
+    """The rows of fix deformable/friction."""
+    rows, table = (sim.lmp.extract_fix("deformable_friction", 2, kind) for kind in (4, 2))
+    return np.array([table[n][:10] for n in range(rows)])
+
+
+def jammed(number, mu, seed, pressures, inertial_number):
+    """A loose packing that is compressed to a pressure, and to higher ones from there."""
+    begun = time.process_time()
+    friction = deformable.Friction(mu, SPRING, DASHPOT, damp=DAMPING)
+    start = deformable.push_off(deformable.bidisperse(number, phi=LOOSE, seed=seed))
+    found = []
+    with deformable.Simulation(start, LAW, friction=friction) as sim:
+        for pressure in pressures:
+            state = deformable.settle(
+                sim, pressure, inertial_number=inertial_number, timestep=TIMESTEP
+            )
+            found.append(measure(sim, state, mu))
+    seconds = time.process_time() - begun
+    return {"mu": mu, "seed": seed, "seconds": round(seconds, 1), "states": found}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("plan", nargs="?", default="small", choices=PLANS)
+    parser.add_argument("--workers", type=int, help="processes, all cores if not given")
+    asked = parser.parse_args()
+    number, packings, frictions, pressures, slow = PLANS[asked.plan]
+    calls = [
+        (number, mu, seed, pressures, slow) for seed in range(1, packings + 1) for mu in frictions
+    ]
+    keep = f"{asked.plan}_kept"
+    rows = deformable.parallel_map(jammed, calls, asked.workers, "jamming", keep=keep)
+    found = {"number": number, "pressures": pressures, "inertial_number": slow, "packings": rows}
+    Path(f"{asked.plan}.json").write_text(json.dumps(found, indent=1) + "\n")
+    results.write(found, asked.plan)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,83 @@
+"""Table and picture of jamming with friction, from the numbers of all packings."""
+
+from pathlib import Path
+
+import deformable
+import matplotlib.pyplot as plt
+import numpy as np
+
+# what is extrapolated, and its digits
+MEANS = {"phi": 4, "z": 3, "rattlers": 1, "mobilized": 3, "mobilization": 3}
+
+
+def table(found):
+    """Means and errors of each coefficient of friction at p -> 0; rows by mu."""
+    number, pressures = found["number"], np.array(found["pressures"])
+    rows = []
+    for mu in sorted({each["mu"] for each in found["packings"]}):
+        same = [each["states"] for each in found["packings"] if each["mu"] == mu]
+        row = {"mu": mu, "packings": len(same)}
+        for name in MEANS:
+            values = [[value(name, state, number) for state in states] for states in same]
+            power = 0.5 if name == "z" else 1.0
+
+            def at_onset(means, power=power):
+                """A line through the means at all pressures, over p^power."""
+                means = np.mean(means, axis=0)
+                return np.polyfit(pressures**power, means, 1)[1]
+
+            row[name] = deformable.jackknife(at_onset, values)
+        rows.append(row)
+    return rows
+
+
+def value(name, state, number):
+    """One number of a state; mobilized contacts are counted per particle."""
+    if name == "rattlers":
+        return number - state["rigid"]
+    if name == "mobilized":
+        return state[name] / state["rigid"]
+    return state[name]
+
+
+def cells(row):
+    """Values and errors of a row as text."""
+    return [f"{row[name][0]:.{n}f} +- {row[name][1]:.{n}f}" for name, n in MEANS.items()]
+
+
+def write(found, name):
+    """Print and log the table, and draw it."""
+    rows = table(found)
+    lines = [
+        f"{found['number']} droplets, pressures {', '.join(f'{p:g}' for p in found['pressures'])}",
+        f"{'mu':8}{'phi_J':20}{'z':19}{'rattlers':16}{'mobilized':19}mobilization",
+    ]
+    lines += [f"{row['mu']:<6g}  " + "    ".join(cells(row)) for row in rows]
+    states = [state for each in found["packings"] for state in each["states"]]
+    lines += [
+        f"largest force and torque {max(max(s['force'], s['torque']) for s in states):.1e} of the "
+        f"mean contact force; beyond Coulomb's bound {max(s['coulomb'] for s in states):.1e}",
+        f"{sum(not s['at_rest'] for s in states)} states not at rest; "
+        f"{sum(each['seconds'] for each in found['packings']):.0f} s of processor time",
+    ]
+    text = "\n".join(lines)
+    print(text)
+    Path(f"{name}.log").write_text(text + "\n")
+    draw(rows, f"{name}.png")
+
+
+def draw(rows, file, beads=()):
+    """z and phi_J over mu; mu = 0 stands at the left end."""
+    figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
+    mu = np.array([row["mu"] for row in rows])
+    least = mu[mu > 0].min() / 3.0
+    for ax, name, label in zip(axes, ("z", "phi"), ("contacts z", "$\\phi_J$"), strict=True):
+        mean, error = np.array([row[name] for row in rows]).T
+        ax.errorbar(np.where(mu > 0, mu, least), mean, error, fmt="o-", label="droplets")
+        ax.set(xscale="log", xlabel="friction of the contacts $\\mu$", ylabel=label)
+        ax.axvline(least, color="0.85", zorder=0)
+        ax.text(least, ax.get_ylim()[0], " $\\mu$ = 0", color="0.4", va="bottom", fontsize=8)
+    for level in (3, 4):
+        axes[0].axhline(level, color="0.7", linewidth=0.8, zorder=0)
+    figure.savefig(file, dpi=130)
+    plt.close(figure)

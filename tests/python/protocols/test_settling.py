@@ -1,0 +1,122 @@
+"""Rest at a pressure, with friction and without."""
+
+import math
+from typing import Any
+
+import deformable
+import numpy as np
+import pytest
+
+DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
+
+
+def simulation(mu: float | None, number: int = 16, seed: int = 1) -> deformable.Simulation:
+    """A loose packing whose contacts rub and damp, or slip if there is no mu."""
+    friction = None if mu is None else deformable.Friction(mu, 1.0, 0.5, damp=1.0)
+    loose = deformable.push_off(deformable.bidisperse(number, phi=0.65, seed=seed))
+    return deformable.Simulation(loose, DROPLETS, friction=friction)
+
+
+def rubbing(sim: deformable.Simulation) -> np.ndarray:
+    """Rows of fix deformable/friction."""
+    rows, table = (sim.lmp.extract_fix("deformable_friction", 2, kind) for kind in (4, 2))
+    return np.array([table[n][:10] for n in range(rows)])
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.3, math.inf])
+def test_every_particle_is_in_balance(mu: float) -> None:
+    """Forces and torques of the contacts of each add up to nothing, within Coulomb's bound."""
+    with simulation(mu) as sim:
+        state = deformable.settle(sim, 1e-3, inertial_number=0.02, tolerance=1e-5)
+    packing, table = state.packing, state.contact_table
+    normal, along, i = table["force"], table["friction"], table["i"]
+    tension = normal.mean()
+    assert not state.stalled
+    assert state.pressure == pytest.approx(1e-3, rel=1e-5)
+    assert (np.abs(along) <= mu * normal * (1.0 + 1e-12)).all()
+    assert (np.abs(along).max() > 0.01 * tension) == (mu > 0.0)
+    lever = table["position"] - packing.positions[i]
+    lever -= packing.box.diagonal() * np.rint(lever / packing.box.diagonal())
+    torque = np.bincount(i, along * np.linalg.norm(lever, axis=1)) / packing.radius
+    force = np.zeros_like(packing.positions)
+    np.add.at(force, i, table["force_vector"])
+    assert np.abs(force).max() < 2e-5 * tension
+    assert np.abs(torque).max() < 2e-5 * tension
+
+
+def test_contacts_at_the_onset() -> None:
+    """As many forces as keep N' particles in balance under a pressure; fewer with friction."""
+    found = []
+    for mu, each in ((0.0, 2), (10.0, 3)):  # equations of a particle
+        with simulation(mu, 32) as sim:
+            deformable.settle(sim, 1e-3, inertial_number=0.01, timestep=0.08)
+            rows = rubbing(sim)
+        pairs, kept = rows[:, :2].astype(int), np.ones(len(rows), bool)
+        for _ in range(32):  # rattlers go
+            kept &= (np.bincount(pairs[kept].ravel(), minlength=33)[pairs] >= 5 - each).all(axis=1)
+        rigid, contacts = len(np.unique(pairs[kept])), kept.sum()
+        # less the motions of all together, and the pressure
+        assert (1 if mu == 0.0 else 2) * contacts >= each * rigid - 1
+        found.append(2.0 * contacts / rigid)
+    smooth, rough = found
+    assert rough < smooth - 0.2  # of 1, more than five times the scatter of packings
+
+
+def test_contacts_that_slip_are_at_an_energy_minimum() -> None:
+    with simulation(None) as sim:
+        state = deformable.settle(sim, 5e-3, inertial_number=0.02)
+        relaxed = sim.relax(1e-8)
+    assert not state.stalled
+    assert relaxed.energy == pytest.approx(state.energy, rel=1e-4)
+    assert relaxed.phi == pytest.approx(state.phi, abs=1e-6)
+
+
+def test_it_goes_on_at_other_pressures() -> None:
+    """Along the same packing: springs of the contacts stay."""
+    with simulation(0.3) as sim:
+        with pytest.warns(deformable.StalledWarning, match=r"\A[^\n]*come to rest[^\n]*call again"):
+            first = deformable.settle(sim, 1e-3, inertial_number=0.02, steps=10)
+        assert first.stalled
+        states = [
+            deformable.settle(sim, pressure, inertial_number=0.02)
+            for pressure in (1e-3, 4e-3, 1e-3)
+        ]
+        low, high, again = states
+        assert low.phi < high.phi
+        assert again.phi == pytest.approx(low.phi, abs=0.2 * (high.phi - low.phi))
+        assert sim.time == again.time > high.time > low.time > first.time > 0.0
+        assert "deformable_box" not in sim.lmp.available_ids("fix")
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"pressure": 0.0}, "pressure must be a positive number, not 0"),
+        ({"pressure": math.nan}, "pressure must be a positive number, not nan"),
+        ({"tolerance": 0.0}, "tolerance must be a positive number, not 0"),
+        ({"inertial_number": -1.0}, "inertial_number must be a positive number, not -1"),
+        ({"steps": 0}, "steps must be at least 1, not 0"),
+        ({"timestep": 1.0}, r"timestep = 1 is too long .* at most 0\.13"),
+    ],
+)
+def test_refused(values: dict[str, Any], message: str) -> None:
+    with simulation(0.3) as sim:
+        with pytest.raises(deformable.ParameterError, match=message) as error:
+            deformable.settle(sim, **({"pressure": 1e-3} | values))
+        assert "\n" not in str(error.value)
+        assert sim.time == 0.0
+
+
+def test_what_cannot_settle() -> None:
+    walled = deformable.bidisperse(8, phi=0.5, seed=1).between(deformable.rectangle(4, 4))
+    with (
+        deformable.Simulation(deformable.push_off(walled), DROPLETS) as sim,
+        pytest.raises(deformable.ParameterError, match=r"\A[^\n]*walls do not follow[^\n]*plane"),
+    ):
+        deformable.settle(sim, 1e-3)
+    packing = deformable.push_off(deformable.bidisperse(8, phi=0.5, seed=1))
+    with (
+        deformable.Simulation(packing, deformable.Sector()) as sim,
+        pytest.raises(deformable.ParameterError, match="Sector jumps"),
+    ):
+        deformable.settle(sim, 1e-3)
