@@ -29,6 +29,10 @@ _LONGEST = 0.02
 _FLATTEST, _STEEPEST = 0.1, 10.0
 
 
+class UnreachedError(ParameterError):
+    """A target for which no box was found."""
+
+
 class Relaxed(Protocol):
     """A relaxed state."""
 
@@ -108,8 +112,8 @@ def _ordinate(name: str, value: float, state: Any) -> float:
     return excess_phi(value / natural_pressure(packing, law), packing, law)
 
 
-def _unreached(name: str, target: float, state: Relaxed, why: str) -> ParameterError:
-    return ParameterError(
+def _unreached(name: str, target: float, state: Relaxed, why: str) -> UnreachedError:
+    return UnreachedError(
         f"{name} = {target:.10g} was not reached, but {getattr(state, name):.10g} at phi = "
         f"{state.phi:.6f}: {why}"
     )

@@ -15,7 +15,7 @@ from ..common.progress import progress
 from ..common.ranks import world
 from ..common.steps import Steps
 from ..common.validate import count, expect, finite, positive
-from ..engine.box_search import REACHED, Relaxed, reach, told_at_the_end
+from ..engine.box_search import REACHED, Relaxed, UnreachedError, reach, told_at_the_end
 from ..engine.disks import Disks
 from ..engine.polygon_simulation import PolygonSimulation
 from ..engine.simulation import Simulation
@@ -175,13 +175,22 @@ def steps_towards(
     refuse_present(name, start, target)
     given = _given(tolerance)
 
-    def step(n: int) -> S:
-        goal = start + (target - start) * n / steps if n < steps else target
+    def reached(goal: float) -> S:
         if name == "pressure":
             return sim.relax(pressure=goal, **given)
         return told_at_the_end(
-            lambda relax: reach(sim, name, goal, relax), lambda: sim.relax(**given), stacklevel=5
+            lambda relax: reach(sim, name, goal, relax), lambda: sim.relax(**given), stacklevel=6
         )
+
+    def step(n: int) -> S:
+        if n == steps:
+            return reached(target)
+        try:
+            return reached(start + (target - start) * n / steps)
+        except UnreachedError as error:
+            raise UnreachedError(
+                f"{name} = {target:.10g} was not reached: in step {n} of {steps}, {error}"
+            ) from None
 
     return _stepped(step, steps, done, expands=target < start)
 

@@ -130,6 +130,14 @@ def test_a_phi_beyond_the_law_is_told_with_what_was_reached(jammed: deformable.P
             list(deformable.compress(sim, phi=0.9999999, steps=1, tolerance=1e-3))
 
 
+@pytest.mark.filterwarnings("ignore")
+def test_a_pressure_beyond_the_law_is_told_as_it_was_given(jammed: deformable.Packing) -> None:
+    with deformable.Simulation(jammed, DROPLETS) as sim:
+        told = r"^pressure = 60 was not reached: in step 1 of 2, pressure = 30\.\d+ was not reached"
+        with pytest.raises(deformable.ParameterError, match=told):
+            list(deformable.compress(sim, pressure=60.0, steps=2, tolerance=1e-3))
+
+
 @pytest.mark.filterwarnings("ignore::deformable.StalledWarning")
 def test_sectors_that_conserve_their_area_have_a_target_phi() -> None:
     """Their relaxations stall, but that phi is the one of undeformed disks."""
