@@ -17,6 +17,7 @@ from ..model.laws import Law
 from ..model.sticking import refuse_adhesion
 from ..state.polygon_state import PolygonState
 from ..state.state import State
+from .matching import matching_laws
 from .shape_error import shape_error
 
 # Corners of an outline: the polygon is nearer to the curve than 2e-6 of its radius.
@@ -60,24 +61,34 @@ def _over(ours: float, exact: float) -> float:
     return ours / exact if exact else math.inf
 
 
-def predict(reference: PolygonState, law: Law, comm: MPI.Comm | None = None) -> State:
+def predict(reference: PolygonState, law: Law | None = None, comm: MPI.Comm | None = None) -> State:
     """The state of a contact law for particles at the centers of bead polygons, not relaxed.
 
     Their radii are the effective ones of the polygons, `Polygons.effective_radius`.
+
+    Args:
+        reference: the polygons.
+        law: by default `balanced` with the kA of the polygons, their kP = kL/N_v, and their beads
+            as a rigid skin.
+        comm: MPI ranks, as in `Simulation`.
 
     Raises:
         ParameterError: an argument is of another kind, or particles stick.
         LammpsError: see `Simulation.relax`.
     """
     expect("reference", reference, PolygonState)
+    if law is None:
+        law = matching_laws(reference.model, reference.polygons)["balanced"]
     refuse_adhesion(law, (), ", and polygons have none")
     packing = replace(reference.packing, radii=reference.polygons.effective_radius)
     with Simulation(packing, law, comm) as sim:
         return sim.state()
 
 
-def compare(reference: PolygonState, law: Law, comm: MPI.Comm | None = None) -> Comparison:
-    """Compare a contact law with bead polygons at the same centers."""
+def compare(
+    reference: PolygonState, law: Law | None = None, comm: MPI.Comm | None = None
+) -> Comparison:
+    """Compare a contact law, as in `predict`, with polygons at the same centers."""
     state = predict(reference, law, comm)
     return Comparison(reference, state, shape_errors(reference, state))
 

@@ -97,6 +97,9 @@ def test_balanced_law_on_the_independent_packing(independent: deformable.Polygon
     force = {(r["i"], r["j"], *r["image"].tolist()): r["force"] for r in table}
     off = [abs(f - force[j, i, -a, -b]) for (i, j, a, b), f in force.items()]
     assert max(off) < 1e-8 * table["force"].max()
+    by_default = deformable.compare(independent)
+    assert by_default.state.law == found.state.law
+    assert by_default.energy_ratio == found.energy_ratio
 
 
 def test_circles_on_the_independent_packing(independent: deformable.PolygonState) -> None:
