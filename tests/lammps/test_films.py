@@ -36,6 +36,16 @@ def doublet(distance, folder, w, radius=1.0, **options):
     return droplets([[0, 0], [distance, 0]], folder, w, (1.0, radius), **options)
 
 
+def test_an_adhesion_that_leaves_no_room_is_named(tmp_path):
+    """Six films of an angle of 60 degrees, 2 theta, need two turns."""
+    angle = np.arange(6) * np.pi / 3
+    ring = 1.9 * np.column_stack([np.cos(angle), np.sin(angle)])
+    scene = droplets([[0, 0], *ring], tmp_path, 1.0)
+    told = "Atom 1 has no shape that keeps its area: its 6 contacts of adhesion 1 leave no room. "
+    with pytest.raises(Exception, match=f"{told}Compress less, take a smaller adhesion, or give"):
+        scene.energy()
+
+
 def pair_at(distance):
     return np.array([[0, 0], [distance, 0.0]])
 

@@ -249,19 +249,6 @@ Energy PairDeformableRing::shape_ring(int i, const Contacts &contacts, const Sti
   return harmonic(stiffness.kA, shape.area_deficit);
 }
 
-/* ---------------------------------------------------------------------- */
-
-void PairDeformableRing::no_shape(int i, int contacts)
-{
-  const bool keeps_area = std::isinf(stiffness_of(i).kA);
-  error->one(FLERR,
-             "Atom {} has no {}: its {} contacts leave no room. Compress less, or give "
-             "{} a {} kA",
-             atom->tag[i], keeps_area ? "shape that keeps its area" : "stable shape", contacts,
-             kA_by_atom ? "it" : "species " + materials.species_of(i).name,
-             keeps_area ? "finite" : "larger");
-}
-
 /* ----------------------------------------------------------------------
    The outline bulges out of the undeformed circle and expands as a whole. The
    lines of all particles and walls within the cutoff are known; any other

@@ -85,6 +85,7 @@ class PairDeformableRing : public PairDeformable {
   double depth_of_reach(int i) const;
   static int deepest(const deformable::Contacts &);
   [[noreturn]] void refuse_bulge(int i, const deformable::Contacts &, int partner);
+  double largest_adhesion(int i) const;
   [[noreturn]] void no_shape(int i, int contacts);
 };
 

@@ -62,6 +62,31 @@ Energy PairDeformableRing::shape_without_room(int i, const Contacts &contacts)
   return energy;
 }
 
+// The largest adhesion of the contacts that a particle may have.
+double PairDeformableRing::largest_adhesion(int i) const
+{
+  double largest = 0.0;
+  for (int type = 1; type <= atom->ntypes; ++type)
+    largest = std::max(largest, adhesions.between(atom->type[i], type));
+  for (const FixDeformableWall *wall : walls)
+    if (atom->mask[i] & wall->groupbit) largest = std::max(largest, wall->adhesion());
+  return largest;
+}
+
+void PairDeformableRing::no_shape(int i, int contacts)
+{
+  const bool keeps_area = std::isinf(stiffness_of(i).kA);
+  const double adhesion = largest_adhesion(i);
+  error->one(FLERR,
+             "Atom {} has no {}: its {} contacts{} leave no room. Compress less, {}or give "
+             "{} a {} kA",
+             atom->tag[i], keeps_area ? "shape that keeps its area" : "stable shape", contacts,
+             adhesion > 0.0 ? fmt::format(" of adhesion {:g}", adhesion) : "",
+             adhesion > 0.0 ? "take a smaller adhesion, " : "",
+             kA_by_atom ? "it" : "species " + materials.species_of(i).name,
+             keeps_area ? "finite" : "larger");
+}
+
 int PairDeformableRing::all_giving_way() const
 {
   int all = 0;
@@ -73,7 +98,8 @@ void PairDeformableRing::tell_room()
 {
   pvector[6] = giving_way;
   const bool soft = materials.yield > 0.0;
-  if ((soft && warned_no_room) || !may_give_way()) return;
+  if (soft && warned_no_room) return;
+  if (!soft && (balanced || !may_give_way())) return;    // balanced contacts have told all ranks
   const int number = all_giving_way();
   if (number == 0) return;
   if (!soft) begin_to_give_way();
