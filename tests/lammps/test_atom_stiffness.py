@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from combinations import Packing
+from combinations import assert_same as assert_same_results
 from laws import CURVED, EXACT, RADICAL, ring_laws
 from materials import pushed
 from parallel import TWO, assert_same, on_grids, report, reported
@@ -129,6 +131,19 @@ def test_restart(tmp_path):
     some.run(f"clear\nread_restart {tmp_path / 'restart'}\n{FIX}")
     some.run(f"pair_style {style}\npair_coeff * * {tmp_path / 'species.txt'} a large\nrun 0")
     assert some.lmp.get_thermo("pe") == pytest.approx(expected / len(SMALL), rel=1e-12)
+
+
+@ring_laws
+def test_as_a_fresh_run(law, tmp_path):
+    """Motion conserves the energy; a new LAMMPS takes the particles of a data file, and values."""
+    packing = Packing(f"{EXACT[law]} kA atom")
+    values = f"{FIX}\nvariable kA atom 1+id%3\nset group all d_kA v_kA\n"
+    packing.run(f"{values}fix move all nve\nrun 0")
+    before = packing.value("etotal")
+    packing.run("run 200")
+    # benchmarks/nve.py: 1e-5 at larger time steps
+    assert packing.value("etotal") == pytest.approx(before, abs=1e-4 * packing.value("ke"))
+    assert_same_results(packing.results(), packing.fresh(tmp_path, values).results())
 
 
 def two(tmp_path, keywords, commands, text="\na 0.5 1.0 0.3 tension 0.02\n", law=RADICAL):

@@ -6,6 +6,7 @@ The last section, of smooth polygons, is tested in test_edge_works_with.py.
 import re
 from pathlib import Path
 
+import test_atom_stiffness as values
 import test_restart as files
 import test_works_with as fresh
 import test_works_with_bonds as bonds
@@ -17,6 +18,7 @@ import test_works_with_small_boxes as boxes
 
 PAGE = Path(__file__).parents[2] / "docs" / "works_with.md"
 OTHERS = {
+    "fix property/atom": values.test_as_a_fresh_run,
     "bond_style": bonds.test_bonded_particles_keep_their_contacts,
     "special_bonds": bonds.test_other_factors_are_refused,
     "fix gjf": plane.test_gjf,

@@ -31,7 +31,8 @@ def state_in_file(
         deformable.state_in_file("shapes.dump", "mixture.deformable").export("shapes.vtp")
 
     Positions are those of the file; nothing moves. They must be periodic and of one plane.
-    Velocities are left out. Particles with an adhesion stick where their circles overlap.
+    Velocities are left out. Particles with an adhesion stick where their circles overlap. A file
+    does not tell of the stiffnesses of single particles, *kA atom*: they are those of the species.
 
     Args:
         path: a LAMMPS dump, or what else `Packing.from_file` reads.
