@@ -61,6 +61,13 @@ def test_time_step_too_long(tmp_path):
     assert np.abs(scene.v).max() < 0.1
 
 
+def test_a_time_step_that_grows_too_long(tmp_path):
+    scene = Grains(PAIR, 1, "0 1 0 damp 2", tmp_path, [[-0.01, 0], [-0.01, 0]], dt=0.01)
+    scene.run("fix dt all dt/reset 1 NULL 10 0.1 units box")
+    with refuses("Fix rub .*: the time step .* is too long .*: use 0.125 or less"):
+        scene.run("run 3")
+
+
 def test_a_time_step_that_does_not_matter_to_minimizers(tmp_path):
     Grains(PAIR, 1, "0.5 1 0", tmp_path, dt=10).run("minimize 0 1e-3 1 10")
 

@@ -62,6 +62,36 @@ def test_beside_another_pair_style(tmp_path):
     assert scene.balance() == pytest.approx(before, rel=1e-4)
 
 
+def test_films_that_are_pulled(tmp_path):
+    """They do not rub, and damp while their sides approach; energy balances."""
+    errors = []
+    for dt in (0.02, 0.01):
+        scene = Grains(
+            [[-0.98, 0], [0.98, 0]], 1, "0.5 0.5 0.1 damp 0.02", tmp_path,
+            [[-0.02, -0.1], [0.02, 0.1]], 0.1, law="curved", dt=dt,
+        )  # fmt: skip
+        with (tmp_path / "species").open("a") as species:
+            species.write("adhesion drop drop 0.3\n")
+        scene.run(f"pair_coeff * * {tmp_path}/species drop\nrun 0 post no")
+        before, found, rows = scene.balance(), [], []
+        for _ in range(50):
+            scene.run(f"run {round(0.2 / dt)} post no")
+            found.append(scene.balance() - before)
+            rows.extend(scene.rows[:, 5:])
+        errors.append(np.abs(found).max())
+        force, friction, damping, _, slides = np.transpose(rows)
+        pulled = force < 0
+        assert 10 < pulled.sum() < 40
+        assert (friction[pulled] == 0).all()
+        assert (slides[pulled] == 1).all()
+        assert (damping[pulled] <= 0).all()
+        assert (damping[pulled] < 0).any()
+        assert (np.abs(friction) <= 0.5 * np.maximum(force, 0)).all()
+        assert np.abs(friction).max() > 0.01
+    assert scene.terms["damping"] > 0.01
+    assert errors[0] / errors[1] == pytest.approx(4, abs=0.5)
+
+
 def test_rerun(tmp_path):
     """Files have neither springs nor spins: each snapshot has what its velocities say."""
     x, radii, v, _ = cloud()
