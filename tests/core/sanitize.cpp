@@ -4,6 +4,7 @@
 
 #include "contact.h"
 #include "contact_stiffness.h"
+#include "friction.h"
 #include "outline.h"
 #include "ring.h"
 #include "ring_hessian.h"
@@ -149,6 +150,29 @@ Contact contact(double angle, double indentation)
   return {angle, std::cos(angle), std::sin(angle), indentation};
 }
 
+// Contacts that rub, with coefficients of any size, 0 and inf among them.
+template <class Uniform> void rubs(Uniform uniform)
+{
+  const auto some = [&] {
+    return uniform(0.0, 1.0) < 0.2 ? 0.0 : std::pow(10.0, uniform(-9.0, 9.0));
+  };
+  const double infinity = std::numeric_limits<double>::infinity();
+  const Friction c = {uniform(0.0, 1.0) < 0.1 ? infinity : some(), some(), some(), some()};
+  require(invalid_friction(c).empty() && largest_time_step(c, 1.0, 3.0) > 0.0, "friction", {});
+  const double dt = std::pow(10.0, uniform(-6.0, 0.0));
+  Rub before = {0.0, 0.0, false};
+  for (int step = 0; step < 20; ++step) {
+    const double normal = uniform(-0.1, 1.0), way = dt * uniform(-1.0, 1.0);
+    const Rub now = rub(c, before.xi, way, dt, normal);
+    const RubLoss lost = loss(c.kt, before, now, way);
+    require(std::isfinite(now.xi + now.force + lost.sliding + lost.dashpot), "rub", {});
+    require(std::fabs(now.force) <= most_friction(c.mu, normal), "Coulomb's bound", {});
+    const double damped = damping(c.gn, way, dt, normal);
+    require(std::isfinite(damped) && damped <= std::max(normal, 0.0), "damping", {});
+    before = now;
+  }
+}
+
 }    // namespace
 
 int main()
@@ -183,6 +207,7 @@ int main()
     kernels(1.0, contacts, false);
   }
 
+  for (int trial = 0; trial < 1000; ++trial) rubs(uniform);
   for (int trial = 0; trial < 1000; ++trial) {
     const double ri = uniform(0.1, 2.0), rj = uniform(0.1, 2.0), d = (ri + rj) * uniform(0.5, 1.2);
     const ContactLine line = contact_line(d, 1.0 / d, ri, rj);

@@ -78,6 +78,14 @@ STICKS = st.one_of(
     st.tuples(st.sampled_from(ROOMS), positive, st.just("radius"), numbers).map(list),
     words_of("radius", *ROOMS),
 ).map(" ".join)
+COEFFICIENT = st.one_of(positive, positive, numbers, st.sampled_from(["inf", "v_grows", "v_each"]))
+RUBS = st.one_of(
+    st.tuples(*[COEFFICIENT] * 3).map(list),
+    st.tuples(*[COEFFICIENT] * 3, st.just("damp"), COEFFICIENT).map(list),
+    st.tuples(*[positive] * 3, st.just("types"), TYPES, TYPES | st.just("wall"), *[COEFFICIENT] * 4)
+    .map(list),
+    words_of("damp", "types", "wall", "inf", "v_grows", "v_each"),
+).map(" ".join)  # fmt: skip
 POLYGONS = st.one_of(
     numbers.map(lambda kA: [kA]),
     st.tuples(positive, st.just("rest"), numbers).map(list),
@@ -85,6 +93,9 @@ POLYGONS = st.one_of(
 ).map(" ".join)
 GROUPS = st.sampled_from(["all", "all", "some", "none", "nobody"])
 RUNS = ["run 0", "minimize 0 1e-8 3 6", "fix move all nve", "velocity all set 0.1 0 0", "run 3"]
+
+
+STYLES = ["ring", "ring contact radical", "ring contact curved", "sector"]
 
 
 def check(answer):
@@ -136,6 +147,25 @@ def test_sticks(host, examples):
         pair = f"pair_style {pair}", coeff, "comm_modify cutoff 1.5"
         fix = f"fix stick {group} deformable/stick {stick}"
         assert check(host.answer(beside_regions(*pair, fix)))
+
+    answers()
+
+
+@pytest.mark.parametrize("examples", SOME)
+def test_friction(host, examples):
+    @settings(max_examples=examples, deadline=None)
+    @given(GROUPS, RUBS, st.booleans(), st.sampled_from(STYLES))
+    def answers(group, rub, spins, style):
+        scene = beside_regions(
+            *(f"pair_style deformable/{style}", "pair_coeff * * species a d", "neighbor 0.3 bin"),
+            *("variable grows equal 0.1*step", "variable each atom x"),
+            *("fix wall all deformable/wall left", f"fix rub {group} deformable/friction {rub}"),
+        )
+        if spins:
+            scene = ["atom_style sphere", *scene]
+            scene.remove("mass * 1.0")
+            scene[scene.index("fix move all nve")] = "fix move all nve/sphere disc"
+        assert check(host.answer(scene, {"species": SPECIES}))
 
     answers()
 
@@ -223,6 +253,7 @@ pair_style deformable/ring
 pair_coeff * * species a d
 fix w all deformable/wall left
 fix s all deformable/stick left 3.0 radius 0.4
+fix r all deformable/friction 0.5 0.1 0.01 damp 0.1 types 1 wall 0.1 0.1 0 0
 compute c all deformable/contact
 compute sum all reduce sum c_c[4] c_c[5] inputs local
 compute virial all pressure NULL virial
@@ -243,6 +274,7 @@ ORDERS = [
     *(["region left delete"], ["region left plane -0.5 0 0 1 0 0"]),
     *(["unfix w"], ["fix w all deformable/wall left"], ["fix w2 all deformable/wall left"]),
     *(["unfix s"], ["fix s all deformable/stick left 3.0 radius 0.4"]),
+    *(["unfix r"], ["fix r all deformable/friction inf 0.1 0"], ['print "$(f_r[1])"']),
     *(["uncompute sum"], ["compute c2 all deformable/contact"]),
     *(["thermo_style one"], ['print "$(v_v)"'], ['print "$(c_virial)"'], ['print "$(f_w[1])"']),
     *(["run 0"], ["run 2"], ["minimize 0 1e-8 2 4"], ["fix move all nve"]),
@@ -253,7 +285,12 @@ ORDERS = [
         ["displace_atoms all move 0 1 0"],
     ),
     *(["write_restart restart"], ["replicate 2 1 1"], ["reset_atoms id"], ["reset_timestep 0"]),
-    *(["dump d all local 1 dump.local c_c[1] c_c[2]"], ["undump d"], ["atom_modify sort 1 0.5"]),
+    *(
+        ["dump d all local 1 dump.local c_c[1] c_c[2]"],
+        ["undump d"],
+        ["dump r all local 1 dump.rub f_r[1]"],
+        ["atom_modify sort 1 0.5"],
+    ),
     *(["run_style respa 2 2 pair 1"], ["delete_atoms group all"], ["group some id 1"]),
     *(["neigh_modify every 1 delay 0 check no"], ["neighbor 0.3 nsq"], ["write_data data nofix"]),
 ]

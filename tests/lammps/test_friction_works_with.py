@@ -62,6 +62,14 @@ def test_beside_another_pair_style(tmp_path):
     assert scene.balance() == pytest.approx(before, rel=1e-4)
 
 
+def test_no_contacts_before_the_first_run(tmp_path):
+    """Minimizers pass over friction: a file of its contacts is empty."""
+    scene = Grains([[-0.98, 0], [0.98, 0]], 1, "0.5 0.6 0", tmp_path)
+    scene.run(f"dump rows all local 1 {tmp_path}/rows f_rub[1] f_rub[6]\nminimize 0 1e-9 1 9")
+    assert len(scene.rows) == 0
+    assert (tmp_path / "rows").read_text().count("ENTRIES\n0\n") == 2
+
+
 def test_films_that_are_pulled(tmp_path):
     """They do not rub, and damp while their sides approach; energy balances."""
     errors = []

@@ -84,6 +84,45 @@ fix walls all deformable/wall walls
 ROOM = "change_box all x scale 1.04 y scale 1.04 remap"  # what keeps its area needs some
 
 
+RUB = """
+variable mu equal 0.1+0.1*step*dt
+fix rub all deformable/friction v_mu 0.5 0.1 damp 0.1 types 1 wall inf 0.5 0 0
+"""
+RUBBED = f"""{RUB}
+compute rubbed all stress/atom NULL fix
+fix rubbed all ave/atom 1 1 1 c_rubbed[1] c_rubbed[2]
+dump rubbed all local 1 rubbed.dump f_rub[1] f_rub[5] f_rub[7]
+atom_modify sort 1 0.5
+neigh_modify every 1 delay 0 check no
+"""
+
+
+def rubbing(law, commands=""):
+    """Friction, its restart, and a particle that is lost."""
+    style = f"deformable/ring contact {law} radius atom"
+    script = spheres(packing(style, "small large", commands + RUBBED))
+    script = script.replace("fix move all nve", "fix move all nve/sphere disc")
+    return (
+        script
+        + f"""
+write_restart rubbed.restart
+clear
+read_restart rubbed.restart
+pair_style {style}
+pair_coeff * * {SPECIES} small large
+{WALL.split("final")[-1].split(chr(10), 1)[1] if commands else ""}
+{RUB}
+fix move all nve/sphere disc
+run 2
+group lost id 3
+delete_atoms group lost
+run 2
+unfix rub
+run 1
+"""
+    )
+
+
 SMOOTH = polygons.SPRINGS.replace("harmonic/cut", "deformable/edge 1.6")
 
 
@@ -143,6 +182,8 @@ pair_coeff * * {SPECIES} small large
 fix move all nve
 run 2
 """,
+    "friction, radical": rubbing("radical"),
+    "friction, curved, walls": rubbing("curved", WALL),
     "polygon and its restart": bead_scene(polygons.REST)
     + f"""
 write_restart polygons.restart

@@ -34,6 +34,7 @@ FixDeformableFriction::FixDeformableFriction(LAMMPS *lmp, int narg, char **arg)
   virial_global_flag = virial_peratom_flag = thermo_virial = 1;
   local_flag = local_freq = 1;
   size_local_cols = COLUMNS;
+  size_local_rows = 0;    // until the first run
   comm_reverse = 6;
   dynamic_group_allow = 1;
   stores_ids = 1;
