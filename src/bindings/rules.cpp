@@ -65,6 +65,15 @@ It must be from 0 to below the radius; without a radius, 0 or positive and finit
 
 One of kA and kP must be inf, the skin and the tension 0.)");
   m.def(
+      "invalid_for_droplets",
+      [](double kA, double kP, double skin, double tension) {
+        return or_none(invalid_for_droplets(kA, kP, skin, tension));
+      },
+      "kA"_a, "kP"_a, "skin"_a, "tension"_a,
+      R"(The problem of valid stiffnesses and a skin for droplets in three dimensions, or None.
+
+kA must be inf, kP and the skin 0, the tension positive.)");
+  m.def(
       "invalid_adhesion", [](double adhesion) { return or_none(invalid_adhesion(adhesion)); },
       "adhesion"_a,
       R"(The problem of this adhesion in a phrase that names its value, or None: it must be 0 or positive and finite.)");

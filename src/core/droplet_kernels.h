@@ -33,7 +33,7 @@ struct DropletArrays {
   double *indentation;     // a, a length
   double *tx, *ty,
       *tz;              // sum over the others of dG/dm f n: a/R changes by dG/dm f n as n_c turns
-  float *compliance;    // da/df for the force of the place alone
+  float *compliance;    // da/dF for the force of the place alone
   float *green, *d_green;    // matrices
   float *scratch;            // for the largest droplet
 };
@@ -41,9 +41,9 @@ struct DropletArrays {
 struct DropletKernels {
   // All of the droplets begin to end, from the forces of their pairs.
   void (*evaluate)(const DropletArrays &, const PairForces &, int begin, int end);
-  // The same after a small step of the forces of the pairs, from what evaluate has left: in single precision where that is
-  // multiplied by the step.
-  void (*adapt)(const DropletArrays &, const float *step, int begin, int end);
+  // The same after a small step to these forces of the pairs, from what evaluate has left. Products with the step are in
+  // single precision.
+  void (*adapt)(const DropletArrays &, const PairForces &, const float *step, int begin, int end);
   // What a step of the forces of the pairs changes to first order: da by place.
   void (*multiply)(const DropletArrays &, const float *step, float *product, int begin, int end);
 };

@@ -22,7 +22,8 @@ DEFORMABLE_LANE_FUNCTION void finish_droplet(const DropletArrays &d, int i)
     sum_of_squares += d.force[c] * d.force[c];
   }
   const DropletLoad load(sum, sum_of_squares);
-  const double radius = d.radius[i], of_all = load.squares * load.slope;
+  const double radius = d.radius[i], of_all = load.squares * load.slope,
+               over_tension = 1.0 / d.tension[i];
   double work = 0.0;
   for (int c = begin; c < end; c += W) {
     const Lanes f = deformable::DEFORMABLE_LEVEL::load<Lanes>(d.force + c),
@@ -32,7 +33,7 @@ DEFORMABLE_LANE_FUNCTION void finish_droplet(const DropletArrays &d, int i)
     for (int w = 0; w < W; ++w) work += own[w];
     store(d.indentation + c,
           radius * (own_indentation(f, l, load.logarithm) + (response + of_all)));
-    store(d.compliance + c, own_compliance(l, load.logarithm));
+    store(d.compliance + c, own_compliance(l, load.logarithm) * over_tension);
     store(d.rounded + c, f);
   }
   d.load[i] = load.x;
@@ -99,7 +100,8 @@ DEFORMABLE_LANE_FUNCTION void add(double *to, Floats x, double unit)
     store(to + w, load<Lanes>(to + w) + unit * load<Lanes>(numbers + w));
 }
 
-static void adapt_droplets(const DropletArrays &d, const float *step, int begin, int end)
+static void adapt_droplets(const DropletArrays &d, const PairForces &p, const float *step,
+                           int begin, int end)
 {
   for (int i = begin; i < end; ++i) {
     const int first = d.first[i], places = d.first[i + 1] - first, contacts = d.contacts[i];
@@ -117,13 +119,12 @@ static void adapt_droplets(const DropletArrays &d, const float *step, int begin,
         ty += turned * static_cast<float>(ny[k]);
         tz += turned * static_cast<float>(nz[k]);
       }
-      const Floats steps = load<Floats>(y + row);
-      add(d.force + first + row, steps, unit);
       add(d.response + first + row, response, unit);
       add(d.tx + first + row, tx, unit);
       add(d.ty + first + row, ty, unit);
       add(d.tz + first + row, tz, unit);
     }
+    for (int c = first; c < first + places; ++c) d.force[c] = unit * p.force[d.seat[c] >> 1];
     finish_droplet(d, i);
   }
 }
@@ -147,10 +148,9 @@ static void multiply_droplets(const DropletArrays &d, const float *step, float *
                 unit = static_cast<float>(1.0 / d.tension[i]);
     for (int row = 0; row < places; row += FLOATS) {
       const Floats own = load<Floats>(d.compliance + first + row), here = load<Floats>(y + row);
-      Floats sums = own * here + of_all;
+      Floats sums = of_each * load<Floats>(f + row) + of_all;
       for (int k = 0; k < contacts; ++k) sums += load<Floats>(green + k * places + row) * y[k];
-      sums += of_each * load<Floats>(f + row);
-      store_floats(product + first + row, unit * sums);
+      store_floats(product + first + row, own * here + unit * sums);
     }
   }
 }

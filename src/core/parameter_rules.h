@@ -82,6 +82,21 @@ inline std::string invalid_for_sectors(double kA, double kP, double skin, double
   return "";
 }
 
+// For droplets in three dimensions, besides the rules above: they keep their volume under a tension, and have no skin.
+inline std::string invalid_for_droplets(double kA, double kP, double skin, double tension)
+{
+  if (!std::isinf(kA))
+    return "a droplet in three dimensions keeps its volume: kA must be inf, not " +
+           shown_number(kA);
+  if (kP != 0.0)
+    return "a droplet in three dimensions has no kP: it must be 0, not " + shown_number(kP);
+  if (!(tension > 0.0))
+    return "a droplet in three dimensions needs a positive tension, not " + shown_number(tension);
+  if (skin != 0.0)
+    return "a droplet in three dimensions has no skin: it must be 0, not " + shown_number(skin);
+  return "";
+}
+
 inline std::string invalid_adhesion(double adhesion)
 {
   if (adhesion >= 0.0 && std::isfinite(adhesion)) return "";

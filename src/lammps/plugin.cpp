@@ -7,6 +7,7 @@
 #include "friction/fix_deformable_friction.h"
 #include "motion/fix_deformable_propel.h"
 #include "pair/compute_deformable_contact.h"
+#include "pair/pair_deformable_droplet.h"
 #include "pair/pair_deformable_ring.h"
 #include "pair/pair_deformable_sector.h"
 #include "polygons/fix_deformable_polygon.h"
@@ -59,6 +60,7 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.info = "pair_style " #key;                                                                \
   plugin.creator.v1 = &pair_creator<Style>;                                                        \
   register_style(&plugin, lmp)
+#include "pair/pair_deformable_droplet.h"
 #include "pair/pair_deformable_ring.h"
 #include "pair/pair_deformable_sector.h"
 #include "polygons/pair_deformable_edge.h"

@@ -2,14 +2,15 @@
 
 using namespace LAMMPS_NS;
 
-PastForces ForceHistory::find(tagint tag, tagint partner, double x, double y) const
+PastForces ForceHistory::find(tagint tag, tagint partner, double x, double y, double z) const
 {
-  const Entry wanted = entry_of(tag, partner, x, y, {});
+  const Entry wanted = entry_of(tag, partner, x, y, z, {});
   const auto [first, last] = std::equal_range(entries.begin(), entries.end(), wanted);
   PastForces found;
-  float nearest = wanted.x * wanted.x + wanted.y * wanted.y;
+  float nearest = wanted.x * wanted.x + wanted.y * wanted.y + wanted.z * wanted.z;
   for (auto entry = first; entry != last; ++entry) {
-    const float dx = entry->x - wanted.x, dy = entry->y - wanted.y, square = dx * dx + dy * dy;
+    const float dx = entry->x - wanted.x, dy = entry->y - wanted.y, dz = entry->z - wanted.z;
+    const float square = dx * dx + dy * dy + dz * dz;
     if (square > nearest) continue;
     nearest = square;
     found = entry->past;

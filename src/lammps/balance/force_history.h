@@ -21,11 +21,11 @@ class ForceHistory {
     bulges.reserve(particles);
   }
 
-  // Particle `tag` and a partner have borne these forces: another particle at the relative position (x, y), or a wall
-  // of this code < 0.
-  void add(tagint tag, tagint partner, double x, double y, const PastForces &past)
+  // Particle `tag` and a partner have borne these forces: another particle at the relative position (x, y, z), or a
+  // wall of this code < 0.
+  void add(tagint tag, tagint partner, double x, double y, const PastForces &past, double z = 0.0)
   {
-    entries.push_back(entry_of(tag, partner, x, y, past));
+    entries.push_back(entry_of(tag, partner, x, y, z, past));
   }
   void add_bulge(tagint tag, double bulge) { bulges.push_back({tag, bulge}); }
   void sort()
@@ -34,9 +34,9 @@ class ForceHistory {
     std::sort(bulges.begin(), bulges.end());
   }
 
-  // A particle in a small box may have several images of its partner: the one nearest to (x, y) counts. Nothing is known
-  // if there is none within the distance that (x, y) itself has.
-  PastForces find(tagint tag, tagint partner, double x, double y) const;
+  // A particle in a small box may have several images of its partner: the one nearest to (x, y, z) counts. Nothing is
+  // known if there is none within the distance that (x, y, z) itself has.
+  PastForces find(tagint tag, tagint partner, double x, double y, double z = 0.0) const;
 
   // Negative if it is not known.
   double bulge(tagint tag) const;
@@ -47,18 +47,19 @@ class ForceHistory {
   // of a pair, from the particle with the smaller tag
   struct Entry {
     tagint tag, partner;
-    float x, y;    // sufficient to tell images apart
+    float x, y, z;    // sufficient to tell images apart
     PastForces past;
     bool operator<(const Entry &other) const
     {
       return tag != other.tag ? tag < other.tag : partner < other.partner;
     }
   };
-  static Entry entry_of(tagint tag, tagint partner, double x, double y, const PastForces &past)
+  static Entry entry_of(tagint tag, tagint partner, double x, double y, double z,
+                        const PastForces &past)
   {
-    const float fx = static_cast<float>(x), fy = static_cast<float>(y);
-    if (partner < 0 || tag < partner) return {tag, partner, fx, fy, past};
-    return {partner, tag, -fx, -fy, past.from_second()};
+    const float fx = static_cast<float>(x), fy = static_cast<float>(y), fz = static_cast<float>(z);
+    if (partner < 0 || tag < partner) return {tag, partner, fx, fy, fz, past};
+    return {partner, tag, -fx, -fy, -fz, past.from_second()};
   }
   std::vector<Entry> entries;
   std::vector<std::pair<tagint, double>> bulges;

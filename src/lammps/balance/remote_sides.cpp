@@ -55,6 +55,7 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
     PARTNER,
     X,
     Y,
+    Z,
     PAST,
     EARLIER,
     TILT = EARLIER + 3,
@@ -83,6 +84,7 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
     at(i, slot, PARTNER) = static_cast<double>(atom->tag[pair.j]);
     at(i, slot, X) = pair.x;
     at(i, slot, Y) = pair.y;
+    at(i, slot, Z) = pair.z;
     at(i, slot, PAST) = pair.past.force;
     for (int n = 0; n < 3; ++n) at(i, slot, EARLIER + n) = pair.past.earlier[n];
     for (int n = 0; n < LINES && curved; ++n) {
@@ -95,12 +97,13 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
   int kept = 0;
   for (int c = 0; c < count; ++c) {
     Candidate pair = candidates[c];
-    double nearest = ROUNDING * (square(pair.x) + square(pair.y));
+    double nearest = ROUNDING * (square(pair.x) + square(pair.y) + square(pair.z));
     int found = -1;
     const int j = pair.j;
     for (int slot = 0; slot < slots; ++slot) {
       if (at(j, slot, PARTNER) != static_cast<double>(atom->tag[pair.i])) continue;
-      const double distance2 = square(at(j, slot, X) + pair.x) + square(at(j, slot, Y) + pair.y);
+      const double distance2 = square(at(j, slot, X) + pair.x) +
+                               square(at(j, slot, Y) + pair.y) + square(at(j, slot, Z) + pair.z);
       if (distance2 >= nearest) continue;
       nearest = distance2;
       found = slot;

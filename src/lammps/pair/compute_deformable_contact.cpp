@@ -19,7 +19,7 @@ ComputeDeformableContact::ComputeDeformableContact(LAMMPS *lmp, int narg, char *
                arg[3]);
   local_flag = 1;
   size_local_rows = 0;
-  size_local_cols = 15;
+  size_local_cols = PairDeformable::CONTACT_COLUMNS;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -44,16 +44,7 @@ void ComputeDeformableContact::compute_local()
 {
   invoked_local = update->ntimestep;
   values.clear();
-  for (const PairDeformable *pair : pairs)
-    for (const RecordedContact &contact : pair->recorded) {
-      if (!(atom->mask[contact.atom] & groupbit)) continue;
-      values.insert(values.end(),
-                    {static_cast<double>(atom->tag[contact.atom]),
-                     static_cast<double>(contact.partner), contact.indentation, contact.length,
-                     contact.force, contact.x, contact.y, contact.angle, contact.distance,
-                     contact.line.tilt, contact.line.half_angle, contact.push.fx, contact.push.fy,
-                     contact.line.contact_angle, contact.line.attached});
-    }
+  for (const PairDeformable *pair : pairs) pair->list_contacts(groupbit, values);
   size_local_rows = static_cast<int>(values.size()) / size_local_cols;
   rows.resize(size_local_rows + 1);
   for (int r = 0; r < size_local_rows; ++r) rows[r] = &values[r * size_local_cols];

@@ -25,10 +25,12 @@ using deformable::unstable_radius;
 
 /* ---------------------------------------------------------------------- */
 
-PairDeformable::PairDeformable(LAMMPS *lmp, int outputs)
+PairDeformable::PairDeformable(LAMMPS *lmp, int outputs, int dimension)
     : Pair(lmp),
+      results(dimension),
       beyond_model(0),
-      bulge_over_reach(0.0)
+      bulge_over_reach(0.0),
+      dimension(dimension)
 {
   single_enable = 0;
   restartinfo = 0;
@@ -123,8 +125,13 @@ void PairDeformable::check_lines_bend(const std::string &whose, bool sticks) con
 
 void PairDeformable::init_style()
 {
-  if (domain->dimension != 2)
-    error->all(FLERR, "Pair styles deformable/* are two-dimensional: use 'dimension 2'");
+  if (domain->dimension != dimension)
+    error->all(FLERR,
+               dimension == 3
+                   ? "Pair style deformable/droplet is three-dimensional: use 'dimension 3', or "
+                     "'pair_style deformable/ring' for droplets in two dimensions"
+                   : "Pair styles deformable/* are two-dimensional: use 'dimension 2', or "
+                     "'pair_style deformable/droplet' for droplets in three dimensions");
   if (force->newton_pair == 0)
     error->all(FLERR, "Pair styles deformable/* need 'newton on': their forces act on ghost atoms");
   if (radius_by_atom && !atom->radius_flag)
@@ -197,7 +204,7 @@ void PairDeformable::end_call()
 
   // also at the end of each run, after which particles may be written to a file
   const bool output = eflag_global && update->whichflag == 1;
-  if (!warned_out_of_plane && (neighbor->ago == 0 || output))
+  if (dimension == 2 && !warned_out_of_plane && (neighbor->ago == 0 || output))
     warned_out_of_plane = warn_out_of_plane(lmp, *list);
 
   pvector[0] = beyond_model;
@@ -211,11 +218,9 @@ void PairDeformable::end_call()
     MPI_Reduce(&beyond_model, &all, 1, MPI_INT, MPI_SUM, 0, world);
     if (comm->me == 0)
       error->warning(FLERR,
-                     "{} of {} particles are beyond the model: part of their outline has a "
-                     "negative radius of curvature (past confluence, or contacts too close to each "
-                     "other). Their shape does not exist, their energy and forces continue the "
+                     "{} of {} particles are beyond the model: {} energy and forces continue the "
                      "law without a known error. 'compute ID all pair' counts them",
-                     all, atom->natoms);
+                     all, atom->natoms, what_is_beyond());
   }
 }
 
@@ -245,6 +250,21 @@ void PairDeformable::record(int i, int partner, const deformable::Contact &conta
   recorded.push_back({i, partner < 0 ? 0 : atom->tag[partner], contact.indentation, length, force,
                       x[0] + height * contact.nx, x[1] + height * contact.ny, contact.angle,
                       distance, line, push});
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformable::list_contacts(int groupbit, std::vector<double> &rows) const
+{
+  for (const RecordedContact &contact : recorded) {
+    if (!(atom->mask[contact.atom] & groupbit)) continue;
+    rows.insert(rows.end(),
+                {static_cast<double>(atom->tag[contact.atom]), static_cast<double>(contact.partner),
+                 contact.indentation, contact.length, contact.force, contact.x, contact.y,
+                 contact.angle, contact.distance, contact.line.tilt, contact.line.half_angle,
+                 contact.push.fx, contact.push.fy, contact.line.contact_angle,
+                 contact.line.attached});
+  }
 }
 
 /* ---------------------------------------------------------------------- */

@@ -82,7 +82,7 @@ class PairDeformable : public Pair {
     return code - n * (wall(code).first_feature(wall_feature(code)) - wall_feature(code));
   }
 
-  PairDeformable(class LAMMPS *, int outputs = 2);
+  PairDeformable(class LAMMPS *, int outputs = 2, int dimension = 2);
   ~PairDeformable() override;
 
   void coeff(int, char **) override;
@@ -90,6 +90,10 @@ class PairDeformable : public Pair {
   double init_one(int, int) override;
   void *extract(const char *, int &) override;
   void *extract_peratom(const char *, int &) override;
+
+  // Appends the rows of compute deformable/contact: of contacts of this rank's particles in the group.
+  static constexpr int CONTACT_COLUMNS = 15;
+  virtual void list_contacts(int groupbit, std::vector<double> &rows) const;
   double memory_usage() override;
 
  protected:
@@ -161,7 +165,9 @@ class PairDeformable : public Pair {
 
   void end_call();
 
-  bool rubbing = false;    // whether `loaded` is asked for
+  ParticleResults results;
+  bool recording = false;    // for compute deformable/contact
+  bool rubbing = false;      // whether `loaded` is asked for
 
   // Whether anyone asks for shapes and contacts of single particles in this call.
   bool needs_shapes() const { return recording || results.requested; }
@@ -186,7 +192,13 @@ class PairDeformable : public Pair {
   // Stops if j is an image of particle i, which has no area left.
   void check_own_image(int i, int j);
 
-  int beyond_model;           // particles of this rank with a negative radius of curvature
+  int beyond_model;    // particles of this rank
+  virtual const char *what_is_beyond() const
+  {
+    return "part of their outline has a negative radius of curvature (past confluence, or contacts "
+           "too close to each "
+           "other). Their shape does not exist, their";
+  }
   double bulge_over_reach;    // the largest of this rank, at the last new neighbor list
 
  private:
@@ -213,8 +225,7 @@ class PairDeformable : public Pair {
     std::vector<double> by_type;
   } asked{};    // for extract
 
-  ParticleResults results;
-  bool recording = false;    // for compute deformable/contact
+  const int dimension;
   bool warned_beyond_model = false, warned_out_of_plane = false, warned_unused_radii = false;
 
   void allocate();

@@ -10,8 +10,10 @@ using deformable::PI;
 
 double *ParticleResults::extract(const char *name)
 {
-  for (int k = 0; k < SIZE; ++k)
-    if (std::strcmp(name, NAMES[k]) == 0) {
+  const char *const *const names = dimension == 2 ? NAMES : NAMES_OF_SURFACE;
+  const int size = dimension == 2 ? SIZE : SIZE_OF_SURFACE;
+  for (int k = 0; k < size; ++k)
+    if (std::strcmp(name, names[k]) == 0) {
       requested = true;
       return values[k].data();
     }
@@ -53,6 +55,15 @@ void ParticleResults::store_circle(int i, double radius, double pressure)
   values[CONTACTS][i] = values[CONTACT_LENGTH][i] = 0.0;
   values[PRESSURE][i] = pressure;
   values[ARC_RADIUS][i] = radius;
+}
+
+void ParticleResults::store_surface(int i, const Surface &surface)
+{
+  values[AREA][i] = surface.area;
+  values[CONTACTS][i] = surface.contacts;
+  values[PRESSURE][i] = surface.pressure;
+  values[CONTACT_AREA][i] = surface.contact_area;
+  values[LOAD][i] = surface.load;
 }
 
 double ParticleResults::bytes() const

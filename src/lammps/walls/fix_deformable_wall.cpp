@@ -97,6 +97,8 @@ void FixDeformableWall::init()
 {
   if (utils::strmatch(update->integrate_style, "^respa"))
     error->all(FLERR, "Fix {} deformable/wall cannot be used with run_style respa", id);
+  if (domain->dimension != 2)
+    error->all(FLERR, "Fix {} deformable/wall is two-dimensional: use 'dimension 2'", id);
   if (!force->pair_match("^deformable/", 0) && !force->pair_match("^deformable/", 0, 1))
     error->all(FLERR, "Fix {} deformable/wall needs a deformable pair style, but pair_style is {}",
                id, force->pair_style ? force->pair_style : "none");

@@ -1,0 +1,377 @@
+#include "droplet_solver.h"
+
+#include "droplet.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using deformable::PLACES;
+
+void DropletSolver::arrange(const DropletScene &scene, DropletList &list)
+{
+  pairs = &list.pairs;
+  remote = &list.remote_sides;
+  const DropletPairs &p = *pairs;
+  droplets = scene.list->inum;
+  rows.assign(atom->nlocal, -1);
+  for (int row = 0; row < droplets; ++row) rows[scene.list->ilist[row]] = row;
+  contacts.assign(droplets, 0);
+  for (int k = 0; k < p.size; ++k) {
+    ++contacts[rows[p.i[k]]];
+    if (k < p.remote) ++contacts[rows[p.second(k)]];
+  }
+  first.resize(droplets + 1);
+  matrix.resize(droplets + 1);
+  first[0] = 0;
+  matrix[0] = 0;
+  int most = 0;
+  for (int row = 0; row < droplets; ++row) {
+    const int places = (contacts[row] + PLACES - 1) / PLACES * PLACES;
+    first[row + 1] = first[row] + places;
+    matrix[row + 1] = matrix[row] + static_cast<std::size_t>(places) * contacts[row];
+    most = std::max(most, places);
+  }
+
+  const int places = first[droplets], remotes = p.wall - p.remote, none = places + remotes;
+  seats.assign(places, 2 * p.size);
+  for (auto &side : sides) side.assign(p.size, none);
+  std::fill(contacts.begin(), contacts.end(), 0);
+  const auto sit = [&](int k, int side, int i) {
+    const int row = rows[i], place = first[row] + contacts[row]++;
+    seats[place] = 2 * k + side;
+    sides[side][k] = place;
+  };
+  for (int k = 0; k < p.size; ++k) {
+    sit(k, 0, p.i[k]);
+    if (k < p.remote) sit(k, 1, p.second(k));
+    if (k >= p.remote && k < p.wall) sides[1][k] = places + k - p.remote;
+  }
+
+  for (auto *const v : {&radius, &tension, &of_load, &of_work}) v->resize(droplets);
+  for (auto *const v : {&slope_of_load, &bend}) v->resize(droplets);
+  for (auto *const v :
+       {&normals[0], &normals[1], &normals[2], &force, &response, &turns[0], &turns[1], &turns[2]})
+    v->resize(places);
+  indentations.assign(none + 1, 0.0);
+  for (auto *const v : {&compliance, &product}) v->assign(none + 1, 0.0f);
+  rounded.resize(places);
+  green.resize(matrix[droplets]);
+  d_green.resize(matrix[droplets]);
+  scratch.resize(most);
+  residuals.resize(p.size);
+  // one more than pairs: that of empty places
+  for (auto *const v : {&softness, &unit, &weight, &step, &left, &direction, &change})
+    v->assign(p.size + 1, 0.0f);
+  set_material(scene);
+  are_new = true;
+}
+
+void DropletSolver::set_material(const DropletScene &scene)
+{
+  const DropletPairs &p = *pairs;
+  const auto tension_of = [&](int i) {
+    return scene.materials->stiffness_of(i, scene.radius[i]).tension;
+  };
+  for (int row = 0; row < droplets; ++row) {
+    const int i = scene.list->ilist[row];
+    radius[row] = scene.radius[i];
+    tension[row] = tension_of(i);
+  }
+  constexpr double PER_TENSION = 0.25 / deformable::PI;
+  for (int k = 0; k < p.size; ++k) {
+    const int i = p.i[k], j = k < p.wall ? p.j[k] : i;
+    const double of_i = tension_of(i), of_j = tension_of(j);
+    const double soft = 1.0 / of_i + (k < p.wall ? 1.0 / of_j : 0.0);
+    softness[k] = static_cast<float>(PER_TENSION * soft);
+    unit[k] =
+        static_cast<float>(0.5 * (1.0 / (of_i * scene.radius[i]) + 1.0 / (of_j * scene.radius[j])));
+  }
+}
+
+deformable::DropletArrays DropletSolver::arrays()
+{
+  return {first.data(),        contacts.data(), matrix.data(),     radius.data(),
+          tension.data(),      of_load.data(),  of_work.data(),    slope_of_load.data(),
+          bend.data(),         seats.data(),    normals[0].data(), normals[1].data(),
+          normals[2].data(),   force.data(),    rounded.data(),    response.data(),
+          indentations.data(), turns[0].data(), turns[1].data(),   turns[2].data(),
+          compliance.data(),   green.data(),    d_green.data(),    scratch.data()};
+}
+
+void DropletSolver::sum(double *values, int count, MPI_Op operation) const
+{
+  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, operation, world);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void DropletSolver::begin_call()
+{
+  constexpr double SMOOTH = 300.0;    // of the tolerance
+  predictor.begin_call(update->ntimestep);
+  const deformable::Extrapolation by =
+      predictor.next(update->whichflag == 2, SMOOTH * tolerance * last.force);
+  take_past();
+  if (by.slope == 0.0) return;
+  DropletPairs &p = *pairs;
+  for (int k = 0; k < p.size; ++k) {
+    const double last = p.earlier[0][k], second = p.earlier[1][k], bend = last - second,
+                 twist = bend - (second - p.earlier[2][k]);
+    const double most = std::max(deformable::KINK * std::fabs(bend), by.smooth);
+    const double curve = std::fabs(twist) > most ? 0.0 : by.bend * bend + by.twist * twist;
+    p.force[k] = std::max(p.force[k] - (by.slope * last + curve), 0.0);
+  }
+}
+
+void DropletSolver::take_past()
+{
+  DropletPairs &p = *pairs;
+  for (int k = 0; k < p.size; ++k)
+    p.force[k] = p.past[k] == deformable::UNKNOWN_FORCE ? alone(k, p.overlap[k]) : p.past[k];
+}
+
+void DropletSolver::remember()
+{
+  DropletPairs &p = *pairs;
+  for (int k = 0; k < p.size; ++k) {
+    p.earlier[2][k] = p.earlier[1][k];
+    p.earlier[1][k] = p.earlier[0][k];
+    p.earlier[0][k] = p.past[k] == deformable::UNKNOWN_FORCE ? 0.0 : p.past[k] - p.force[k];
+    p.past[k] = p.force[k];
+  }
+}
+
+// Ranks have pairs of another past where droplets have moved from one to the other.
+void DropletSolver::agree()
+{
+  DropletPairs &p = *pairs;
+  const int *const side = sides[0].data() + p.remote, places = first[droplets];
+  for (int k = p.remote; k < p.wall; ++k) indentations[side[k - p.remote]] = p.force[k];
+  remote->exchange(side, places, indentations.data());
+  for (int k = p.remote; k < p.wall; ++k)
+    p.force[k] = 0.5 * (p.force[k] + indentations[places + k - p.remote]);
+}
+
+/* ---------------------------------------------------------------------- */
+
+bool DropletSolver::solve()
+{
+  if (are_new && comm->nprocs > 1) agree();
+  are_new = false;
+  const bool minimizing = update->whichflag == 2;
+  // beyond the model there may be no solution: so many steps that do not halve the imbalance are enough
+  constexpr int STUCK = 50;
+  int since = 0;
+  State now = evaluate();
+  double halved = now.imbalance;
+  for (steps = 0; steps < most_steps && std::isfinite(now.imbalance); ++steps) {
+    // The forces of a minimizer vanish. Those of contacts go on with them below the tolerance if each call corrects them.
+    if (now.balanced(minimizing && steps == 0 ? 0.0 : tolerance)) {
+      if (rounding <= 0.1 * tolerance * now.force) break;
+      now = evaluate();
+      continue;
+    }
+    if (now.switches) {
+      switch_pairs();
+      now = after_step(now);
+    }
+    // Newton's method squares its relative error in each step; single precision knows no more
+    constexpr double SINGLE = 1e-4;
+    const double error = now.imbalance / now.force;
+    correct(std::max({0.1 * tolerance / error, std::min(0.1, error), SINGLE}));
+    const double along = slope();
+    take_step();
+    now = search(after_step(now), now, along);
+    if (now.imbalance < 0.5 * halved) {
+      halved = now.imbalance;
+      since = steps;
+    } else if (steps > since + STUCK) {
+      break;
+    }
+  }
+  last = now;
+  imbalance = now.force > 0.0 ? now.imbalance / now.force : 0.0;
+  return now.balanced(tolerance);
+}
+
+// The force F with  r = s F (l - 5/6),  l = ln(8 pi/f): of a contact that has no others.
+double DropletSolver::alone(int k, double residual) const
+{
+  if (!(residual > 0.0)) return 0.0;
+  double found = 0.0, l = 5.0;
+  for (int n = 0; n < 4; ++n) {
+    found = residual / (softness[k] * std::max(l - 5.0 / 6.0, 1.0));
+    l = deformable::LOG_8_PI - std::log(found * unit[k]);
+  }
+  return found;
+}
+
+// Without a force its own indentation, F (C + s), is missing.
+bool DropletSolver::closes(int k) const
+{
+  const double c = compliance[sides[0][k]] + compliance[sides[1][k]];
+  return -residuals[k] >= pairs->force[k] * (c + softness[k]);
+}
+
+DropletSolver::State DropletSolver::evaluate()
+{
+  kernels.evaluate(arrays(), pairs->forces(), 0, droplets);
+  rounding = 0.0;
+  return look();
+}
+
+// A step of single precision is as good as one of double precision where it is small.
+DropletSolver::State DropletSolver::after_step(const State &before)
+{
+  constexpr double PRECISION = 3e-8, MOST = 0.1;
+  float largest = 0.0f;
+  for (int k = 0; k < pairs->size; ++k) largest = std::max(largest, std::fabs(step[k]));
+  double of_all = largest;
+  sum(&of_all, 1, MPI_MAX);
+  rounding += PRECISION * of_all;
+  if (!(rounding <= MOST * tolerance * before.force)) return evaluate();
+  kernels.adapt(arrays(), pairs->forces(), step.data(), 0, droplets);
+  return look();
+}
+
+// Residuals, and which pairs take part in a step.
+DropletSolver::State DropletSolver::look()
+{
+  DropletPairs &p = *pairs;
+  remote->exchange(sides[0].data() + p.remote, first[droplets], indentations.data(),
+                   compliance.data());
+  double largest[3] = {0.0, 0.0, 0.0};
+  for (int k = 0; k < p.size; ++k) {
+    const int a = sides[0][k], b = sides[1][k];
+    const double f = p.force[k], r = p.overlap[k] - (indentations[a] + indentations[b]);
+    residuals[k] = r;
+    weight[k] = 0.0f;
+    largest[1] = std::max(largest[1], f);
+    if (f > 0.0 && !(r < 0.0 && closes(k))) {
+      weight[k] = 1.0f / (compliance[a] + compliance[b]);
+      largest[0] = std::max(largest[0], std::fabs(r) * weight[k]);
+    } else if (f > 0.0 || r > 0.0) {
+      largest[0] = std::max(largest[0], f > 0.0 ? f : alone(k, r));
+      largest[2] = 1.0;
+    }
+    if (!(std::fabs(r) < HUGE_VAL)) largest[0] = HUGE_VAL;
+  }
+  sum(largest, 3, MPI_MAX);
+  return {largest[0], largest[1], largest[2] > 0.0};
+}
+
+void DropletSolver::switch_pairs()
+{
+  DropletPairs &p = *pairs;
+  for (int k = 0; k < p.size; ++k) {
+    const double f = p.force[k], r = residuals[k];
+    step[k] = 0.0f;
+    if (f > 0.0 && r < 0.0 && weight[k] == 0.0f)
+      p.force[k] = 0.0;
+    else if (f == 0.0 && r > 0.0)
+      p.force[k] = alone(k, r);
+    else
+      continue;
+    step[k] = static_cast<float>(p.force[k] - f);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   C step = r by conjugate gradients, until what is left is this part of r.
+------------------------------------------------------------------------- */
+
+void DropletSolver::correct(double accuracy)
+{
+  constexpr int MOST = 100;
+  const DropletPairs &p = *pairs;
+  const deformable::DropletArrays a = arrays();
+  for (int k = 0; k < p.size; ++k) {
+    left[k] = static_cast<float>(residuals[k]);
+    direction[k] = weight[k] * left[k];
+    step[k] = 0.0f;
+  }
+  double enough = 0.0;
+  for (int n = 0; n < MOST; ++n) {
+    kernels.multiply(a, direction.data(), product.data(), 0, droplets);
+    remote->exchange(sides[0].data() + p.remote, first[droplets], product.data());
+    // ranks wait for each other once: the next norm follows from these sums, with the rounding of one iteration only
+    double sums[4] = {0.0, 0.0, 0.0, 0.0};
+    for (int k = 0; k < p.size; ++k) {
+      const float c = product[sides[0][k]] + product[sides[1][k]], weighted = weight[k] * c;
+      const double part = p.part(k);
+      change[k] = c;
+      sums[0] += part * (direction[k] * c);
+      sums[1] += part * (weight[k] * left[k] * left[k]);
+      sums[2] += part * (left[k] * weighted);
+      sums[3] += part * (c * weighted);
+    }
+    sum(sums, 4, MPI_SUM);
+    const auto [curvature, norm, turned, square] = sums;
+    if (!(curvature > 0.0)) {    // beyond the model: not along this direction
+      if (n == 0) std::copy(direction.begin(), direction.end(), step.begin());
+      return;
+    }
+    if (n == 0) enough = accuracy * accuracy * norm;
+    const double length = norm / curvature, next = norm - length * (2.0 * turned - length * square);
+    const float by = static_cast<float>(length), conjugate = static_cast<float>(next / norm);
+    for (int k = 0; k < p.size; ++k) {
+      step[k] += by * direction[k];
+      left[k] -= by * change[k];
+      direction[k] = weight[k] * left[k] + conjugate * direction[k];
+    }
+    if (next <= enough) return;
+  }
+}
+
+// The change of the dual energy along the step, to first order.
+double DropletSolver::slope() const
+{
+  double all = 0.0;
+  for (int k = 0; k < pairs->size; ++k) all += pairs->part(k) * (residuals[k] * step[k]);
+  sum(&all, 1, MPI_SUM);
+  return all;
+}
+
+void DropletSolver::take_step()
+{
+  constexpr double LEAST = 0.1;    // of a force: the logarithm leaves a step no farther sight
+  DropletPairs &p = *pairs;
+  for (int k = 0; k < p.size; ++k) {
+    const double f = p.force[k], next = f + step[k];
+    p.force[k] = std::max(next, LEAST * f);
+    if (next < LEAST * f) step[k] = static_cast<float>(p.force[k] - f);
+  }
+}
+
+// The dual energy is concave along the step: where its slope is much smaller than zero at the end, the step was too long.
+DropletSolver::State DropletSolver::search(State now, const State &before, double along)
+{
+  constexpr double OVERSHOT = -0.5;
+  constexpr int MOST = 10;
+  for (int n = 0; n < MOST; ++n) {
+    if (now.imbalance <= before.imbalance || slope() >= OVERSHOT * along) break;
+    DropletPairs &p = *pairs;
+    for (int k = 0; k < p.size; ++k) {
+      step[k] *= -0.5f;
+      p.force[k] = std::max(p.force[k] + step[k], 0.0);
+    }
+    now = after_step(now);
+    for (int k = 0; k < p.size; ++k) step[k] = -step[k];
+    along *= 0.5;
+  }
+  return now;
+}
+
+double DropletSolver::memory_usage() const
+{
+  return bytes_of(rows, first, contacts, matrix, radius, tension, of_load, of_work, slope_of_load,
+                  bend, seats, normals[0], normals[1], normals[2], force, response, indentations,
+                  turns[0], turns[1], turns[2], rounded, compliance, product, green, d_green,
+                  scratch, sides[0], sides[1], residuals, softness, unit, weight, step, left,
+                  direction, change);
+}

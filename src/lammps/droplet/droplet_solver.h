@@ -1,0 +1,126 @@
+// The forces of all pairs of droplets, from positions.
+//
+// The forces F are the largest value of
+//   sum over pairs of F o - sum over droplets of W,   F >= 0
+// with W of droplet.h and the overlaps o = R_i + R_j - d; of a wall o = R - h. Its gradient is what is left of an overlap,
+//   r = o - a_i - a_j,   0 where F > 0, not positive where F = 0.
+//
+// Newton's method finds it. A step solves C x = r with the compliances C of all droplets, for the pairs that bear a force, by
+// conjugate gradients, which need few iterations: each pair alone has most of its compliance. They are in single precision, and
+// so are the changes of indentations by a small step; F and what follows from it are in double precision. A pair opens where
+// its own force would become negative, and closes with the force that it would have alone.
+//
+// The imbalance of a pair is the change of its force that would remove r if all others stayed. The solution is found when none
+// exceeds the tolerance times the largest force. In motion the forces of the last calls predict the next ones (ForcePredictor),
+// and mostly one step is enough.
+//
+// All ranks do the same steps, from the same overlap and force of a pair that two ranks share. Each has the indentation of its own
+// droplet, and that of the other one from the other rank.
+
+#ifndef LMP_DROPLET_SOLVER_H
+#define LMP_DROPLET_SOLVER_H
+
+#include "pointers.h"
+
+#include "balance/force_predictor.h"
+#include "droplet_list.h"
+
+#include "droplet_kernels.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class DropletSolver : protected Pointers {
+ public:
+  DropletSolver(class LAMMPS *lmp, const deformable::DropletKernels &kernels, double tolerance,
+                int most)
+      : Pointers(lmp),
+        tolerance(tolerance),
+        most_steps(most),
+        kernels(kernels)
+  {
+  }
+
+  const double tolerance;    // of the imbalance over the largest force
+  int steps = 0;             // of Newton's method, in the last call
+  double imbalance = 0.0;    // over the largest force
+
+  void arrange(const DropletScene &, DropletList &);    // pairs are new
+  void set_material(const DropletScene &);
+
+  // Forces continue those of the last calls; or they are those of the last solution.
+  void begin_call();
+  void take_past();
+  // Pairs know their places. May be called again in the same call, with other pairs. Returns whether forces are balanced.
+  bool solve();
+  // The forces are the past ones of the next call; after it, those of a next call do not continue these.
+  void remember();
+  void forget() { predictor.forget(); }
+
+  // Of a droplet: its row, or -1 if it belongs to another style.
+  int row(int i) const { return rows[i]; }
+  double load(int row) const { return of_load[row]; }
+  double work(int row) const { return of_work[row]; }
+  int begin(int row) const { return first[row]; }
+  int end(int row) const { return first[row] + contacts[row]; }
+  int seat(int place) const { return seats[place]; }    // 2 x the pair, + 1 for its second droplet
+  double indentation(int place) const { return indentations[place]; }
+  int place(int k, int side) const { return sides[side][k]; }
+  double residual(int k) const { return residuals[k]; }
+  // dW/dn of a contact, over R F
+  double turn(int place, int axis) const { return turns[axis][place]; }
+
+  double memory_usage() const;
+
+ private:
+  const int most_steps;
+  const deformable::DropletKernels &kernels;
+  ForcePredictor predictor;
+  DropletPairs *pairs = nullptr;
+  RemoteSides *remote = nullptr;
+
+  int droplets = 0;
+  std::vector<int> rows;    // by local index
+  LargeVector<int> first, contacts;
+  LargeVector<std::size_t> matrix;
+  LargeVector<double> radius, tension, of_load, of_work;
+  LargeVector<float> slope_of_load, bend;
+  // by place
+  LargeVector<int> seats;
+  LargeVector<double> normals[3], force, response, indentations, turns[3];
+  LargeVector<float> rounded, compliance, product, green, d_green, scratch;
+  deformable::DropletArrays arrays();
+
+  // by pair. The sides of a pair are places; of a wall the second one has no indentation.
+  LargeVector<int> sides[2];
+  LargeVector<double> residuals;
+  LargeVector<float> softness, unit;    // of a force alone, see alone()
+  LargeVector<float> weight, step, left, direction,
+      change;    // weight: 1/(C_i + C_j), 0 where a pair takes no part
+
+  bool are_new = false;     // pairs, so that ranks may not agree on their forces
+  double rounding = 0.0;    // of forces, by steps in single precision
+  struct State {
+    double imbalance = 0.0, force = 0.0;    // the largest ones
+    bool switches = false;                  // pairs open or close
+    bool balanced(double tolerance) const { return imbalance <= tolerance * force; }
+  };
+  State last;
+  double alone(int k, double residual) const;
+  bool closes(int k) const;
+  void agree();
+  State evaluate();
+  State after_step(const State &before);
+  State look();
+  void switch_pairs();
+  void correct(double accuracy);
+  void take_step();
+  State search(State now, const State &before, double along);
+  double slope() const;
+  void sum(double *values, int count, MPI_Op) const;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

