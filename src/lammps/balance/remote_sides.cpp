@@ -102,8 +102,8 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
     const int j = pair.j;
     for (int slot = 0; slot < slots; ++slot) {
       if (at(j, slot, PARTNER) != static_cast<double>(atom->tag[pair.i])) continue;
-      const double distance2 = square(at(j, slot, X) + pair.x) +
-                               square(at(j, slot, Y) + pair.y) + square(at(j, slot, Z) + pair.z);
+      const double distance2 = square(at(j, slot, X) + pair.x) + square(at(j, slot, Y) + pair.y) +
+                               square(at(j, slot, Z) + pair.z);
       if (distance2 >= nearest) continue;
       nearest = distance2;
       found = slot;
