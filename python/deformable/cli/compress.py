@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
-from dataclasses import fields
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 from mpi4py import MPI
@@ -18,14 +17,24 @@ from ..common.progress import print_once
 from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
 from ..io.run_folder import refuse
-from ..model.laws import LAWS
 from ..protocols.jamming import jam
 from ..runs.recording import compress_in, compression
 from ..runs.run import Run
 from ..state.state import State
-from .options import Overwrite, Resume, Tolerance, choice_option, is_given
+from .material_options import (
+    Adhesion,
+    AreaStiffness,
+    FromFile,
+    FromFrame,
+    FromRadii,
+    LawName,
+    PerimeterStiffness,
+    Reach,
+    Tension,
+)
+from .options import Overwrite, Resume, Tolerance
 from .output import draw, print_states
-from .settings import PROTOCOL, Settings, check_same, check_together
+from .settings import PROTOCOL, Settings, check_same, check_together, given_settings
 
 _WAYS_OUT = (
     "finish it with --resume",
@@ -56,68 +65,15 @@ def compress_command(
     aspect: Annotated[float, typer.Option(help="Height over width of the box.")] = 1.0,
     tilt: Annotated[float, typer.Option(help="Shear of the box, xy / ly.")] = 0.0,
     seed: Annotated[int, typer.Option(help="Seed of the random start.")] = 1,
-    from_file: Annotated[
-        str | None,
-        typer.Option(
-            "--from",
-            metavar="FILE",
-            help="Begin with the packing in this file, as it is, in place of a random one: LAMMPS "
-            "data file or dump, extended XYZ, GSD, or what MDAnalysis reads.",
-            show_default=False,
-        ),
-    ] = None,
-    from_radii: Annotated[
-        str | None,
-        typer.Option(
-            metavar="RADII",
-            help="Radii of --from: the name of a column, a number, or numbers by type as in "
-            "1=0.5,2=0.7. By default those of the file.",
-            show_default=False,
-        ),
-    ] = None,
-    from_frame: Annotated[
-        int, typer.Option(help="Frame of --from, from 0, or from the end if negative.")
-    ] = -1,
-    law: Annotated[
-        str,
-        choice_option(
-            LAWS,
-            "Contact law. Contacts slip with contact lines where the forces of both sides are "
-            "equal (balanced), on arcs that balance torques and pressures too (curved), or on "
-            "radical axes (radical), or they stick (sector).",
-        ),
-    ] = "balanced",
-    kA: Annotated[
-        float,
-        typer.Option("--kA", help="Area stiffness [energy/length^4]; inf conserves the area."),
-    ] = 1.0,
-    kP: Annotated[
-        float,
-        typer.Option(
-            "--kP", help="Perimeter stiffness [energy/length^2]; inf conserves the perimeter."
-        ),
-    ] = math.inf,
-    tension: Annotated[
-        float,
-        typer.Option(
-            help="Ring laws: line tension of the perimeter at rest [energy/length], beside a "
-            "finite kP; droplets have --kA inf --kP 0 --tension 1."
-        ),
-    ] = 0.0,
-    adhesion: Annotated[
-        float,
-        typer.Option(
-            help="With --law curved: energy gained for each unit of length of a film between two "
-            "particles [energy/length], below twice the tension."
-        ),
-    ] = 0.0,
-    reach: Annotated[
-        float | None,
-        typer.Option(
-            help="Ring laws: how far beyond touching neighbors count, over the sum of their radii; "
-            "0.6 if not given, with radical 0.3."
-        ),
-    ] = None,
+    from_file: FromFile = None,
+    from_radii: FromRadii = None,
+    from_frame: FromFrame = -1,
+    law: LawName = "balanced",
+    kA: AreaStiffness = 1.0,
+    kP: PerimeterStiffness = math.inf,
+    tension: Tension = 0.0,
+    adhesion: Adhesion = 0.0,
+    reach: Reach = None,
     strain: Annotated[
         float | None,
         typer.Option(
@@ -153,7 +109,7 @@ def compress_command(
     matplotlib is installed.
     """
     began = time.perf_counter()
-    settings, given = _settings(context)
+    settings, given = given_settings(context, Settings)
     if resume + append + overwrite > 1:
         raise ParameterError("give one of --resume, --append and --overwrite")
     replaced = resume or append or overwrite
@@ -174,12 +130,6 @@ def compress_command(
     else:
         draw(last, folder / "packing.png")
         print_once(f"wrote {folder} ({time.perf_counter() - began:.1f} s)")
-
-
-def _settings(context: typer.Context) -> tuple[Settings, dict[str, Any]]:
-    """The settings of the run, and those of them that are given on the command line."""
-    values = {field.name: context.params[field.name] for field in fields(Settings)}
-    return Settings(**values), {name: values[name] for name in values if is_given(context, name)}
 
 
 def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[State]:

@@ -1,14 +1,15 @@
-"""The settings of `deformable compress`: packing, contact law and protocol of a run."""
+"""The settings of `deformable compress` and `deformable shear`: packing, law, protocol of a run."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
+import typer
 
 from ..common.errors import ParameterError
 from ..common.validate import positive
@@ -16,6 +17,7 @@ from ..model.laws import LAWS, Law, Ring
 from ..model.packing import Packing
 from ..model.random_packing import bidisperse, polydisperse
 from ..runs.run import Run
+from .options import is_given
 
 TARGETS = ("strain", "phi", "pressure")
 PROTOCOL = (*TARGETS, "steps", "tolerance")
@@ -24,21 +26,15 @@ PROTOCOL = (*TARGETS, "steps", "tolerance")
 _RANDOM = ("number", "radii", "fraction", "polydispersity", "aspect", "tilt", "seed")
 _FILE = ("from_file", "from_radii", "from_frame")
 
+M = TypeVar("M", bound="Material")
+
 # Strain of a compression that has no target.
 _STRAIN = 0.01
 
 
 @dataclass(frozen=True)
-class Settings:
-    """The settings of a run, by the names of the options; summary.json has them as `parameters`."""
-
-    number: int
-    radii: tuple[float, float]
-    fraction: float
-    polydispersity: float | None
-    aspect: float
-    tilt: float
-    seed: int
+class Material:
+    """A packing in a file, if any, and a contact law, by the names of the options."""
 
     from_file: str | None
     from_radii: str | None
@@ -50,6 +46,45 @@ class Settings:
     tension: float
     adhesion: float
     reach: float | None
+
+    def packing_in_file(self) -> Packing:
+        """The packing in a file, which is not jammed."""
+        word = self.from_radii or ""
+        radii: Any = None
+        if "=" in word:
+            pairs = (pair.partition("=") for pair in word.split(","))
+            radii = {kind: _number(radius) for kind, _, radius in pairs}
+        elif word:
+            radii = _number(word)
+        return Packing.from_file(str(self.from_file), radii, self.from_frame)
+
+    def contact_law(self) -> Law:
+        """The law of this name with these stiffnesses."""
+        law = LAWS[self.law]
+        if isinstance(law, Ring):
+            reach = law.reach if self.reach is None else self.reach
+            return replace(
+                law,
+                kA=self.kA,
+                kP=self.kP,
+                tension=self.tension,
+                adhesion=self.adhesion,
+                reach=reach,
+            )
+        return replace(law, kA=self.kA, kP=self.kP)
+
+
+@dataclass(frozen=True)
+class Settings(Material):
+    """The settings of a run, by the names of the options; summary.json has them as `parameters`."""
+
+    number: int
+    radii: tuple[float, float]
+    fraction: float
+    polydispersity: float | None
+    aspect: float
+    tilt: float
+    seed: int
 
     strain: float | None
     phi: float | None
@@ -69,17 +104,6 @@ class Settings:
         unused = _FILE if self.from_file is None else _RANDOM
         return {name: value for name, value in asdict(self).items() if name not in unused}
 
-    def packing_in_file(self) -> Packing:
-        """The packing in a file, which is not jammed."""
-        word = self.from_radii or ""
-        radii: Any = None
-        if "=" in word:
-            pairs = (pair.partition("=") for pair in word.split(","))
-            radii = {kind: _number(radius) for kind, _, radius in pairs}
-        elif word:
-            radii = _number(word)
-        return Packing.from_file(str(self.from_file), radii, self.from_frame)
-
     def random_start(self) -> Packing:
         """The packing before it is jammed."""
         if self.polydispersity is None:
@@ -96,46 +120,42 @@ class Settings:
         _check_aspect(start, self.aspect)
         return start
 
-    def contact_law(self) -> Law:
-        """The law of this name with these stiffnesses."""
-        law = LAWS[self.law]
-        if isinstance(law, Ring):
-            reach = law.reach if self.reach is None else self.reach
-            return replace(
-                law,
-                kA=self.kA,
-                kP=self.kP,
-                tension=self.tension,
-                adhesion=self.adhesion,
-                reach=reach,
-            )
-        return replace(law, kA=self.kA, kP=self.kP)
+
+def given_settings(context: typer.Context, kind: type[M]) -> tuple[M, dict[str, Any]]:
+    """Settings of a command, and those of them that are given on the command line."""
+    values = {field.name: context.params[field.name] for field in fields(kind)}
+    return kind(**values), {name: values[name] for name in values if is_given(context, name)}
 
 
-def check_together(settings: Settings, given: Mapping[str, Any]) -> None:
-    """Refuse options that contradict each other.
+def check_material(settings: Material, given: Mapping[str, Any]) -> None:
+    """Refuse options of a packing in a file and of a law that contradict each other.
 
     Args:
         settings: of the run.
         given: those of them that are given on the command line.
     """
-    beside = [option(name) for name in _RANDOM if name in given]
-    if settings.from_file is not None and beside:
-        raise ParameterError(
-            f"the packing is that in '{settings.from_file}', and {beside[0]} is about a random "
-            "one: leave it out"
-        )
     alone = [option(name) for name in _FILE[1:] if name in given]
     if settings.from_file is None and alone:
         raise ParameterError(f"{alone[0]} is about the file of a packing: give --from too")
-    if settings.polydispersity is not None and given.keys() & {"radii", "fraction"}:
-        raise ParameterError("give --polydispersity, or --radii and --fraction of two sizes")
     if settings.law == "sector" and "reach" in given:
         raise ParameterError("--reach is an option of ring laws: leave it out with --law sector")
     if settings.law == "sector" and "tension" in given:
         raise ParameterError("--tension is an option of ring laws: leave it out with --law sector")
     if settings.law == "sector" and "adhesion" in given:
         raise ParameterError("--adhesion is an option of --law curved: leave it out")
+
+
+def check_together(settings: Settings, given: Mapping[str, Any]) -> None:
+    """Refuse options that contradict each other, as `check_material` does."""
+    beside = [option(name) for name in _RANDOM if name in given]
+    if settings.from_file is not None and beside:
+        raise ParameterError(
+            f"the packing is that in '{settings.from_file}', and {beside[0]} is about a random "
+            "one: leave it out"
+        )
+    check_material(settings, given)
+    if settings.polydispersity is not None and given.keys() & {"radii", "fraction"}:
+        raise ParameterError("give --polydispersity, or --radii and --fraction of two sizes")
 
 
 def check_same(folder: Path, given: Mapping[str, Any]) -> None:

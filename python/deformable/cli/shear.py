@@ -1,22 +1,36 @@
-"""The command `deformable shear`: shear the packing of a run, keep the new run in a folder."""
+"""The command `deformable shear`: shear the packing of a run or file, keep the new run."""
 
 from __future__ import annotations
 
+import math
 import time
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from ..common.errors import ParameterError
 from ..common.progress import print_once
 from ..engine.relaxation import TOLERANCE
+from ..engine.simulation import Simulation
 from ..io.run_folder import refuse
 from ..runs.recording import shear_in
 from ..runs.run import Run
+from .material_options import (
+    Adhesion,
+    AreaStiffness,
+    FromFile,
+    FromFrame,
+    FromRadii,
+    LawName,
+    PerimeterStiffness,
+    Reach,
+    Tension,
+)
 from .options import Overwrite, Resume, Tolerance, is_given
 from .output import draw, print_states
-from .settings import check_same
+from .settings import Material, check_material, check_same, given_settings, option
 
 _WAYS_OUT = ("finish it with --resume", "replace it with --overwrite")
 
@@ -32,6 +46,15 @@ def shear_command(
             help="Folder of a run, e.g. of `deformable compress`; its last packing is sheared."
         ),
     ] = None,
+    from_file: FromFile = None,
+    from_radii: FromRadii = None,
+    from_frame: FromFrame = -1,
+    law: LawName = "balanced",
+    kA: AreaStiffness = 1.0,
+    kP: PerimeterStiffness = math.inf,
+    tension: Tension = 0.0,
+    adhesion: Adhesion = 0.0,
+    reach: Reach = None,
     strain: Annotated[
         float,
         typer.Option(help="Shear strain of all steps together; negative shears the other way."),
@@ -42,7 +65,9 @@ def shear_command(
     resume: Resume = False,
     overwrite: Overwrite = False,
 ) -> None:
-    """Shear the last packing of a run quasistatically along x.
+    """Shear the last packing of a run, or one from a file, quasistatically along x.
+
+    A run has its law; options of the law are for a packing from a file.
 
     Writes the same files as `deformable compress` into the output folder, for the packing before
     the first step and after each step. The column strain of series.csv is the shear strain, and
@@ -51,19 +76,16 @@ def shear_command(
     began = time.perf_counter()
     if resume and overwrite:
         raise ParameterError("give one of --resume and --overwrite")
+    material, given = given_settings(context, Material)
     folder = refuse(out, "compression" if resume or overwrite else None, _WAYS_OUT)
     if resume:
         settings = {"strain": strain, "steps": steps, "tolerance": tolerance}
-        check_same(folder, {name: settings[name] for name in settings if is_given(context, name)})
+        again = {name: settings[name] for name in settings if is_given(context, name)}
+        check_same(folder, again | given)
         states = Run(folder).resume()
-    elif run is None:
-        raise ParameterError("give the folder of a run, whose packing is sheared: shear RUN")
-    elif folder.resolve() == run.resolve():
-        raise ParameterError(f"'{run}' is the folder of the packing: give another one to --out")
     else:
-        before = {"before": Run(run).parameters}
-        sim = Run(run).simulation()
-        states = shear_in(sim, folder, strain, steps, tolerance, before, overwrite)
+        sim, parameters = _begin(run, folder, material, given)
+        states = shear_in(sim, folder, strain, steps, tolerance, parameters, overwrite)
     done = Run(folder).steps_done if resume else None
     last = print_states(states, done or 0, _COLUMNS)
     if last is None:
@@ -71,3 +93,27 @@ def shear_command(
     else:
         draw(last, folder / "packing.png")
         print_once(f"wrote {folder} ({time.perf_counter() - began:.1f} s)")
+
+
+def _begin(
+    run: Path | None, folder: Path, material: Material, given: dict[str, Any]
+) -> tuple[Simulation, dict[str, Any]]:
+    """What is sheared, and the parameters that tell where it comes from."""
+    if material.from_file is not None:
+        if run is not None:
+            raise ParameterError(f"give the folder '{run}' of a run, or --from, not both")
+        check_material(material, given)
+        packing, contact_law = material.packing_in_file(), material.contact_law()
+        return Simulation(packing, contact_law), asdict(material)
+    if run is None:
+        raise ParameterError(
+            "give the folder of a run, whose packing is sheared, shear RUN, or --from FILE"
+        )
+    if given:
+        raise ParameterError(
+            f"{option(next(iter(given)))} is about the packing in a file, and a run has its own "
+            "law: leave it out, or give --from FILE in the place of a run"
+        )
+    if folder.resolve() == run.resolve():
+        raise ParameterError(f"'{run}' is the folder of the packing: give another one to --out")
+    return Run(run).simulation(), {"before": Run(run).parameters}

@@ -1,5 +1,6 @@
-"""`deformable compress --from`: the packing in a file in place of a random one."""
+"""`deformable compress --from` and `deformable shear --from`: the packing in a file."""
 
+import math
 from pathlib import Path
 
 import deformable
@@ -67,3 +68,41 @@ def test_radii(word: str, radii: list[float], here: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr("deformable.cli.compress.compress_in", compress_in)
     app(["compress", "--from", "a.xyz", "--from-radii", word], standalone_mode=False)
     assert begun == [radii]
+
+
+def test_shear_begins_with_it(here: Path, jammed: deformable.Packing) -> None:
+    droplets = ("--kA", "inf", "--kP", "0", "--tension", "1")
+    ask = ("shear", "--from", "a.xyz", *droplets, "--strain", "0.01", "--steps", "2")
+    done = command(*ask, cwd=here)
+    assert done.returncode == 0, done.stderr
+    law = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
+    with deformable.Simulation(jammed, law) as sim:
+        *_, state = deformable.shear(sim, 0.01, 2)
+    run = deformable.Run(here / "shear")
+    assert run[-1].law == law
+    np.testing.assert_allclose(run[-1].packing.box, state.packing.box, rtol=1e-14, atol=1e-14)
+    assert run[-1].shear_stress == pytest.approx(state.shear_stress, rel=1e-4)
+    again = command(*ask, "--resume", cwd=here)
+    assert again.stdout == "the shear in 'shear' is complete\n"
+    other = command("shear", "--resume", "--tension", "2", cwd=here)
+    assert "begun with --tension 1.0, not 2.0" in other.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("run --from a.xyz", "give the folder 'run' of a run, or --from, not both"),
+        ("run --kP 3", "--kP is about the packing in a file, and a run has its own law"),
+        ("--from-radii 0.5", "--from-radii is about the packing in a file|give the folder"),
+        ("--strain 0.1", "give the folder of a run, .* or --from FILE"),
+        ("--from a.xyz --law sector --tension 1", "--tension is an option of ring laws"),
+        ("--from b.xyz", "'b.xyz' cannot be read: No such file"),
+        ("--from a.xyz --kP 0", "kP"),
+        ("--from a.xyz --steps 0", "steps"),
+    ],
+)
+def test_nonsense_is_told_of_shear(options: str, message: str, here: Path) -> None:
+    with pytest.raises((deformable.ParameterError, deformable.FileError), match=message) as caught:
+        app(["shear", *options.split()], standalone_mode=False)
+    assert "\n" not in str(caught.value)
+    assert [path.name for path in here.iterdir()] == ["a.xyz"]
