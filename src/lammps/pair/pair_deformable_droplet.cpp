@@ -17,14 +17,12 @@
 using namespace LAMMPS_NS;
 using namespace deformable;
 
-static constexpr double LARGEST_REACH = LARGEST_BULGE;
-
 /* ---------------------------------------------------------------------- */
 
 void PairDeformableDroplet::settings(int narg, char **arg)
 {
   number_definition();
-  reach = LARGEST_REACH;
+  reach = LARGEST_BULGE;
   radius_by_atom = false;
   double tolerance = 1e-8;
   int most = 1000;
@@ -42,11 +40,11 @@ void PairDeformableDroplet::settings(int narg, char **arg)
       radius_by_atom = is_by_atom(iarg + 1, arg);
     } else if (keyword == "reach") {
       reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
-      if (!(reach > 0.0 && reach <= LARGEST_REACH))
+      if (!(reach > 0.0 && reach <= LARGEST_BULGE))
         error->all(FLERR_WORD(iarg + 1),
                    "pair_style deformable/droplet reach {} must be positive, and {} at most: no "
                    "droplet bulges farther",
-                   arg[iarg + 1], LARGEST_REACH);
+                   arg[iarg + 1], LARGEST_BULGE);
     } else {
       tolerance = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
       most = utils::inumeric(FLERR, arg[iarg + 2], false, lmp);
@@ -205,7 +203,7 @@ void PairDeformableDroplet::find_bulges(const DropletScene &scene)
                  "droplets that overlap first, take smaller steps or a smaller timestep, or use a "
                  "reach of {:.2g} or more",
                  atom->tag[i], load, reach, reach / BULGE_PER_LOAD,
-                 std::min(1.2 * BULGE_PER_LOAD * load, LARGEST_REACH));
+                 std::min(1.2 * BULGE_PER_LOAD * load, LARGEST_BULGE));
   }
   if (neighbor->ago == 0) bulge_over_reach = std::max(bulge_over_reach, most / reach);
 }
