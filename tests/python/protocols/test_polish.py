@@ -39,6 +39,17 @@ def test_few_steps_of_newton(state: deformable.State, monkeypatch: pytest.Monkey
     assert fine.hessian().gradient == pytest.approx(0.0, abs=1e-10 * scale(fine))
 
 
+def test_dense_packings_stall_where_contacts_are_balanced_no_better() -> None:
+    """Forces on particles then are errors of contacts: the warning says what has none."""
+    jammed = deformable.jam(deformable.bidisperse(8, seed=1))
+    with deformable.Simulation(jammed.at(0.97), LAWS["curved"]) as sim:
+        state = sim.relax(1e-6)
+        with pytest.warns(deformable.StalledWarning, match="balanced to 1e-8, `polish` goes furt"):
+            rough = sim.relax(1e-10)
+    assert 1e-9 < rough.residual < 1e-6
+    assert deformable.polish(state).residual < 1e-10
+
+
 def scale(state: deformable.State | deformable.DiskState) -> float:
     """About the mean contact force."""
     return 2.0 * state.pressure
