@@ -31,49 +31,28 @@ PLANS = {
 MOBILIZED = 0.999
 
 
-def network(pairs, number, least):
-    """Which contacts remain once particles with fewer than `least` are removed, one by one."""
-    kept = np.ones(len(pairs), dtype=bool)
-    while True:
-        degree = np.bincount(pairs[kept].ravel(), minlength=number)
-        stays = kept & (degree[pairs] >= least).all(axis=1)
-        if (stays == kept).all():
-            return kept
-        kept = stays
-
-
 def measure(sim, state, mu):
-    """Numbers of a state at rest.
-
-    A particle is a rattler with fewer than three contacts, and with friction fewer than two.
-    """
-    rows = contacts(sim)
-    pairs, normal, along = rows[:, :2].astype(int) - 1, rows[:, 5], np.abs(rows[:, 6])
-    kept = network(pairs, len(state.packing), 2 if mu else 3)
-    rigid, count = len(np.unique(pairs[kept])), int(kept.sum())
-    used = along[kept] / (mu * normal[kept]) if mu else np.zeros(count)
+    """Numbers of a state at rest."""
+    contacts = state.contact_table[state.contact_table["i"] < state.contact_table["j"]]
+    normal, along = contacts["force"], np.abs(contacts["friction"])
+    used = along / (mu * normal) if mu else np.zeros(len(contacts))
+    free = state.rattlers[contacts["i"]] | state.rattlers[contacts["j"]]
     force = np.linalg.norm(np.reshape(sim.lmp.gather("f", 1, 3), (-1, 3)), axis=1)
     torque = np.reshape(sim.lmp.gather("torque", 1, 3), (-1, 3))[:, 2] / state.packing.radius
     numbers = {
         "phi": state.phi,
         "pressure": state.pressure,
-        "rigid": rigid,
-        "contacts": count,
-        "z": 2.0 * count / rigid,
-        "mobilized": int(np.sum(used > MOBILIZED)),
-        "mobilization": used.mean(),
+        "rigid": int(np.sum(~state.rattlers)),
+        "contacts": state.network_contacts,
+        "z": state.coordination,
+        "mobilized": int(np.sum(used[~free] > MOBILIZED)),
+        "mobilization": used[~free].mean(),
         "coulomb": np.max(along - mu * normal) / normal.mean(),
         "force": force.max() / normal.mean(),
         "torque": np.abs(torque).max() / normal.mean(),
         "at_rest": not state.stalled,
     }
     return {name: n if isinstance(n, int) else float(f"{n:.6g}") for name, n in numbers.items()}
-
-
-def contacts(sim):
-    """The rows of fix deformable/friction."""
-    rows, table = (sim.lmp.extract_fix("deformable_friction", 2, kind) for kind in (4, 2))
-    return np.array([table[n][:10] for n in range(rows)])
 
 
 def jammed(number, mu, seed, pressures, inertial_number):

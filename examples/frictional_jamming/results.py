@@ -6,25 +6,27 @@ import deformable
 import matplotlib.pyplot as plt
 import numpy as np
 
-# what is extrapolated, and its digits
+# numbers of a packing, with their digits; and powers of p in which some are extrapolated
 MEANS = {"phi": 4, "z": 3, "rattlers": 1, "mobilized": 3, "mobilization": 3}
+POWERS = {"phi": 1.0, "z": 0.5}
 
 
 def table(found):
-    """Means and errors of each coefficient of friction at p -> 0; rows by mu."""
-    number, pressures = found["number"], np.array(found["pressures"])
+    """Means and errors of each coefficient of friction, rows by mu.
+
+    phi and z are those at p -> 0, of a line through the means; others those of the lowest pressure.
+    """
     rows = []
     for mu in sorted({each["mu"] for each in found["packings"]}):
         same = [each["states"] for each in found["packings"] if each["mu"] == mu]
         row = {"mu": mu, "packings": len(same)}
         for name in MEANS:
-            values = [[value(name, state, number) for state in states] for states in same]
-            power = 0.5 if name == "z" else 1.0
+            values = [[value(name, state, found["number"]) for state in states] for states in same]
+            over = np.array(found["pressures"]) ** POWERS.get(name, 1.0)
 
-            def at_onset(means, power=power):
-                """A line through the means at all pressures, over p^power."""
-                means = np.mean(means, axis=0)
-                return np.polyfit(pressures**power, means, 1)[1]
+            def at_onset(some, over=over, extrapolated=name in POWERS):
+                means = np.mean(some, axis=0)
+                return np.polyfit(over, means, 1)[1] if extrapolated else means[0]
 
             row[name] = deformable.jackknife(at_onset, values)
         rows.append(row)
@@ -32,7 +34,7 @@ def table(found):
 
 
 def value(name, state, number):
-    """One number of a state; mobilized contacts are counted per particle."""
+    """One number of a state; fully mobilized contacts per particle."""
     if name == "rattlers":
         return number - state["rigid"]
     if name == "mobilized":
@@ -66,18 +68,20 @@ def write(found, name):
     draw(rows, f"{name}.png")
 
 
-def draw(rows, file, beads=()):
+def draw(rows, file):
     """z and phi_J over mu; mu = 0 stands at the left end."""
     figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
     mu = np.array([row["mu"] for row in rows])
     least = mu[mu > 0].min() / 3.0
     for ax, name, label in zip(axes, ("z", "phi"), ("contacts z", "$\\phi_J$"), strict=True):
         mean, error = np.array([row[name] for row in rows]).T
-        ax.errorbar(np.where(mu > 0, mu, least), mean, error, fmt="o-", label="droplets")
+        ax.errorbar(np.where(mu > 0, mu, least), mean, error, fmt="o-")
         ax.set(xscale="log", xlabel="friction of the contacts $\\mu$", ylabel=label)
         ax.axvline(least, color="0.85", zorder=0)
-        ax.text(least, ax.get_ylim()[0], " $\\mu$ = 0", color="0.4", va="bottom", fontsize=8)
+        place = {"transform": ax.get_xaxis_transform(), "va": "bottom", "fontsize": 8}
+        ax.text(least, 0.01, " $\\mu$ = 0", color="0.4", **place)
     for level in (3, 4):
         axes[0].axhline(level, color="0.7", linewidth=0.8, zorder=0)
+    axes[0].set(ylim=(2.9, 4.1))
     figure.savefig(file, dpi=130)
     plt.close(figure)

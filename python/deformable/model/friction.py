@@ -69,6 +69,11 @@ class Friction:
             raise ParameterError("friction with walls has one number for each of mu, kt, gt, damp")
 
     @property
+    def rubs(self) -> bool:
+        """Whether any particles do: dashpots alone damp."""
+        return bool(np.any(np.asarray(self.mu) > 0.0))
+
+    @property
     def by_species(self) -> bool:
         """Whether a value differs by species."""
         return any(np.ndim(getattr(self, name)) for name in _NAMES)

@@ -17,7 +17,7 @@ from .contact_forces import ContactForces
 
 
 def without_rattlers(
-    i: NDArray[np.int64], j: NDArray[np.int64], number: int, dimension: int = 2
+    i: NDArray[np.int64], j: NDArray[np.int64], number: int, at_most: int = 2
 ) -> NDArray[np.bool_]:
     """Whether contacts remain after rattlers are removed one after another, shape (M,).
 
@@ -25,12 +25,12 @@ def without_rattlers(
         i: particle of each side of a contact, shape (M,).
         j: its partner, -1 for a wall, shape (M,).
         number: of particles.
-        dimension: a particle with at most as many contacts is a rattler.
+        at_most: contacts of a rattler.
     """
     remaining = np.ones(len(i), dtype=bool)
     while True:
         z = np.bincount(i[remaining], minlength=number)
-        rigid = np.append(z > dimension, True)  # the last one is for walls, j = -1
+        rigid = np.append(z > at_most, True)  # the last one is for walls, j = -1
         kept = remaining & rigid[i] & rigid[j]
         if (kept == remaining).all():
             return kept
@@ -41,7 +41,8 @@ class ContactNetwork(ABC):
     """Numbers of a state's contacts after rattlers are removed one after another.
 
     A rattler is a particle with fewer than three active contacts with other particles that are no
-    rattlers, or with walls; in three dimensions with fewer than four.
+    rattlers, or with walls; in three dimensions with fewer than four. Where contacts rub, two hold
+    a particle, and a rattler has fewer than two.
     """
 
     packing: Packing
@@ -76,10 +77,20 @@ class ContactNetwork(ABC):
     def _contact_forces(self) -> ContactForces:
         """All active contacts, each once."""
 
+    @property
+    def _rubs(self) -> bool:
+        """Whether contacts have friction."""
+        return False
+
+    @property
+    def _of_rattlers(self) -> int:
+        """Contacts of a rattler at most."""
+        return 1 if self._rubs else self.packing.dimension
+
     @cached_property
     def _in_network(self) -> NDArray[np.bool_]:
         """Whether each of `_contact_sides` belongs to a contact without a rattler."""
-        return without_rattlers(*self._contact_sides, len(self.packing), self.packing.dimension)
+        return without_rattlers(*self._contact_sides, len(self.packing), self._of_rattlers)
 
     @property
     def network_degree(self) -> NDArray[np.int64]:
@@ -91,7 +102,7 @@ class ContactNetwork(ABC):
     def rattlers(self) -> NDArray[np.bool_]:
         """Particles with fewer than three active contacts with non-rattlers, shape (N,).
 
-        In three dimensions with fewer than four.
+        In three dimensions with fewer than four, with friction with fewer than two.
         """
         return self.network_degree == 0
 
@@ -116,11 +127,18 @@ class ContactNetwork(ABC):
         possible. m is the number of motions of all together that no
         wall resists: d without walls, 1 in a channel or a round container, else 0. The result is 0
         if all are rattlers.
+
+        With friction particles turn, and a contact has two forces, f and f_t: it is the half of 3
+        N' - 1 in a periodic box, and of 3 N' + 1 between walls, rounded up. Contacts that use all
+        of their friction have one force only, so that each adds a half.
         """
         return self._isostatic(int(np.sum(~self.rattlers)))
 
     def _isostatic(self, rigid: int) -> int:
         dimension = self.packing.dimension
+        if self._rubs:
+            free = 0 if self.packing.walls else dimension
+            return (3 * rigid + 2 - free) // 2 if rigid else 0
         free = free_motions(self.packing.walls, dimension)
         return max(dimension * rigid + 1 - free, 0) if rigid else 0
 
@@ -134,12 +152,12 @@ class ContactNetwork(ABC):
 
         Args:
             threshold: contacts count from this part of the mean contact force of the network on.
-                Rattlers are then particles with fewer than three contacts that count, and so on.
+                Rattlers are then particles with too few contacts that count, and so on.
 
         Raises:
             ParameterError: the threshold is negative or no number.
         """
-        contacts, size = self._contact_forces, (len(self.packing), self.packing.dimension)
+        contacts, size = self._contact_forces, (len(self.packing), self._of_rattlers)
         i, j, strength = contacts.i, contacts.j, lengths(contacts.force)
         kept = _network(i, j, *size)
         if zero_or_more("threshold", threshold) > 0.0 and kept.any():
@@ -152,9 +170,9 @@ class ContactNetwork(ABC):
 
 
 def _network(
-    i: NDArray[np.int64], j: NDArray[np.int64], number: int, dimension: int
+    i: NDArray[np.int64], j: NDArray[np.int64], number: int, at_most: int
 ) -> NDArray[np.bool_]:
     """As `without_rattlers`, of contacts that are listed once."""
     pair = j >= 0
     sides = np.append(i, j[pair]), np.append(j, i[pair])
-    return without_rattlers(*sides, number, dimension)[: len(i)]
+    return without_rattlers(*sides, number, at_most)[: len(i)]

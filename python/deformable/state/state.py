@@ -170,6 +170,10 @@ class State(Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pi
         return self.law.species_parameters(self.packing.radii).skin[self.packing.species]
 
     @property
+    def _rubs(self) -> bool:
+        return self.friction is not None and self.friction.rubs
+
+    @property
     def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         return self.contact_table["i"], self.contact_table["j"]
 

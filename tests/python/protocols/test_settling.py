@@ -17,12 +17,6 @@ def simulation(mu: float | None, number: int = 16, seed: int = 1) -> deformable.
     return deformable.Simulation(loose, DROPLETS, friction=friction)
 
 
-def rubbing(sim: deformable.Simulation) -> np.ndarray:
-    """Rows of fix deformable/friction."""
-    rows, table = (sim.lmp.extract_fix("deformable_friction", 2, kind) for kind in (4, 2))
-    return np.array([table[n][:10] for n in range(rows)])
-
-
 @pytest.mark.parametrize("mu", [0.0, 0.3, math.inf])
 def test_every_particle_is_in_balance(mu: float) -> None:
     """Forces and torques of the contacts of each add up to nothing, within Coulomb's bound."""
@@ -47,17 +41,22 @@ def test_every_particle_is_in_balance(mu: float) -> None:
 def test_contacts_at_the_onset() -> None:
     """As many forces as keep N' particles in balance under a pressure; fewer with friction."""
     found = []
-    for mu, each in ((0.0, 2), (10.0, 3)):  # equations of a particle
+    for mu, forces in ((0.0, 1), (10.0, 2)):  # of a contact, and one equation more of a particle
         with simulation(mu, 32) as sim:
-            deformable.settle(sim, 1e-3, inertial_number=0.01, timestep=0.08)
-            rows = rubbing(sim)
-        pairs, kept = rows[:, :2].astype(int), np.ones(len(rows), bool)
+            state = deformable.settle(sim, 1e-3, inertial_number=0.01, timestep=0.08)
+        table = state.contact_table
+        pairs = np.array([table["i"], table["j"]]).T[table["i"] < table["j"]]
         for _ in range(32):  # rattlers go
-            kept &= (np.bincount(pairs[kept].ravel(), minlength=33)[pairs] >= 5 - each).all(axis=1)
-        rigid, contacts = len(np.unique(pairs[kept])), kept.sum()
+            degree = np.bincount(pairs.ravel(), minlength=32)
+            pairs = pairs[(degree[pairs] >= 4 - forces).all(axis=1)]
+        rigid = len(np.unique(pairs))
+        assert np.sum(~state.rattlers) == rigid
+        assert state.network_contacts == len(pairs)
         # less the motions of all together, and the pressure
-        assert (1 if mu == 0.0 else 2) * contacts >= each * rigid - 1
-        found.append(2.0 * contacts / rigid)
+        assert forces * len(pairs) >= (forces + 1) * rigid - 1
+        assert state.isostatic_contacts == int(np.ceil(((forces + 1) * rigid - 1) / forces))
+        assert state.excess_coordination() >= 0.0
+        found.append(state.coordination)
     smooth, rough = found
     assert rough < smooth - 0.2  # of 1, more than five times the scatter of packings
 
