@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import importlib.util
 import time
-from collections.abc import Sequence
-from typing import Annotated
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
 
-from ..common.errors import ParameterError
+from ..common.errors import FileError, ParameterError
 from ..common.files import make_folder
 from ..common.parallel import parallel_map
 from ..common.progress import print_once
@@ -17,6 +18,7 @@ from ..common.ranks import led
 from ..common.validate import positive
 from ..io.run_folder import TABLE, refuse
 from ..model.laws import LAWS
+from ..model.packing import Packing
 from ..studies.ensemble.packings import (
     QUANTITIES,
     Row,
@@ -27,8 +29,17 @@ from ..studies.ensemble.packings import (
     summarize,
     with_tension,
 )
-from ..studies.ensemble.tables import SCALING, key, read_table, write_summary, write_tables
-from .options import choice_option
+from ..studies.ensemble.tables import (
+    SCALING,
+    key,
+    origin_of,
+    read_table,
+    write_summary,
+    write_tables,
+)
+from .material_options import FromFile, FromFrame, FromRadii
+from .options import CommandLineError, choice_option, is_given
+from .settings import FILE, InFile, check_in_file
 
 # Values of phi - phi_J at which a packing is measured, each half of the next one.
 _POINTS = 7
@@ -40,7 +51,13 @@ _BELOW_FIRST = 300.0
 
 @led
 def jam_command(
-    numbers: Annotated[list[int], typer.Argument(help="Numbers of particles, e.g. 16 32 64.")],
+    context: typer.Context,
+    numbers: Annotated[
+        list[int] | None, typer.Argument(help="Numbers of particles, e.g. 16 32 64.")
+    ] = None,
+    from_file: FromFile = None,
+    from_radii: FromRadii = None,
+    from_frame: FromFrame = -1,
     seeds: Annotated[int, typer.Option(help="Packings of each size: seeds 1, 2, ...")] = 10,
     law: Annotated[
         str,
@@ -80,7 +97,7 @@ def jam_command(
     ] = None,
     out: Annotated[str, typer.Option(metavar="PATH", help="Output folder.")] = "jam",
 ) -> None:
-    """Jam random bidisperse packings, and average over their onsets.
+    """Jam random bidisperse packings, and average over their onsets; or jam one from a file.
 
     The natural unit of pressure is k for soft disks, tension/R0 with the mean radius R0 for
     droplets, and kA R0^2 for the other laws. Writes table.csv (onsets), scaling.csv (compressed
@@ -91,6 +108,9 @@ def jam_command(
     """
     began = time.perf_counter()
     values = [excess_phi / 2.0**n for n in reversed(range(_POINTS))] if excess_phi else []
+    given = tuple(name for name in ("seeds", *FILE) if is_given(context, name))
+    start = _start(numbers, InFile(from_file, from_radii, from_frame), given)
+    numbers, seeds = (numbers or [], seeds) if start is None else ([len(start)], 1)
     for name, count in (*(("number", number) for number in numbers), ("seeds", seeds)):
         if count < 1:
             raise ParameterError(f"{name} must be at least 1, not {count}")
@@ -105,6 +125,9 @@ def jam_command(
             "a packing is saved with its law, and soft disks have none: give another --law"
         )
     folder = refuse(out, but="jamming")
+    origin = {"from_file": from_file, "from_radii": from_radii, "from_frame": from_frame}
+    origin = {} if start is None else origin
+    _check_origin(folder, origin)
     make_folder(folder)
     packings = folder / "packings" if save else None
     onsets, scaling = read_table(folder / TABLE), read_table(folder / SCALING)
@@ -126,7 +149,7 @@ def jam_command(
     def present(number: int) -> None:
         """Print the means of a size, once they are over all packings."""
         if not missing(number):
-            write_summary(folder, onsets, scaling)
+            write_summary(folder, onsets, scaling, origin)
             for row in summarize(onsets):
                 if (row["law"], row["onset_pressure"], row["number"]) == (law, pressure, number):
                     print_once(_means(row))
@@ -140,7 +163,7 @@ def jam_command(
 
     for number in wanted:
         present(number)
-    runs = [(*packing, values, packings) for number in wanted for packing in missing(number)]
+    runs = [(*packing, values, packings, start) for number in wanted for packing in missing(number)]
     parallel_map(measure, runs, workers, "packings", keep)
     for row in exponents(scaling):
         print_once(_exponents(row))
@@ -151,6 +174,32 @@ def jam_command(
         if scaling:
             figures.scaling(scaling).savefig(folder / "scaling.png", dpi=110)
     print_once(f"wrote {out} ({time.perf_counter() - began:.0f} s)")
+
+
+def _start(numbers: Sequence[int] | None, in_file: InFile, given: Sequence[str]) -> Packing | None:
+    """The packing in a file, which is jammed in place of random ones; None without a file."""
+    if in_file.from_file is not None and (numbers or "seeds" in given):
+        word = "--seeds" if "seeds" in given else "a number of particles"
+        raise ParameterError(
+            f"the packing is that in '{in_file.from_file}', and {word} is about random ones: leave "
+            "it out"
+        )
+    check_in_file(in_file, given)
+    if in_file.from_file is not None:
+        return in_file.packing_in_file()
+    if not numbers:
+        raise CommandLineError("give numbers of particles, e.g. jam 16 32 64, or --from FILE")
+    return None
+
+
+def _check_origin(folder: Path, origin: Mapping[str, Any]) -> None:
+    """Refuse a folder with onsets of other packings: its tables do not tell them apart."""
+    if not (folder / TABLE).exists():
+        return
+    saved = origin_of(folder)
+    if saved != origin:
+        of = f"the packing in '{saved['from_file']}'" if saved else "random packings"
+        raise FileError(f"'{folder}' holds onsets of {of}: name another folder")
 
 
 def _check_excess(law: str, pressure: float, excess_phi: Sequence[float]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -24,7 +24,7 @@ PROTOCOL = (*TARGETS, "steps", "tolerance")
 
 # Settings of a packing from a random start, and of one in a file.
 _RANDOM = ("number", "radii", "fraction", "polydispersity", "aspect", "tilt", "seed")
-_FILE = ("from_file", "from_radii", "from_frame")
+FILE = ("from_file", "from_radii", "from_frame")
 
 M = TypeVar("M", bound="Material")
 
@@ -33,19 +33,12 @@ _STRAIN = 0.01
 
 
 @dataclass(frozen=True)
-class Material:
-    """A packing in a file, if any, and a contact law, by the names of the options."""
+class InFile:
+    """A packing in a file, if any, by the names of the options."""
 
     from_file: str | None
     from_radii: str | None
     from_frame: int
-
-    law: str
-    kA: float
-    kP: float
-    tension: float
-    adhesion: float
-    reach: float | None
 
     def packing_in_file(self) -> Packing:
         """The packing in a file, which is not jammed."""
@@ -57,6 +50,18 @@ class Material:
         elif word:
             radii = _number(word)
         return Packing.from_file(str(self.from_file), radii, self.from_frame)
+
+
+@dataclass(frozen=True)
+class Material(InFile):
+    """A packing in a file, if any, and a contact law."""
+
+    law: str
+    kA: float
+    kP: float
+    tension: float
+    adhesion: float
+    reach: float | None
 
     def contact_law(self) -> Law:
         """The law of this name with these stiffnesses."""
@@ -101,7 +106,7 @@ class Settings(Material):
     @property
     def parameters(self) -> dict[str, Any]:
         """Those that the run depends on."""
-        unused = _FILE if self.from_file is None else _RANDOM
+        unused = FILE if self.from_file is None else _RANDOM
         return {name: value for name, value in asdict(self).items() if name not in unused}
 
     def random_start(self) -> Packing:
@@ -127,16 +132,21 @@ def given_settings(context: typer.Context, kind: type[M]) -> tuple[M, dict[str, 
     return kind(**values), {name: values[name] for name in values if is_given(context, name)}
 
 
-def check_material(settings: Material, given: Mapping[str, Any]) -> None:
-    """Refuse options of a packing in a file and of a law that contradict each other.
+def check_in_file(settings: InFile, given: Container[str]) -> None:
+    """Refuse options of a packing in a file without a file.
 
     Args:
         settings: of the run.
-        given: those of them that are given on the command line.
+        given: those that are given on the command line.
     """
-    alone = [option(name) for name in _FILE[1:] if name in given]
+    alone = [option(name) for name in FILE[1:] if name in given]
     if settings.from_file is None and alone:
         raise ParameterError(f"{alone[0]} is about the file of a packing: give --from too")
+
+
+def check_material(settings: Material, given: Mapping[str, Any]) -> None:
+    """Refuse options of a packing in a file and of a law that contradict each other."""
+    check_in_file(settings, given)
     if settings.law == "sector" and "reach" in given:
         raise ParameterError("--reach is an option of ring laws: leave it out with --law sector")
     if settings.law == "sector" and "tension" in given:

@@ -107,3 +107,33 @@ def test_packings_are_saved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
             assert sim.state().phi == pytest.approx(row["phi"], rel=1e-12)
     assert jam(monkeypatch, "8", "--save", "--out", "disks") == 2
     assert not (tmp_path / "disks").exists()
+
+
+def test_the_packing_in_a_file_is_jammed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    start = deformable.bidisperse(10, (0.5, 0.6), phi=0.7, seed=4)
+    start.to_file("a.xyz")
+    ask = ("--from", "a.xyz", "--law", "radical", "--out", "run")
+    assert jam(monkeypatch, *ask, "--save") == 0
+    (row,) = read_table(tmp_path / "run" / "table.csv")
+    expected, _ = measure("radical", 1e-6, 10, 1, start=start)
+    assert row["number"] == 10
+    assert row["phi"] == pytest.approx(expected["phi"], rel=1e-6)
+    with deformable.Run(tmp_path / "run" / "packings" / "radical_1e-06_10_1").simulation() as sim:
+        assert sim.state().packing.radii.tolist() == [0.5, 0.6]
+    assert jam(monkeypatch, *ask) == 0
+    assert capsys.readouterr().err == ""
+    for wrong, told in (
+        (("8", "--out", "run"), "holds onsets of the packing in 'a.xyz': name another folder"),
+        (("8", *ask), "a number of particles is about random ones: leave it out"),
+        (("--seeds", "3", *ask), "--seeds is about random ones: leave it out"),
+        (("8", "--from-radii", "0.5"), "--from-radii is about the file of a packing"),
+        (("--from", "b.xyz"), "'b.xyz' cannot be read: No such file"),
+        ((), "give numbers of particles, e.g. jam 16 32 64, or --from FILE"),
+    ):
+        assert jam(monkeypatch, *wrong) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert told in line
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.xyz", "run"]

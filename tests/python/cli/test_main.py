@@ -246,7 +246,7 @@ def test_error_on_one_rank_ends_all(tmp_path: Path) -> None:
     [
         (["compress", "--bubbles", "3"], "error: No such option: --bubbles"),
         (["compress", "--number", "many"], "error: --number many: "),
-        (["jam"], "error: Missing argument "),
+        (["jam"], "error: give numbers of particles"),
         (["bubble"], "error: No such command 'bubble'"),
         (["plot", "--help"], "Usage: deformable plot "),
         ([], "Usage: deformable "),

@@ -19,6 +19,7 @@ from ...common.fits import power_law
 from ...common.validate import zero_or_more
 from ...engine.relaxation import TOLERANCE
 from ...model.laws import LAWS, Law, Ring
+from ...model.packing import Packing
 from ...model.random_packing import bidisperse
 from ...protocols.jamming import jam, natural_pressure
 from ...protocols.moduli import bulk_modulus, shear_modulus
@@ -81,6 +82,7 @@ def measure(
     seed: int,
     excess_phi: Sequence[float] = (),
     folder: Path | None = None,
+    start: Packing | None = None,
 ) -> tuple[Row, list[Row]]:
     """Jam one packing, and compress it from its onset.
 
@@ -89,9 +91,10 @@ def measure(
         onset_pressure: the pressure at the onset lies between this and twice this, in natural
             units, see `natural_pressure`.
         number: of particles, an equal mixture of sizes 1 : 1.4.
-        seed: of the random start.
+        seed: of the random start, or the number of a start that is given.
         excess_phi: values of phi - phi_J, rising, at which moduli are measured.
         folder: the packing at its onset is saved there under its `packing_name`; not of disks.
+        start: the packing that is jammed, in place of a random one.
 
     Returns:
         The packing at its onset, and a row for each value of phi - phi_J up to where the packing
@@ -104,7 +107,7 @@ def measure(
         # rows have a column for what stalled; packings may rearrange while they are compressed
         warnings.simplefilter("ignore", UnjammedWarning)
         warnings.simplefilter("always", StalledWarning)
-        start = bidisperse(number, seed=seed)
+        start = start or bidisperse(number, seed=seed)
         packing = jam(start, settings, onset_pressure, tolerance=TOLERANCE)  # counts contacts
         stalled = any(issubclass(warning.category, StalledWarning) for warning in caught)
         with simulate(packing, settings) as sim:

@@ -76,14 +76,24 @@ def write_tables(folder: Path, onsets: Sequence[Row], scaling: Sequence[Row]) ->
             write_whole(folder / name, text.getvalue())
 
 
-def write_summary(folder: Path, onsets: Sequence[Row], scaling: Sequence[Row]) -> None:
-    """Write means over the onsets, and exponents of the compressed packings."""
+def write_summary(
+    folder: Path, onsets: Sequence[Row], scaling: Sequence[Row], origin: Mapping[str, Any]
+) -> None:
+    """Write means over the onsets, exponents of the compressed packings, and what was jammed."""
     summary = {
+        **origin,
         "onset": [_without_nan(row) for row in summarize(onsets)],
         "exponents": [_without_nan(row) for row in exponents(scaling)],
         "versions": versions(),
     }
     write_whole(folder / SUMMARY, json.dumps(summary, indent=2) + "\n")
+
+
+def origin_of(folder: Path) -> dict[str, Any]:
+    """Options of the packing in a file that was jammed; none of random packings."""
+    path = folder / SUMMARY
+    summary = json.loads(path.read_text()) if path.exists() else {}
+    return {name: value for name, value in summary.items() if name.startswith("from_")}
 
 
 def _without_nan(row: Row) -> Row:
