@@ -28,11 +28,13 @@ if TYPE_CHECKING:
     from .common.fits import jackknife as jackknife
     from .common.parallel import parallel_map as parallel_map
     from .engine.disks import Disks as Disks
+    from .engine.droplet_simulation import DropletSimulation as DropletSimulation
     from .engine.polygon_simulation import PolygonSimulation as PolygonSimulation
     from .engine.simulation import Simulation as Simulation
     from .engine.spheres import Spheres as Spheres
     from .model.crystal import cubic as cubic
     from .model.crystal import triangular as triangular
+    from .model.droplet import Droplet as Droplet
     from .model.friction import Friction as Friction
     from .model.laws import Ring as Ring
     from .model.laws import Sector as Sector
@@ -71,6 +73,7 @@ if TYPE_CHECKING:
     from .runs.run import Run as Run
     from .state.disk_state import DiskState as DiskState
     from .state.displacements import unwrapped as unwrapped
+    from .state.droplet_state import DropletState as DropletState
     from .state.polygon_state import PolygonState as PolygonState
     from .state.secondary import resolve_secondary as resolve_secondary
     from .state.sphere_state import SphereState as SphereState
@@ -93,6 +96,9 @@ _HOMES = {
     "Disk": "model.walls",
     "DiskState": "state.disk_state",
     "Disks": "engine.disks",
+    "Droplet": "model.droplet",
+    "DropletSimulation": "engine.droplet_simulation",
+    "DropletState": "state.droplet_state",
     "DynamicModulus": "protocols.oscillation",
     "FileError": "common.errors",
     "Friction": "model.friction",

@@ -12,6 +12,7 @@ from ..io.data_file import Motion
 from ..io.films import film_commands, memory_commands
 from ..io.lammps_commands import law_commands, pair_style, species_file
 from ..io.rubbing import FRICTION, friction_commands, spring_commands
+from ..model.droplet import AnyLaw
 from ..model.friction import Friction
 from ..model.laws import Law
 from ..model.packing import Packing
@@ -62,9 +63,19 @@ def particles_in_lammps(
     place_walls(lmp, packing.walls)
     run(lmp, film_commands(law, packing.walls))
     run(lmp, friction_commands(friction, len(packing.radii)))
-    stress_of = virial_command("pair fix" if packing.walls or friction else "pair")
-    run(lmp, stress_of + _COMPUTES.format(style=pair_style(law)) + THERMO)
+    run(lmp, commands_of_energy(law, bool(packing.walls or friction)))
     return lmp
+
+
+def commands_of_energy(law: AnyLaw, fixes: bool) -> str:
+    """The computes of energy and stress, and the thermo output that evaluates them.
+
+    Args:
+        law: of the contacts.
+        fixes: whether walls or friction have a part in the stress.
+    """
+    stress_of = virial_command("pair fix" if fixes else "pair")
+    return stress_of + _COMPUTES.format(style=pair_style(law)) + THERMO
 
 
 def go_on(sim: Engine, motion: Motion) -> None:

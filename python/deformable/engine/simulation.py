@@ -13,18 +13,19 @@ from ..common.validate import expect, positive, zero_or_more
 from ..core import dot
 from ..io.data_file import Motion
 from ..io.lammps_commands import pair_style, species_file
+from ..model.droplet import check_dimension
 from ..model.filled import filled_area
 from ..model.friction import Friction, check_friction
 from ..model.lattice import shown_box
 from ..model.laws import Law, Ring, Sector
 from ..model.packing import Packing
-from ..model.plane import check_law
 from ..model.room import check_centers, check_fit, free_room
 from ..model.sticking import check_sticky_walls, sticks
 from ..model.timestep import STIFFNESS_PER_PRESSURE
 from ..model.walls import Wall, as_walls
 from ..state.contact_table import attached
 from ..state.state import State, parts
+from .droplet_simulation import OfLaw
 from .followed import has_other_fixes, refuse_forces_of_motion, refuse_other, setup, unsaved
 from .free_box import check_free, relax_free_box
 from .lammps import (
@@ -70,14 +71,14 @@ _PATIENCE = 60_000
 _UNBALANCED = 0.01
 
 
-class Simulation(Watched, Engine):
+class Simulation(OfLaw, Watched, Engine):
     """Deformable particles in LAMMPS.
 
     Every rank of an MPI run must make the same calls, and gets the same values.
 
     Args:
         packing: where particles start, e.g. from `jam`; or a state, see `restart`.
-        law: contact law, `Ring` or `Sector`.
+        law: contact law, `Ring` or `Sector`; of `Droplet` this is a `DropletSimulation`.
         comm: communicator that shares the work; all ranks if not given. With `MPI.COMM_SELF` every
             rank runs a simulation of its own, the fast way for many small packings.
         walls: one shape or several, see `Packing`; those of the packing if not given. Centers must
@@ -175,7 +176,7 @@ class Simulation(Watched, Engine):
         self._single_contact_force = stiffness * self._smallest_radius
 
     def _check(self, packing: Packing) -> None:
-        check_law(self.law, packing.dimension)
+        check_dimension(self.law, packing.dimension)
         species_file(self.law, packing.radii)
         if self.friction:
             check_friction(self.friction, packing, self.law)

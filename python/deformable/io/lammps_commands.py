@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.by_pair import pair_matrix
+from ..model.droplet import AnyLaw, Droplet
 from ..model.laws import Law, Ring
 from ..model.packing import Packing
 from ..model.polygon_walls import Walls
@@ -90,17 +91,19 @@ def atom_style(packing: Packing) -> str:
     return "atomic" if packing.particle_radii is None else "sphere"
 
 
-def pair_style(law: Law) -> str:
+def pair_style(law: AnyLaw) -> str:
     """Name of the pair style of a contact law."""
+    if isinstance(law, Droplet):
+        return "deformable/droplet"
     return "deformable/ring" if isinstance(law, Ring) else "deformable/sector"
 
 
-def pair_style_arguments(law: Law) -> str:
+def pair_style_arguments(law: AnyLaw) -> str:
     """Arguments of the pair style."""
     return f"contact {law.contact} reach {law.reach!r}" if isinstance(law, Ring) else ""
 
 
-def species_file(law: Law, radii: Sequence[float] | NDArray[np.float64]) -> str:
+def species_file(law: AnyLaw, radii: Sequence[float] | NDArray[np.float64]) -> str:
     """Text of the species file for species of these radii [length], named s1, s2, ...
 
     Raises:
@@ -124,7 +127,7 @@ def species_file(law: Law, radii: Sequence[float] | NDArray[np.float64]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def law_commands(packing: Packing, law: Law, file: str) -> str:
+def law_commands(packing: Packing, law: AnyLaw, file: str) -> str:
     """Commands for the contact law and the minimizer, to run once LAMMPS has the particles.
 
     Args:

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from .droplet import AnyLaw, Droplet
 from .laws import Law
 from .packing import Packing
 
-# Pressures in natural units over x = phi - phi_J: 0.4 x for disks, x for droplets, 5 x^3 for
-# rings.
-_DISKS, _DROPLETS, _RINGS = 0.4, 1.0, 5.0
+# Pressures p in natural units over x = phi - phi_J: 0.4 x for disks, x for droplets, 5 x^3 for
+# rings; in three dimensions droplets have x = 0.8 p ln(1 + 1/p).
+_DISKS, _DROPLETS, _RINGS, _IN_SPACE = 0.4, 1.0, 5.0, 0.8
 
 
-def natural_pressure(packing: Packing, law: Law | None) -> float:
+def natural_pressure(packing: Packing, law: AnyLaw | None) -> float:
     """The unit of pressure of a contact law [energy/length^2].
 
         <kA R0^2 kP / (kA R0^2 + kP) + tension/R0>
@@ -30,13 +31,16 @@ def natural_pressure(packing: Packing, law: Law | None) -> float:
     return float(np.mean(stiffness + tension / r0))
 
 
-def excess_phi(p: float, packing: Packing, law: Law | None) -> float:
+def excess_phi(p: float, packing: Packing, law: AnyLaw | None) -> float:
     """phi - phi_J at a pressure p in natural units.
 
-    p = 5 x^3 of rings, p = x of droplets, p = 0.4 x of disks.
+    p = 5 x^3 of rings, p = x of droplets, p = 0.4 x of disks; x = 0.8 p ln(1 + 1/p) of
+    droplets in three dimensions.
     """
     if law is None:
         return p / _DISKS
+    if isinstance(law, Droplet):
+        return float(_IN_SPACE * p * np.log1p(1.0 / p)) if p > 0.0 else 0.0
     return p / _DROPLETS if _droplets(packing, law) else (max(p, 0.0) / _RINGS) ** (1.0 / 3.0)
 
 

@@ -28,8 +28,3 @@ def dimension_of(dimension: int) -> int:
     if (number := whole("dimension", dimension)) not in (2, 3):
         raise ParameterError(f"dimension must be 2 or 3, not {shown(dimension)}")
     return number
-
-
-def check_law(law: object, dimension: int) -> None:
-    """Refuse a law of the plane in three dimensions."""
-    refuse_space(f"the law {type(law).__name__}", dimension, "take soft spheres, `Spheres`")

@@ -17,6 +17,7 @@ from ..common.steps import Steps
 from ..common.validate import count, expect, finite, positive
 from ..engine.box_search import REACHED, Relaxed, UnreachedError, reach, told_at_the_end
 from ..engine.disks import Disks
+from ..engine.droplet_simulation import DropletSimulation
 from ..engine.polygon_simulation import PolygonSimulation
 from ..engine.simulation import Simulation
 from ..engine.soft_particles import SoftParticles
@@ -74,7 +75,7 @@ def compress(
     Warns:
         UnjammedWarning: an expansion has taken the packing apart; once, after the first such step.
     """
-    expect("sim", sim, Simulation, Disks, Spheres, PolygonSimulation)
+    expect("sim", sim, Simulation, DropletSimulation, Disks, Spheres, PolygonSimulation)
     name, target = check_target(sim, steps, strain=strain, phi=phi, pressure=pressure)
     if name == "strain":
         states = remaining_steps(sim, sim.box, target, int(steps), 0, tolerance)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 from mpi4py import MPI
@@ -11,7 +12,7 @@ from mpi4py import MPI
 from ..common.errors import ParameterError, StalledWarning, UnjammedWarning
 from ..common.progress import progress
 from ..common.validate import expect, positive
-from ..engine.free_box import check_free
+from ..engine.free_box import Stressed, check_free
 from ..engine.relaxed_disks import (
     HUGE,
     RelaxedDisks,
@@ -21,16 +22,15 @@ from ..engine.relaxed_disks import (
     settle_at_pressure,
 )
 from ..engine.shared_disks import relax_on_ranks
-from ..engine.simulation import Simulation
 from ..engine.soft_particles import separated
 from ..engine.watching import Callback, check_callback
+from ..model.droplet import AnyLaw, Droplet, check_dimension
 from ..model.laws import Law, Ring, Sector
 from ..model.onset import excess_phi, natural_pressure, pressure_above_onset
 from ..model.packing import Packing
-from ..model.plane import check_law
 from ..model.sticking import refuse_adhesion
-from ..state.state import State
 from .stabilized import stabilized
+from .starts import simulate
 from .watch import Watch
 
 # Pressure of soft disks up to which a packing counts as loose while it is compressed, and step of
@@ -76,7 +76,7 @@ _SMALLEST_STEP = 1e-10
 
 def jam(
     packing: Packing,
-    law: Law | None = None,
+    law: AnyLaw | None = None,
     pressure: float = 1e-6,
     step: float = 0.02,
     tolerance: float = 1e-3,
@@ -102,8 +102,8 @@ def jam(
     Args:
         packing: a packing below jamming, e.g. from `bidisperse`, or from `Packing.between` with
             walls, which are scaled with the box; particles may overlap.
-        law: contact law; soft disks of the energy k/2 (R_i + R_j - d)^2 if not given, or soft
-            spheres.
+        law: contact law, in three dimensions `Droplet`; soft disks or spheres of the energy
+            k/2 (R_i + R_j - d)^2 if not given.
         pressure: threshold of rigidity, in units of `natural_pressure`. The distance to the onset
             depends on the law: p ~ phi - phi_J for disks, p ~ (phi - phi_J)^3 for rings.
         step: first step of packing fraction.
@@ -138,9 +138,10 @@ def jam(
     """
     expect("packing", packing, Packing)
     if law is not None:
-        expect("law", law, Ring, Sector)
-        check_law(law, packing.dimension)
-        refuse_adhesion(law, packing.walls, ", whose packings have no pressure at an onset")
+        expect("law", law, Ring, Sector, Droplet)
+        check_dimension(law, packing.dimension)
+        if not isinstance(law, Droplet):
+            refuse_adhesion(law, packing.walls, ", whose packings have no pressure at an onset")
     positive("pressure", pressure)
     positive("step", step)
     positive("tolerance", tolerance)
@@ -153,7 +154,8 @@ def jam(
         if box != "size":
             start = _jammed_disks(packing, _STABILIZED, step, _PART, watch, comm).packing
             watch.begin(f"free {box} at {pressure:.1e}")
-            free = stabilized(start, law, pressure, tolerance, box, comm, watch.tell)
+            plane = cast(Law | None, law)
+            free = stabilized(start, plane, pressure, tolerance, box, comm, watch.tell)
             jammed, stalled, residual = free.packing, free.stalled, free.residual
         elif law is None:
             threshold = _ABOVE * pressure * natural_pressure(packing, None)
@@ -162,7 +164,7 @@ def jam(
             jammed = _grown(jammed, packing) if grow else jammed
         else:
             excess = excess_phi(_ABOVE * pressure, packing, law)
-            near = pressure_above_onset(excess, packing, None)
+            near = pressure_above_onset(excess, packing, None) * natural_pressure(packing, None)
             start = _jammed_disks(packing, near, step, _PART, watch, comm).packing
             start = _grown(start, packing) if grow else start
             ranks = comm or MPI.COMM_SELF
@@ -258,13 +260,13 @@ def _decompressed(
 
 def _jammed_particles(
     packing: Packing,
-    law: Law,
+    law: AnyLaw,
     pressure: float,
     tolerance: float,
     watch: Watch,
     comm: MPI.Comm,
     grow: bool,
-) -> State:
+) -> Stressed:
     """Deformable particles with a pressure in the window of `jam`, from a packing near by.
 
     phi follows the pressure as `excess_phi` has it. A packing that rearranges has another phi_J:
@@ -294,12 +296,12 @@ def _jammed_particles(
 
 
 def _relaxed(
-    packing: Packing, law: Law, pressure: float, tolerance: float, comm: MPI.Comm
-) -> State:
+    packing: Packing, law: AnyLaw, pressure: float, tolerance: float, comm: MPI.Comm
+) -> Stressed:
     """The packing, relaxed until its pressure is below the given one, or else to the tolerance."""
     # about the contact force at this pressure
-    minimum_contact_force = pressure * float(packing.radius.min())
-    with Simulation(packing, law, comm) as sim, warnings.catch_warnings():
+    minimum_contact_force = pressure * float(packing.radius.min()) ** (packing.dimension - 1)
+    with simulate(packing, law, comm) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore", StalledWarning)  # `jam` warns once for all
         warnings.simplefilter("ignore", UnjammedWarning)  # expected below the onset
         for part in _STAGES:

@@ -12,6 +12,7 @@ from ..common.validate import expect, positive
 from ..model.filled import root
 from ..model.plane import refuse_space
 from ..state.disk_state import DiskState
+from ..state.droplet_state import DropletState
 from ..state.sphere_state import SphereState
 from ..state.state import State
 from .starts import simulate
@@ -43,7 +44,7 @@ class Modulus:
 
 
 def shear_modulus(
-    state: State | DiskState | SphereState,
+    state: State | DropletState | DiskState | SphereState,
     strain: float,
     tolerance: float = 1e-8,
     pure: bool = False,
@@ -72,7 +73,7 @@ def shear_modulus(
     Raises:
         ParameterError: a value is out of range.
     """
-    expect("state", state, State, DiskState, SphereState)
+    expect("state", state, State, DropletState, DiskState, SphereState)
     if pure:
         refuse_space("pure=True", state.packing.dimension, "turn the packing, and shear it along x")
     if not pure:
@@ -87,13 +88,13 @@ def shear_modulus(
 
 
 def bulk_modulus(
-    state: State | DiskState | SphereState, strain: float, tolerance: float = 1e-8
+    state: State | DropletState | DiskState | SphereState, strain: float, tolerance: float = 1e-8
 ) -> Modulus:
     """K = d(pressure)/d(compressive strain of the area) of a relaxed state, as `shear_modulus`.
 
     In three dimensions it is the strain of the volume.
     """
-    expect("state", state, State, DiskState, SphereState)
+    expect("state", state, State, DropletState, DiskState, SphereState)
     dimension = state.packing.dimension
     return _modulus(
         state,
@@ -105,7 +106,7 @@ def bulk_modulus(
 
 
 def _modulus(
-    state: State | DiskState | SphereState,
+    state: State | DropletState | DiskState | SphereState,
     strain: float,
     tolerance: float,
     deformed: Callable[[NDArray[np.float64], float], NDArray[np.float64]],

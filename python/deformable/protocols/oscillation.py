@@ -14,9 +14,11 @@ from ..common.progress import progress
 from ..common.steps import Steps
 from ..common.validate import count, expect, number_or_nan, positive, whole
 from ..engine.disks import Disks
+from ..engine.droplet_simulation import DropletSimulation
 from ..engine.simulation import Simulation
 from ..engine.spheres import Spheres
 from ..state.disk_state import DiskState
+from ..state.droplet_state import DropletState
 from ..state.sphere_state import SphereState
 from ..state.state import State
 from .flow import flow, flow_command, flow_dynamics, refuse_without_flow
@@ -74,7 +76,7 @@ def oscillate(
         ParameterError: see `shear`.
         LammpsError: see `shear`.
     """
-    expect("sim", sim, Simulation, Disks, Spheres)
+    expect("sim", sim, Simulation, DropletSimulation, Disks, Spheres)
     strain = positive("strain", strain)
     check_shear(sim, strain, count("steps", steps))
     if steps < _FEWEST:
@@ -143,7 +145,7 @@ class DynamicModulus:
 
 
 def dynamic_modulus(
-    state: State | DiskState | SphereState,
+    state: State | DropletState | DiskState | SphereState,
     strain: float,
     period: float | None = None,
     cycles: int = 3,
@@ -177,7 +179,7 @@ def dynamic_modulus(
         ParameterError: see `oscillate`.
         LammpsError: see `oscillate`.
     """
-    expect("state", state, State, DiskState, SphereState)
+    expect("state", state, State, DropletState, DiskState, SphereState)
     if count("cycles", cycles) < 2:
         raise ParameterError("cycles must be at least 2, as their scatter is the error, not 1")
     if whole("discarded", discarded) < 0:

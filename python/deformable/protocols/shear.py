@@ -15,17 +15,19 @@ from ..common.progress import progress
 from ..common.steps import Steps
 from ..common.validate import count, expect, finite, positive
 from ..engine.disks import Disks
+from ..engine.droplet_simulation import DropletSimulation
 from ..engine.simulation import Simulation
 from ..engine.spheres import Spheres
 from ..model.walls import Wall
 from ..state.disk_state import DiskState
+from ..state.droplet_state import DropletState
 from ..state.sphere_state import SphereState
 from ..state.state import State
 from .flow import flow, flow_command, flow_dynamics, refuse_without_flow
 from .tilt import sheared, straighten
 
-S = TypeVar("S", bound=State | DiskState | SphereState)
-S_co = TypeVar("S_co", bound=State | DiskState | SphereState, covariant=True)
+S = TypeVar("S", bound=State | DiskState | SphereState | DropletState)
+S_co = TypeVar("S_co", bound=State | DiskState | SphereState | DropletState, covariant=True)
 
 
 class Shearable(Protocol[S_co]):
@@ -93,7 +95,7 @@ def shear(
 
     Source: drag: Durian, Phys. Rev. Lett. 75, 4780 (1995).
     """
-    expect("sim", sim, Simulation, Disks, Spheres)
+    expect("sim", sim, Simulation, DropletSimulation, Disks, Spheres)
     check_shear(sim, strain, steps)
     before, strain, steps = sim.strain or 0.0, float(strain), int(steps)
     flowing = {"friction": friction, "temperature": temperature, "timestep": timestep}

@@ -9,12 +9,14 @@ from mpi4py import MPI
 from ..common.errors import StalledWarning
 from ..common.validate import expect
 from ..engine.disks import Disks
+from ..engine.droplet_simulation import DropletSimulation
 from ..engine.simulation import Simulation
 from ..engine.spheres import Spheres
-from ..model.laws import Law
+from ..model.droplet import AnyLaw, Droplet
 from ..model.onset import natural_pressure
 from ..model.packing import Packing
 from ..state.disk_state import DiskState
+from ..state.droplet_state import DropletState
 from ..state.sphere_state import SphereState
 from ..state.state import State
 
@@ -60,9 +62,13 @@ def soft(packing: Packing) -> Disks | Spheres:
 
 
 def simulate(
-    start: Packing | State | DiskState | SphereState, law: Law | None
-) -> Disks | Spheres | Simulation:
-    """A simulation of a contact law, or of soft disks or spheres, on this rank alone."""
+    start: Packing | State | DropletState | DiskState | SphereState,
+    law: AnyLaw | None,
+    comm: MPI.Comm = MPI.COMM_SELF,
+) -> Disks | Spheres | Simulation | DropletSimulation:
+    """A simulation of a contact law, or of soft disks or spheres, which no ranks share."""
     if law is None or isinstance(start, (DiskState, SphereState)):
         return soft(start if isinstance(start, Packing) else start.packing)
-    return Simulation(start, law, MPI.COMM_SELF)
+    if isinstance(law, Droplet) and not isinstance(start, State):
+        return DropletSimulation(start, law, comm)
+    return Simulation(start, law, comm)  # type: ignore[arg-type]

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.validate import zero_or_more
+from ..model.droplet import AnyLaw
 from ..model.lattice import lengths
-from ..model.laws import Law
 from ..model.packing import Packing
 from ..model.room import free_motions
 from .contact_forces import ContactForces
@@ -46,7 +46,7 @@ class ContactNetwork(ABC):
     """
 
     packing: Packing
-    law: Law | None
+    law: AnyLaw | None
 
     @property
     @abstractmethod

@@ -25,6 +25,7 @@ from ...protocols.jamming import jam, natural_pressure
 from ...protocols.moduli import bulk_modulus, shear_modulus
 from ...protocols.starts import simulate
 from ...state.disk_state import DiskState
+from ...state.droplet_state import DropletState
 from ...state.sphere_state import SphereState
 from ...state.state import State
 
@@ -134,7 +135,7 @@ def packing_name(law: str, onset_pressure: float, number: int, seed: int) -> str
     return f"{law.replace(_TENSION, '_')}_{onset_pressure:g}_{number}_{seed}"
 
 
-def _numbers(state: State | DiskState | SphereState, unit: float) -> Row:
+def _numbers(state: State | DropletState | DiskState | SphereState, unit: float) -> Row:
     return {
         "phi": state.phi,
         "pressure": state.pressure / unit,
@@ -147,7 +148,9 @@ def _numbers(state: State | DiskState | SphereState, unit: float) -> Row:
     }
 
 
-def _moduli(state: State | DiskState | SphereState, excess_phi: float, unit: float) -> Row:
+def _moduli(
+    state: State | DropletState | DiskState | SphereState, excess_phi: float, unit: float
+) -> Row:
     strain = _STRAIN * excess_phi
     found = {
         "shear": [shear_modulus(state, strain, _MODULUS_TOLERANCE, pure) for pure in (False, True)],

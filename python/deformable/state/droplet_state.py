@@ -1,0 +1,107 @@
+"""A state of droplets in three dimensions: a snapshot, which later steps do not change."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.droplet import Droplet
+from ..model.packing import Packing
+from .analysis import Analysis
+from .contact_forces import ContactForces
+from .contact_network import ContactNetwork
+from .droplet_contacts import DropletTable, forces_of_droplets
+from .in_space import InSpace
+from .numbers import numbers_of
+from .stressed import Stressed
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DropletState(InSpace, Stressed, ContactNetwork, Analysis):
+    """A snapshot of droplets, the same on every rank. Particles are numbered from 0.
+
+    Attributes:
+        packing: centers, species, undeformed radii and box.
+        law: the law, `Droplet`.
+        surface_area: of each droplet, 4 pi R^2 without contacts, shape (N,) [length^2].
+        contacts: number of contacts of each droplet that bear a force, shape (N,).
+        contact_area: of all facets of each droplet, shape (N,) [length^2].
+        particle_pressure: inside each droplet, 2 tension/R without contacts, shape (N,)
+            [energy/length^3].
+        load: of each droplet, about the part of its surface that facets cover, shape (N,).
+        energy: of all droplets, above that of spheres [energy].
+        stress: pressure tensor of the contacts, compression positive, shape (3, 3)
+            [energy/length^3]; its `pressure` is the osmotic pressure of the emulsion.
+        residual: largest force on a droplet over the mean contact force; 0 without contacts.
+        stalled: the relaxation stopped before the tolerance.
+        beyond: number of droplets beyond the model, whose load is above 0.4.
+        velocities: of the centers, zero after a relaxation, shape (N, 3) [length/time].
+        contact_table: contacts that bear a force, with a row for each side, sorted by (i, j,
+            image): structured array with the fields i, j (-1 for a wall), image (3,), distance,
+            indentation, facet_radius, force, position (3,), normal (3,), force_vector (3,), see
+            `droplet_contacts.COLUMNS`.
+        root: whether this process writes files (rank 0 of the run).
+        strain: shear strain of all calls of `shear` so far; None before the first one.
+    """
+
+    packing: Packing
+    law: Droplet
+    surface_area: NDArray[np.float64]
+    contacts: NDArray[np.int64]
+    contact_area: NDArray[np.float64]
+    particle_pressure: NDArray[np.float64]
+    load: NDArray[np.float64]
+    energy: float
+    stress: NDArray[np.float64]
+    residual: float
+    stalled: bool
+    beyond: int
+    velocities: NDArray[np.float64]
+    contact_table: DropletTable
+    root: bool
+    strain: float | None = None
+
+    def __post_init__(self) -> None:
+        for array in (value for value in vars(self).values() if isinstance(value, np.ndarray)):
+            array.setflags(write=False)
+
+    @property
+    def phi(self) -> float:
+        """Packing fraction, that of the undeformed droplets, whose volume is kept."""
+        return self.packing.phi
+
+    @property
+    def filled_volume(self) -> NDArray[np.float64]:
+        """4 pi R^3/3 of each droplet, shape (N,) [length^3]."""
+        return 4.0 / 3.0 * np.pi * self.packing.radius**3
+
+    @property
+    def _filled(self) -> NDArray[np.float64]:
+        return self.filled_volume
+
+    def numbers(self) -> dict[str, Any]:
+        """The state in numbers, by name; `strain` is None without shear."""
+        return numbers_of(self) | {"load": float(self.load.mean()), "beyond": self.beyond}
+
+    def particle_values(self) -> dict[str, NDArray[Any]]:
+        """Values of the droplets by name, arrays of shape (N,)."""
+        return {
+            "radius": self.packing.radius,
+            "surface_area": self.surface_area,
+            "pressure": self.particle_pressure,
+            "load": self.load,
+            "contact_area": self.contact_area,
+            "contacts": self.contacts,
+            "rattler": self.rattlers.astype(int),
+        }
+
+    @property
+    def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        return self.contact_table["i"], self.contact_table["j"]
+
+    @property
+    def _contact_forces(self) -> ContactForces:
+        return forces_of_droplets(self.packing, self.contact_table)

@@ -1,0 +1,278 @@
+"""Droplets in three dimensions: known answers, states, protocols, and what is refused."""
+
+import inspect
+import warnings
+from collections.abc import Callable
+
+import deformable
+import numpy as np
+import pytest
+from deformable import Droplet, DropletSimulation, DropletState, Packing, ParameterError
+from deformable.state.state import State
+from numpy.typing import NDArray
+
+CONTACTS = {"fcc": 12, "bcc": 8, "sc": 6}
+
+
+@pytest.fixture(scope="module")
+def jammed() -> Packing:
+    start = deformable.bidisperse(32, radii=(1.0, 1.2), dimension=3, seed=1)
+    return deformable.jam(start, tolerance=1e-2)
+
+
+@pytest.fixture(scope="module")
+def emulsion(jammed: Packing) -> DropletState:
+    """Of two tensions."""
+    with deformable.Simulation(jammed.at(0.72), Droplet([1.0, 1.5])) as sim:
+        assert isinstance(sim, DropletSimulation)
+        return sim.relax(1e-8)
+
+
+def at_indentation(lattice: str, a: float) -> Packing:
+    """A crystal of droplets of radius 1 with this indentation."""
+    touching = deformable.cubic(lattice, 2, radius=1.0)
+    return touching.at(touching.phi / (1.0 - a) ** 3)
+
+
+@pytest.mark.parametrize(
+    ("lattice", "a", "force", "work"),
+    [
+        ("fcc", 0.01, 0.0327020257, None),
+        ("fcc", 0.03, 0.169785539, 0.0372670932),
+        ("bcc", 0.03, 0.125799123, 0.0175985371),
+        ("sc", 0.05, 0.233474417, None),
+    ],
+)
+def test_equal_contacts(lattice: str, a: float, force: float, work: float | None) -> None:
+    """The table of forces of equal contacts; f is balanced to 1e-8. Energies are z f a - w."""
+    with deformable.Simulation(at_indentation(lattice, a), Droplet(2.0)) as sim:
+        state = sim.state()
+    z, number = CONTACTS[lattice], len(state.packing)
+    assert (state.contacts == z).all()
+    assert state.contact_table["force"] == pytest.approx(2.0 * force, rel=1e-7)
+    assert state.contact_table["indentation"] == pytest.approx(a, rel=1e-7)
+    assert state.contact_table["facet_radius"] == pytest.approx(np.sqrt(force / (2.0 * np.pi)))
+    assert state.load == pytest.approx(z * force / (8.0 * np.pi), rel=1e-7)
+    pressure = z * number * 2.0 * force * (1.0 - a) / (3.0 * state.packing.volume)
+    assert state.pressure == pytest.approx(pressure, rel=1e-7)
+    if work is not None:
+        assert state.energy / number == pytest.approx(2.0 * (z * force * a - work), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("lattice", "shear", "stretch"),
+    [("fcc", 0.2865, 0.4928), ("bcc", 0.2413, None), ("sc", None, 0.6301)],
+)
+def test_moduli_of_crystals(lattice: str, shear: float | None, stretch: float | None) -> None:
+    """At 0.01 above their close packing, from four digits of a dense solution [tension/radius].
+
+    Sites of cubic crystals have a center of symmetry, so that they stay at rest under any strain.
+    """
+    touching = deformable.cubic(lattice, 2, radius=1.0)
+    crystal, small = touching.at(touching.phi + 0.01), 1e-4
+
+    def slope(strained: Callable[[float], NDArray[np.float64]]) -> NDArray[np.float64]:
+        stresses = []
+        for sign in (1.0, -1.0):
+            with deformable.Simulation(crystal, Droplet()) as sim:
+                sim.deform(crystal.box @ strained(sign * small))
+                state = sim.state()
+            assert state.residual < 1e-6
+            stresses.append(state.stress)
+        return (stresses[0] - stresses[1]) / (2.0 * small)
+
+    if shear is not None:
+        change = slope(lambda g: np.array([[1.0, 0.0, 0.0], [g, 1.0, 0.0], [0.0, 0.0, 1.0]]))
+        assert -change[0, 1] == pytest.approx(shear, abs=1.5e-4)
+    if stretch is not None:
+        change = slope(lambda e: np.diag([(1.0 + e) ** -0.5, (1.0 + e) ** -0.5, 1.0 + e]))
+        assert change[0, 0] - change[2, 2] == pytest.approx(stretch, abs=1.5e-4)
+
+
+def test_shear_modulus_is_that_of_small_strains(jammed: Packing) -> None:
+    crystal = deformable.cubic("fcc", 2, radius=1.0)
+    with deformable.Simulation(crystal.at(crystal.phi + 0.01), Droplet()) as sim:
+        state = sim.state()
+    assert deformable.shear_modulus(state, 1e-4).value == pytest.approx(0.2865, abs=1.5e-4)
+    bulk = deformable.bulk_modulus(state, 1e-4)
+    denser = []
+    for sign in (1.0, -1.0):
+        packing = state.packing.at(state.phi * (1.0 + sign * 1e-4))
+        with deformable.Simulation(packing, Droplet()) as sim:
+            denser.append(sim.state().pressure)
+    assert bulk.value == pytest.approx((denser[0] - denser[1]) / 2e-4, rel=1e-3)
+
+
+def test_a_state_at_rest(emulsion: DropletState) -> None:
+    """Balanced forces, stress from contacts and from droplets, and facets on both sides."""
+    table, packing = emulsion.contact_table, emulsion.packing
+    assert not emulsion.stalled
+    assert emulsion.residual <= 1e-8
+    assert emulsion.phi == packing.phi == pytest.approx(0.72)
+    total = np.zeros((32, 3))
+    np.add.at(total, table["i"], table["force_vector"])
+    assert total == pytest.approx(np.zeros((32, 3)), abs=1e-7 * table["force"].mean())
+    volumes = emulsion.filled_volume[:, None, None]
+    stress = np.sum(emulsion.particle_stress * volumes, axis=0) / packing.volume
+    assert stress == pytest.approx(emulsion.stress, abs=1e-10)
+    # pressure = sum F d/(3 V) over pairs
+    lever = np.sum(table["force"] * table["distance"]) / 2.0
+    assert emulsion.pressure == pytest.approx(lever / (3.0 * packing.volume), rel=1e-9)
+    assert np.linalg.norm(table["normal"], axis=1) == pytest.approx(1.0)
+    shift = table["image"] @ packing.box
+    apart = packing.positions[table["j"]] + shift - packing.positions[table["i"]]
+    assert apart == pytest.approx(table["distance"][:, None] * table["normal"], abs=1e-9)
+    # facets of both sides are at one place, since the normal is the line of centers
+    height = packing.radius[table["i"]] - table["indentation"]
+    middle = packing.positions[table["i"]] + height[:, None] * table["normal"]
+    assert table["position"] == pytest.approx(middle, abs=1e-9)
+    key = {(r["i"], r["j"], *r["image"]): r for r in table}
+    for row in table:
+        other = key[(row["j"], row["i"], *-row["image"])]
+        assert other["force"] == row["force"]
+        assert row["indentation"] + other["indentation"] == pytest.approx(
+            packing.radius[row["i"]] + packing.radius[row["j"]] - row["distance"], abs=1e-7
+        )
+    tension = np.array([1.0, 1.5])[packing.species]
+    force = np.bincount(table["i"], table["force"], minlength=32)
+    assert emulsion.load == pytest.approx(force / (tension * packing.radius) / (8.0 * np.pi))
+    facets = np.bincount(table["i"], np.pi * table["facet_radius"] ** 2, minlength=32)
+    assert emulsion.contact_area == pytest.approx(facets)
+    grown = emulsion.surface_area - 4.0 * np.pi * packing.radius**2
+    assert np.sum(tension * grown) == pytest.approx(emulsion.energy, rel=1e-6)
+    assert (emulsion.particle_pressure > 2.0 * tension / packing.radius).all()
+    assert emulsion.graph().number_of_edges() == len(table) // 2
+    assert {"load", "lz"} <= set(emulsion.numbers())
+    assert all(values.shape == (32,) for values in emulsion.particle_values().values())
+
+
+def test_stress_is_the_derivative_of_the_energy(emulsion: DropletState) -> None:
+    """All six components, by strains that all centers follow."""
+    step, found = 1e-4, np.zeros((3, 3))
+    with deformable.Simulation(emulsion.packing, emulsion.law) as sim:
+        for a, b in ((0, 0), (1, 1), (2, 2), (1, 0), (2, 0), (2, 1)):
+            energies = []
+            for sign in (1.0, -1.0):
+                strain = np.eye(3)
+                strain[a, b] += sign * step
+                sim.restart(emulsion.packing)
+                sim.deform(emulsion.packing.box @ strain)
+                energies.append(sim.state().energy)
+            found[a, b] = found[b, a] = -(energies[0] - energies[1]) / (2.0 * step)
+    expected = emulsion.stress * emulsion.packing.volume
+    assert found == pytest.approx(expected, abs=1e-4 * expected[0, 0])
+
+
+def test_droplets_jam_where_spheres_do(jammed: Packing) -> None:
+    """They touch at the same phi, and are isostatic there."""
+    start = deformable.bidisperse(32, radii=(1.0, 1.2), dimension=3, seed=1)
+    with deformable.Simulation(deformable.jam(start, Droplet()), Droplet()) as sim:
+        onset = sim.relax(1e-6)
+    assert 1e-6 < onset.pressure * onset.packing.radius.mean() <= 2.1e-6
+    assert onset.phi == pytest.approx(jammed.phi, abs=3e-4)
+    held = int(np.sum(~onset.rattlers))
+    # weak contacts across gaps, as droplets bulge, may be more than isostatic
+    assert 0 <= onset.network_contacts - (3 * held - 2) <= 3
+
+
+def test_compression_and_shear(jammed: Packing) -> None:
+    with deformable.Simulation(jammed.at(jammed.phi + 0.02), Droplet()) as sim:
+        first, last = deformable.compress(sim, phi=0.7, steps=2)
+        assert last.phi == pytest.approx(0.7, rel=1e-9)
+        assert 0.0 < first.pressure < last.pressure
+        *_, pressed = deformable.compress(sim, pressure=0.05, steps=1)
+        assert pressed.pressure == pytest.approx(0.05, rel=1e-6)
+        again = sim.relax(pressure=0.04)
+        assert again.pressure == pytest.approx(0.04, rel=1e-6)
+        small, *_ = deformable.shear(sim, strain=2e-4, steps=2, tolerance=1e-8)
+        modulus = deformable.shear_modulus(again, 1e-4).value
+        change = small.shear_stress - again.shear_stress
+        assert change == pytest.approx(1e-4 * modulus, rel=0.03)
+        assert small.strain == 1e-4
+        assert small.displacements(again).shape == (32, 3)
+        sim.restart(small)
+        assert sim.strain == 1e-4
+        assert sim.state().energy == pytest.approx(small.energy, rel=1e-8)
+
+
+def test_any_radii() -> None:
+    """One species with radii of its own, as of two species."""
+    packing = deformable.jam(deformable.bidisperse(16, ratio=1.4, dimension=3, seed=2)).at(0.72)
+    own = Packing.from_arrays(packing.positions, packing.radius, packing.box)
+    assert own.particle_radii is not None
+    energies = []
+    for each in (packing, own):
+        with deformable.Simulation(each, Droplet()) as sim:
+            energies.append(sim.relax(1e-6).energy)
+    assert energies[0] == pytest.approx(energies[1], rel=1e-7)
+
+
+def test_beyond_the_model_is_told(jammed: Packing) -> None:
+    crystal = at_indentation("fcc", 0.07)
+    with (
+        deformable.Simulation(crystal, Droplet()) as sim,
+        pytest.warns(deformable.BeyondModelWarning, match="32 of 32 droplets .* load is above 0.4"),
+    ):
+        state = sim.relax()
+    assert state.beyond == 32
+    with deformable.Simulation(jammed.at(0.5), Droplet()) as sim, warnings.catch_warnings():
+        warnings.simplefilter("error")
+        loose = sim.relax()
+    assert (loose.energy, loose.pressure, len(loose.contact_table)) == (0.0, 0.0, 0)
+    assert loose.particle_pressure == pytest.approx(2.0 / loose.packing.radius)
+
+
+def test_nothing_of_the_plane_is_in_a_state(emulsion: DropletState) -> None:
+    for name in {*dir(State), *inspect.get_annotations(State)}:
+        if name.startswith("_") or hasattr(type(emulsion), name) or name in vars(emulsion):
+            continue
+        with pytest.raises(AttributeError, match=f"^{name} is for packings in the plane, and"):
+            getattr(emulsion, name)
+
+
+SPHERES = deformable.bidisperse(8, dimension=3, seed=1)
+
+
+@pytest.mark.parametrize(
+    ("make", "told"),
+    [
+        (lambda: deformable.Simulation(deformable.bidisperse(4), Droplet()), r"two: .* Ring\(kA="),
+        (lambda: deformable.jam(deformable.bidisperse(4), Droplet()), "Droplet is for three dim"),
+        (lambda: deformable.Simulation(SPHERES, deformable.Ring()), "Ring is .* take `Droplet`"),
+        (lambda: deformable.Simulation(SPHERES, Droplet([1, 2, 3])), "there are 2 species"),
+        (lambda: deformable.Simulation(None, Droplet()), "packing must be of the kind Packing"),
+        (
+            lambda: deformable.Simulation(SPHERES, Droplet(), walls=deformable.Circle((0, 0), 9)),
+            "walls is for particles in the plane",
+        ),
+        (lambda: Droplet(0.0), "tension must be positive, .* not 0.0"),
+        (lambda: Droplet([1.0, -1.0]), r"not \[1.0, -1.0\]"),
+        (lambda: Droplet(np.nan), "tension must be positive"),
+        (lambda: Droplet(np.inf), "tension must be positive"),
+        (lambda: Droplet("soft"), "tension must be a number, or one number for each species"),
+        (
+            lambda: deformable.compress(deformable.Simulation(SPHERES, Droplet()), phi=1.1),
+            "phi must be below 1",
+        ),
+        (
+            lambda: deformable.Simulation(SPHERES, Droplet()).relax(pressure=0.1, box="shape"),
+            "box='shape' is for packings in the plane",
+        ),
+        (
+            lambda: deformable.move(deformable.Simulation(SPHERES, Droplet()), 1.0),
+            "sim must be of the kind Simulation, not",
+        ),
+    ],
+)
+def test_refusals(make: Callable[[], object], told: str) -> None:
+    with pytest.raises(ParameterError, match=told):
+        make()
+
+
+def test_law_shows_its_call() -> None:
+    assert repr(Droplet()) == "Droplet()"
+    assert repr(Droplet([1, 2])) == "Droplet(tension=(1.0, 2.0))"
+    with deformable.Simulation(SPHERES, Droplet()) as sim:
+        assert repr(sim).startswith("<DropletSimulation: 8 droplets, Droplet(), box ")
+        assert repr(sim.state()).startswith("<DropletState: 8 particles, law Droplet(), phi = 0.3")
+    assert repr(sim) == "<DropletSimulation: closed>"
