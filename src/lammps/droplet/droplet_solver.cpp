@@ -83,16 +83,12 @@ bool DropletSolver::solve()
       now = evaluate();
       continue;
     }
-    if (now.switches) {
-      switch_pairs();
-      now = after_step(now);
-    }
-    // Newton's method squares its relative error in each step; single precision knows no more
-    constexpr double SINGLE = 1e-4;
+    // Newton's method squares its relative error in each step, with this factor; single precision knows no more
+    constexpr double SQUARE = 0.3, SINGLE = 1e-5;
     const double error = now.imbalance / now.force;
-    correct(std::max({0.1 * tolerance / error, std::min(0.1, error), SINGLE}));
+    correct(now, std::max({0.1 * tolerance / error, SQUARE * error, SINGLE}));
     const double along = slope();
-    take_step();
+    take_steps();
     now = search(after_step(now), now, along);
     if (now.imbalance < 0.5 * halved) {
       halved = now.imbalance;
@@ -106,6 +102,12 @@ bool DropletSolver::solve()
   return now.balanced(tolerance);
 }
 
+// Of the indentation F (l - 5/6) that a force alone makes: its derivative, not below 1.
+static double own_slope(double f)
+{
+  return std::max(deformable::LOG_8_PI - std::log(f) - 11.0 / 6.0, 1.0);
+}
+
 // The force F with  r = s F (l - 5/6),  l = ln(8 pi/f): of a contact that has no others.
 double DropletSolver::alone(int k, double residual) const
 {
@@ -116,13 +118,6 @@ double DropletSolver::alone(int k, double residual) const
     l = deformable::LOG_8_PI - std::log(found * unit[k]);
   }
   return found;
-}
-
-// Without a force its own indentation, F (C + s), is missing.
-bool DropletSolver::closes(int k) const
-{
-  const double c = compliance[sides[0][k]] + compliance[sides[1][k]];
-  return -residuals[k] >= pairs->force[k] * (c + softness[k]);
 }
 
 DropletSolver::State DropletSolver::evaluate()
@@ -146,25 +141,35 @@ DropletSolver::State DropletSolver::after_step(const State &before)
   return look();
 }
 
-// Residuals, and which pairs take part in a step.
+// Residuals, and which pairs take part in a step. One closes where its own indentation, F (C + s), is less than what is
+// missing.
 DropletSolver::State DropletSolver::look()
 {
   DropletPairs &p = *pairs;
   remote->exchange(sides[0].data() + p.remote, first[droplets], indentations.data(),
                    compliance.data());
-  double largest[3] = {0.0, 0.0, 0.0};
+  const int *const side[] = {sides[0].data(), sides[1].data()};
+  const double *const a = indentations.data(), *const f = p.force.data(),
+                      *const overlap = p.overlap.data();
+  const float *const c = compliance.data(), *const soft = softness.data();
+  double *const left_over = residuals.data(), largest[3] = {0.0, 0.0, 0.0};
+  float *const w = weight.data();
   for (int k = 0; k < p.size; ++k) {
-    const int a = sides[0][k], b = sides[1][k];
-    const double f = p.force[k], r = p.overlap[k] - (indentations[a] + indentations[b]);
-    residuals[k] = r;
-    weight[k] = 0.0f;
-    largest[1] = std::max(largest[1], f);
-    if (f > 0.0 && !(r < 0.0 && closes(k))) {
-      weight[k] = 1.0f / (compliance[a] + compliance[b]);
-      largest[0] = std::max(largest[0], std::fabs(r) * weight[k]);
-    } else if (f > 0.0 || r > 0.0) {
-      largest[0] = std::max(largest[0], f > 0.0 ? f : alone(k, r));
-      largest[2] = 1.0;
+    const int one = side[0][k], other = side[1][k];
+    const double r = overlap[k] - (a[one] + a[other]);
+    const float stiff = 1.0f / (c[one] + c[other]);
+    const double error = r * stiff;
+    left_over[k] = r;
+    largest[1] = std::max(largest[1], f[k]);
+    if (f[k] > 0.0 && -error < f[k] * (1.0f + soft[k] * stiff)) {
+      w[k] = stiff;
+      largest[0] = std::max(largest[0], std::fabs(error));
+    } else {
+      w[k] = 0.0f;
+      if (!(r <= 0.0) || f[k] > 0.0) {
+        largest[0] = std::max(largest[0], f[k] > 0.0 ? f[k] : alone(k, r));
+        largest[2] = 1.0;
+      }
     }
     if (!(std::fabs(r) < HUGE_VAL)) largest[0] = HUGE_VAL;
   }
@@ -172,46 +177,63 @@ DropletSolver::State DropletSolver::look()
   return {largest[0], largest[1], largest[2] > 0.0};
 }
 
+// The steps of pairs that open or close, and what is left then. With the force that they have alone those that open take
+// part in the correction.
 void DropletSolver::switch_pairs()
 {
-  DropletPairs &p = *pairs;
+  const DropletPairs &p = *pairs;
   for (int k = 0; k < p.size; ++k) {
-    const double f = p.force[k], r = residuals[k];
-    step[k] = 0.0f;
-    if (f > 0.0 && r < 0.0 && weight[k] == 0.0f)
-      p.force[k] = 0.0;
-    else if (f == 0.0 && r > 0.0)
-      p.force[k] = alone(k, r);
-    else
-      continue;
-    step[k] = static_cast<float>(p.force[k] - f);
+    if (weight[k] > 0.0f) continue;
+    if (p.force[k] > 0.0) {
+      step[k] = static_cast<float>(-p.force[k]);
+    } else if (residuals[k] > 0.0) {
+      const double f = alone(k, residuals[k]);
+      const float c = static_cast<float>(softness[k] * own_slope(f * unit[k]));
+      step[k] = static_cast<float>(f);
+      weight[k] = 1.0f / c;
+      compliance[sides[0][k]] = k < p.wall ? 0.5f * c : c;
+      if (k < p.remote) compliance[sides[1][k]] = 0.5f * c;
+    }
   }
+  multiply(step);
+  for (int k = 0; k < p.size; ++k) {
+    const bool opens = p.force[k] == 0.0 && weight[k] > 0.0f;
+    left[k] = opens ? step[k] / weight[k] - change[k] : left[k] - change[k];
+  }
+}
+
+// What a step of the forces takes from the residuals, into `change`.
+void DropletSolver::multiply(const LargeVector<float> &of)
+{
+  const DropletPairs &p = *pairs;
+  kernels.multiply(arrays(), of.data(), product.data(), 0, droplets);
+  remote->exchange(sides[0].data() + p.remote, first[droplets], product.data());
+  const int *const one = sides[0].data(), *const other = sides[1].data();
+  for (int k = 0; k < p.size; ++k) change[k] = product[one[k]] + product[other[k]];
 }
 
 /* ----------------------------------------------------------------------
    C step = r by conjugate gradients, until what is left is this part of r.
 ------------------------------------------------------------------------- */
 
-void DropletSolver::correct(double accuracy)
+void DropletSolver::correct(const State &from, double accuracy)
 {
   constexpr int MOST = 100;
   const DropletPairs &p = *pairs;
-  const deformable::DropletArrays a = arrays();
   for (int k = 0; k < p.size; ++k) {
     left[k] = static_cast<float>(residuals[k]);
-    direction[k] = weight[k] * left[k];
     step[k] = 0.0f;
   }
+  if (from.switches) switch_pairs();
+  for (int k = 0; k < p.size; ++k) direction[k] = weight[k] * left[k];
   double enough = 0.0;
   for (int n = 0; n < MOST; ++n) {
-    kernels.multiply(a, direction.data(), product.data(), 0, droplets);
-    remote->exchange(sides[0].data() + p.remote, first[droplets], product.data());
+    multiply(direction);
     // ranks wait for each other once: the next norm follows from these sums, with the rounding of one iteration only
     double sums[4] = {0.0, 0.0, 0.0, 0.0};
     for (int k = 0; k < p.size; ++k) {
-      const float c = product[sides[0][k]] + product[sides[1][k]], weighted = weight[k] * c;
+      const float c = change[k], weighted = weight[k] * c;
       const double part = p.part(k);
-      change[k] = c;
       sums[0] += part * (direction[k] * c);
       sums[1] += part * (weight[k] * left[k] * left[k]);
       sums[2] += part * (left[k] * weighted);
@@ -220,7 +242,7 @@ void DropletSolver::correct(double accuracy)
     sum(sums, 4, MPI_SUM);
     const auto [curvature, norm, turned, square] = sums;
     if (!(curvature > 0.0)) {    // beyond the model: not along this direction
-      if (n == 0) std::copy(direction.begin(), direction.end(), step.begin());
+      for (int k = 0; k < p.size && n == 0; ++k) step[k] += direction[k];
       return;
     }
     if (n == 0) enough = accuracy * accuracy * norm;
@@ -244,14 +266,36 @@ double DropletSolver::slope() const
   return all;
 }
 
-void DropletSolver::take_step()
+// Of one pair, whose compliance C at the force f falls as c log f does: to the force f' with
+//   C (f' - f) + s [f' - f - f' ln(f'/f)] = C step
+// That is exact for a pair alone, also where its force is small and its step is not.
+static double bent_step(double f, double step, double soft)
 {
-  constexpr double LEAST = 0.1;    // of a force: the logarithm leaves a step no farther sight
+  constexpr double STRAIGHT = 0.01;
+  const double q = step / f;
+  if (std::fabs(q) < STRAIGHT) return f + step;
+  if (q <= -1.0 - soft) return 0.0;
+  double ratio = std::max(1.0 + q, 0.05);
+  for (int n = 0; n < 6; ++n) {
+    const double l = std::log(ratio), slope = std::max(1.0 - soft * l, 0.1);
+    ratio = std::max(ratio - ((1.0 + soft) * (ratio - 1.0) - soft * ratio * l - q) / slope,
+                     0.01 * ratio);
+  }
+  return f * ratio;
+}
+
+void DropletSolver::take_steps()
+{
   DropletPairs &p = *pairs;
   for (int k = 0; k < p.size; ++k) {
     const double f = p.force[k], next = f + step[k];
-    p.force[k] = std::max(next, LEAST * f);
-    if (next < LEAST * f) step[k] = static_cast<float>(p.force[k] - f);
+    if (weight[k] > 0.0f) {
+      const double opened = f > 0.0 ? f : alone(k, residuals[k]);
+      p.force[k] = bent_step(opened, next - opened, softness[k] * weight[k]);
+    } else {
+      p.force[k] = std::max(next, 0.0);
+    }
+    if (p.force[k] != next) step[k] = static_cast<float>(p.force[k] - f);
   }
 }
 

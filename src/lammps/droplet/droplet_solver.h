@@ -7,8 +7,8 @@
 //
 // Newton's method finds it. A step solves C x = r with the compliances C of all droplets, for the pairs that bear a force, by
 // conjugate gradients, which need few iterations: each pair alone has most of its compliance. They are in single precision, and
-// so are the changes of indentations by a small step; F and what follows from it are in double precision. A pair opens where
-// its own force would become negative, and closes with the force that it would have alone.
+// so are the changes of indentations by a small step; F and what follows from it are in double precision. A pair closes where
+// its own force would become negative, and opens with the force that it would have alone.
 //
 // The imbalance of a pair is the change of its force that would remove r if all others stayed. The solution is found when none
 // exceeds the tolerance times the largest force. In motion the forces of the last calls predict the next ones (ForcePredictor),
@@ -108,14 +108,14 @@ class DropletSolver : protected Pointers {
   };
   State last;
   double alone(int k, double residual) const;
-  bool closes(int k) const;
   void agree();
   State evaluate();
   State after_step(const State &before);
   State look();
   void switch_pairs();
-  void correct(double accuracy);
-  void take_step();
+  void multiply(const LargeVector<float> &step);
+  void correct(const State &, double accuracy);
+  void take_steps();
   State search(State now, const State &before, double along);
   double slope() const;
   void sum(double *values, int count, MPI_Op) const;
