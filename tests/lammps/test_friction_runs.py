@@ -181,6 +181,30 @@ def test_a_minimization_between_runs(tmp_path):
     assert scene.rows[0, 8] == xi
 
 
+def test_walls_that_come_and_go(tmp_path):
+    """Springs stay with their walls when others are defined or removed between runs."""
+    walls = (
+        "fix lid all deformable/wall plane 0 5 0 -1\n"
+        "region room block -0.98 5.5 -0.98 5.5 INF INF\nfix room all deformable/wall room"
+    )
+    scene = Grains([[0, 0]], 1, "inf 0.2 0", tmp_path, [[-0.03, -0.05]], 0.02, commands=walls)
+    scene.run("run 20 post no")
+    before = scene.rows[np.argsort(scene.rows[:, 4])]
+    assert len(before) == 2
+    assert (np.abs(before[:, 8]) > 1e-3).all()
+    for commands in (
+        "fix post all deformable/wall disk 4 0 0.5",
+        "unfix lid",
+        "unfix post\nfix post all deformable/wall disk 4 0 0.5",
+        "fix lid all deformable/wall plane 0 5 0 -1",
+    ):
+        scene.run(f"{commands}\nrun 0 post no")
+        rows = scene.rows[np.argsort(scene.rows[:, 4])]
+        np.testing.assert_allclose(rows[:, :10], before[:, :10], rtol=0, atol=1e-10)
+    scene.run("unfix room\nrun 0 post no")
+    assert len(scene.rows) == 0
+
+
 def test_images_of_one_partner(tmp_path):
     """Two particles that touch each other twice, or one that touches itself."""
     box = (-1.96, 1.96, -4, 4)

@@ -22,6 +22,7 @@ FixStyle(deformable/friction,FixDeformableFriction);
 #include "friction_coefficients.h"
 
 #include <array>
+#include <string>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -65,14 +66,16 @@ class FixDeformableFriction : public Fix {
   bool told = false;                      // of spins
   void check_spins();
   void find_partners();
+  std::vector<std::string> wall_ids;    // at the last run
+  void follow_walls();
   double lightest = 0.0;    // mass of a particle of all ranks
   void find_lightest();
   void check_time_step() const;
 
   ContactMemory memory;
   enum { STORED, SLIDING, DASHPOTS, DAMPING, CONTACTS, SLIDES, OUTPUTS };
-  double output[OUTPUTS] =
-      {};    // of this rank; losses of all runs so far, others of the last call
+  // Of this rank; losses of all runs so far, others of the last call.
+  double output[OUTPUTS] = {};
   static constexpr int COLUMNS = 11;
   std::vector<std::array<double, COLUMNS>> values;    // see array_local
   std::vector<double *> rows;

@@ -71,6 +71,7 @@ class PairDeformable : public Pair {
   std::vector<LoadedContact> loaded;
   virtual bool slips() const { return true; }    // along its contacts
 
+  int wall_count() const { return static_cast<int>(walls.size()); }
   bool has_wall(int code) const { return code < 0 && !walls.empty(); }
   // Of a wall's code.
   FixDeformableWall &wall(int code) const { return *walls[(-1 - code) % walls.size()]; }
