@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import LammpsError, ParameterError
 from ..common.validate import positive, shown
+from ..model.friction import Friction
 from ..model.onset import excess_phi, natural_pressure
 from ..model.plane import refuse_space
 from ..model.walls import Wall
@@ -55,7 +56,11 @@ S = TypeVar("S", bound=Stressed)
 
 
 def check_free(
-    box: str, walls: tuple[Wall, ...], pressure: float | None, dimension: int = 2
+    box: str,
+    walls: tuple[Wall, ...],
+    pressure: float | None,
+    dimension: int = 2,
+    friction: Friction | None = None,
 ) -> None:
     """Refuse what cannot be free, and a pressure that cannot be.
 
@@ -65,6 +70,11 @@ def check_free(
     """
     if pressure is not None:
         positive("pressure", pressure)
+        if friction:
+            raise ParameterError(
+                "with friction a packing depends on its way to a pressure, and relax goes to and "
+                "fro: take settle(sim, pressure)"
+            )
     if not isinstance(box, str) or box not in FREE:
         raise ParameterError(f"box must be size, sides or shape, not {shown(box)}")
     if pressure is None and box != "size":

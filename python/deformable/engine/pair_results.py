@@ -16,6 +16,7 @@ from ..model.walls import Wall
 from ..state.contact_table import ROWS, ContactTable, contact_table
 from ..state.rubbing import RUBBING_ROWS, rubbing_table
 from .lammps import gather, local_array, run
+from .opening import THERMO
 from .pair_errors import run_forces
 
 if TYPE_CHECKING:
@@ -26,16 +27,19 @@ if TYPE_CHECKING:
 # anew, and removes it again: it would slow down minimizations and runs.
 _RESULTS = ("area", "perimeter", "contacts", "pressure", "arc_radius", "contact_length")
 
+# Relative change of area and perimeter below which a particle counts as round, that of an
+# indentation of 1e-7 R: the energy of a loose packing only tends to zero.
+_ROUND = 1e-14
+
 
 def evaluate(
-    lmp: lammps, style: str, thermo: str, walls: Sequence[Wall]
+    lmp: lammps, style: str, walls: Sequence[Wall]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Evaluate forces at the present positions.
 
     Args:
         lmp: with this pair style.
         style: of the pairs.
-        thermo: commands that name what LAMMPS evaluates too.
         walls: around the particles.
 
     Returns:
@@ -45,7 +49,7 @@ def evaluate(
     results = " ".join(f"{name} 0" for name in _RESULTS)
     run(
         lmp,
-        f"{thermo}\n"
+        f"{THERMO}\n"
         f"fix deformable_results all pair 1 {style} {results}\n"
         "compute deformable_rows all deformable/contact",
     )
@@ -55,6 +59,14 @@ def evaluate(
         return of_particles, local_array(lmp, "deformable_rows", len(ROWS))
     finally:
         run(lmp, "unfix deformable_results\nuncompute deformable_rows")
+
+
+def are_round(
+    area: NDArray[np.float64], perimeter: NDArray[np.float64], radius: NDArray[np.float64]
+) -> bool:
+    """Whether particles of these radii are circles, as in a loose packing, shape (N,)."""
+    strain = 1.0 - area / (np.pi * radius**2) + perimeter / (2.0 * np.pi * radius) - 1.0
+    return bool(np.abs(strain).max() <= _ROUND)
 
 
 def contacts_of(
@@ -76,7 +88,7 @@ def contacts_of(
     if friction is None:
         return contact_table(rows, packing), None
     own = local_array(lmp, FRICTION, len(RUBBING_ROWS), fix=True)
-    table, springs = rubbing_table(rows, packing, np.concatenate(comm.allgather(own)))
+    table, springs, places = rubbing_table(rows, packing, np.concatenate(comm.allgather(own)))
     stored, sliding, dashpots, damping = (lmp.extract_fix(FRICTION, 0, 1, n) for n in range(4))
     spins = np.ascontiguousarray(gather(lmp, "omega", 3)[:, 2])
-    return table, Rubbing(spins, springs, (sliding, dashpots, damping), stored)
+    return table, Rubbing(spins, springs, (sliding, dashpots, damping), stored, places)

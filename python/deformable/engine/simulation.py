@@ -16,8 +16,9 @@ from ..io.lammps_commands import pair_style, species_file
 from ..model.droplet import check_dimension
 from ..model.filled import filled_area
 from ..model.friction import Friction, check_friction
-from ..model.lattice import shown_box
+from ..model.lattice import lattice_vectors, shown_box
 from ..model.laws import Law, Ring, Sector
+from ..model.onset import natural_pressure
 from ..model.packing import Packing
 from ..model.room import check_centers, check_fit, free_room
 from ..model.sticking import check_sticky_walls, sticks
@@ -25,7 +26,9 @@ from ..model.timestep import STIFFNESS_PER_PRESSURE
 from ..model.walls import Wall, as_walls
 from ..state.contact_table import attached
 from ..state.state import State, parts
+from .damped_contacts import NO_FORCE, carry, damp, rest
 from .droplet_simulation import OfLaw
+from .fire import Fire
 from .followed import has_other_fixes, refuse_forces_of_motion, refuse_other, setup, unsaved
 from .free_box import check_free, relax_free_box
 from .lammps import (
@@ -34,35 +37,21 @@ from .lammps import (
     communicator,
     gather,
     place_walls,
-    run,
     wall_forces,
 )
-from .opening import BEYOND, IMBALANCE, LOST, THERMO, go_on, particles_in_lammps, with_spins
+from .opening import BEYOND, IMBALANCE, LOST, go_on, particles_in_lammps, with_spins
 from .pair_errors import refuse_without_area, run_forces
-from .pair_results import contacts_of, evaluate
+from .pair_results import are_round, contacts_of, evaluate
 from .relaxation import (
     TOLERANCE,
     Forces,
     largest_force,
-    minimize_command,
     minimize_until_relaxed,
     stress,
 )
 from .relaxed_warnings import warn_of
 from .rigidity import BALANCED, Rigidity
 from .watching import Iteration, Watched, tell
-
-# FIRE starts from this part of 1/sqrt(p), p the largest pressure in a particle (mass 1), and may
-# stretch it tenfold. Measured, N = 40 and 128: 0.03 is the fastest, 0.04 three times slower.
-_TIMESTEP = 0.02
-
-# The time step follows the pressure, which falls by decades. Once it falls by less than a factor
-# two in a call of the minimizer, the next call is twice as long: soft modes need many iterations.
-_ITERATIONS = 2000
-
-# Relative change of area and perimeter below which a particle counts as round, that of an
-# indentation of 1e-7 R: the energy of a loose packing only tends to zero.
-_ROUND = 1e-14
 
 # Iterations without halving the largest force after which a relaxation counts as stalled.
 _PATIENCE = 60_000
@@ -174,6 +163,7 @@ class Simulation(OfLaw, Watched, Engine):
         stiffness = law.single_contact_stiffness(self._smallest_radius)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
         self._single_contact_force = stiffness * self._smallest_radius
+        self._natural_pressure = natural_pressure(packing, law)
 
     def _check(self, packing: Packing) -> None:
         check_dimension(self.law, packing.dimension)
@@ -200,10 +190,12 @@ class Simulation(OfLaw, Watched, Engine):
     ) -> State:
         """Minimize the energy by FIRE until no force exceeds a part of the mean contact force.
 
-        Forces of a user's fixes count that act in minimizations too, such as *fix addforce*.
+        Forces of a user's fixes count that act in minimizations too, such as *fix addforce*. With
+        friction particles move until they rest, as velocities and spins decay, and all fixes act.
 
         Args:
-            tolerance: largest force on a particle over the mean contact force.
+            tolerance: largest force on a particle, and with friction torque over its radius, over
+                the mean contact force.
             minimum_contact_force: replaces the mean contact force where that is smaller, as in a
                 loose packing [energy/length].
             pressure: of the state; the box is free to reach it, to 1e-6 [energy/length^2].
@@ -214,7 +206,8 @@ class Simulation(OfLaw, Watched, Engine):
             The relaxed state; its `stalled` is true if the tolerance was not reached.
 
         Raises:
-            ParameterError: a value is out of range, or the pressure cannot be reached.
+            ParameterError: a value is out of range, or the pressure cannot be reached, or it is
+                given with friction; or with friction a `move` has not ended.
             LammpsError: LAMMPS gave up, e.g. because a contact line is behind a center; a particle
                 has no area left; or LAMMPS was given commands that states cannot follow, or a fix
                 whose forces act in motion only, such as *fix gravity*.
@@ -230,26 +223,25 @@ class Simulation(OfLaw, Watched, Engine):
         """
         positive("tolerance", tolerance)
         minimum_contact_force = zero_or_more("minimum_contact_force", minimum_contact_force)
-        refuse_forces_of_motion(self.lmp)
-        check_free(box, self._walls, pressure)
+        if not self.friction:
+            refuse_forces_of_motion(self.lmp)
+        check_free(box, self._walls, pressure, friction=self.friction)
         if pressure is not None:
             least = max(minimum_contact_force, pressure * self._smallest_radius)
             return relax_free_box(self, pressure, box, lambda: self.relax(tolerance, least))
-        highest, iterations = np.inf, _ITERATIONS
-        first = self.lmp.extract_global("ntimestep")
+        fire, first = Fire(), self.lmp.extract_global("ntimestep")
 
-        def minimize(forces: Forces, left: int) -> int:
-            nonlocal highest, iterations
-            before, highest = highest, self._largest_pressure
-            iterations = _ITERATIONS if highest < 0.5 * before else 2 * iterations
+        def approach(forces: Forces, left: int) -> int:
+            highest = self._largest_pressure
             # the force of a user's fix takes the place of pressures, as long as particles fall
             others_pressure = self._other_forces and forces.largest / self._largest_radius
             stiffest = max(highest, self._single_contact_pressure, others_pressure)
-            timestep = float(_TIMESTEP / np.sqrt(stiffest))
+            if self.friction:
+                pressures = stiffest, forces.scale / self._largest_radius, self._natural_pressure
+                return damp(self.lmp, self.friction, *pressures, self._walls)
             force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
-            command = minimize_command(float(force), iterations)
-            run_forces(self.lmp, f"timestep {timestep!r}\n{command}", self._walls)
-            return left if self._told(IMBALANCE) > tolerance else iterations
+            run_forces(self.lmp, fire.call(highest, stiffest, force), self._walls)
+            return left if self._told(IMBALANCE) > tolerance else fire.iterations
 
         def evaluate() -> Forces:
             forces = self._evaluate(minimum_contact_force)
@@ -257,9 +249,9 @@ class Simulation(OfLaw, Watched, Engine):
             return forces
 
         forces = minimize_until_relaxed(
-            evaluate(), tolerance, _PATIENCE, minimize, evaluate, lambda forces: forces.largest
+            evaluate(), tolerance, _PATIENCE, approach, evaluate, lambda forces: forces.largest
         )
-        run(self.lmp, "velocity all set 0 0 0")  # FIRE leaves velocities
+        rest(self.lmp)  # FIRE leaves velocities
         unbalanced = self._told(IMBALANCE) > max(tolerance, _UNBALANCED)  # forces say nothing then
         state = self._snapshot(forces, stalled=forces.residual > tolerance or unbalanced)
         unjammed = self._rigidity.lost(state.packing.phi, self._loose, self._balanced)
@@ -270,13 +262,21 @@ class Simulation(OfLaw, Watched, Engine):
         """Tell the callback, if there is one, of the last evaluation."""
         if self.callback is None:
             return
-        run(self.lmp, "velocity all set 0 0 0")  # those of FIRE, which begins without
+        if not self.friction:
+            rest(self.lmp)  # FIRE begins without velocities
         area = free_room(self._walls, self.box)
         filled = filled_area(self._results[:, 0], self._results[:, 1], self._skin)
         pressure = np.trace(stress(self.lmp, area if self._walls else None)) / 2.0
         phi, root = float(np.sum(filled) / area), self.comm.rank == 0
         seen = Iteration("relax", iterations, phi, float(pressure), forces.residual, root)
         tell(self.callback, seen, self.comm)
+
+    def deform(self, box: NDArray[np.float64]) -> None:
+        """As of `Engine`; springs of contacts follow the particles, which do not turn."""
+        former, state = self.box, self.state() if self.friction else None
+        super().deform(box)
+        if state is not None:
+            carry(self.lmp, state, np.linalg.inv(former) @ lattice_vectors(box))
 
     def state(self) -> State:
         """The present state, not relaxed."""
@@ -292,22 +292,22 @@ class Simulation(OfLaw, Watched, Engine):
         refuse_other(self.lmp, self._setup)
         # commands given to `lmp` may have changed the particles
         self._species = species = gather(self.lmp, "type", 1).astype(np.int64) - 1
-        style = pair_style(self.law)
-        self._results, self._contact_rows = evaluate(self.lmp, style, THERMO, self._walls)
+        self._results, self._contact_rows = evaluate(self.lmp, pair_style(self.law), self._walls)
         area, perimeter, contacts, pressure, _, length = self._results.T
         by_particle = self.lmp.extract_setting("radius_flag")
         self._particle_radii = gather(self.lmp, "radius", 1) if by_particle else None
         radius = self._radii[species] if self._particle_radii is None else self._particle_radii
         self._skin = self.law.species_parameters(self._radii).skin[species]
-        radius = radius - self._skin
-        strain = 1.0 - area / (np.pi * radius**2) + perimeter / (2.0 * np.pi * radius) - 1.0
         self._largest_pressure = float(pressure.max())
-        self._loose = bool(np.abs(strain).max() <= _ROUND)
+        self._loose = are_round(area, perimeter, radius - self._skin)
         total, number = dot(pressure, length), float(max(contacts.sum(), 1.0))
         mean = self._single_contact_force if self._loose else total / number
-        largest = largest_force(self.lmp)  # all contacts together bear less than another force
+        largest = largest_force(self.lmp, self._particle_radii if self.friction else None)
+        # all contacts together bear less than another force
         self._other_forces = largest > total and has_other_fixes(self.lmp, self._setup)
-        return Forces(largest, max(mean, minimum_contact_force) or self._other_forces * largest)
+        scale = max(mean, minimum_contact_force) or self._other_forces * largest
+        none = NO_FORCE * self._natural_pressure * self._smallest_radius
+        return Forces(largest, scale, none if self.friction else 0.0)
 
     def _snapshot(self, forces: Forces, stalled: bool) -> State:
         area, perimeter, contacts, pressure, arc_radius, _ = np.ascontiguousarray(self._results.T)

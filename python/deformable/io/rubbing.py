@@ -19,6 +19,13 @@ _NUMBERS, _SPRINGS = 7, 20
 
 _LOSSES = 3
 
+_DAMPED = """
+fix deformable_move all nve/sphere disc
+fix deformable_drag all viscous {rate!r}
+variable deformable_inertia atom 0.5*mass*radius^2
+fix deformable_turn all viscous/sphere {rate!r} scale v_deformable_inertia
+"""
+
 # Of a trajectory.
 _SPIN = "spin"
 
@@ -33,12 +40,15 @@ class Rubbing(NamedTuple):
             length xi of the spring; the forces f_t and f_d.
         lost: energies lost so far by sliding, in the dashpots gt, and in the dashpots damp.
         stored: energy of the springs; known of states only.
+        places: of the springs, shape (M, 4): the normal of the contact, and the vector from the
+            particle to the center of its partner or to the wall; known of states only.
     """
 
     spins: NDArray[np.float64]
     springs: NDArray[np.float64]
     lost: tuple[float, float, float] = (0.0, 0.0, 0.0)
     stored: float = 0.0
+    places: NDArray[np.float64] = np.zeros((0, 4))
 
 
 def friction_commands(friction: Friction | None, species: int) -> str:
@@ -56,6 +66,17 @@ def friction_commands(friction: Friction | None, species: int) -> str:
     if friction.walls:
         words.append(f"types * wall{_numbers(friction.walls.of_pairs(1)[0, 0].tolist())}")
     return f"fix {FRICTION} all deformable/friction{' '.join(words)}\n"
+
+
+def damped_commands(rate: float) -> str:
+    """Commands for motion where velocities and spins decay, as I dw/dt = - rate I w."""
+    return _DAMPED.format(rate=rate).strip()
+
+
+def undamped_commands() -> str:
+    """Commands that end that motion."""
+    names = (line.split()[1] for line in _DAMPED.splitlines() if line.startswith("fix "))
+    return "\n".join(f"unfix {name}" for name in names)
 
 
 def _numbers(values: list[float], before_last: str = "") -> str:

@@ -13,6 +13,7 @@ from ..common.validate import positive, whole, zero_or_more
 from ..engine.followed import rub_and_spin
 from ..engine.lammps import gather, place, run
 from ..engine.simulation import Simulation
+from ..io.rubbing import damped_commands
 from ..model.friction import Friction
 from ..model.laws import Sector
 from ..model.timestep import ACCURATE, longest_overdamped_step, longest_step, pressure_under
@@ -27,14 +28,6 @@ _FLATTEN = 1000
 
 # dr/dt = F/friction + noise, by Euler's method. It draws the noise within a step, not at its ends.
 _BROWNIAN = "fix deformable_move all brownian {temperature!r} {seed} gamma_t {friction!r} rng {rng}"
-
-# Damped motion of particles that turn: spins decay as velocities do, I dw/dt = - friction I w.
-_DAMPED = """
-fix deformable_move all nve/sphere disc
-fix deformable_drag all viscous {friction!r}
-variable deformable_inertia atom 0.5*mass*radius^2
-fix deformable_turn all viscous/sphere {friction!r} scale v_deformable_inertia
-"""
 
 # Forces along directions that diffuse, as a fix of this package.
 _PROPULSION = "fix deformable_propel all deformable/propel {force!r} {persistence!r} {seed}"
@@ -141,7 +134,7 @@ class Dynamics:
                 temperature=temperature or 1.0, seed=seed, friction=self.friction, rng=rng
             )
         elif self.friction and spins:
-            mover = _DAMPED.format(friction=self.friction).strip()
+            mover = damped_commands(self.friction)
         elif self.friction:
             mover = _BATH.format(temperature=temperature, time=1.0 / self.friction, seed=seed)
         else:

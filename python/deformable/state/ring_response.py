@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..common.errors import ParameterError
+from ..model.friction import Friction
 from ..model.laws import Law
 from ..model.packing import Packing
 from .contact_table import ContactTable
@@ -19,18 +20,21 @@ class RingResponse(LinearResponse):
     law: Law
     contact_table: ContactTable
     unsaved: str
+    friction: Friction | None
 
     def hessian(self, rattlers: bool = True) -> Hessian:
         """Second derivatives of the energy of the ring laws, see `DiskState.hessian`.
 
         Raises:
-            ParameterError: the law is `Sector`, particles stick, walls were given to `lmp`, or a
-                line is held at the largest tilt.
+            ParameterError: the law is `Sector`, particles stick or rub, walls were given to `lmp`,
+                or a line is held at the largest tilt.
         """
         if self.unsaved:
             raise ParameterError(
                 f"second derivatives do not know the {self.unsaved} that were given to lmp"
             )
+        if self.friction:
+            raise ParameterError("friction has no energy, and so no second derivatives of one")
         lines = lines_of(self.packing, self.law, self.contact_table, rattlers)
         return balanced(lines).hessian()
 

@@ -32,7 +32,7 @@ RUBBING_ROWS = (
 
 def rubbing_table(
     rows: Floats, packing: Packing, rubbing_rows: Floats
-) -> tuple[ContactTable, Floats]:
+) -> tuple[ContactTable, Floats, Floats]:
     """As `contact_table`, with the columns of `RUBBING`, and the springs of the contacts.
 
     Args:
@@ -41,7 +41,8 @@ def rubbing_table(
         rubbing_rows: of fix deformable/friction on all ranks, shape (M, len(RUBBING_ROWS)).
 
     Returns:
-        The table, whose `force_vector` has friction and damping too; and `Rubbing.springs`.
+        The table, whose `force_vector` has friction and damping too; and `springs` and `places` of
+        `Rubbing`.
     """
     sides = sides_of(rows, packing)
     table = np.zeros(len(sides), _WITH_RUBBING)
@@ -56,7 +57,7 @@ def rubbing_table(
     table["force_vector"][at] += told["damping"][:, None] * out + told["friction"][:, None] * across
     react(table)
     _tell_other_sides(table, at)
-    return table, _springs(table[at], told["wall"])
+    return table, *_springs(table[at], told["wall"])
 
 
 def _sides_in(table: ContactTable, i: Floats, j: Floats, angle: Floats) -> NDArray[np.int64]:
@@ -77,16 +78,18 @@ def _tell_other_sides(table: ContactTable, known: NDArray[np.int64]) -> None:
         table[name][pair] = np.where(tell[pair], both[other], both)
 
 
-def _springs(sides: ContactTable, wall: Floats) -> Floats:
-    """See `Rubbing.springs`, sorted.
+def _springs(sides: ContactTable, wall: Floats) -> tuple[Floats, Floats]:
+    """See `springs` and `places` of `Rubbing`, sorted.
 
     Args:
         sides: that remember.
         wall: the code below 0 of each wall, else 0.
     """
     apart = sides["distance"][:, None] * unit_vectors(sides["angle"] - sides["tilt"])
+    places = np.column_stack([unit_vectors(np.ascontiguousarray(sides["angle"])), apart])
     apart[wall < 0] = 0.0
     partner = np.where(wall < 0, wall, sides["j"] + 1)
     values = (sides["spring"], sides["friction"], sides["damping"])
     springs = np.column_stack([sides["i"] + 1, partner, apart, *values])
-    return springs[np.lexsort(springs.T[3::-1])]
+    order = np.lexsort(springs.T[3::-1])
+    return springs[order], places[order]

@@ -235,7 +235,9 @@ double BalancedForces::indentation(int k, int side) const
   const NearPairs &p = near.pairs;
   const int c = p.side[side][k];
   const double own = batches.compliance[c], other = batches.compliance[p.side[1 - side][k]];
-  const double share = p.force[k] > 0.0 ? own / (own + other) : 0.5;
+  // a particle that bears next to nothing is infinitely compliant
+  const bool any = p.force[k] > 0.0 && std::isfinite(own + other);
+  const double share = any ? own / (own + other) : 0.5;
   return batches.indentation[c] + share * residual(k);
 }
 
