@@ -1,9 +1,13 @@
 """Scripts of the examples as modules."""
 
 import importlib.util
+import json
 import sys
 from pathlib import Path
 from types import ModuleType
+from typing import Any
+
+import pytest
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -23,3 +27,24 @@ def example(folder: str, name: str) -> ModuleType:
     finally:
         sys.path.remove(str(path.parent))
     return module
+
+
+def quick(module: ModuleType, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """What an example measures in its quick size, in this process."""
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(module.plt.Figure, "savefig", lambda figure, file, **_: None)
+    monkeypatch.setattr(
+        module.deformable, "parallel_map", lambda call, each, **_: [call(*one) for one in each]
+    )
+    module.main(True)
+    (file,) = folder.glob("*.json")
+    return json.loads(file.read_text())
+
+
+def committed(name: str, module: ModuleType, capsys: pytest.CaptureFixture[str]) -> Any:
+    """The measurements of an example, whose log is what its script shows of them."""
+    folder = EXAMPLES / name
+    data = json.loads((folder / f"{name}.json").read_text())
+    module.show(data)
+    assert capsys.readouterr().out == (folder / f"{name}.log").read_text()
+    return data
