@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -189,7 +189,7 @@ class Packing(PackingFiles):
         colorbar: bool = True,
         label: str | None = None,
     ) -> Axes:
-        """Draw the undeformed disks, box and walls; the words are those of `State.plot`.
+        """Draw the undeformed disks, box and walls, or spheres; words are those of `State.plot`.
 
         Args:
             ax: axes to draw into; those of a new figure if not given.
@@ -209,10 +209,7 @@ class Packing(PackingFiles):
             ParameterError: as `State.plot`.
             ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
         """
-        refuse_space("plot", self.dimension, "write a file for OVITO, `to_file`")
         optional("matplotlib", "plot")
-        from .picture import draw
-
         columns = {"radius": self.radius, "species": self.species}
         found = columns.get(color_by) if isinstance(color_by, str) else color_by
         values = per_particle(color_by, found, len(self), columns)
@@ -223,7 +220,14 @@ class Packing(PackingFiles):
             label = color_by if isinstance(color_by, str) else ""
         title = f"$\\phi$ = {self.phi:.4f}" if title is None else title
         on = limited(on, vmin, vmax)
-        return draw(self, self.outlines, values, label, title, on, ax, cmap=cmap, colorbar=colorbar)
+        named: dict[str, Any] = {"cmap": cmap, "colorbar": colorbar}
+        if self.dimension == 3:
+            from . import space_picture
+
+            return space_picture.draw(self, values, label, title, on, ax, **named)
+        from .picture import draw
+
+        return draw(self, self.outlines, values, label, title, on, ax, **named)
 
     def at(self, phi: float, grow: bool = False) -> Packing:
         """The packing at another packing fraction.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +16,15 @@ from .contact_network import ContactNetwork
 from .droplet_contacts import DropletTable, forces_of_droplets
 from .in_space import InSpace
 from .numbers import numbers_of
+from .space_pictures import SpacePictures
 from .stressed import Stressed
+
+if TYPE_CHECKING:
+    from ..model.space_picture import Facets
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DropletState(InSpace, Stressed, ContactNetwork, Analysis):
+class DropletState(InSpace, Stressed, ContactNetwork, Analysis, SpacePictures):
     """A snapshot of droplets, the same on every rank. Particles are numbered from 0.
 
     Attributes:
@@ -97,6 +101,13 @@ class DropletState(InSpace, Stressed, ContactNetwork, Analysis):
             "contacts": self.contacts,
             "rattler": self.rattlers.astype(int),
         }
+
+    def _facets(self) -> Facets:
+        from ..model.space_picture import Facets
+
+        table = self.contact_table
+        height = self.packing.radius[table["i"]] - table["indentation"]
+        return Facets(table["i"], table["normal"], height)
 
     @property
     def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

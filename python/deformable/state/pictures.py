@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import base64
-import html
-from abc import ABC, abstractmethod
-from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any, ClassVar
+from abc import abstractmethod
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import ParameterError
 from ..common.optional import optional
-from ..common.validate import expect
-from ..model import scale as scales
 from ..model.marks import Mark
-from ..model.packing import Packing
-from ..model.scale import Scale, limited, per_particle
+from ..model.scale import Scale, limited
+from .colored import Colored, label_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,44 +21,14 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-# Names at the bar of the colors.
-_LABELS = {
-    "particle_pressure": "pressure in the particle",
-    "pressure": "pressure in the particle",
-    "area_deficit": "area deficit $A_0 - A$",
-    "arc_radius": "smallest radius of curvature",
-    "spin": "spin [1/time]",
-    "direction": "direction of propulsion [rad]",
-    "shape_parameter": r"shape parameter $P^2 / 4 \pi A$",
-}
 
-
-class Pictures(ABC):
+class Pictures(Colored):
     """A state that can be drawn."""
-
-    packing: Packing
-
-    # names for colors that a message lists, beside those of `particle_values`
-    _NAMES: ClassVar[tuple[str, ...]] = ()
-
-    @property
-    @abstractmethod
-    def phi(self) -> float:
-        """Packing fraction."""
-
-    @property
-    @abstractmethod
-    def pressure(self) -> float:
-        """Pressure of the packing."""
 
     @property
     @abstractmethod
     def outlines(self) -> list[Floats]:
         """Outline of each particle."""
-
-    @abstractmethod
-    def particle_values(self) -> dict[str, NDArray[Any]]:
-        """Values of the particles by name."""
 
     @abstractmethod
     def _flats(self) -> list[list[Floats]]:
@@ -139,18 +104,14 @@ class Pictures(ABC):
         from ..model import picture
 
         values, halves = self.values(color_by), self._halves()
-        expect("label", label, str, type(None))
-        if label is None:
-            label = _LABELS.get(color_by, color_by) if isinstance(color_by, str) else ""
-        if scale is None:
-            scale = scales.scale([values], [force for _, force in halves], color_by)
-        expect("scale", scale, Scale)
+        label = label_of(color_by, label)
+        scale = self._scale(scale, [force for _, force in halves], color_by)
         return picture.draw(
             self.packing,
             self.outlines,
             values,
             label,
-            f"$\\phi$ = {self.phi:.4f},  $p$ = {self.pressure:.3g}" if title is None else title,
+            self._title(title),
             limited(scale, vmin, vmax),
             ax,
             self._flats() if contacts else None,
@@ -160,30 +121,7 @@ class Pictures(ABC):
             self._marks(contacts, forces, spins),
         )
 
-    def values(self, color_by: str | ArrayLike) -> Floats:
-        """One number for each particle, shape (N,).
-
-        Args:
-            color_by: name of an attribute, or in a trajectory; or these numbers themselves, of
-                which some may be nan.
-
-        Raises:
-            ParameterError: there is no such name, or they are no such numbers.
-        """
-        columns = self.particle_values()
-        found: Any = color_by
-        if isinstance(color_by, str):
-            found = columns.get(color_by, getattr(self, color_by, None))
-        return per_particle(color_by, found, len(self.packing), {*columns, *self._NAMES})
-
-    def _repr_html_(self) -> str | None:
-        """The picture and the line of `repr`, for notebooks; None without matplotlib."""
-        if not find_spec("matplotlib"):
-            return None
+    def _new_axes(self) -> Axes:
         from ..model.picture import new_figure
 
-        figure = new_figure(self.packing)
-        self.plot(figure.subplots())
-        line = html.escape(repr(self).strip("<>"))
-        coded = base64.b64encode(figure._repr_png_()).decode()
-        return f'<img src="data:image/png;base64,{coded}" alt="{line}"><br>{line}'
+        return new_figure(self.packing).subplots()

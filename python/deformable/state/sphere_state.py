@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,14 @@ from ..model.neighbors import near_pairs
 from .contact_forces import ContactForces
 from .in_space import InSpace
 from .soft_state import SoftState
+from .space_pictures import SpacePictures
+
+if TYPE_CHECKING:
+    from ..model.space_picture import Facets
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SphereState(InSpace, SoftState):
+class SphereState(InSpace, SoftState, SpacePictures):
     """A snapshot of soft spheres of contact stiffness k. Particles are numbered from 0.
 
     Attributes:
@@ -58,6 +62,18 @@ class SphereState(InSpace, SoftState):
         overlap = radius[i] + radius[j] - distance
         part = (radius[i] - 0.5 * overlap) / distance
         return ContactForces(i, j, vector, part, -(overlap / distance)[:, None] * vector)
+
+    def _facets(self) -> Facets:
+        from ..model.space_picture import Facets
+
+        contacts = self._contact_forces
+        distance, part = lengths(contacts.vector), contacts.part
+        normal = contacts.vector / distance[:, None]
+        return Facets(
+            np.append(contacts.i, contacts.j),
+            np.concatenate([normal, -normal]),
+            np.append(part * distance, (1.0 - part) * distance),
+        )
 
     @property
     def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
