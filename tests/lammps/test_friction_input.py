@@ -141,6 +141,8 @@ def test_groups(tmp_path):
 
 def test_ids_stay(tmp_path):
     scene = Grains(PAIR, 1, "0.5 1 0", tmp_path)
+    with refuses("Cannot replicate with fixes that store"):
+        scene.run("replicate 2 1 1")
     with refuses("reset_atoms id"):
         scene.run("reset_atoms id")
 

@@ -6,8 +6,14 @@ from grains import Grains
 from test_friction import cloud
 
 NVE = "fix move all nve/sphere disc"
+PART = "group part id 12 13\ngroup rest subtract all part\nfix move rest nve/sphere disc"
 COMMANDS = {
     "fix nvt/sphere": ("fix move all nvt/sphere temp 0.002 0.002 10 disc", ""),
+    "fix nph/sphere": ("fix move all nph/sphere iso 0.001 0.001 20 disc", ""),
+    "fix rigid": (PART, "fix body part rigid single torque * off off on force * on on off\n"),
+    "fix move": (PART, "fix turn part move rotate 0 0 0 0 0 1 50\n"),
+    "fix momentum": (NVE, "fix still all momentum 5 linear 1 1 0 angular\n"),
+    "fix adapt": (NVE, "variable d equal 1.8+0.001*step\nfix d all adapt 1 atom diameter v_d\n"),
     "fix langevin": (NVE, "fix bath all langevin 0.001 0.001 5 4711 omega yes\n"),
     "fix viscous/sphere": (NVE, "fix drag all viscous/sphere 0.1\n"),
     "fix freeze": (NVE, "group rest id 1 2 3\nfix rest rest freeze\n"),
@@ -16,6 +22,13 @@ COMMANDS = {
     "fix balance": (NVE, "comm_style tiled\nfix even all balance 10 1.0 rcb\n"),
     "delete_atoms": (NVE, "group gone id 5 9\nrun 20\ndelete_atoms group gone\n"),
     "minimize": (NVE, "run 20\nminimize 0 1e-9 3 10\n"),
+    "displace_atoms": (NVE, "run 20\ndisplace_atoms all move 3 1 0\n"),
+    "change_box": (NVE, "run 20\nchange_box all x scale 0.99 y scale 1.01 remap\n"),
+    "set": (NVE, "run 20\nset atom 3 omega 0 0 1\n"),
+    "velocity": (NVE, "run 20\nvelocity all scale 0.01\n"),
+    "balance": (NVE, "run 20\nbalance 1.0 shift x 5 1.0\n"),
+    "reset_timestep": (NVE, "run 20\nreset_timestep 0\n"),
+    "neigh_modify exclude": (NVE, "group a id 1:8\nneigh_modify exclude group a a\n"),
 }
 
 
@@ -32,9 +45,22 @@ def test_beside(name, tmp_path):
     terms, rows = scene.terms, scene.rows
     assert terms["contacts"] == len(rows) > 0
     assert (np.abs(rows[:, 6]) <= 0.5 * rows[:, 5] * (1 + 1e-12)).all()
-    assert terms["sliding"] > 1e-4
+    assert terms["sliding"] > 1e-5
     assert np.abs(scene.spin).max() > 1e-3
     assert np.isfinite(scene.v).all()
+
+
+def test_particles_that_come_and_go(tmp_path):
+    x, radii, v, _ = cloud()
+    scene = Grains(x, radii, "0.5 0.6 0.1 damp 0.1", tmp_path, v, dt=0.04)
+    scene.run(
+        "region rain block -5 5 5 5.5 0 0\nregion all block INF INF INF INF INF INF\n"
+        "fix rain all deposit 9 1 10 4711 region rain near 0.9 attempt 99 vy -0.1 -0.1\n"
+        "fix gone all evaporate 15 1 all 4711\nfix flat all enforce2d\nrun 200"
+    )
+    assert scene.lmp.extract_fix("gone", 0, 0) == 13
+    assert scene.terms["contacts"] == len(scene.rows) > 0
+    assert np.isfinite(scene.lmp.get_thermo("econserve"))
 
 
 def test_frozen_particles_rest(tmp_path):
