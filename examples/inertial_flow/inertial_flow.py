@@ -165,7 +165,7 @@ def show(data):
 
 
 def draw(data, number):
-    """Two flows with their force chains; friction and packing fraction over the inertial number."""
+    """Two flows with their contacts; friction and packing fraction over the inertial number."""
     figure = plt.figure(figsize=(11, 4.4), layout="constrained")
     grid = figure.add_gridspec(2, 3, width_ratios=(0.7, 1.2, 1.2))
     for row, case in enumerate((CASES[1], CASES[2])):
@@ -173,7 +173,7 @@ def draw(data, number):
         with sim:
             sim.lmp.command(f"run {2 * steps} post no")
             ax = figure.add_subplot(grid[row, 0])
-            sim.state().plot(ax, forces=True, colorbar=False, title=f"p/k = {case[0]}")
+            sim.state().plot(ax, contacts=True, colorbar=False, title=f"p/k = {case[0]}")
     axes = [figure.add_subplot(grid[:, column]) for column in (1, 2)]
     for n, ((softness, mu), runs) in enumerate(by_case(data).items()):
         for ax, name in zip(axes, ("mu", "phi"), strict=True):
