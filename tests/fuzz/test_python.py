@@ -37,6 +37,7 @@ BUILDERS = {
         {"kA": 1.0, "reach": 0.3, "kP": 1.0, "skin": 0.1, "contact": "radical"},
     ),
     "Sector": (deformable.Sector, {"kA": 1.0, "kP": float("inf")}),
+    "Friction": (deformable.Friction, {"mu": 0.5, "kt": 1.0, "gt": 0.1, "damp": 0.1}),
     "PolygonModel": (
         deformable.PolygonModel,
         {"vertices": 50, "radius": 0.05, "kL": 1.0, "kA": 1.0, "kr": 1.0},

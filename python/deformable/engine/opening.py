@@ -36,6 +36,9 @@ THERMO = thermo_commands("c_deformable_energy c_deformable_beyond[1]").strip()
 # What the pair style tells beside its energy, numbers of its compute.
 BEYOND, IMBALANCE, LOST = 0, 3, 5
 
+# Of LAMMPS in units lj.
+_TIMESTEP = 0.005
+
 # Energy and stress of the contacts alone: forces that a user adds have no place in a saved state.
 _COMPUTES = """
 compute deformable_energy all pe pair
@@ -63,6 +66,8 @@ def particles_in_lammps(
     place_walls(lmp, packing.walls)
     run(lmp, film_commands(law, packing.walls))
     run(lmp, friction_commands(friction, len(packing.radii)))
+    if friction:  # evaluations have one too
+        run(lmp, f"timestep {min(friction.accurate_step, _TIMESTEP)!r}")
     run(lmp, commands_of_energy(law, bool(packing.walls or friction)))
     return lmp
 

@@ -195,11 +195,13 @@ def moving(sim: Simulation, dynamics: Dynamics, seed: int) -> Iterator[None]:
     refuse_second_motion(sim)
     lmp, spins = sim.lmp, rub_and_spin(sim.lmp)
     if spins and dynamics.friction and (dynamics.temperature or not dynamics.inertia):
-        how = "in a heat bath" if dynamics.inertia else "without inertia"
-        raise ParameterError(
-            f"contacts rub, and particles {how} do not turn: leave out temperature or friction, "
-            "and let particles have inertia"
-        )
+        how = "in a heat bath do not turn: leave out temperature or friction"
+        if not dynamics.inertia:
+            how = (
+                "without inertia, as in flows at a rate, do not turn: let them have inertia, or "
+                "shear without a rate"
+            )
+        raise ParameterError(f"contacts rub, and particles {how}")
     fixes = dynamics.commands(seed, spins)
     run(lmp, fixes)
     if dynamics.persistence is not None and sim.directions is not None:

@@ -247,9 +247,10 @@ class State(Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pi
             )
         if self.root:
             packing, law, pressure, now = self.step_limits()
+            longest = self.friction.accurate_step if self.friction else np.inf
             steps = (
-                accurate_step(packing, law, pressure, now),
-                accurate_step(packing, law, pressure, max(now, TEMPERATURE)),
+                min(accurate_step(packing, law, pressure, now), longest),
+                min(accurate_step(packing, law, pressure, max(now, TEMPERATURE)), longest),
             )
             numbers = self.numbers()
             save(

@@ -39,6 +39,14 @@ def test_no_friction_no_fix() -> None:
     assert friction_commands(None, 2) == ""
 
 
+def test_hard_springs_have_short_steps() -> None:
+    """Also where nothing moves: LAMMPS' own step would be refused."""
+    touching = deformable.Packing([[1.0, 1.0], [1.9, 1.0]], [0, 0], [0.5], [4.0, 2.0])
+    rough = deformable.Friction(0.5, 1e6, damp=1e3)
+    with deformable.Simulation(touching, deformable.Ring(), friction=rough) as sim:
+        assert sim.state().energy > 0.0
+
+
 def test_time_steps() -> None:
     """kt dt^2 + 2 gt dt = m/7 and 2 damp dt = m/2, of the hardest pair."""
     assert deformable.Friction(0.5, 1.0).longest_step == pytest.approx(math.sqrt(1 / 7))
