@@ -101,9 +101,25 @@ def append_setup(folder: Path, number: int, setup: Mapping[str, Any]) -> None:
     """Append what a frame is made of besides its particles, if the frame before had another."""
     line = json.dumps({"frame": number} | dict(setup)) + "\n"
     # the last one is that of the frame before, as `keep_frames` has cut what came later
-    last = _setups(folder / SETUPS, slice(-1, None))
-    if not last or json.loads(line) != last[0] | {"frame": number}:
-        series.append(folder / SETUPS, line)
+    last = _last_line(folder / SETUPS)
+    with reading(folder / SETUPS):
+        if not last or json.loads(line) != dict(json.loads(last)) | {"frame": number}:
+            series.append(folder / SETUPS, line)
+
+
+def _last_line(path: Path) -> bytes:
+    """The last whole line of a file, empty without: springs make such files long."""
+    if not path.exists():
+        return b""
+    with path.open("rb") as file:
+        size, block = file.seek(0, 2), 1 << 16
+        while True:
+            file.seek(max(size - block, 0))
+            whole, end, _ = file.read().rpartition(b"\n")
+            _, begin, last = whole.rpartition(b"\n")
+            if block >= size or (begin and end):
+                return last if end else b""
+            block *= 4
 
 
 def setup_of(setups: list[dict[str, Any]], number: int) -> dict[str, Any]:
@@ -126,11 +142,8 @@ def setups_in(folder: Path) -> list[dict[str, Any]]:
     Raises:
         FileError: the file is damaged.
     """
-    return _setups(folder / SETUPS, slice(None))
-
-
-def _setups(path: Path, which: slice) -> list[dict[str, Any]]:
-    lines = path.read_text().split("\n")[:-1][which] if path.exists() else []
+    path = folder / SETUPS
+    lines = path.read_text().split("\n")[:-1] if path.exists() else []
     with reading(path):
         setups = [dict(json.loads(line)) for line in lines]
         return [setup | {"frame": int(setup["frame"])} for setup in setups]

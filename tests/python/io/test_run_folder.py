@@ -6,6 +6,7 @@ from pathlib import Path
 import deformable
 import pytest
 from deformable.cli import main as cli
+from deformable.io.frames import _last_line
 from deformable.io.run_folder import holds, refuse
 from deformable.report import writing
 from programs import command
@@ -128,3 +129,21 @@ def test_a_folder_is_no_file(
         line = run("compress", "--out", "file", *options, cwd=tmp_path)
         assert line.startswith("error: 'file' is a file")
     assert file.read_text() == "kept"
+
+
+@pytest.mark.parametrize(
+    ("text", "last"),
+    [
+        (b"", b""),
+        (b"torn", b""),
+        (b"one\n", b"one"),
+        (b"one\ntwo\ntorn", b"two"),
+        (b"x\n" + b"y" * 300_000 + b"\n", b"y" * 300_000),
+        (b"one\n" + b"torn" * 30_000, b"one"),
+    ],
+    ids=["empty", "torn", "one", "two", "long", "long and torn"],
+)
+def test_the_last_whole_line(text: bytes, last: bytes, tmp_path: Path) -> None:
+    (tmp_path / "lines").write_bytes(text)
+    assert _last_line(tmp_path / "lines") == last
+    assert _last_line(tmp_path / "none") == b""
