@@ -1,4 +1,4 @@
-"""The example of melting: limits that are known exactly, and its committed rows.
+"""The example of melting: limits that are known exactly, what it measures, and its small run.
 
 Means of motions are compared within 5 of their standard errors, by blocks that are longer than the
 time in which the bath forgets, so that no processor and no seed decides.
@@ -12,15 +12,16 @@ import deformable
 import numpy as np
 import pytest
 from example_modules import example
+from numpy.typing import NDArray
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("freud")
 
 FOLDER = Path(__file__).parents[1] / "examples" / "melting"
 melting = example("melting", "melting")
-results = melting.results
-RESULT, MIDDLE = (json.loads((FOLDER / f"{n}.json").read_text()) for n in ("small", "middle"))
-README = (FOLDER / "README.md").read_text()
+limits, motion, order = melting.limits, melting.motion, melting.order
+tables, results = melting.tables, melting.tables.results
+RESULT = json.loads((FOLDER / "small.json").read_text())
 
 
 def close(values: list[float], expected: float) -> None:
@@ -31,14 +32,20 @@ def close(values: list[float], expected: float) -> None:
     assert error < 0.1 * abs(expected)
 
 
+def resting(number: int) -> tuple[deformable.Packing, deformable.State]:
+    packing = motion.crystal(number, motion.PHI)
+    with deformable.Simulation(packing, motion.LAW) as sim:
+        return packing, sim.relax(1e-10)
+
+
 def test_cold_crystal_is_harmonic() -> None:
     """Energy T/2 a mode, <u^2> = T sum 1/k / N by the modes of the Hessian, and order 1."""
-    packing, temperature = melting.crystal(16), 1e-7
-    with deformable.Simulation(packing, melting.LAW) as sim:
-        rest = sim.relax(1e-10)
-        stiffness = rest.modes(vectors=False).stiffness
-        assert len(stiffness) == 30
-        rows = []
+    (packing, rest), temperature = resting(16), 1e-7
+    stiffness = rest.modes(vectors=False).stiffness
+    assert len(stiffness) == 30
+    rows = []
+    with deformable.Simulation(packing, motion.LAW) as sim:
+        sim.relax(1e-10)
         for state in deformable.move(
             sim, 20_000, temperature=temperature, every=40, seed=1, friction=0.3, timestep=0.05
         ):
@@ -49,117 +56,206 @@ def test_cold_crystal_is_harmonic() -> None:
     close(temperatures, temperature)
     close(energy, 15.0 * temperature)
     close(squares, temperature * np.sum(1.0 / stiffness))
-    row = melting.measure(state, temperature)
-    assert math.hypot(row["psi_x"], row["psi_y"]) == pytest.approx(1.0, abs=1e-4)
-    assert row["bragg"] == pytest.approx(1.0, abs=1e-4)
-    assert row["defects"] == 0.0
+    found = order.measured(16, motion.PHI, state.packing.positions[None], state.hexatic()[None])
+    assert math.hypot(found["psi_x"][0], found["psi_y"][0]) == pytest.approx(1.0, abs=1e-4)
+    assert found["bragg"] == pytest.approx(1.0, abs=1e-4)
+    assert found["defects"] == 0.0
+
+
+def test_waves_of_a_harmonic_crystal_have_the_moduli_of_linear_response() -> None:
+    """<u u> = T/H; lattices make short waves softer by (q a)^2/24, 6 % here at most."""
+    packing, rest = resting(256)
+    box, sites = packing.box.diagonal(), packing.positions
+    hessian, moduli = rest.hessian().operator, rest.elastic_moduli()
+    softness = []
+    for wave in order.waves(box):
+        phases = sites @ wave
+        across = np.array([-wave[1], wave[0]]) / np.hypot(*wave)
+        for direction in (across, wave / np.hypot(*wave)):
+            u = (np.cos(phases)[:, None] * direction).ravel()
+            stiffness = u @ (hessian @ u) / (u @ u)  # <|u_q|^2> = T / (N stiffness)
+            softness.append(box.prod() * (wave @ wave) / (len(sites) * stiffness))
+    across, along = np.reshape(softness, (-1, 2)).mean(axis=0)
+    assert 1.0 / across == pytest.approx(moduli.mean_shear_modulus, rel=0.04)
+    expected = moduli.bulk_modulus + moduli.mean_shear_modulus
+    assert 1.0 / along == pytest.approx(expected, rel=0.04)
+
+
+def test_displacements_are_from_the_nearest_sites_of_a_lattice_that_drifts() -> None:
+    """Particles may have changed their places, and a row may have slipped."""
+    packing, rng = motion.crystal(64, motion.PHI), np.random.default_rng(1)
+    u = 0.1 * rng.normal(size=(64, 2))
+    u -= u.mean(axis=0)
+    slipped = packing.positions.copy()
+    slipped[:8, 0] += motion.spacing(packing)
+    slipped[[20, 40]] = slipped[[40, 20]]
+    found = order.displacements(
+        slipped + u + [3.3, -0.7], packing.positions, motion.spacing(packing)
+    )
+    assert found == pytest.approx(u, abs=2e-3)  # the drift is that of density waves
+
+
+def test_softness_of_one_wave() -> None:
+    packing = motion.crystal(64, motion.PHI)
+    box, sites = packing.box.diagonal(), packing.positions
+    q = order.waves(box)
+    wave, amplitude = q[3], 0.01
+    u = amplitude * np.cos(sites @ wave)[:, None] * wave / np.hypot(*wave)
+    across, along = order.softness(u, sites, box)
+    assert across == pytest.approx(0.0, abs=1e-12)
+    expected = box.prod() * (wave @ wave) * (0.5 * amplitude) ** 2 / len(q)
+    assert along == pytest.approx(expected)
 
 
 def test_second_virial_coefficient_by_energies_and_by_pressures() -> None:
     """The same by parts; cold droplets are hard disks of the radius 1, with B_2 = 2 pi."""
     for temperature in (0.005, 0.02):
-        by_energy, by_pressure = melting.second_virial(temperature)
+        by_energy, by_pressure = limits.second_virial(temperature)
         assert by_pressure == pytest.approx(by_energy, rel=1e-3)
-    assert melting.second_virial(1e-6)[0] == pytest.approx(2.0 * math.pi, rel=0.02)
+    assert limits.second_virial(1e-6)[0] == pytest.approx(2.0 * math.pi, rel=0.02)
 
 
 def test_pressure_of_a_gas_without_contacts() -> None:
-    with deformable.Simulation(melting.crystal(16, 0.1), melting.LAW) as sim:
-        state = sim.state()
-    assert melting.pressure(state, 0.3) * state.packing.area == pytest.approx(16 * 0.3)
+    packing = motion.crystal(16, 0.1)
+    leg = motion.leg(16, 0.1, 0.1, 1, packing.positions, steps=motion.SAMPLES)
+    assert leg["rows"][0]["pressure"] * packing.area == pytest.approx(16 * 0.1)
 
 
-def test_neighbors_of_the_crystal() -> None:
-    packing = melting.crystal(36)
-    i, _, between = melting.neighbors(packing, 1.4 * melting.spacing(packing))
+def test_neighbors_of_the_crystal_and_of_random_points() -> None:
+    packing = motion.crystal(36, motion.PHI)
+    box = packing.box.diagonal()
+    i, j = order.neighbors(packing.positions, box)
     assert len(i) == 3 * 36
-    assert np.hypot(*between.T) == pytest.approx(np.full(108, melting.spacing(packing)))
+    between = order.apart(box, packing.positions[j] - packing.positions[i])
+    assert np.hypot(*between.T) == pytest.approx(np.full(108, motion.spacing(packing)))
+    places = np.random.default_rng(1).random((200, 2)) @ packing.box
+    packing = deformable.Packing(places, np.zeros(200, int), [0.01], packing.box)
+    pairs = order.neighbors(places, box)
+    assert len(pairs[0]) == 600
+    with deformable.Simulation(packing, deformable.Ring()) as sim:
+        sides = sim.state().cell_sides
+    assert (np.bincount(np.concatenate(pairs), minlength=200) == sides).all()
 
 
-def test_interrupted_runs_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def flipped(pairs: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The first pair parts, and the two that were neighbors of both meet."""
+    joined = {tuple(pair) for pair in pairs.T.tolist()}
+    i, j = pairs[:, 0].tolist()
+    around = [{a + b - k for a, b in joined if k in (a, b)} for k in (i, j)]
+    joined.remove((i, j))
+    joined.add(tuple(sorted(around[0] & around[1])))
+    return np.array(sorted(joined)).T
+
+
+def test_defects_of_a_bond_that_flips() -> None:
+    """Two particles of 5 and two of 7 neighbors: dislocations that are bound."""
+    packing = motion.crystal(64, motion.PHI)
+    pairs = order.neighbors(packing.positions, packing.box.diagonal())
+    assert not any(order.defects(pairs, 64).values())
+    found = order.defects(flipped(pairs), 64)
+    assert found["defects"] == 4 / 64
+    assert found["bound"] == 1 / 64
+    assert found["dislocations"] == found["larger"] == found["disclinations"] == 0.0
+    found = order.defects(pairs[:, 1:], 64)  # two particles with 5, apart
+    assert found["defects"] == 2 / 64
+    assert found["disclinations"] == 2 / 64
+
+
+def test_waves_and_correlations_of_the_crystal() -> None:
+    packing = motion.crystal(144, motion.PHI)
+    box, places = packing.box.diagonal(), packing.positions + 0.3
+    length = 4.0 * np.pi / (math.sqrt(3.0) * motion.spacing(packing))
+    wave, strength = order.strongest_wave(places, box, length)
+    assert strength == pytest.approx(1.0)
+    assert np.hypot(*wave) == pytest.approx(length)
+    _, sums, pairs = order.correlation(places, box, np.exp(1j * places @ wave))
+    assert sums == pytest.approx(pairs)
+    assert pairs[0] == 0.0 < pairs.max()
+    random = np.random.default_rng(1).random((1000, 2)) @ packing.box
+    assert order.strongest_wave(random, box, length)[1] < 0.03
+
+
+def test_interrupted_ramps_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A second call reads the legs that are kept; each begins where the last one ended."""
-    monkeypatch.chdir(tmp_path)
-    plan, saved = {16: ((0.01,), 2, 80)}, []
-    legs = melting.measured(plan, "short", 1, lambda found: saved.append(len(found)))
-    assert saved == [2, 4]
-    one = melting.leg(16, 0.01, "crystal", 1, 80, melting.started(16, "crystal"))
-    two = melting.leg(16, 0.01, "crystal", 2, 80, one["positions"])
-    assert [legs[0]["series"], legs[2]["series"]] == [one["series"], two["series"]]
-    monkeypatch.setattr(melting.deformable, "move", None)
-    again = melting.measured(plan, "short", 1, lambda found: None)
-    assert again == legs
-    assert list(results.runs({"legs": legs})) == [(16, 0.01, "crystal"), (16, 0.01, "random")]
+    monkeypatch.setattr(motion, "kept", short(50))
+    ramp = melting.ramp(16, motion.PHI, "crystal", 1, ((0.01, 2), (0.02, 1)), tmp_path)
+    assert [leg["T"] for leg in ramp["legs"]] == [0.01, 0.01, 0.02]
+    assert ramp["ended"] == 0
+    start = motion.begin(16, motion.PHI, "crystal", 1)
+    one = motion.leg(16, motion.PHI, 0.01, 1001, start, steps=50)
+    two = motion.leg(16, motion.PHI, 0.01, 1002, one["places"][-1], steps=50)
+    for leg, found in zip(ramp["legs"], (one, two), strict=False):
+        assert leg["energy"] == np.mean([row["energy"] for row in found["rows"]])
+    assert (ramp["ends"][0][1] == two["places"][-1]).all()
+    monkeypatch.setattr(deformable, "move", None)
+    again = melting.ramp(16, motion.PHI, "crystal", 1, ((0.01, 2), (0.02, 1)), tmp_path)
+    assert again["legs"] == ramp["legs"]
 
 
-def test_runs_end_where_a_droplet_finds_no_shape(
+def short(steps: int):  # type: ignore[no-untyped-def]
+    """As `kept`, with short legs."""
+    usual = motion.kept
+
+    def kept(function, arguments, folder):  # type: ignore[no-untyped-def]
+        if function is motion.leg:
+            arguments = (*arguments, motion.LAW, motion.BATH, steps)
+        return usual(function, arguments, folder)
+
+    return kept
+
+
+def test_legs_without_a_shape_begin_anew_and_are_counted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    usual, seeds = short(50), []
+
+    def sometimes(function, arguments, folder):  # type: ignore[no-untyped-def]
+        if function is not motion.leg:
+            return usual(function, arguments, folder)
+        seeds.append(arguments[3])
+        failed = len(seeds) == 1
+        return {"ended": "no shape"} if failed else usual(function, arguments, folder)
+
+    monkeypatch.setattr(motion, "kept", sometimes)
+    ramp = melting.ramp(16, motion.PHI, "crystal", 1, ((0.01, 1),), tmp_path)
+    assert ramp["ended"] == 1
+    assert seeds == [1001, 101_001]
+    monkeypatch.setattr(motion, "kept", lambda *_: {"ended": "no shape"})
+    with pytest.raises(RuntimeError, match=r"T = 0\.01: no shape"):
+        melting.ramp(16, motion.PHI, "crystal", 1, ((0.01, 1),), tmp_path)
+
+
+def test_a_leg_ends_where_a_droplet_finds_no_shape(monkeypatch: pytest.MonkeyPatch) -> None:
     def no_shape(*_: object, **__: object) -> None:
         raise deformable.LammpsError("no shape")
 
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(melting.deformable, "move", no_shape)
-    legs = melting.measured({16: ((0.01,), 3, 80)}, "hot", 1, lambda found: None)
-    assert [leg["ended"] for leg in legs] == ["no shape"] * 2
-    assert results.runs({"legs": legs}) == {}
+    monkeypatch.setattr(deformable, "move", no_shape)
+    start = motion.crystal(16, motion.PHI).positions
+    assert motion.leg(16, motion.PHI, 0.01, 1, start)["ended"] == "no shape"
 
 
 def test_decay_of_a_power_is_its_exponent() -> None:
     r = np.linspace(1.0, 20.0, 20)
     legs = [{"r": r, "g6": r**-0.25}]
-    assert results.decay(legs) == pytest.approx(0.25)
+    assert results.decay(legs, "g6") == pytest.approx(0.25)
+    assert results.decay(legs, "g6", 8.0, 16.0) == pytest.approx(0.25)
+    legs[0]["r"] = 0.4 * r  # half of a small box
+    assert math.isnan(results.decay(legs, "g6"))
 
 
-def test_readme_has_the_committed_numbers() -> None:
-    for lines in (results.table, results.start_table):
-        for data in (RESULT, MIDDLE):
-            assert "\n".join(lines(data)) in README
-    text = README.replace("\n  ", " ").replace("\n", " ")
-    assert results.summary(RESULT) in text
-    assert results.summary(RESULT) in (FOLDER / "small.log").read_text()
-    hot = [results.runs(RESULT)[64, 0.1, start] for start in melting.STARTS]
-    apart = [results.difference(*hot, name) for name in ("psi_6", "defects", "p", "energy")]
-    worst = max(abs(value) / error for value, error in apart)
-    assert f"agree within {worst:.1f} of their errors" in text
+def test_time_in_which_order_is_forgotten() -> None:
+    """A series that forgets a part 1 - c in a sample: the integral is (1 + c)/(2 - 2c)."""
+    c, samples, noise = 0.8, [0.0], np.random.default_rng(1).normal(size=40_000)
+    for each in noise:
+        samples.append(c * samples[-1] + each)
+    leg = {"psi_x": 100.0 + np.array(samples), "psi_y": np.zeros(len(samples))}
+    expected = results.LEG / len(samples) * (1.0 + c) / (2.0 - 2.0 * c)
+    assert results.memory([leg]) == pytest.approx(expected, rel=0.1)
 
 
-def test_committed_crystal_of_256_droplets_melts_at_lower_temperatures() -> None:
-    """Its order falls to less than half of that of 64 droplets, and the neighbors part."""
-    small, middle = (
-        results.runs(data)[number, 0.08, "crystal"]
-        for number, data in ((64, RESULT), (256, MIDDLE))
+def test_exponents_by_size() -> None:
+    small, large = (
+        [{"number": n, "T": 0.1, "bragg": b * math.sqrt(n) ** -0.3} for b in (1.0, 1.1, 0.9)]
+        for n in (256, 1024)
     )
-    orders, parts = (
-        [results.value(legs, name)[0] for legs in (small, middle)]
-        for name in ("psi_6", "neighbors apart")
-    )
-    assert orders[1] < 0.5 * orders[0]
-    assert parts[0] < 0.05 < 0.5 < parts[1]
-    cold = results.runs(MIDDLE)[256, 0.06, "crystal"]
-    assert results.value(cold, "neighbors apart")[0] < 0.05
-    hot = [results.runs(MIDDLE)[256, 0.1, start] for start in melting.STARTS]
-    for name in ("psi_6", "defects", "p", "energy"):
-        value, error = results.difference(*hot, name)
-        assert abs(value) < error, name
-
-
-@pytest.mark.parametrize("temperature", [0.02, 0.06, 0.08])
-def test_the_committed_crystal_has_less_energy_and_pressure(temperature: float) -> None:
-    """Than the run from random positions, which keeps defects."""
-    both = [results.runs(RESULT)[64, temperature, start] for start in melting.STARTS]
-    for name in ("energy", "p", "defects"):
-        value, error = results.difference(*both, name)
-        assert value < -3.0 * error, name
-
-
-def test_committed_gas_follows_virial_coefficients() -> None:
-    """The next terms are 0.53 x^3 for hard disks, and 5 standard errors of the motion."""
-    for thin in RESULT["dilute"]:
-        x = 2.0 * thin["phi"]
-        assert abs(thin["z"] - thin["virial"]) < 5.0 * thin["error"] + 0.7 * x**3
-
-
-def test_committed_baths_have_their_temperature() -> None:
-    for legs in [*results.runs(RESULT).values(), *results.runs(MIDDLE).values()]:
-        found, error = results.value(legs, "T over bath")
-        assert abs(found - 1.0) < 5.0 * max(error, 0.01)
+    assert tables.between_sizes(small, large, "Bragg")[0] == pytest.approx(0.3)

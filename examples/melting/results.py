@@ -1,45 +1,45 @@
-"""Tables with errors and the picture of a result of melting.py.
+"""Quantities with errors, and tables of them, of a result of melting.py.
 
-python results.py small.json
-
-The first half of the legs is left out. Errors come from leaving out one of the others after
-another (jackknife), so they are right if order is forgotten within a leg.
+The first third of the legs at each temperature is left out. Errors come from leaving out one of the
+others after another (jackknife), so they are right if order is forgotten within a leg.
 """
 
-import argparse
-import json
 import math
-from pathlib import Path
 
 import deformable
-import matplotlib.pyplot as plt
 import numpy as np
 
-COLORS = {"crystal": "C0", "random": "C3"}
+LEG = 240.0  # time, of melting.py
+NEAR, FAR = 3.5, math.inf  # window of the exponents: from the second neighbors to half of the box
+SMALLEST = 10.0  # half of a box that has exponents
+CRYSTAL = 0.3  # particles have sites as long as "Bragg" is above
 
 
-def runs(data):
-    """The legs of each number, temperature and start, in the order of time.
+def stages(data):
+    """The legs of each number, packing fraction, start, seed and temperature, in order of time.
 
-    Those in which a droplet found no shape are left out.
+    A single leg is a beginning, and is left out.
     """
     found = {}
-    for leg in (leg for leg in data["legs"] if "ended" not in leg):
-        found.setdefault((leg["number"], leg["temperature"], leg["start"]), []).append(leg)
-    return found
+    for ramp in data["ramps"]:
+        for leg in ramp["legs"]:
+            key = ramp["number"], ramp["phi"], ramp["start"], ramp["seed"], leg["T"]
+            found.setdefault(key, []).append(leg | {"number": ramp["number"], "phi": ramp["phi"]})
+    return {key: found[key] for key in sorted(found) if len(found[key]) > 1}
 
 
 def late(legs):
-    return legs[len(legs) // 2 :]
+    return legs[len(legs) // 3 :]
 
 
-def series(legs, name):
-    return np.concatenate([leg["series"][name] for leg in legs]).astype(float)
+def mean(legs, name):
+    return np.mean([leg[name] for leg in legs])
 
 
 def order(legs):
     """|Psi_6| of each sample, the modulus of the mean over all particles."""
-    return np.hypot(series(legs, "psi_x"), series(legs, "psi_y"))
+    psi = [np.hypot(leg["psi_x"], leg["psi_y"]) for leg in legs]
+    return np.concatenate(psi)
 
 
 def susceptibility(legs):
@@ -47,42 +47,83 @@ def susceptibility(legs):
     return legs[0]["number"] * order(legs).var()
 
 
-def decay(legs):
-    """eta_6 of g_6 ~ r^-eta_6, from the second shell of neighbors to half of the box."""
-    r, g6 = np.array(legs[0]["r"]), np.mean([np.array(leg["g6"], float) for leg in legs], axis=0)
-    far = (r > 3.5) & (g6 > 0.0)
-    return -np.polyfit(np.log(r[far]), np.log(g6[far]), 1)[0] if far.sum() > 2 else math.nan
+def memory(legs):
+    """Time in which |Psi_6| is forgotten: the integral of its autocorrelation up to its first 0."""
+    psi = order(legs) - order(legs).mean()
+    lags = np.array([np.mean(psi[: len(psi) - n] * psi[n:]) for n in range(len(psi) // 2)])
+    end = int(np.argmax(lags <= 0.0)) or len(lags)
+    step = LEG / len(legs[0]["psi_x"])
+    return step * (lags[:end].sum() / lags[0] - 0.5)
+
+
+def curve(legs, name):
+    """r, and a correlation as the mean of legs; nan where there are no pairs."""
+    found = np.array([leg[name] for leg in legs], float)
+    return np.array(legs[0]["r"]), found.mean(axis=0)
+
+
+def decay(legs, name, near=NEAR, far=FAR):
+    """Exponent of a correlation ~ r^-eta in a window of r; nan in boxes that are too small."""
+    r, g = curve(legs, name)
+    some = (r > near) & (r < far) & (g > 0.0)
+    if some.sum() < 4 or r[-1] < SMALLEST:
+        return math.nan
+    return -np.polyfit(np.log(r[some]), np.log(g[some]), 1)[0]
 
 
 def apart(legs):
     """<(u_i - u_j)^2> / 2 a^2 of first neighbors after a leg."""
-    return np.mean([leg["lindemann"] for leg in legs])
+    return np.mean([leg["apart"][-1] for leg in legs])
+
+
+def elastic(legs):
+    """G, K, Y a^2/T and eta_K of waves in a crystal whose particles have sites.
+
+    eta_K = T k^2 (K + 2 G)/(4 pi G (K + G)) at the shortest wave vector k of the lattice.
+    """
+    if mean(legs, "bragg") < CRYSTAL:
+        return [math.nan] * 4
+    temperature = legs[0]["T"]
+    shear, both = (temperature / mean(legs, name) for name in ("across", "along"))
+    square = 2.0 * math.pi / (math.sqrt(3.0) * legs[0]["phi"])  # of the spacing
+    young = 4.0 * shear * (both - shear) / both
+    eta = 4.0 * math.pi * temperature / (3.0 * square) * (both + shear) / (shear * both)
+    return [shear, both - shear, young * square / temperature, eta]
 
 
 QUANTITIES = {
     "psi_6": lambda legs: order(legs).mean(),
     "susceptibility": susceptibility,
-    "eta_6": decay,
-    "defects": lambda legs: series(legs, "defects").mean(),
+    "eta_6": lambda legs: decay(legs, "g6"),
+    "Bragg": lambda legs: mean(legs, "bragg"),
+    "eta_K": lambda legs: decay(legs, "positional"),
     "neighbors apart": apart,
-    "z": lambda legs: series(legs, "z").mean(),
-    "p": lambda legs: series(legs, "pressure").mean(),
-    "energy": lambda legs: series(legs, "energy").mean(),
-    "T over bath": lambda legs: series(legs, "bath").mean(),
-    "beyond": lambda legs: series(legs, "beyond").mean(),
+    "p": lambda legs: mean(legs, "pressure"),
+    "energy": lambda legs: mean(legs, "energy"),
+    "T over bath": lambda legs: mean(legs, "bath"),
+    "beyond": lambda legs: mean(legs, "beyond"),
+    "defects": lambda legs: mean(legs, "defects"),
+    "dislocations": lambda legs: mean(legs, "dislocations"),
+    "bound": lambda legs: mean(legs, "bound"),
+    "larger": lambda legs: mean(legs, "larger"),
+    "disclinations": lambda legs: mean(legs, "disclinations"),
+    "G": lambda legs: elastic(legs)[0],
+    "K": lambda legs: elastic(legs)[1],
+    "Y a^2/T": lambda legs: elastic(legs)[2],
+    "eta_K by moduli": lambda legs: elastic(legs)[3],
 }
 
 
 def value(legs, name):
-    """Of the later half of the legs, with its error."""
-    some = late(legs)
+    """Of the later legs, with its error; name is of a quantity, or a function of legs."""
+    some, quantity = late(legs), QUANTITIES.get(name, name)
     if len(some) < 2:
-        return float(QUANTITIES[name](some)), math.nan
-    found, error = deformable.jackknife(QUANTITIES[name], some)
+        return float(quantity(some)), math.nan
+    found, error = deformable.jackknife(quantity, some)
     return float(found), float(error)
 
 
-def shown(found, error):
+def shown(found, error=0.0):
     """Both with as many decimals as the error has with two digits."""
     if not math.isfinite(found):
         return "–"
@@ -92,13 +133,50 @@ def shown(found, error):
     return f"{found:.{decimals}f} ± {error:.{decimals}f}"
 
 
-def table(data):
-    """Means over the later half of each run."""
-    yield f"| N | T | start | {' | '.join(QUANTITIES)} |"
-    yield "|---" * (3 + len(QUANTITIES)) + "|"
-    for (number, temperature, start), legs in runs(data).items():
-        cells = [shown(*value(legs, name)) for name in QUANTITIES]
-        yield "| " + " | ".join([f"{number}", f"{temperature:g}", start, *cells]) + " |"
+def lines(names, rows):
+    yield f"| {' | '.join(names)} |"
+    yield "|---" * len(names) + "|"
+    for row in rows:
+        yield f"| {' | '.join(str(cell) for cell in row)} |"
+
+
+def of_stages(data, names, some=lambda *key: True):
+    """A row for each stage: its key, and quantities with errors."""
+    head = ["N", "phi", "start", "seed", "T"]
+    keys = [key for key in stages(data) if some(*key)]
+    differ = [n for n in range(5) if n in (0, 4) or len({key[n] for key in keys}) > 1]
+    rows = [
+        [*(f"{key[n]:g}" if n != 2 else key[n] for n in differ)]
+        + [shown(*value(stages(data)[key], name)) for name in names]
+        for key in keys
+    ]
+    return lines([*(head[n] for n in differ), *names], rows)
+
+
+ORDER = ("psi_6", "susceptibility", "eta_6", "Bragg", "eta_K", "neighbors apart")
+THERMAL = ("p", "energy", "T over bath", "beyond")
+DEFECTS = ("defects", "dislocations", "bound", "larger", "disclinations")
+ELASTIC = ("G", "K", "Y a^2/T", "eta_K by moduli")
+
+
+def main(data):
+    """Ramps at the packing fraction that all sizes have."""
+    return lambda number, phi, start, seed, temperature: phi == data["phi"]
+
+
+def order_table(data):
+    """Order."""
+    return of_stages(data, ORDER, main(data))
+
+
+def thermal_table(data):
+    """Pressure, energy, temperature, and droplets that the law does not describe."""
+    return of_stages(data, THERMAL, main(data))
+
+
+def defect_table(data):
+    """Defects over N."""
+    return of_stages(data, DEFECTS, main(data))
 
 
 def difference(one, other, name):
@@ -109,19 +187,19 @@ def difference(one, other, name):
 
 def start_table(data):
     """By how much a run from the crystal differs from one from random positions."""
-    names = ("psi_6", "defects", "p", "energy")
-    yield f"| N | T | {' | '.join(names)} |"
-    yield "|---" * (2 + len(names)) + "|"
-    found = runs(data)
-    for number, temperature, start in found:
-        if start == "crystal":
-            both = [found[number, temperature, each] for each in COLORS]
-            cells = [shown(*difference(*both, name)) for name in names]
-            yield "| " + " | ".join([f"{number}", f"{temperature:g}", *cells]) + " |"
+    found = stages(data)
+    rows = []
+    for number, phi, start, seed, temperature in found:
+        other = number, phi, "random", seed, temperature
+        if start == "crystal" and other in found:
+            both = found[number, phi, start, seed, temperature], found[other]
+            cells = [shown(*difference(*both, name)) for name in ("psi_6", "defects", *THERMAL[:2])]
+            rows.append([number, f"{temperature:g}", *cells])
+    return lines(["N", "T", "psi_6", "defects", "p", "energy"], rows)
 
 
 def seconds(data):
-    return sum(leg["seconds"] for leg in data["legs"])
+    return sum(leg["seconds"] for ramp in data["ramps"] for leg in ramp["legs"])
 
 
 def summary(data):
@@ -135,63 +213,15 @@ def summary(data):
             f"Gas of phi = {thin['phi']:g}: p A/N T = {thin['z']:.4f} ± {thin['error']:.4f}, "
             f"by virial coefficients {thin['virial']:.4f}."
         )
-    ended = sum("ended" in leg for leg in data["legs"])
-    told.append(f"In {ended} runs a droplet found no shape.")
+    ended = sum(ramp["ended"] for ramp in data["ramps"])
+    told.append(f"In {ended} legs a droplet found no shape.")
     return " ".join([*told, f"{seconds(data):.0f} s of processor time."])
 
 
-def show(data):
+TABLES = (order_table, thermal_table, defect_table, start_table)
+
+
+def show(data, tables=TABLES):
     print(summary(data))
-    for lines in (table, start_table):
-        print("", lines.__doc__, *lines(data), sep="\n")
-
-
-def draw(data, file):
-    """Order over time, order and defects over temperature, g_6, and pressure."""
-    found = runs(data)
-    figure, axes = plt.subplots(2, 2, figsize=(9, 7), layout="constrained")
-    (times, orders), (curves, pressures) = axes
-    numbers = sorted({number for number, *_ in found})
-    temperatures = sorted({temperature for _, temperature, _ in found})
-    for (number, temperature, start), legs in found.items():
-        if number == numbers[-1]:
-            shade = plt.cm.viridis(temperatures.index(temperature) / max(len(temperatures) - 1, 1))
-            psi, dashes = order(legs), "-" if start == "crystal" else ":"
-            time = np.arange(1, len(psi) + 1) * legs[0]["time"] * len(legs) / len(psi)
-            label = f"T = {temperature:g}" if start == "crystal" else None
-            times.plot(time, psi, dashes, color=shade, lw=1, label=label)
-            g6 = np.mean([np.array(leg["g6"], float) for leg in late(legs)], axis=0)
-            curves.loglog(legs[0]["r"], np.where(g6 > 0.01, g6, np.nan), dashes, color=shade)
-    r = np.array([3.5, max(legs[0]["r"][-1] for legs in found.values())])
-    curves.loglog(r, 0.8 * (r / r[0]) ** -0.25, "k-", lw=2, label=r"$r^{-1/4}$")
-    for number, mark in zip(numbers, "os^D", strict=False):
-        for start, color in COLORS.items():
-            at = [t for t in temperatures if (number, t, start) in found]
-            for ax, name in ((orders, "psi_6"), (pressures, "p")):
-                values = np.array([value(found[number, t, start], name) for t in at])
-                label = f"N = {number}, {start}"
-                ax.errorbar(at, *values.T, fmt=f"{mark}-", color=color, ms=4, label=label)
-            values = [value(found[number, t, start], "defects")[0] for t in at]
-            orders.plot(at, values, f"{mark}:", color=color, ms=3)
-    times.set(xlabel="time", ylabel=r"$|\Psi_6|$; dotted: from random positions", ylim=(0, 1))
-    orders.set(xlabel="T", ylabel=r"$|\Psi_6|$; dotted: part of particles with defects")
-    curves.set(xlabel="r/R", ylabel=r"$g_6(r)$")
-    pressures.set(xlabel="T", ylabel="p")
-    for ax in (times, orders, curves):
-        ax.legend(frameon=False, fontsize=8)
-    figure.savefig(file, dpi=75)
-
-
-def report(file):
-    data = json.loads(Path(file).read_text())
-    show(data)
-    draw(data, Path(file).with_suffix(".png"))
-
-
-if __name__ == "__main__":
-    options = argparse.ArgumentParser()
-    options.add_argument("file", type=Path, help="what melting.py has written")
-    given = options.parse_args()
-    if given.file.suffix != ".json" or not given.file.exists():
-        options.error(f"{given.file} is no result: small.json, for example")
-    report(given.file)
+    for table in tables:
+        print("", table.__doc__, *table(data), sep="\n")
