@@ -85,11 +85,14 @@ static void evaluate_droplets(const DropletArrays &d, const PairForces &p, int b
   }
 }
 
-// Steps of the forces of the places of droplet i, into `scratch`.
-DEFORMABLE_LANE_FUNCTION void gather_steps(const DropletArrays &d, const float *step, int i)
+// Steps of the forces of the places of droplet i, into `scratch`. Returns the end of those that are not 0.
+DEFORMABLE_LANE_FUNCTION int gather_steps(const DropletArrays &d, const float *step, int i)
 {
   const int first = d.first[i], places = d.first[i + 1] - first;
   for (int c = 0; c < places; ++c) d.scratch[c] = step[d.seat[first + c] >> 1];
+  int end = d.contacts[i];
+  while (end > 0 && d.scratch[end - 1] == 0.0f) --end;
+  return end;
 }
 
 DEFORMABLE_LANE_FUNCTION void add(double *to, Floats x, double unit)
@@ -104,15 +107,15 @@ static void adapt_droplets(const DropletArrays &d, const PairForces &p, const fl
                            int begin, int end)
 {
   for (int i = begin; i < end; ++i) {
-    const int first = d.first[i], places = d.first[i + 1] - first, contacts = d.contacts[i];
+    const int first = d.first[i], places = d.first[i + 1] - first,
+              end_of_steps = gather_steps(d, step, i);
     const double unit = 1.0 / (d.radius[i] * d.tension[i]);
-    gather_steps(d, step, i);
     const float *const green = d.green + d.matrix[i], *const d_green = d.d_green + d.matrix[i],
                        *const y = d.scratch;
     const double *const nx = d.nx + first, *const ny = d.ny + first, *const nz = d.nz + first;
     for (int row = 0; row < places; row += FLOATS) {
       Floats response{}, tx{}, ty{}, tz{};
-      for (int k = 0; k < contacts; ++k) {
+      for (int k = 0; k < end_of_steps; ++k) {
         const Floats turned = load<Floats>(d_green + k * places + row) * y[k];
         response += load<Floats>(green + k * places + row) * y[k];
         tx += turned * static_cast<float>(nx[k]);
@@ -134,12 +137,12 @@ static void multiply_droplets(const DropletArrays &d, const float *step, float *
                               int end)
 {
   for (int i = begin; i < end; ++i) {
-    const int first = d.first[i], places = d.first[i + 1] - first, contacts = d.contacts[i];
-    gather_steps(d, step, i);
+    const int first = d.first[i], places = d.first[i + 1] - first,
+              end_of_steps = gather_steps(d, step, i);
     const float *const green = d.green + d.matrix[i], *const y = d.scratch;
     const float *const f = d.rounded + first;
     float sum = 0.0f, along = 0.0f;
-    for (int c = 0; c < contacts; ++c) {
+    for (int c = 0; c < end_of_steps; ++c) {
       sum += y[c];
       along += f[c] * y[c];
     }
@@ -149,7 +152,7 @@ static void multiply_droplets(const DropletArrays &d, const float *step, float *
     for (int row = 0; row < places; row += FLOATS) {
       const Floats own = load<Floats>(d.compliance + first + row), here = load<Floats>(y + row);
       Floats sums = of_each * load<Floats>(f + row) + of_all;
-      for (int k = 0; k < contacts; ++k) sums += load<Floats>(green + k * places + row) * y[k];
+      for (int k = 0; k < end_of_steps; ++k) sums += load<Floats>(green + k * places + row) * y[k];
       store_floats(product + first + row, own * here + unit * sums);
     }
   }

@@ -44,11 +44,14 @@ void DropletSolver::arrange(const DropletScene &scene, DropletList &list)
     seats[place] = 2 * k + side;
     sides[side][k] = place;
   };
-  for (int k = 0; k < p.size; ++k) {
-    sit(k, 0, p.i[k]);
-    if (k < p.remote) sit(k, 1, p.second(k));
-    if (k >= p.remote && k < p.wall) sides[1][k] = places + k - p.remote;
-  }
+  // first those that bear a force: kernels end at the last contact of a droplet whose force changes
+  for (const bool bears : {true, false})
+    for (int k = 0; k < p.size; ++k) {
+      if ((p.past[k] > 0.0) != bears) continue;
+      sit(k, 0, p.i[k]);
+      if (k < p.remote) sit(k, 1, p.second(k));
+      if (k >= p.remote && k < p.wall) sides[1][k] = places + k - p.remote;
+    }
 
   for (auto *const v : {&radius, &tension, &of_load, &of_work}) v->resize(droplets);
   for (auto *const v : {&slope_of_load, &bend}) v->resize(droplets);
