@@ -86,7 +86,7 @@ def test_numbers_of_frictional_jamming() -> None:
     results = example("frictional_jamming", "frictional_jamming").results
     folder = EXAMPLES / "frictional_jamming"
     page = (folder / "README.md").read_text()
-    for file in sorted(folder.glob("*.json")):
+    for file in (folder / "small.json", folder / "large.json"):
         found = json.loads(file.read_text())
         logged = file.with_suffix(".log").read_text().splitlines()[2:]
         for row, line in zip(results.table(found), logged, strict=False):
@@ -100,6 +100,34 @@ def test_numbers_of_frictional_jamming() -> None:
         states = [state for each in found["packings"] for state in each["states"]]
         assert all(state["at_rest"] and state["coulomb"] <= 1e-6 for state in states)
         assert max(max(state["force"], state["torque"]) for state in states) < 1.1e-4
+
+
+def test_friction_of_beads_on_record(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Log and page have those of the packings; mu is where rings have as many contacts."""
+    pytest.importorskip("matplotlib")
+    folder = EXAMPLES / "frictional_jamming"
+    beads = example("frictional_jamming", "beads")
+    found = json.loads((folder / "beads.json").read_text())
+    monkeypatch.chdir(tmp_path)
+    beads.results.write_beads(found, beads.with_error)
+    page = (folder / "README.md").read_text()
+    lines, again = (
+        [re.findall(r"\d[.\d]*", line) for line in (place / "beads.log").read_text().splitlines()]
+        for place in (folder, tmp_path)
+    )
+    for line, other in zip(lines[1:], again[1:], strict=True):
+        for cell, exact in zip(line, other, strict=True):
+            last = 10.0 ** -len(cell.partition(".")[2])
+            assert abs(float(cell) - float(exact)) < 1.01 * last
+        if len(line) == 10:
+            number, hollow, *pairs = line
+            told = " | ".join(" ± ".join(pairs[n : n + 2]) for n in (0, 2, 4, 6))
+            assert f"| {number} | {hollow} | {told} |" in page
+    rings = [
+        {"mu": mu, "z": z, "seed": 1} for mu, z in zip(beads.FRICTION, range(9, 3, -1), strict=True)
+    ]
+    assert beads.friction_of([{"z": 6.0}], rings, "z") == pytest.approx(0.3)
+    assert beads.friction_of([{"z": 6.5}], rings, "z") == pytest.approx(np.sqrt(0.1 * 0.3))
 
 
 @pytest.mark.slow

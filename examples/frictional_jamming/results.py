@@ -85,3 +85,50 @@ def draw(rows, file):
     axes[0].set(ylim=(2.9, 4.1))
     figure.savefig(file, dpi=130)
     plt.close(figure)
+
+
+def write_beads(found, friction):
+    """Print, log and draw which friction of rings polygons of beads have.
+
+    Args:
+        found: rows of polygons and of rings.
+        friction: of rows of polygons and rings and a name: mu and its error.
+    """
+    lines = [f"{'beads':8}{'hollow':10}{'z':19}{'mu by z':17}{'phi':20}mu by phi"]
+    figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
+    for color, beads in enumerate(sorted({row["beads"] for row in found["polygons"]})):
+        polygons, rings = (
+            [row for row in found[kind] if row["beads"] == beads] for kind in ("polygons", "rings")
+        )
+        cells = [f"{beads:<8d}{np.mean([row['hollow'] for row in polygons]):<6.2f}"]
+        for ax, name, digits in zip(axes, ("z", "phi"), (3, 4), strict=True):
+            mean, error = jackknife_mean(polygons, name)
+            mu, uncertain = friction(polygons, rings, name)
+            cells.append(f"{mean:.{digits}f} +- {error:.{digits}f}    {mu:.2f} +- {uncertain:.2f}")
+            draw_beads(ax, rings, name, (mu, uncertain), (mean, error), f"C{color}", beads)
+        lines.append("    ".join(cells))
+    axes[0].legend()
+    figure.savefig("beads.png", dpi=130)
+    plt.close(figure)
+    seconds = sum(row["seconds"] for kind in ("polygons", "rings") for row in found[kind])
+    count = len({row["seed"] for row in found["polygons"]})
+    lines.append(f"{count} packings of polygons; {seconds:.0f} s of processor time")
+    print("\n".join(lines))
+    Path("beads.log").write_text("\n".join(lines) + "\n")
+
+
+def jackknife_mean(rows, name):
+    """Mean and standard error of a number."""
+    return deformable.jackknife(np.mean, [row[name] for row in rows])
+
+
+def draw_beads(ax, rings, name, mu, value, color, beads):
+    """Rings over mu as a line, polygons as a point on it."""
+    x = np.array(sorted({row["mu"] for row in rings} - {0.0}))
+    same = [[row for row in rings if row["mu"] == each] for each in x]
+    mean, error = np.array([jackknife_mean(rows, name) for rows in same]).T
+    ax.errorbar(x, mean, error, color=color, linewidth=1)
+    label = f"polygons, {beads} beads"
+    ax.errorbar(mu[0], value[0], value[1], mu[1], "s", color=color, label=label)
+    label = {"z": "contacts z", "phi": "$\\phi$"}[name]
+    ax.set(xscale="log", xlabel="friction of the rings $\\mu$", ylabel=label)
