@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
+from numpy.typing import NDArray
 
-from ..common.errors import BeyondModelWarning, ParameterError, StalledWarning
+from ..common.errors import BeyondModelWarning, LammpsError, ParameterError, StalledWarning
 from ..common.validate import expect, positive, zero_or_more
 from ..io.lammps_commands import law_commands, pair_style, species_file
 from ..model.droplet import LARGEST_LOAD, Droplet, check_dimension
@@ -47,6 +48,9 @@ _TIMESTEP = 0.05
 # Iterations without halving the largest force after which a relaxation counts as stalled, those of
 # one call of FIRE, and the imbalance of contacts at most.
 _PATIENCE, _ITERATIONS, _UNBALANCED = 60_000, 2000, 0.01
+
+# Iterations of one call beyond the model, where the law may lose its solution and take long.
+_FEW = 50
 
 # Results of the pair style for each particle, see `pair_results`.
 _RESULTS = ("area", "contacts", "contact_area", "pressure", "load")
@@ -138,7 +142,8 @@ class DropletSimulation(Engine):
 
         Raises:
             ParameterError: a value is out of range, or the pressure cannot be reached.
-            LammpsError: LAMMPS gave up, e.g. because droplets overlap too deeply: `push_off`.
+            LammpsError: LAMMPS gave up, e.g. because droplets overlap too deeply: `push_off`; or
+                forces have no solution, far beyond the model.
 
         Warns:
             StalledWarning: forces stopped falling, or contacts far beyond the model do not balance.
@@ -155,9 +160,12 @@ class DropletSimulation(Engine):
             return relax_free_box(self, pressure, box, lambda: self.relax(tolerance, least))
 
         def minimize(forces: Forces, left: int) -> int:
+            if self._told(IMBALANCE) > _UNBALANCED:
+                return left
             force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
-            run_forces(self.lmp, minimize_command(float(force), min(left, _ITERATIONS)), ())
-            return left if self._told(IMBALANCE) > _UNBALANCED else _ITERATIONS
+            count = min(left, _FEW if self._told(BEYOND) else _ITERATIONS)
+            run_forces(self.lmp, minimize_command(float(force), count), ())
+            return count
 
         def evaluate() -> Forces:
             return self._evaluate(minimum_contact_force)
@@ -197,6 +205,7 @@ class DropletSimulation(Engine):
             rows = local_array(self.lmp, "deformable_rows", len(ROWS))
         finally:
             run(self.lmp, "unfix deformable_results\nuncompute deformable_rows")
+        _refuse_no_numbers(self._results)
         self._rows = np.concatenate(self.comm.allgather(rows))
         force = self._rows[:, ROWS.index("force")]
         mean = float(force.mean()) if len(force) else 0.0
@@ -230,6 +239,16 @@ class DropletSimulation(Engine):
             contact_table=droplet_table(self._rows, packing),
             root=self.comm.rank == 0,
             strain=self.strain,
+        )
+
+
+def _refuse_no_numbers(results: NDArray[np.float64]) -> None:
+    """Raise an error if the law has lost its solution, far beyond the model."""
+    wrong = np.flatnonzero(~np.isfinite(results).all(axis=1))
+    if len(wrong) > 0:
+        raise LammpsError(
+            f"the load of droplet {wrong[0]} is no number any more, as loads far above "
+            f"{LARGEST_LOAD:g} have no solution: compress less, or in smaller steps"
         )
 
 

@@ -8,6 +8,7 @@ import deformable
 import numpy as np
 import pytest
 from deformable import Droplet, DropletSimulation, DropletState, Packing, ParameterError
+from deformable.engine import droplet_simulation
 from deformable.state.state import State
 from numpy.typing import NDArray
 
@@ -220,6 +221,16 @@ def test_beyond_the_model_is_told(jammed: Packing) -> None:
         loose = sim.relax()
     assert (loose.energy, loose.pressure, len(loose.contact_table)) == (0.0, 0.0, 0)
     assert loose.particle_pressure == pytest.approx(2.0 / loose.packing.radius)
+
+
+def test_no_number_is_lost_far_beyond_the_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where LAMMPS tells one that is none, there is no state."""
+    lost = np.zeros((8, 5))
+    lost[3, 4] = np.nan
+    with deformable.Simulation(SPHERES, Droplet()) as sim:
+        monkeypatch.setattr(droplet_simulation, "gather", lambda *_: lost)
+        with pytest.raises(deformable.LammpsError, match=r"load of droplet 3 is no number .* less"):
+            sim._evaluate()
 
 
 def test_nothing_of_the_plane_is_in_a_state(emulsion: DropletState) -> None:
