@@ -56,6 +56,10 @@ def large_shift() -> str:
     return shift(1024)
 
 
+def largest_shift() -> str:
+    return shift(4096)
+
+
 def opened() -> str:
     """Spread of the forces of linear response where contacts are lost."""
     found = []
@@ -89,7 +93,7 @@ def took() -> str:
     """Processor time of all ramps, and of a ramp of droplets by size."""
     sizes = sorted({number for law, _, number in GROUPS if law == "droplets"})
     each = [np.mean([ramp["seconds"] for ramp in of("droplets", 0.94, n)]) for n in sizes]
-    told = ", ".join(f"{each:.2g} s (N = {n})" for n, each in zip(sizes, each, strict=True))
+    told = ", ".join(f"{float(f'{each:.2g}'):g} s (N = {n})" for n, each in zip(sizes, each, strict=True))
     minutes = results.seconds(RESULT) / 60.0
     total = f"{minutes:.0f} minutes of processor time in all"
     return f"{total}. A ramp of droplets up and down takes {told}"
@@ -99,6 +103,7 @@ SENTENCES = {
     forces: r"It is [\d.]+ times larger for disks than for droplets",
     small_shift: r"N = 256, by [^;]*? \(droplets\)",
     large_shift: r"N = 1024, by [^;]*? \(droplets\)",
+    largest_shift: r"N = 4096, by [^;]*? \(droplets\)",
     opened: r"is [\d.]+ to [\d.]+ of their mean",
     energies: r"have [\d.]+ to [\d.]+ times the energy of the crystal, and [\d. to]+ times at 0\.4",
     returned: r"at eta = 0, N = 256, phi = 0\.94, psi_6 is [^;]*? \(droplets\)",
@@ -155,14 +160,17 @@ def test_small_spreads_are_those_of_linear_response() -> None:
 
 @pytest.mark.parametrize("law", LAWS)
 def test_contacts_are_lost_long_before_order(law: str) -> None:
-    for (name, phi, _), ramps in GROUPS.items():
-        if name == law and not (law == "droplets" and phi > 0.95):  # near confluence they keep six
-            contacts = np.array(results.line(ramps, "z", results.LOST))
-            order = np.array(results.line(ramps, "psi6", results.HALF))
-            assert np.nanmax(contacts) < np.nanmin(order)
+    compared = 0
+    for (name, *_), ramps in GROUPS.items():
+        contacts = np.array(results.line(ramps, "z", results.LOST))
+        order = np.array(results.line(ramps, "psi6", results.HALF))
+        if name == law and np.isfinite(contacts).all():  # near confluence some keep six
+            assert max(contacts) < np.nanmin(order)
+            compared += 1
+    assert compared >= 4
 
 
-@pytest.mark.parametrize("number", [256, 1024])
+@pytest.mark.parametrize("number", [256, 1024, 4096])
 def test_deformable_particles_keep_their_order_longer(number: int) -> None:
     difference, error = apart("droplets", "disks", 0.94, number)
     assert difference > 3.0 * error

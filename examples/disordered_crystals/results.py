@@ -142,7 +142,8 @@ def level_table(data):
         levels = [("z", 5.99), ("z", 5.9), ("psi6", 0.7), ("psi6", 0.6), ("psi6", 0.4)]
         cells = [known(line(ramps, *level)) for level in levels]
         width = np.std(line(ramps, "psi6", HALF), ddof=min(1, len(ramps) - 1))
-        yield "| " + " | ".join([law, f"{phi:g}", f"{number}", *cells, f"{width:.3f}"]) + " |"
+        cells += [f"{width:.3f}" if math.isfinite(width) else "–"]
+        yield "| " + " | ".join([law, f"{phi:g}", f"{number}", *cells]) + " |"
 
 
 def stiffness_table(data):
