@@ -59,8 +59,13 @@ def mason(phi):
 
 
 def means(packings):
-    """Means over the packings and their errors, each of shape (phi, quantities)."""
-    return deformable.jackknife(lambda some: np.mean(some, axis=0), [p["rows"] for p in packings])
+    """Means over the packings and their errors, each of shape (phi, quantities).
+
+    A shear modulus that is not positive is that of a packing that gives way, and is left out.
+    """
+    rows = np.array([packing["rows"] for packing in packings])
+    rows[..., 2][rows[..., 2] <= 0.0] = np.nan
+    return deformable.jackknife(lambda some: np.nanmean(some, axis=0), rows)
 
 
 def height(phi, pressure, onset):
