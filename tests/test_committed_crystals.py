@@ -93,7 +93,8 @@ def took() -> str:
     """Processor time of all ramps, and of a ramp of droplets by size."""
     sizes = sorted({number for law, _, number in GROUPS if law == "droplets"})
     each = [np.mean([ramp["seconds"] for ramp in of("droplets", 0.94, n)]) for n in sizes]
-    told = ", ".join(f"{float(f'{each:.2g}'):g} s (N = {n})" for n, each in zip(sizes, each, strict=True))
+    each = [float(f"{seconds:.2g}") for seconds in each]
+    told = ", ".join(f"{each:g} s (N = {n})" for n, each in zip(sizes, each, strict=True))
     minutes = results.seconds(RESULT) / 60.0
     total = f"{minutes:.0f} minutes of processor time in all"
     return f"{total}. A ramp of droplets up and down takes {told}"
