@@ -307,6 +307,14 @@ def test_any_order(host, examples):
     answers()
 
 
+def test_contacts_are_asked_for_between_two_pair_styles(host):
+    """Those of a style that is gone: an error, or none if the new one has its place in memory."""
+    sector = ["pair_style deformable/sector", "pair_coeff * * species a d"]
+    orders = ["write_data data nofix", *sector, 'print "$(v_v)"', *READY[1:3], "run 1"]
+    answer = host.answer([*SCENE, *READY, *orders], {"species": SPECIES})
+    assert "use 'run 0' first" in answer.get("error", "use 'run 0' first")
+
+
 def test_nothing_stays_behind(host):
     """Runs and refusals hold no files, and no more memory than LAMMPS itself does."""
     cases = [

@@ -24,24 +24,37 @@ ComputeDeformableContact::ComputeDeformableContact(LAMMPS *lmp, int narg, char *
 
 /* ---------------------------------------------------------------------- */
 
-void ComputeDeformableContact::init()
+std::vector<PairDeformable *> ComputeDeformableContact::deformable_pairs() const
 {
-  pairs.clear();
+  std::vector<PairDeformable *> found;
   if (Pair *pair = force->pair_match("^deformable/", 0)) {
-    pairs.push_back(static_cast<PairDeformable *>(pair));
+    found.push_back(static_cast<PairDeformable *>(pair));
   } else {
     for (int n = 1; Pair *part = force->pair_match("^deformable/", 0, n); ++n)
-      pairs.push_back(static_cast<PairDeformable *>(part));
+      found.push_back(static_cast<PairDeformable *>(part));
   }
+  return found;
+}
+
+void ComputeDeformableContact::init()
+{
+  pairs = deformable_pairs();
   if (pairs.empty())
     error->all(FLERR, "Compute {} deformable/contact needs a deformable pair style, not {}", id,
                force->pair_style ? force->pair_style : "none");
 }
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   A variable may ask between runs, when the pair style of the last one is gone.
+------------------------------------------------------------------------- */
 
 void ComputeDeformableContact::compute_local()
 {
+  if (deformable_pairs() != pairs)
+    error->all(FLERR,
+               "Compute {} deformable/contact: the pair style is another one since the last run, "
+               "use 'run 0' first",
+               id);
   invoked_local = update->ntimestep;
   values.clear();
   for (const PairDeformable *pair : pairs) pair->list_contacts(groupbit, values);

@@ -25,7 +25,9 @@ class ComputeDeformableContact : public Compute {
   double memory_usage() override;
 
  private:
-  std::vector<class PairDeformable *> pairs;    // several within a hybrid style
+  std::vector<class PairDeformable *> pairs;    // of the last run; several within a hybrid style
+  std::vector<class PairDeformable *> deformable_pairs() const;
+
   std::vector<double> values;
   std::vector<double *> rows;
 };

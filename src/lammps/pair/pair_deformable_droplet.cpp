@@ -305,6 +305,7 @@ void PairDeformableDroplet::store_droplet(int i, int row, double energy)
 void PairDeformableDroplet::list_contacts(int groupbit, std::vector<double> &rows) const
 {
   const DropletPairs &p = near->pairs;
+  if (p.size == 0) return;    // there may be no neighbor list yet
   for (int row = 0; row < list->inum; ++row) {
     const int i = list->ilist[row];
     if (!(atom->mask[i] & groupbit)) continue;
