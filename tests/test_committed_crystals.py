@@ -4,11 +4,11 @@ Run as a script, this writes tables and sentences into the page.
 """
 
 import json
-import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from committed_page import write
 from example_modules import example
 
 pytest.importorskip("matplotlib")
@@ -182,19 +182,5 @@ def test_the_log_is_that_of_the_small_run(capsys: pytest.CaptureFixture[str]) ->
     assert capsys.readouterr().out == (FOLDER / "quick.log").read_text()
 
 
-def write() -> None:
-    text = PAGE.read_text()
-    for table in results.TABLES:
-        lines = list(table(RESULT))
-        old = re.compile(re.escape(lines[0]) + r"\n(\|.*\n)*")
-        assert old.search(text), lines[0]
-        text = old.sub(lambda _, lines=lines: "\n".join(lines) + "\n", text)
-    for sentence, begin in SENTENCES.items():
-        found = re.search(begin.replace(" ", r"\s+"), text)
-        assert found, begin
-        text = text.replace(found[0], sentence())
-    PAGE.write_text(text)
-
-
 if __name__ == "__main__":
-    write()
+    write(PAGE, (table(RESULT) for table in results.TABLES), SENTENCES)

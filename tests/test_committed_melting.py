@@ -5,11 +5,11 @@ Run as a script, this writes tables and sentences into the page.
 
 import json
 import math
-import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from committed_page import write
 from example_modules import example
 
 pytest.importorskip("matplotlib")
@@ -131,19 +131,5 @@ def test_no_packing_at_rest_has_less_energy_than_the_crystal() -> None:
         assert crystal == (row["T"] == 0.07)
 
 
-def write() -> None:
-    text = PAGE.read_text()
-    for table in tables.TABLES:
-        rows = list(table(RESULT))
-        old = re.compile(re.escape(rows[0]) + r"\n(\|.*\n)*")
-        assert old.search(text), rows[0]
-        text = old.sub(lambda _, rows=rows: "\n".join(rows) + "\n", text)
-    for sentence, begin in SENTENCES.items():
-        found = re.search(begin.replace(" ", r"\s+"), text, re.DOTALL)
-        assert found, begin
-        text = text.replace(found[0], sentence())
-    PAGE.write_text(text)
-
-
 if __name__ == "__main__":
-    write()
+    write(PAGE, (table(RESULT) for table in tables.TABLES), SENTENCES)
