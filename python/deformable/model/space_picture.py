@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.validate import expect, numbers, shown
+from .facets import WHOLE, Facets
 from .lattice import cartesian, fractional, lengths
 from .picture import Picture
 from .scale import Scale, color_map
@@ -43,20 +44,6 @@ class Packing(Protocol):
     def radius(self) -> Floats: ...
     @property
     def box(self) -> Floats: ...
-
-
-class Facets(NamedTuple):
-    """Planes that cut bodies.
-
-    Attributes:
-        i: particle of each, shape (M,).
-        normal: out of it, shape (M, 3).
-        height: distance from its center, shape (M,) [length].
-    """
-
-    i: NDArray[np.int64]
-    normal: Floats
-    height: Floats
 
 
 class Chains(NamedTuple):
@@ -90,7 +77,7 @@ def draw(
     title: str,
     on: Scale,
     ax: Axes | None = None,
-    facets: Facets | None = None,
+    facets: Facets = WHOLE,
     chains: Chains | None = None,
     cmap: str | None = None,
     colorbar: bool = True,
@@ -105,7 +92,7 @@ def draw(
         title: of the picture.
         on: scale of colors and forces.
         ax: axes to draw into; those of a new figure without.
-        facets: where bodies are cut.
+        facets: where bodies are cut; nowhere if not given.
         chains: drawn in place of bodies, if given.
         cmap: name of one of matplotlib's color maps.
         colorbar: draw a bar of the colors.
@@ -130,7 +117,7 @@ def draw(
     ax.add_collection(LineCollection(list(edges[..., :2]), colors="0.6", linewidths=0.8, zorder=0))
     colors = colors_of(norm(np.ma.masked_invalid(values)))[:, :3]
     if chains is None:
-        cut = None if facets is None else facets._replace(normal=facets.normal @ turn)
+        cut = facets._replace(normal=facets.normal @ turn)
         picture = _cast(centers, packing.radius, colors, cut, low, high)
         extent = (low[0], high[0], low[1], high[1])
         ax.imshow(picture, extent=extent, origin="lower", interpolation="antialiased", zorder=1)
@@ -168,7 +155,7 @@ def _cast(
     centers: Floats,
     radius: Floats,
     colors: Floats,
-    facets: Facets | None,
+    facets: Facets,
     low: Floats,
     high: Floats,
 ) -> Floats:
@@ -177,9 +164,8 @@ def _cast(
     columns, rows = (np.ceil((high - low) / pixel / _SMOOTHED).astype(int) * _SMOOTHED).tolist()
     depth, image = np.full((rows, columns), -np.inf), np.zeros((rows, columns, 4))
     light = _LIGHT / np.linalg.norm(_LIGHT)
-    order = np.argsort(facets.i, kind="stable") if facets else np.empty(0, np.int64)
-    ends = np.searchsorted(facets.i[order], np.arange(len(radius) + 1)) if facets else None
-    for n, (center, r) in enumerate(zip(centers, radius.tolist(), strict=True)):
+    bodies = zip(centers, radius.tolist(), facets.of_each(len(radius)), strict=True)
+    for n, (center, r, own) in enumerate(bodies):
         first = np.maximum(np.floor((center[:2] - r - low) / pixel).astype(int), 0)
         last = np.minimum(np.ceil((center[:2] + r - low) / pixel).astype(int), [columns, rows])
         x = low[0] + (np.arange(first[0], last[0]) + 0.5) * pixel - center[0]
@@ -188,20 +174,19 @@ def _cast(
         height = np.sqrt(np.maximum(r**2 - x**2 - y**2, 0.0))
         front, back = height, -height  # where rays enter the body and leave it
         shade = _shade(np.stack([x, y, height], axis=-1) / r @ light)
-        if facets and ends is not None:
-            for k in order[ends[n] : ends[n + 1]]:
-                (nx, ny, nz), h = facets.normal[k].tolist(), float(facets.height[k])
-                if h >= r:
-                    continue
-                room = h - nx * x - ny * y  # above nz z within the body
-                if abs(nz) < 1e-9:
-                    front = np.where(room < 0.0, -np.inf, front)
-                elif nz < 0.0:
-                    back = np.maximum(back, room / nz)
-                else:
-                    cut = room / nz < front
-                    front = np.where(cut, room / nz, front)
-                    shade = np.where(cut, _FACETS * _shade(facets.normal[k] @ light), shade)
+        for k in own:
+            (nx, ny, nz), h = facets.normal[k].tolist(), float(facets.height[k])
+            if h >= r:
+                continue
+            room = h - nx * x - ny * y  # above nz z within the body
+            if abs(nz) < 1e-9:
+                front = np.where(room < 0.0, -np.inf, front)
+            elif nz < 0.0:
+                back = np.maximum(back, room / nz)
+            else:
+                cut = room / nz < front
+                front = np.where(cut, room / nz, front)
+                shade = np.where(cut, _FACETS * _shade(facets.normal[k] @ light), shade)
         place = np.s_[first[1] : last[1], first[0] : last[0]]
         seen = (x**2 + y**2 < r**2) & (front > back) & (front + center[2] > depth[place])
         depth[place][seen] = front[seen] + center[2]

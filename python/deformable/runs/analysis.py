@@ -14,9 +14,10 @@ from ..common.files import write_whole
 from ..common.optional import optional
 from ..common.validate import expect
 from ..io.frames import check_frames, clock_of, frames_in, recorded, series_in
-from ..io.outlines import collection
 from ..io.run_folder import SERIES, TRAJECTORY
 from ..io.store import read
+from ..io.vtk_files import collection
+from ..state.exports import Exports
 from ..state.state import State
 from .columns import Column, check_columns
 
@@ -85,13 +86,14 @@ def table(folder: Path, states: Iterable[State], columns: Mapping[str, Column]) 
     return found.assign(**pandas.DataFrame(rows, index=found.index, columns=list(columns)))
 
 
-def export(states: Iterable[State], path: str | Path) -> None:
-    """Write the outlines of several states for ParaView and OVITO, see `State.export`.
+def export(states: Iterable[Exports], path: str | Path, forces: bool = False) -> None:
+    """Write the shapes of several states for ParaView and OVITO, see `State.export`.
 
     Args:
         states: e.g. from `compress`, or a `Run`.
         path: `NAME.pvd`, which lists the files NAME_0000.vtp, NAME_0001.vtp, ... beside it, with
             the times of a motion, or with their numbers.
+        forces: write the networks of forces in the place of shapes.
 
     Raises:
         ParameterError: the suffix is another, or there are no states.
@@ -101,14 +103,14 @@ def export(states: Iterable[State], path: str | Path) -> None:
     expect("path", path, str, Path)
     path = Path(path)
     if path.suffix != ".pvd":
-        raise ParameterError(f"a series of outlines is a .pvd, not '{path}'")
+        raise ParameterError(f"a series of shapes is a .pvd, not '{path}'")
     names, times = [], []
     for number, state in enumerate(states):
-        expect("a state that is exported", state, State)
+        expect("a state that is exported", state, Exports)
         names.append(f"{path.stem}_{number:04d}.vtp")
         times.append(state.time)
-        state.export(path.with_name(names[-1]))
+        state.export(path.with_name(names[-1]), forces)
         if state.root:
             write_whole(path, collection(names, times))
     if not names:
-        raise ParameterError("a series of outlines needs at least one state")
+        raise ParameterError("a series of shapes needs at least one state")

@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..common.errors import ParameterError
 from ..common.optional import optional
-from ..common.validate import count, numbers, positive
+from ..common.validate import count, numbers, positive, shown
 from ..model.packing import Packing
-from ..model.room import closed
-from . import contact_forces, displacements, local_strain
+from . import contact_forces, displacements, for_freud, local_strain
 from .displacements import Snapshot
-from .exports import in_space
 from .local_strain import LocalStrain
 from .structure_factor import density_waves
 
@@ -145,10 +144,10 @@ class Analysis(ABC):
         """
         return density_waves(self.packing, numbers("k", k))
 
-    def to_freud(self) -> tuple[Any, NDArray[np.float64]]:
-        """Box and points as freud takes them, (freud.box.Box, array of shape (N, 3)).
+    def to_freud(self, what: str = "points") -> Any:
+        """Box and points as freud takes them, or the contacts as its list of neighbors.
 
-            freud.order.Hexatic().compute(state.to_freud())
+            freud.order.Hexatic().compute(state.to_freud(), neighbors=state.to_freud("contacts"))
 
         The box has the dimension of the packing and its center at the origin, so that the points
         are moved.
@@ -157,19 +156,23 @@ class Analysis(ABC):
         empty part: `radial_distribution` does not. Import freud before `deformable` to call
         `freud.locality.Voronoi`, which crashes on the Voro++ of LAMMPS.
 
+        Args:
+            what: `points`, or `contacts`, those between particles, from both sides.
+
+        Returns:
+            The tuple (freud.box.Box, array of shape (N, 3)), or a freud.locality.NeighborList with
+            the forces along the lines of centers as weights.
+
         Raises:
+            ParameterError: `what` is another word.
             ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
         """
+        if what not in ("points", "contacts"):
+            raise ParameterError(f"what must be points or contacts, not {shown(what)}")
         freud = optional("freud", "freud")
-        if self.packing.dimension == 3:
-            (lx, *_), (xy, ly, _), (xz, yz, lz) = self.packing.box.tolist()
-            space = freud.box.Box(lx, ly, lz, xy / ly, xz / lz, yz / lz)
-            return space, space.wrap(self.packing.positions - self.packing.box.sum(axis=0) / 2.0)
-        (lx, _), (xy, ly) = self.packing.box.tolist()
-        empty = np.where(closed(self.packing.walls), 2.0, 1.0)
-        box = freud.box.Box(lx * empty[0], ly * empty[1], xy=xy / ly, is2D=True)
-        center = self.packing.origin + self.packing.box.sum(axis=0) / 2.0
-        return box, box.wrap(in_space(self.packing.positions - center))
+        if what == "points":
+            return for_freud.system(freud, self.packing)
+        return for_freud.neighbors(freud, len(self.packing), self._contact_forces)
 
     def radial_distribution(
         self, r_max: float, bins: int = 100

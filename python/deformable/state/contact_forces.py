@@ -44,6 +44,16 @@ class ContactForces(NamedTuple):
     force: Floats
     rubbing: Mapping[str, NDArray[Any]] = {}
 
+    @property
+    def distance(self) -> Floats:
+        """Of the centers, or of the center from the wall, shape (M,) [length]."""
+        return lengths(self.vector)
+
+    @property
+    def push(self) -> Floats:
+        """Force along the line of centers, positive where it pushes, (M,) [energy/length]."""
+        return -np.sum(self.force * self.vector, axis=1) / self.distance
+
 
 def forces_of_table(packing: Packing, table: ContactTable) -> ContactForces:
     """Those of a `State`."""
@@ -87,10 +97,8 @@ def graph(packing: Packing, contacts: ContactForces, rattlers: NDArray[np.bool_]
     columns = (*packing.positions.T, packing.radius, packing.species, rattlers)
     for n, values in enumerate(zip(*(column.tolist() for column in columns), strict=True)):
         found.add_node(n, **dict(zip(names, values, strict=True)))
-    distance = lengths(contacts.vector)
-    push = -np.sum(contacts.force * contacts.vector, axis=1) / distance
     steps = {f"d{axis}": step for axis, step in zip(axes, contacts.vector.T, strict=True)}
-    of_edges = {"force": push, "distance": distance, **steps, **contacts.rubbing}
+    of_edges = {"force": contacts.push, "distance": contacts.distance, **steps, **contacts.rubbing}
     ends = (contacts.i, contacts.j)
     for i, j, *edge in zip(*(row.tolist() for row in (*ends, *of_edges.values())), strict=True):
         found.add_edge(i, j, **dict(zip(of_edges, edge, strict=True)))

@@ -3,28 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..io.vtk_files import Shapes
 from ..model.droplet import Droplet
+from ..model.facets import Facets, surfaces_of
 from ..model.packing import Packing
 from .analysis import Analysis
 from .contact_forces import ContactForces
 from .contact_network import ContactNetwork
 from .droplet_contacts import DropletTable, forces_of_droplets
+from .exports import Exports
 from .in_space import InSpace
 from .numbers import numbers_of
 from .space_pictures import SpacePictures
 from .stressed import Stressed
 
-if TYPE_CHECKING:
-    from ..model.space_picture import Facets
-
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DropletState(InSpace, Stressed, ContactNetwork, Analysis, SpacePictures):
+class DropletState(InSpace, Stressed, ContactNetwork, Analysis, SpacePictures, Exports):
     """A snapshot of droplets, the same on every rank. Particles are numbered from 0.
 
     Attributes:
@@ -48,6 +48,7 @@ class DropletState(InSpace, Stressed, ContactNetwork, Analysis, SpacePictures):
             indentation, facet_radius, force, position (3,), normal (3,), force_vector (3,), see
             `droplet_contacts.COLUMNS`.
         root: whether this process writes files (rank 0 of the run).
+        time: of all calls of `move`, and of flows, so far, 0 without motion [time].
         strain: shear strain of all calls of `shear` so far; None before the first one.
     """
 
@@ -66,6 +67,7 @@ class DropletState(InSpace, Stressed, ContactNetwork, Analysis, SpacePictures):
     velocities: NDArray[np.float64]
     contact_table: DropletTable
     root: bool
+    time: float = 0.0
     strain: float | None = None
 
     def __post_init__(self) -> None:
@@ -103,11 +105,18 @@ class DropletState(InSpace, Stressed, ContactNetwork, Analysis, SpacePictures):
         }
 
     def _facets(self) -> Facets:
-        from ..model.space_picture import Facets
-
         table = self.contact_table
         height = self.packing.radius[table["i"]] - table["indentation"]
         return Facets(table["i"], table["normal"], height)
+
+    def _bodies(self) -> tuple[Shapes, NDArray[np.int64], dict[str, NDArray[Any]]]:
+        found = surfaces_of(self.packing.positions, self.packing.radius, self._facets())
+        shapes = Shapes(found.points, found.corners, found.ends, normals=found.normals)
+        table, free = self.contact_table, found.facet < 0
+        j = table["j"][found.facet]
+        neighbor = np.where(free, 0, np.where(j < 0, -1, j + 1))
+        force = np.where(free, 0.0, table["force"][found.facet])
+        return shapes, found.body, {"neighbor": neighbor, "force": force}
 
     @property
     def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,49 +13,63 @@ from ..common.errors import ParameterError
 from ..common.optional import optional
 from ..common.validate import expect, shown
 from ..formats.universes import in_space
-from ..io.outlines import write_outlines
+from ..io.outlines import write_shapes
+from ..io.vtk_files import Shapes
 from ..model.packing import Packing
-from .contact_table import ContactTable
+from .contact_forces import ContactForces
 
 if TYPE_CHECKING:
     from MDAnalysis import Universe
 
-
-class _Snapshot(Protocol):
-    """What a state has."""
-
-    @property
-    def packing(self) -> Packing: ...
-    @property
-    def velocities(self) -> NDArray[np.float64]: ...
-    @property
-    def contact_table(self) -> ContactTable: ...
-    @property
-    def root(self) -> bool: ...
-    @property
-    def outlines(self) -> list[NDArray[np.float64]]: ...
-    @property
-    def area_deficit(self) -> NDArray[np.float64]: ...
-    @property
-    def shape_parameter(self) -> NDArray[np.float64]: ...
-    @property
-    def phi(self) -> float: ...
-    @property
-    def pressure(self) -> float: ...
-    def particle_values(self) -> dict[str, NDArray[Any]]: ...
+# Columns of vectors in tables: those of the axes, or of the sides of the box.
+_VECTORS = {"image": "image_{}", "position": "{}", "normal": "n{}", "force_vector": "f{}"}
 
 
-class Exports:
+class Exports(ABC):
     """What a state gives to other programs."""
 
-    def to_mdanalysis(self: _Snapshot) -> Universe:
+    packing: Packing
+    velocities: NDArray[np.float64]
+    contact_table: NDArray[np.void]
+    root: bool
+    time: float
+
+    @property
+    @abstractmethod
+    def phi(self) -> float:
+        """Packing fraction."""
+
+    @property
+    @abstractmethod
+    def pressure(self) -> float:
+        """Pressure of the packing."""
+
+    @abstractmethod
+    def particle_values(self) -> dict[str, NDArray[Any]]:
+        """Values of the particles by name."""
+
+    @property
+    @abstractmethod
+    def _contact_forces(self) -> ContactForces:
+        """All contacts, each once."""
+
+    @abstractmethod
+    def _bodies(self) -> tuple[Shapes, NDArray[np.int64], dict[str, NDArray[Any]]]:
+        """Shapes of the particles, the particle of each, and further values of the shapes."""
+
+    def _values(self) -> dict[str, NDArray[Any]]:
+        """Values of the particles by name: those of a trajectory, and what follows from them."""
+        return self.particle_values()
+
+    def to_mdanalysis(self) -> Universe:
         """A Universe of MDAnalysis with one frame.
 
         Particles have `ids` and `types` (from 1, as in LAMMPS), `radii` and `masses`. The values of
         a trajectory (area, pressure, contacts, ...) are in `trajectory.ts.data`, by name.
-        MDAnalysis has three dimensions: z is 0, and the box is as high as its longer side, so that
-        searches for neighbors find none above. Positions are rounded to 32 bits there, and count
-        from the lower left corner of the box, `Packing.origin`. Walls are left out.
+        MDAnalysis has three dimensions: of a plane z is 0, and the box is as high as its longer
+        side, so that searches for neighbors find none above. Positions are rounded to 32 bits
+        there, and count from the lower left corner of the box, `Packing.origin`. Walls are left
+        out.
         """
         universe = self.packing.to_mdanalysis()
         frame = universe.trajectory.ts
@@ -62,7 +77,7 @@ class Exports:
         frame.data.update(self.particle_values())
         return universe
 
-    def to_pandas(self: _Snapshot, table: str = "particles") -> Any:
+    def to_pandas(self, table: str = "particles") -> Any:
         """A DataFrame of pandas.
 
         Args:
@@ -77,42 +92,64 @@ class Exports:
         if table not in ("particles", "contacts"):
             raise ParameterError(f"table must be particles or contacts, not {shown(table)}")
         pandas = optional("pandas", "pandas")
+        axes = "xyz"[: self.packing.dimension]
         if table == "particles":
-            x, y = self.packing.positions.T
+            places = dict(zip(axes, self.packing.positions.T, strict=True))
             index = pandas.RangeIndex(len(self.packing), name="particle")
-            return pandas.DataFrame(
-                {"x": x, "y": y, "species": self.packing.species} | _values(self), index=index
-            )
-        columns: dict[str, NDArray[Any]] = {}
-        pairs = {"image": ("image_a", "image_b"), "position": "xy", "force_vector": ("fx", "fy")}
+            columns = places | {"species": self.packing.species} | self._values()
+            return pandas.DataFrame(columns, index=index)
+        columns = {}
         for name in self.contact_table.dtype.names or ():
-            column = self.contact_table[name]
-            columns |= zip(pairs.get(name, [name]), np.atleast_2d(column.T), strict=True)
+            column, each = self.contact_table[name], _VECTORS.get(name, name)
+            names = [each.format(word) for word in ("abc" if name == "image" else axes)]
+            columns |= zip(names, np.atleast_2d(column.T), strict=False)
         return pandas.DataFrame(columns)
 
-    def export(self: _Snapshot, path: str | Path) -> None:
-        """Write the outlines as polygons, with the values of the particles.
+    def export(self, path: str | Path, forces: bool = False) -> None:
+        """Write the shapes of the particles, with their values, or the network of forces.
+
+            state.export("outlines.vtp")
+            state.export("network.vtp", forces=True)
+
+        Particles have an `id` and a `type` from 1, as in LAMMPS. In the plane shapes are the
+        outlines, a polygon each. In three dimensions they are the spheres of `plot` that facets
+        cut: a facet is a polygon with the `force` of the contact and the `neighbor`, which are 0 of
+        the triangles between facets; a neighbor of -1 is a wall. Shapes are whole: those of
+        particles at the boundary reach beyond the box.
 
         Args:
             path: `.vtp` for ParaView, OVITO and other programs that read VTK's files, with the
-                values as cell data; `.geojson` for programs of plane geometry, with the values as
-                properties. Particles have an `id` and a `type` from 1, as in LAMMPS. Outlines are
-                whole: those of particles at the boundary reach beyond the box.
+                values as cell data; in the plane also `.geojson` for programs of plane geometry,
+                with the values as properties.
+            forces: write lines between centers in the place of shapes: the contacts, with their
+                `force` along the line, positive where it pushes, the `distance`, and the ids `i`
+                and `j`, of which -1 is a wall.
 
         Raises:
             ParameterError: the suffix is another.
+            FileError: the file cannot be written.
         """
         expect("path", path, str, Path)
+        expect("forces", forces, bool)
+        if not self.root:
+            return
         packing = self.packing
-        names = {"id": np.arange(1, len(packing) + 1), "type": packing.species + 1}
         numbers = {"box": packing.box, "phi": self.phi, "pressure": self.pressure}
-        if self.root:
-            write_outlines(path, self.outlines, names | _values(self), numbers)
+        if forces:
+            shapes, values = _network(packing, self._contact_forces)
+        else:
+            names = {"id": np.arange(1, len(packing) + 1), "type": packing.species + 1}
+            shapes, particle, further = self._bodies()
+            every = names | self._values()
+            values = {name: each[particle] for name, each in every.items()} | further
+        write_shapes(path, shapes, values, numbers)
 
 
-def _values(state: _Snapshot) -> dict[str, NDArray[Any]]:
-    """Values of the particles by name: those of a trajectory, and what follows from them."""
-    return state.particle_values() | {
-        "area_deficit": state.area_deficit,
-        "shape_parameter": state.shape_parameter,
-    }
+def _network(packing: Packing, contacts: ContactForces) -> tuple[Shapes, dict[str, NDArray[Any]]]:
+    """Contacts as lines, and their values."""
+    begin = packing.positions[contacts.i]
+    points = np.stack([begin, begin + contacts.vector], axis=1).reshape(-1, packing.dimension)
+    both = np.arange(len(points))
+    ids = {name: np.where(n < 0, -1, n + 1) for name, n in zip("ij", contacts[:2], strict=True)}
+    values = {**ids, "force": contacts.push, "distance": contacts.distance, **contacts.rubbing}
+    return Shapes(points, both, both[1::2] + 1, lines=True), values

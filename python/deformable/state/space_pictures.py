@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING
 from numpy.typing import ArrayLike
 
 from ..common.optional import optional
+from ..model.facets import Facets
 from ..model.scale import Scale, limited
 from .colored import Colored, label_of
 from .contact_forces import ContactForces
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from ..model.space_picture import Facets
 
 
 class SpacePictures(Colored):

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.facets import Facets
 from ..model.lattice import lengths
 from ..model.neighbors import near_pairs
 from .contact_forces import ContactForces
 from .in_space import InSpace
 from .soft_state import SoftState
 from .space_pictures import SpacePictures
-
-if TYPE_CHECKING:
-    from ..model.space_picture import Facets
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -64,10 +62,8 @@ class SphereState(InSpace, SoftState, SpacePictures):
         return ContactForces(i, j, vector, part, -(overlap / distance)[:, None] * vector)
 
     def _facets(self) -> Facets:
-        from ..model.space_picture import Facets
-
         contacts = self._contact_forces
-        distance, part = lengths(contacts.vector), contacts.part
+        distance, part = contacts.distance, contacts.part
         normal = contacts.vector / distance[:, None]
         return Facets(
             np.append(contacts.i, contacts.j),

@@ -18,8 +18,10 @@ from ..io.data_file import Motion
 from ..io.directions import as_columns
 from ..io.films import Films
 from ..io.lammps_script import TEMPERATURE
+from ..io.outlines import polygons_of
 from ..io.rubbing import Rubbing, spin_column
 from ..io.store import save
+from ..io.vtk_files import Shapes
 from ..model.filled import filled_area
 from ..model.friction import Friction
 from ..model.laws import Law
@@ -195,6 +197,13 @@ class State(Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pi
         """
         outlines = self.parallels(same_area=True)
         return [x + line for x, line in zip(self.packing.positions, outlines, strict=True)]
+
+    def _bodies(self) -> tuple[Shapes, NDArray[np.int64], dict[str, NDArray[Any]]]:
+        return polygons_of(self.outlines), np.arange(len(self.packing)), {}
+
+    def _values(self) -> dict[str, NDArray[Any]]:
+        shape = {"area_deficit": self.area_deficit, "shape_parameter": self.shape_parameter}
+        return self.particle_values() | shape
 
     def _flats(self) -> list[list[NDArray[np.float64]]]:
         from .flats import flats_of

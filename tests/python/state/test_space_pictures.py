@@ -6,15 +6,14 @@ import deformable
 import numpy as np
 import pytest
 from deformable.model import space_picture
-from deformable.model.space_picture import Facets
+from deformable.model.facets import WHOLE, Facets
 
 plt = pytest.importorskip("matplotlib.pyplot")
 
 LOW, HIGH = np.array([-1.5, -1.5]), np.array([2.5, 2.5])
-NONE = Facets(np.empty(0, np.int64), np.empty((0, 3)), np.empty(0))
 
 
-def cast(centers: list[list[float]], facets: Facets = NONE) -> np.ndarray:
+def cast(centers: list[list[float]], facets: Facets = WHOLE) -> np.ndarray:
     """Red, green and blue spheres of radius 1."""
     count = len(centers)
     return space_picture._cast(
