@@ -15,7 +15,7 @@ namespace {
 struct Droplet {
   double radius, tension, load, work;
   std::size_t contacts;
-  std::vector<double> nx, ny, nz, f, response, indentation, tx, ty, tz;
+  std::vector<double> nx, ny, nz, f, indentation, tx, ty, tz;
 
   double energy() const
   {
@@ -39,7 +39,7 @@ struct Droplet {
       sum += f[c];
       squares += f[c] * f[c];
     }
-    const DropletLoad load(sum, squares);
+    const DropletLoad<double> load(sum, squares, [](double q) { return std::log(q); });
     std::vector<double> matrix;
     for (std::size_t c = 0; c < contacts; ++c)
       for (std::size_t k = 0; k < contacts; ++k) {
@@ -90,42 +90,33 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
     y[c] = normals[3 * c + 1];
     n[c] = normals[3 * c + 2];
   }
-  const std::size_t places = (z + PLACES - 1) / PLACES * PLACES, matrix = 0;
-  const int first[] = {0, static_cast<int>(places)}, contacts = static_cast<int>(z);
-  std::vector<int> seat(places, 2 * contacts);
-  for (int c = 0; c < contacts; ++c) seat[c] = 2 * c;
+  // the other lanes of its batch have no contacts
+  const std::size_t places = z * LANES, greens = z * (z - std::min<std::size_t>(z, 1)) / 2 * LANES,
+                    first_green = 0;
+  const int first[] = {0, static_cast<int>(z)}, none = 2 * static_cast<int>(z);
+  std::vector<int> seat(places, none);
+  for (std::size_t c = 0; c < z; ++c) seat[c * LANES] = 2 * static_cast<int>(c);
   const auto room = [&] { return std::vector<double>(places); };
-  Droplet d = {radius, tension, 0.0,    0.0,    z,      room(), room(),
-               room(), room(),  room(), room(), room(), room(), room()};
-  std::vector<float> rounded(places), compliance(places), green(places * z), d_green(places * z),
-      scratch(places);
-  float slope, bend;
-  const DropletArrays arrays = {first,
-                                &contacts,
-                                &matrix,
-                                &radius,
-                                &tension,
-                                &d.load,
-                                &d.work,
-                                &slope,
-                                &bend,
-                                seat.data(),
-                                d.nx.data(),
-                                d.ny.data(),
-                                d.nz.data(),
-                                d.f.data(),
-                                rounded.data(),
-                                d.response.data(),
-                                d.indentation.data(),
-                                d.tx.data(),
-                                d.ty.data(),
-                                d.tz.data(),
-                                compliance.data(),
-                                green.data(),
-                                d_green.data(),
-                                scratch.data()};
+  std::vector<double> nx = room(), ny = room(), nz = room(), f = room(), response = room(),
+                      a = room(), tx = room(), ty = room(), tz = room();
+  std::vector<double> radii(LANES, 1.0), tensions(LANES, 1.0), load(LANES), work(LANES);
+  radii[0] = radius;
+  tensions[0] = tension;
+  std::vector<float> slope(LANES), bend(LANES), rounded(places), compliance(places), green(greens),
+      d_green(greens), scratch(DropletKernels::SCRATCH * places);
+  const DropletArrays arrays = {
+      first,        &first_green,      radii.data(),    tensions.data(), load.data(),   work.data(),
+      slope.data(), bend.data(),       seat.data(),     nx.data(),       ny.data(),     nz.data(),
+      f.data(),     rounded.data(),    response.data(), a.data(),        tx.data(),     ty.data(),
+      tz.data(),    compliance.data(), green.data(),    d_green.data(),  scratch.data()};
   kernels->droplets.evaluate(arrays, {force.data(), x.data(), y.data(), n.data()}, 0, 1);
-  return d;
+  const auto own = [&](const std::vector<double> &by_place) {
+    std::vector<double> found(z);
+    for (std::size_t c = 0; c < z; ++c) found[c] = by_place[c * LANES];
+    return found;
+  };
+  return {radius,  tension, load[0], work[0], z,       own(nx), own(ny),
+          own(nz), own(f),  own(a),  own(tx), own(ty), own(tz)};
 }
 
 }    // namespace

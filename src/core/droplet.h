@@ -53,35 +53,37 @@ inline double droplet_bulge(double radius, double load)
   return radius * std::min(BULGE_PER_LOAD * load, LARGEST_BULGE);
 }
 
-// What all contacts of a droplet share.
-struct DropletLoad {
-  double x, squares;                // sum f^2/(8 pi)
-  double logarithm, slope, bend;    // L, and its first and second derivatives by sum f
+// What all contacts of a droplet share. log: ln of a T.
+template <class T> struct DropletLoad {
+  T x, squares;                // sum f^2/(8 pi)
+  T logarithm, slope, bend;    // L, and its first and second derivatives by sum f
 
-  DropletLoad(double sum, double sum_of_squares)
+  template <class Log>
+  DEFORMABLE_INLINE DropletLoad(T sum, T sum_of_squares, Log &&log)
       : x(sum * (0.125 / PI)),
         squares(sum_of_squares * (0.125 / PI))
   {
-    const double q = 1.0 + 4.0 * x * x, by_sum = 0.125 / PI;
-    logarithm = 0.5 * std::log(q);
-    slope = 4.0 * x / q * by_sum;
-    bend = (4.0 - 32.0 * x * x / q) / q * (by_sum * by_sum);
+    constexpr double BY_SUM = 0.125 / PI;
+    const T q = 1.0 + 4.0 * x * x;
+    logarithm = 0.5 * log(q);
+    slope = 4.0 * x / q * BY_SUM;
+    bend = (4.0 - 32.0 * x * x / q) / q * (BY_SUM * BY_SUM);
   }
 };
 
 // The part of a contact's own force in w, in a, and in da/df; l = ln(8 pi/f). At f = 0 the first two vanish, and the last
 // one is as large as l.
-template <class T> DEFORMABLE_INLINE T own_work(T f, T l, double logarithm)
+template <class T> DEFORMABLE_INLINE T own_work(T f, T l, T logarithm)
 {
   return f * f * (l + (logarithm - 1.0 / 3.0)) * (0.125 / PI);
 }
 
-template <class T> DEFORMABLE_INLINE T own_indentation(T f, T l, double logarithm)
+template <class T> DEFORMABLE_INLINE T own_indentation(T f, T l, T logarithm)
 {
   return f * (l + (logarithm - 5.0 / 6.0)) * (0.25 / PI);
 }
 
-template <class T> DEFORMABLE_INLINE T own_compliance(T l, double logarithm)
+template <class T> DEFORMABLE_INLINE T own_compliance(T l, T logarithm)
 {
   return (l + (logarithm - 11.0 / 6.0)) * (0.25 / PI);
 }

@@ -1,15 +1,14 @@
-// Droplets with given forces: arrays, and what can be done with them. The functions are compiled for several levels of SIMD
-// instructions (droplet_lanes.h).
+// Droplets with given forces, eight side by side: arrays, and what can be done with them. The functions are compiled for
+// several levels of SIMD instructions (droplet_lanes.h).
 
 #ifndef DEFORMABLE_DROPLET_KERNELS_H
 #define DEFORMABLE_DROPLET_KERNELS_H
 
+#include "force_kernels.h"
+
 #include <cstddef>
 
 namespace deformable {
-
-// A droplet has places for its contacts, a multiple of these.
-constexpr int PLACES = 8;
 
 // Pairs: the force, and the normal from the first droplet. One more than pairs: the last one, of empty places, bears
 // nothing.
@@ -17,10 +16,12 @@ struct PairForces {
   const double *force, *nx, *ny, *nz;
 };
 
-// By droplet, and by place from first[droplet] on.
+// Droplets: batch x LANES + lane. Places of their contacts: (first[batch] + contact) x LANES + lane; a batch has as many as its
+// droplet with the most contacts, and those of the others are empty. Two contacts c and k < c of a droplet:
+// (first_green[batch] + c (c - 1)/2 + k) x LANES + lane.
 struct DropletArrays {
-  const int *first, *contacts;    // `first` has one more than droplets
-  const std::size_t *matrix;      // first of the matrices of a droplet, contacts x places
+  const int *first;                  // one more than batches
+  const std::size_t *first_green;    // of each batch
   const double *radius, *tension;
   double *load, *work;    // x, and W = g R^2 w
   float *slope, *bend;    // see DropletLoad; bend: times `squares`
@@ -34,12 +35,13 @@ struct DropletArrays {
   double *tx, *ty,
       *tz;              // sum over the others of dG/dm f n: a/R changes by dG/dm f n as n_c turns
   float *compliance;    // da/dF for the force of the place alone
-  float *green, *d_green;    // matrices
-  float *scratch;            // for the largest droplet
+  float *green, *d_green;    // G and dG/dm of two contacts
+  float *scratch;            // SCRATCH numbers for each place of the largest batch
 };
 
 struct DropletKernels {
-  // All of the droplets begin to end, from the forces of their pairs.
+  static constexpr int SCRATCH = 8;
+  // All droplets of the batches begin to end, from the forces of their pairs.
   void (*evaluate)(const DropletArrays &, const PairForces &, int begin, int end);
   // The same after a small step to these forces of the pairs, from what evaluate has left. Products with the step are in
   // single precision.

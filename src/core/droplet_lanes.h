@@ -1,5 +1,4 @@
-// Droplets with given forces, contacts of a droplet side by side: see droplet.h and droplet_kernels.h. Each place has its own
-// sums, over contacts in their order, so that all levels agree to the last bit.
+// Droplets with given forces, side by side: see droplet.h and droplet_kernels.h.
 
 #ifndef DEFORMABLE_DROPLET_LANES_H
 #define DEFORMABLE_DROPLET_LANES_H
@@ -13,122 +12,166 @@
 namespace deformable::DEFORMABLE_LEVEL {
 
 // Indentations and work, and what their derivatives need, from the forces of the places and their responses.
-DEFORMABLE_LANE_FUNCTION void finish_droplet(const DropletArrays &d, int i)
+DEFORMABLE_LANE_FUNCTION void finish_droplets(const DropletArrays &d, int batch)
 {
-  const int begin = d.first[i], end = d.first[i + 1], contacts = begin + d.contacts[i];
-  double sum = 0.0, sum_of_squares = 0.0;
-  for (int c = begin; c < contacts; ++c) {
-    sum += d.force[c];
-    sum_of_squares += d.force[c] * d.force[c];
+  const int begin = d.first[batch] * LANES, end = d.first[batch + 1] * LANES;
+  for (int w = 0; w < LANES; w += W) {
+    Lanes sum{}, sum_of_squares{}, work{};
+    for (int c = begin + w; c < end; c += LANES) {
+      const Lanes f = load<Lanes>(d.force + c);
+      sum += f;
+      sum_of_squares += f * f;
+    }
+    const DropletLoad<Lanes> of(sum, sum_of_squares,
+                                [](Lanes x) DEFORMABLE_LANE_LAMBDA { return logarithm(x).value; });
+    const int droplet = batch * LANES + w;
+    const Lanes radius = load<Lanes>(d.radius + droplet),
+                tension = load<Lanes>(d.tension + droplet), of_all = of.squares * of.slope,
+                over_tension = 1.0 / tension;
+    for (int c = begin + w; c < end; c += LANES) {
+      const Lanes f = load<Lanes>(d.force + c), response = load<Lanes>(d.response + c);
+      const Lanes l = LOG_8_PI - logarithm(larger(f, all(1e-300))).value;
+      work += own_work(f, l, of.logarithm) + 0.5 * f * response;
+      store(d.indentation + c,
+            radius * (own_indentation(f, l, of.logarithm) + (response + of_all)));
+      store(d.compliance + c, own_compliance(l, of.logarithm) * over_tension);
+      store(d.rounded + c, f);
+    }
+    store(d.load + droplet, of.x);
+    store(d.work + droplet, tension * radius * radius * work);
+    store(d.slope + droplet, of.slope);
+    store(d.bend + droplet, of.squares * of.bend);
   }
-  const DropletLoad load(sum, sum_of_squares);
-  const double radius = d.radius[i], of_all = load.squares * load.slope,
-               over_tension = 1.0 / d.tension[i];
-  double work = 0.0;
-  for (int c = begin; c < end; c += W) {
-    const Lanes f = deformable::DEFORMABLE_LEVEL::load<Lanes>(d.force + c),
-                response = deformable::DEFORMABLE_LEVEL::load<Lanes>(d.response + c);
-    const Lanes l = LOG_8_PI - logarithm(larger(f, all(1e-300))).value;
-    const Lanes own = own_work(f, l, load.logarithm) + 0.5 * f * response;
-    for (int w = 0; w < W; ++w) work += own[w];
-    store(d.indentation + c,
-          radius * (own_indentation(f, l, load.logarithm) + (response + of_all)));
-    store(d.compliance + c, own_compliance(l, load.logarithm) * over_tension);
-    store(d.rounded + c, f);
-  }
-  d.load[i] = load.x;
-  d.work[i] = d.tension[i] * radius * radius * work;
-  d.slope[i] = static_cast<float>(load.slope);
-  d.bend[i] = static_cast<float>(load.squares * load.bend);
 }
 
 static void evaluate_droplets(const DropletArrays &d, const PairForces &p, int begin, int end)
 {
-  for (int i = begin; i < end; ++i) {
-    const int first = d.first[i], places = d.first[i + 1] - first, contacts = d.contacts[i];
+  for (int batch = begin; batch < end; ++batch) {
+    const int first = d.first[batch] * LANES, places = d.first[batch + 1] * LANES - first;
     double *const nx = d.nx + first, *const ny = d.ny + first, *const nz = d.nz + first,
-                  *const f = d.force + first;
-    const double unit = 1.0 / (d.radius[i] * d.tension[i]);
+                  *const f = d.force + first, *const response = d.response + first,
+                  *const tx = d.tx + first, *const ty = d.ty + first, *const tz = d.tz + first;
+    double unit[LANES];
+    for (int w = 0; w < LANES; ++w)
+      unit[w] = 1.0 / (d.radius[batch * LANES + w] * d.tension[batch * LANES + w]);
     for (int c = 0; c < places; ++c) {
       const int k = d.seat[first + c] >> 1;
       const double sign = d.seat[first + c] & 1 ? -1.0 : 1.0;
-      f[c] = unit * p.force[k];
+      f[c] = unit[c % LANES] * p.force[k];
       nx[c] = sign * p.nx[k];
       ny[c] = sign * p.ny[k];
       nz[c] = sign * p.nz[k];
     }
-    float *const green = d.green + d.matrix[i], *const d_green = d.d_green + d.matrix[i];
-    const Lanes lane = each_lane([](int w) DEFORMABLE_LANE_LAMBDA { return 1.0 * w; });
-    for (int row = 0; row < places; row += W) {
-      const Lanes x = load<Lanes>(nx + row), y = load<Lanes>(ny + row), z = load<Lanes>(nz + row);
-      Lanes response{}, tx{}, ty{}, tz{};
-      for (int k = 0; k < contacts; ++k) {
-        const Lanes m = x * nx[k] + y * ny[k] + z * nz[k];
-        const Logarithm half = logarithm(larger(0.5 - 0.5 * m, all(SMALLEST_HALF)));
-        const Mask same = lane == static_cast<double>(k - row);
-        const Lanes g = select(same, Lanes{}, droplet_green(m, half.value)),
-                    dg = select(same, Lanes{}, d_droplet_green(m, half.value, half.over));
-        store(green + k * places + row, g);
-        store(d_green + k * places + row, dg);
-        const Lanes turned = dg * f[k];
-        response += g * f[k];
-        tx += turned * nx[k];
-        ty += turned * ny[k];
-        tz += turned * nz[k];
+    for (int w = 0; w < LANES; w += W) {
+      float *green = d.green + d.first_green[batch] * LANES,
+            *d_green = d.d_green + d.first_green[batch] * LANES;
+      for (int c = w; c < places; c += LANES) {
+        const Lanes x = load<Lanes>(nx + c), y = load<Lanes>(ny + c), z = load<Lanes>(nz + c),
+                    of_c = load<Lanes>(f + c);
+        Lanes sum{}, sum_x{}, sum_y{}, sum_z{};
+        for (int k = w; k < c; k += LANES) {
+          const Lanes xk = load<Lanes>(nx + k), yk = load<Lanes>(ny + k), zk = load<Lanes>(nz + k),
+                      of_k = load<Lanes>(f + k);
+          const Lanes m = x * xk + y * yk + z * zk;
+          const Logarithm half = logarithm(larger(0.5 - 0.5 * m, all(SMALLEST_HALF)));
+          const Lanes g = droplet_green(m, half.value),
+                      dg = d_droplet_green(m, half.value, half.over);
+          store(green + k, g);
+          store(d_green + k, dg);
+          const Lanes by_c = dg * of_c, by_k = dg * of_k;
+          sum += g * of_k;
+          sum_x += by_k * xk;
+          sum_y += by_k * yk;
+          sum_z += by_k * zk;
+          store(response + k, load<Lanes>(response + k) + g * of_c);
+          store(tx + k, load<Lanes>(tx + k) + by_c * x);
+          store(ty + k, load<Lanes>(ty + k) + by_c * y);
+          store(tz + k, load<Lanes>(tz + k) + by_c * z);
+        }
+        store(response + c, sum);
+        store(tx + c, sum_x);
+        store(ty + c, sum_y);
+        store(tz + c, sum_z);
+        green += c - w;
+        d_green += c - w;
       }
-      store(d.response + first + row, response);
-      store(d.tx + first + row, tx);
-      store(d.ty + first + row, ty);
-      store(d.tz + first + row, tz);
     }
-    finish_droplet(d, i);
+    finish_droplets(d, batch);
   }
 }
 
-// Steps of the forces of the places of droplet i, into `scratch`. Returns the end of those that are not 0.
-DEFORMABLE_LANE_FUNCTION int gather_steps(const DropletArrays &d, const float *step, int i)
+// Steps of the forces of the places of a batch. Returns the end of the contacts that take one in any of the droplets.
+DEFORMABLE_LANE_FUNCTION int gather_steps(const DropletArrays &d, const float *step, int batch,
+                                          float *to)
 {
-  const int first = d.first[i], places = d.first[i + 1] - first;
-  for (int c = 0; c < places; ++c) d.scratch[c] = step[d.seat[first + c] >> 1];
-  int end = d.contacts[i];
-  while (end > 0 && d.scratch[end - 1] == 0.0f) --end;
-  return end;
+  const int first = d.first[batch] * LANES;
+  int end = d.first[batch + 1] * LANES - first;
+  for (int c = 0; c < end; ++c) to[c] = step[d.seat[first + c] >> 1];
+  while (end > 0 && to[end - 1] == 0.0f) --end;
+  return (end + LANES - 1) / LANES * LANES;
 }
 
-DEFORMABLE_LANE_FUNCTION void add(double *to, Floats x, double unit)
+DEFORMABLE_LANE_FUNCTION void add(double *to, Floats x, const double *unit)
 {
   float numbers[FLOATS];
   store_floats(numbers, x);
   for (int w = 0; w < FLOATS; w += W)
-    store(to + w, load<Lanes>(to + w) + unit * load<Lanes>(numbers + w));
+    store(to + w, load<Lanes>(to + w) + load<Lanes>(unit + w) * load<Lanes>(numbers + w));
 }
 
 static void adapt_droplets(const DropletArrays &d, const PairForces &p, const float *step,
                            int begin, int end)
 {
-  for (int i = begin; i < end; ++i) {
-    const int first = d.first[i], places = d.first[i + 1] - first,
-              end_of_steps = gather_steps(d, step, i);
-    const double unit = 1.0 / (d.radius[i] * d.tension[i]);
-    const float *const green = d.green + d.matrix[i], *const d_green = d.d_green + d.matrix[i],
-                       *const y = d.scratch;
-    const double *const nx = d.nx + first, *const ny = d.ny + first, *const nz = d.nz + first;
-    for (int row = 0; row < places; row += FLOATS) {
-      Floats response{}, tx{}, ty{}, tz{};
-      for (int k = 0; k < end_of_steps; ++k) {
-        const Floats turned = load<Floats>(d_green + k * places + row) * y[k];
-        response += load<Floats>(green + k * places + row) * y[k];
-        tx += turned * static_cast<float>(nx[k]);
-        ty += turned * static_cast<float>(ny[k]);
-        tz += turned * static_cast<float>(nz[k]);
-      }
-      add(d.response + first + row, response, unit);
-      add(d.tx + first + row, tx, unit);
-      add(d.ty + first + row, ty, unit);
-      add(d.tz + first + row, tz, unit);
+  for (int batch = begin; batch < end; ++batch) {
+    const int first = d.first[batch] * LANES, places = d.first[batch + 1] * LANES - first;
+    float *const y = d.scratch, *const nx = y + places, *const ny = nx + places,
+                 *const nz = ny + places, *const sum = nz + places, *const tx = sum + places,
+                 *const ty = tx + places, *const tz = ty + places;
+    const int end_of_steps = gather_steps(d, step, batch, y);
+    for (int c = 0; c < places; ++c) {
+      nx[c] = static_cast<float>(d.nx[first + c]);
+      ny[c] = static_cast<float>(d.ny[first + c]);
+      nz[c] = static_cast<float>(d.nz[first + c]);
     }
-    for (int c = first; c < first + places; ++c) d.force[c] = unit * p.force[d.seat[c] >> 1];
-    finish_droplet(d, i);
+    double unit[LANES];
+    for (int w = 0; w < LANES; ++w)
+      unit[w] = 1.0 / (d.radius[batch * LANES + w] * d.tension[batch * LANES + w]);
+    for (int w = 0; w < LANES; w += FLOATS) {
+      const float *green = d.green + d.first_green[batch] * LANES,
+                  *d_green = d.d_green + d.first_green[batch] * LANES;
+      for (int c = w; c < places; c += LANES) {
+        const Floats of_c = load<Floats>(y + c), x = load<Floats>(nx + c),
+                     yc = load<Floats>(ny + c), z = load<Floats>(nz + c);
+        Floats own{}, own_x{}, own_y{}, own_z{};
+        for (int k = w; k < std::min(c, end_of_steps); k += LANES) {
+          const Floats g = load<Floats>(green + k), dg = load<Floats>(d_green + k),
+                       of_k = load<Floats>(y + k), by_c = dg * of_c, by_k = dg * of_k;
+          own += g * of_k;
+          own_x += by_k * load<Floats>(nx + k);
+          own_y += by_k * load<Floats>(ny + k);
+          own_z += by_k * load<Floats>(nz + k);
+          store_floats(sum + k, load<Floats>(sum + k) + g * of_c);
+          store_floats(tx + k, load<Floats>(tx + k) + by_c * x);
+          store_floats(ty + k, load<Floats>(ty + k) + by_c * yc);
+          store_floats(tz + k, load<Floats>(tz + k) + by_c * z);
+        }
+        store_floats(sum + c, own);
+        store_floats(tx + c, own_x);
+        store_floats(ty + c, own_y);
+        store_floats(tz + c, own_z);
+        green += c - w;
+        d_green += c - w;
+      }
+      for (int c = w; c < places; c += LANES) {
+        add(d.response + first + c, load<Floats>(sum + c), unit + w);
+        add(d.tx + first + c, load<Floats>(tx + c), unit + w);
+        add(d.ty + first + c, load<Floats>(ty + c), unit + w);
+        add(d.tz + first + c, load<Floats>(tz + c), unit + w);
+      }
+    }
+    for (int c = 0; c < places; ++c)
+      d.force[first + c] = unit[c % LANES] * p.force[d.seat[first + c] >> 1];
+    finish_droplets(d, batch);
   }
 }
 
@@ -136,24 +179,42 @@ static void adapt_droplets(const DropletArrays &d, const PairForces &p, const fl
 static void multiply_droplets(const DropletArrays &d, const float *step, float *product, int begin,
                               int end)
 {
-  for (int i = begin; i < end; ++i) {
-    const int first = d.first[i], places = d.first[i + 1] - first,
-              end_of_steps = gather_steps(d, step, i);
-    const float *const green = d.green + d.matrix[i], *const y = d.scratch;
-    const float *const f = d.rounded + first;
-    float sum = 0.0f, along = 0.0f;
-    for (int c = 0; c < end_of_steps; ++c) {
-      sum += y[c];
-      along += f[c] * y[c];
-    }
-    const float slope = d.slope[i] * static_cast<float>(0.25 / PI);
-    const float of_all = slope * along + d.bend[i] * sum, of_each = slope * sum,
-                unit = static_cast<float>(1.0 / d.tension[i]);
-    for (int row = 0; row < places; row += FLOATS) {
-      const Floats own = load<Floats>(d.compliance + first + row), here = load<Floats>(y + row);
-      Floats sums = of_each * load<Floats>(f + row) + of_all;
-      for (int k = 0; k < end_of_steps; ++k) sums += load<Floats>(green + k * places + row) * y[k];
-      store_floats(product + first + row, own * here + unit * sums);
+  for (int batch = begin; batch < end; ++batch) {
+    const int first = d.first[batch] * LANES;
+    float *const y = d.scratch, *const result = product + first;
+    const float *const f = d.rounded + first, *const compliance = d.compliance + first;
+    const int places = d.first[batch + 1] * LANES - first,
+              end_of_steps = gather_steps(d, step, batch, y);
+    for (int w = 0; w < LANES; w += FLOATS) {
+      const int droplet = batch * LANES + w;
+      const Floats tension = floats_of(
+          [&](int lane)
+              DEFORMABLE_LANE_LAMBDA { return static_cast<float>(d.tension[droplet + lane]); },
+          std::make_integer_sequence<int, FLOATS>());
+      const Floats unit = 1.0f / tension;
+      Floats sum{}, along{};
+      for (int c = w; c < end_of_steps; c += LANES) {
+        sum += load<Floats>(y + c);
+        along += load<Floats>(f + c) * load<Floats>(y + c);
+      }
+      const Floats slope = load<Floats>(d.slope + droplet) * static_cast<float>(0.25 / PI);
+      const Floats of_all = slope * along + load<Floats>(d.bend + droplet) * sum,
+                   of_each = slope * sum;
+      const float *green = d.green + d.first_green[batch] * LANES;
+      for (int c = w; c < places; c += LANES) {
+        const Floats of_c = load<Floats>(y + c);
+        Floats own = of_each * load<Floats>(f + c) + of_all;
+        for (int k = w; k < std::min(c, end_of_steps); k += LANES) {
+          const Floats g = load<Floats>(green + k);
+          own += g * load<Floats>(y + k);
+          store_floats(result + k, load<Floats>(result + k) + g * of_c);
+        }
+        store_floats(result + c, own);
+        green += c - w;
+      }
+      for (int c = w; c < places; c += LANES)
+        store_floats(result + c, load<Floats>(compliance + c) * load<Floats>(y + c) +
+                                     unit * load<Floats>(result + c));
     }
   }
 }

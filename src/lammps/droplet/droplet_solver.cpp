@@ -57,7 +57,7 @@ void DropletSolver::remember()
 void DropletSolver::agree()
 {
   DropletPairs &p = *pairs;
-  const int *const side = sides[0].data() + p.remote, places = first[droplets];
+  const int *const side = sides[0].data() + p.remote, places = first[batches] * deformable::LANES;
   for (int k = p.remote; k < p.wall; ++k) indentations[side[k - p.remote]] = p.force[k];
   remote->exchange(side, places, indentations.data());
   for (int k = p.remote; k < p.wall; ++k)
@@ -122,7 +122,7 @@ double DropletSolver::alone(int k, double residual) const
 
 DropletSolver::State DropletSolver::evaluate()
 {
-  kernels.evaluate(arrays(), pairs->forces(), 0, droplets);
+  kernels.evaluate(arrays(), pairs->forces(), 0, batches);
   rounding = 0.0;
   return look();
 }
@@ -137,7 +137,7 @@ DropletSolver::State DropletSolver::after_step(const State &before)
   sum(&of_all, 1, MPI_MAX);
   rounding += PRECISION * of_all;
   if (!(rounding <= MOST * tolerance * before.force)) return evaluate();
-  kernels.adapt(arrays(), pairs->forces(), step.data(), 0, droplets);
+  kernels.adapt(arrays(), pairs->forces(), step.data(), 0, batches);
   return look();
 }
 
@@ -146,8 +146,8 @@ DropletSolver::State DropletSolver::after_step(const State &before)
 DropletSolver::State DropletSolver::look()
 {
   DropletPairs &p = *pairs;
-  remote->exchange(sides[0].data() + p.remote, first[droplets], indentations.data(),
-                   compliance.data());
+  remote->exchange(sides[0].data() + p.remote, first[batches] * deformable::LANES,
+                   indentations.data(), compliance.data());
   const int *const side[] = {sides[0].data(), sides[1].data()};
   const double *const a = indentations.data(), *const f = p.force.data(),
                       *const overlap = p.overlap.data();
@@ -206,8 +206,8 @@ void DropletSolver::switch_pairs()
 void DropletSolver::multiply(const LargeVector<float> &of)
 {
   const DropletPairs &p = *pairs;
-  kernels.multiply(arrays(), of.data(), product.data(), 0, droplets);
-  remote->exchange(sides[0].data() + p.remote, first[droplets], product.data());
+  kernels.multiply(arrays(), of.data(), product.data(), 0, batches);
+  remote->exchange(sides[0].data() + p.remote, first[batches] * deformable::LANES, product.data());
   const int *const one = sides[0].data(), *const other = sides[1].data();
   for (int k = 0; k < p.size; ++k) change[k] = product[one[k]] + product[other[k]];
 }

@@ -58,12 +58,11 @@ class DropletSolver : protected Pointers {
   void remember();
   void forget() { predictor.forget(); }
 
-  // Of a droplet: its row, or -1 if it belongs to another style.
-  int row(int i) const { return rows[i]; }
-  double load(int row) const { return of_load[row]; }
-  double work(int row) const { return of_work[row]; }
-  int begin(int row) const { return first[row]; }
-  int end(int row) const { return first[row] + contacts[row]; }
+  // Of a droplet, by local index.
+  double load(int i) const { return of_load[rows[i]]; }
+  double work(int i) const { return of_work[rows[i]]; }
+  int contacts_of(int i) const { return contacts[rows[i]]; }
+  int place_of_contact(int i, int contact) const { return place_of(rows[i], contact); }
   int seat(int place) const { return seats[place]; }    // 2 x the pair, + 1 for its second droplet
   double indentation(int place) const { return indentations[place]; }
   int place(int k, int side) const { return sides[side][k]; }
@@ -80,10 +79,17 @@ class DropletSolver : protected Pointers {
   DropletPairs *pairs = nullptr;
   RemoteSides *remote = nullptr;
 
-  int droplets = 0;
-  std::vector<int> rows;    // by local index
-  LargeVector<int> first, contacts;
-  LargeVector<std::size_t> matrix;
+  int batches = 0, longest = 0;    // contacts of the largest batch
+  std::vector<int> rows;           // by local index: batch x LANES + lane; -1 of other styles
+  std::vector<int> contacts;       // by row
+  int place_of(int row, int contact) const
+  {
+    using deformable::LANES;
+    return (first[row / LANES] + contact) * LANES + row % LANES;
+  }
+  void sort(const NeighList *);
+  LargeVector<int> first;
+  LargeVector<std::size_t> first_green;
   LargeVector<double> radius, tension, of_load, of_work;
   LargeVector<float> slope_of_load, bend;
   // by place

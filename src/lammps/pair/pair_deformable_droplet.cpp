@@ -191,9 +191,9 @@ void PairDeformableDroplet::find_bulges(const DropletScene &scene)
 {
   beyond_model = 0;
   double most = 0.0;
-  for (int row = 0; row < list->inum; ++row) {
-    const int i = list->ilist[row];
-    const double load = solver->load(row);
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
+    const double load = solver->load(i);
     near->bulge[i] = droplet_bulge(scene.radius[i], load);
     beyond_model += load > LARGEST_LOAD;
     most = std::max(most, near->bulge[i] / scene.radius[i]);
@@ -245,7 +245,7 @@ void PairDeformableDroplet::push_pairs()
     }
   }
   if (!eflag_global) return;
-  for (int row = 0; row < list->inum; ++row) energy -= solver->work(row);
+  for (int ii = 0; ii < list->inum; ++ii) energy -= solver->work(list->ilist[ii]);
   eng_vdwl += energy;
 }
 
@@ -266,34 +266,36 @@ PairDeformableDroplet::Vector PairDeformableDroplet::turning_force(int k, int si
 void PairDeformableDroplet::finish_droplets()
 {
   const DropletPairs &p = near->pairs;
-  for (int row = 0; row < list->inum; ++row) {
-    const int i = list->ilist[row];
-    double energy = -solver->work(row), rest = 0.0;
-    for (int c = solver->begin(row); c < solver->end(row); ++c) {
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
+    double energy = -solver->work(i), rest = 0.0;
+    for (int n = 0; n < solver->contacts_of(i); ++n) {
+      const int c = solver->place_of_contact(i, n);
       const int k = solver->seat(c) >> 1;
       energy += p.force[k] * solver->indentation(c);
       rest += (k < p.wall ? 0.5 : 1.0) * p.force[k] * solver->residual(k);
     }
     if (eflag_atom) eatom[i] += energy + rest;
-    if (needs_shapes()) store_droplet(i, row, energy);
+    if (needs_shapes()) store_droplet(i, energy);
   }
 }
 
-void PairDeformableDroplet::store_droplet(int i, int row, double energy)
+void PairDeformableDroplet::store_droplet(int i, double energy)
 {
   if (!results.requested) return;
   const DropletPairs &p = near->pairs;
   const double r = radii[i], tension = stiffness_of(i).tension;
   double moment = 0.0, area = 0.0;
   int contacts = 0;
-  for (int c = solver->begin(row); c < solver->end(row); ++c) {
+  for (int n = 0; n < solver->contacts_of(i); ++n) {
+    const int c = solver->place_of_contact(i, n);
     const double force = p.force[solver->seat(c) >> 1], facet = facet_radius(force, r, tension);
     moment += force * (r - solver->indentation(c));
     area += PI * facet * facet;
     contacts += force > 0.0;
   }
   results.store_surface(i, {4.0 * PI * r * r + energy / tension, contacts,
-                            droplet_pressure(r, tension, energy, moment), area, solver->load(row)});
+                            droplet_pressure(r, tension, energy, moment), area, solver->load(i)});
 }
 
 /* ----------------------------------------------------------------------
@@ -306,10 +308,11 @@ void PairDeformableDroplet::list_contacts(int groupbit, std::vector<double> &row
 {
   const DropletPairs &p = near->pairs;
   if (p.size == 0) return;    // there may be no neighbor list yet
-  for (int row = 0; row < list->inum; ++row) {
-    const int i = list->ilist[row];
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
     if (!(atom->mask[i] & groupbit)) continue;
-    for (int c = solver->begin(row); c < solver->end(row); ++c) {
+    for (int n = 0; n < solver->contacts_of(i); ++n) {
+      const int c = solver->place_of_contact(i, n);
       const int k = solver->seat(c) >> 1, side = solver->seat(c) & 1;
       const double force = p.force[k], sign = side ? -1.0 : 1.0;
       if (force == 0.0) continue;

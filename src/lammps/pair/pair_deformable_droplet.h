@@ -50,7 +50,7 @@ class PairDeformableDroplet : public PairDeformable {
   void find_bulges(const DropletScene &);
   void push_pairs();
   void finish_droplets();
-  void store_droplet(int i, int row, double energy);
+  void store_droplet(int i, double energy);
   struct Vector {
     double x, y, z;
   };
