@@ -1,4 +1,4 @@
-"""The part of the area that is nearest to each particle: cells of a radical tessellation."""
+"""The part of an area that is nearest to each particle: cells of a radical tessellation."""
 
 from __future__ import annotations
 
@@ -18,34 +18,34 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 # Neighbors are sought up to this many diameters, or mean spacings of particles, and then further.
-_FIRST, _FURTHER = 2.0, 1.5
+FIRST, FURTHER = 2.0, 1.5
 
 
 class Cells(NamedTuple):
-    """Cells between the radical axes of all neighbors; they end at walls.
+    """Cells between the radical axes of all neighbors, or planes in space; they end at walls.
 
     Attributes:
-        area: of each cell, shape (N,) [length^2]; they sum to `Packing.area`.
+        size: area or volume of each cell, shape (N,) [length^d]; they sum to that of the packing.
         i: particle of each side that is common with a neighbor, shape (M,).
-        direction: from the particle to the neighbor, unit vectors, shape (M, 2).
-        length: of the side, shape (M,) [length].
+        direction: from the particle to the neighbor, unit vectors, shape (M, d).
+        side: length or area of the side, shape (M,) [length^(d - 1)].
     """
 
-    area: Floats
+    size: Floats
     i: Integers
     direction: Floats
-    length: Floats
+    side: Floats
 
 
 def cells_of(packing: Packing) -> Cells:
-    """The cells of all particles.
+    """The cells of all particles in a plane.
 
     Not by freud, whose cells know no radii and no walls, and whose Voro++ crashes beside that of
     LAMMPS in one process.
     """
     radius = packing.radius
     spacing = float(np.sqrt(np.prod(packing.box.diagonal()) / len(packing)))
-    reach = _FIRST * max(2.0 * float(radius.max()), spacing)
+    reach = FIRST * max(2.0 * float(radius.max()), spacing)
     while True:
         i, direction, ends = _sides_within(packing, reach)
         # the nearest line that a neighbor beyond the reach may have
@@ -53,7 +53,7 @@ def cells_of(packing: Packing) -> Cells:
         line = radius - contact_line(*beyond)
         if (np.hypot(*np.moveaxis(ends, -1, 0)).max(axis=1) <= line[i]).all():  # nan is not
             break
-        reach *= _FURTHER
+        reach *= FURTHER
     corners = np.split(ends[:, 0], np.searchsorted(i, np.arange(1, len(packing))))
     if packing.walls:
         return _between_walls(packing, corners, i, direction, ends)

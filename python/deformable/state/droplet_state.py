@@ -12,19 +12,19 @@ from ..io.vtk_files import Shapes
 from ..model.droplet import Droplet
 from ..model.facets import Facets, surfaces_of
 from ..model.packing import Packing
-from .analysis import Analysis
 from .contact_forces import ContactForces
 from .contact_network import ContactNetwork
 from .droplet_contacts import DropletTable, forces_of_droplets
 from .exports import Exports
 from .in_space import InSpace
 from .numbers import numbers_of
+from .space_analysis import SpaceAnalysis
 from .space_pictures import SpacePictures
 from .stressed import Stressed
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DropletState(InSpace, Stressed, ContactNetwork, Analysis, SpacePictures, Exports):
+class DropletState(InSpace, Stressed, ContactNetwork, SpaceAnalysis, SpacePictures, Exports):
     """A snapshot of droplets, the same on every rank. Particles are numbered from 0.
 
     Attributes:
@@ -83,10 +83,6 @@ class DropletState(InSpace, Stressed, ContactNetwork, Analysis, SpacePictures, E
     def filled_volume(self) -> NDArray[np.float64]:
         """4 pi R^3/3 of each droplet, shape (N,) [length^3]."""
         return 4.0 / 3.0 * np.pi * self.packing.radius**3
-
-    @property
-    def _filled(self) -> NDArray[np.float64]:
-        return self.filled_volume
 
     def numbers(self) -> dict[str, Any]:
         """The state in numbers, by name; `strain` is None without shear."""

@@ -5,17 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from .disk_state import DiskState
+from .exports import Exports
 from .state import State
 
 # What takes the place of what there is in the plane only.
-_FREUD = "freud has {} for `state.to_freud()`"
 _STRAIN = "measure with `deformable.shear_modulus` and `bulk_modulus`, which strain the packing"
 _WAYS_OUT = {
-    "hexatic": _FREUD.format("freud.order.Steinhardt"),
-    "hexatic_correlation": _FREUD.format("freud.order.Steinhardt"),
-    "cell_sides": _FREUD.format("freud.locality.Voronoi"),
-    "local_phi": _FREUD.format("freud.locality.Voronoi"),
-    "structure_factor": _FREUD.format("freud.diffraction.StaticStructureFactorDirect"),
+    "hexatic": "take steinhardt",
+    "hexatic_correlation": "take steinhardt",
     "filled_area": "take filled_volume",
     "area": "take filled_volume",
     "outlines": "take packing.positions and packing.radius",
@@ -38,6 +35,10 @@ class InSpace:
         )
         if name.startswith("_") or not known:
             raise AttributeError(f"{kind!r} object has no attribute {name!r}")
+        if hasattr(Exports, name):
+            raise AttributeError(
+                f"{name} is for states of a Simulation, and a {kind} has none: take its packing"
+            )
         way_out = _WAYS_OUT.get(name, f"a {kind} has none")
         raise AttributeError(
             f"{name} is for packings in the plane, and this one has three dimensions: {way_out}"

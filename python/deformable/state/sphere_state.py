@@ -14,11 +14,12 @@ from ..model.neighbors import near_pairs
 from .contact_forces import ContactForces
 from .in_space import InSpace
 from .soft_state import SoftState
+from .space_analysis import SpaceAnalysis
 from .space_pictures import SpacePictures
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SphereState(InSpace, SoftState, SpacePictures):
+class SphereState(InSpace, SoftState, SpaceAnalysis, SpacePictures):
     """A snapshot of soft spheres of contact stiffness k. Particles are numbered from 0.
 
     Attributes:
@@ -36,10 +37,6 @@ class SphereState(InSpace, SoftState, SpacePictures):
     def filled_volume(self) -> NDArray[np.float64]:
         """4 pi R^3/3 of each particle, shape (N,) [length^3]."""
         return 4.0 / 3.0 * np.pi * self.packing.radius**3
-
-    @property
-    def _filled(self) -> NDArray[np.float64]:
-        return self.filled_volume
 
     def particle_values(self) -> dict[str, NDArray[Any]]:
         """Values of the spheres by name, arrays of shape (N,)."""

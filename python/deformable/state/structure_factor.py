@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import reduce
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
-from ..model.lattice import fractional
+from ..model.lattice import fractional, lengths
+from ..model.neighbors import forward
 from ..model.packing import Packing
 from ..model.room import closed
 
@@ -15,29 +18,32 @@ Floats = NDArray[np.float64]
 # Farthest from a whole number of periods in the box that a wave may be.
 _WHOLE = 1e-6
 
-# Particles whose phases are in memory at a time.
-_BLOCK = 4096
+# Phases that are in memory at a time.
+_PHASES = 2_000_000
 
 
 def structure_factor(packing: Packing, k_max: float, bins: int) -> tuple[Floats, Floats]:
-    """See `Analysis.structure_factor`.
-
-    freud has this sum in three dimensions only.
-    """
+    """See `Analysis.structure_factor`."""
     _refuse_container(packing)
-    fractions = fractional(packing.positions, packing.box)
-    # k = 2 pi (h, m) B^-T, and h = k.a / 2 pi is below k_max |a| / 2 pi
-    most_h, most_m = (k_max * np.hypot(*packing.box.T) / (2.0 * np.pi)).astype(int).tolist()
-    h, m = np.arange(most_h + 1), np.arange(-most_m, most_m + 1)
-    total = np.zeros((len(h), len(m)), dtype=complex)
-    for first in range(0, len(packing), _BLOCK):
-        a, b = fractions[first : first + _BLOCK].T
-        total += np.exp(2.0j * np.pi * np.outer(h, a)) @ np.exp(2.0j * np.pi * np.outer(b, m))
-    power = np.abs(total) ** 2 / len(packing)
-    grid = np.stack(np.meshgrid(h, m, indexing="ij"), axis=-1)
-    k = np.hypot(*np.moveaxis(2.0 * np.pi * grid @ np.linalg.inv(packing.box).T, -1, 0))
-    # k and -k are one wave, and k = 0 is none
-    kept = (k <= k_max) & ((grid[..., 0] > 0) | (grid[..., 1] > 0))
+    fractions, box = fractional(packing.positions, packing.box), packing.box
+    # k = 2 pi (h, m, ..) B^-T, and h = k.a / 2 pi is below k_max |a| / 2 pi
+    most = (k_max * lengths(box) / (2.0 * np.pi)).astype(int).tolist()
+    # of k and -k, which are one wave, that with h >= 0
+    orders = [np.arange(most[0] + 1), *(np.arange(-each, each + 1) for each in most[1:])]
+    total = np.zeros((np.prod([len(h) for h in orders[:-1]]), len(orders[-1])), dtype=complex)
+    block = max(_PHASES // len(total), 1)
+    for first in range(0, len(packing), block):
+        places = fractions[first : first + block].T
+        phases = [
+            np.exp(2.0j * np.pi * np.outer(h, x)) for h, x in zip(orders, places, strict=True)
+        ]
+        *some, last = phases
+        before = reduce(lambda a, b: (a[:, None] * b).reshape(-1, b.shape[1]), some)
+        total += before @ last.T
+    power = np.abs(total).ravel() ** 2 / len(packing)
+    grid = np.stack(np.meshgrid(*orders, indexing="ij"), axis=-1).reshape(-1, len(box))
+    k = lengths(2.0 * np.pi * grid @ np.linalg.inv(box).T)
+    kept = (k <= k_max) & forward(grid)
     edges = np.linspace(0.0, k_max, bins + 1)
     count, summed = (np.histogram(k[kept], edges, weights=each)[0] for each in (None, power[kept]))
     middle = 0.5 * (edges[1:] + edges[:-1])
