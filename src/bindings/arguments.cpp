@@ -1,6 +1,7 @@
 #include "arguments.h"
 
 #include "parameter_rules.h"
+#include "tables.h"
 
 #include <cmath>
 
@@ -23,6 +24,16 @@ std::vector<double> deformable::vector_of(const std::string &name, nb::handle gi
       refuse(name + "[" + std::to_string(k) + "] is " + std::to_string(values.data()[k]) +
              ": it must be finite");
   return {values.data(), values.data() + values.size()};
+}
+
+Table deformable::table_of(const std::string &name, nb::handle given, std::size_t columns)
+{
+  const nb::object array =
+      nb::module_::import_("numpy").attr("ascontiguousarray")(given, "dtype"_a = "float64");
+  Table table;
+  if (!nb::try_cast(array, table) || table.shape(1) != columns)
+    refuse(name + " must have rows of " + std::to_string(columns) + " numbers");
+  return table;
 }
 
 std::vector<double> deformable::contact_angles_of(nb::handle given, std::size_t contacts)

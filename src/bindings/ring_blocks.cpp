@@ -1,4 +1,5 @@
 #include "laws.h"
+#include "tables.h"
 
 #include "ring_blocks.h"
 
@@ -8,18 +9,6 @@ using namespace deformable;
 
 namespace {
 
-using Table = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-
-Table table_of(const std::string &name, nb::handle given, std::size_t columns)
-{
-  const nb::object array =
-      nb::module_::import_("numpy").attr("ascontiguousarray")(given, "dtype"_a = "float64");
-  Table table;
-  if (!nb::try_cast(array, table) || table.shape(1) != columns)
-    refuse(name + " must have rows of " + std::to_string(columns) + " numbers");
-  return table;
-}
-
 // Columns of the tables of particles and of sides.
 enum ParticleColumn { SIDES, RADIUS, KA, KP, SKIN, TENSION, PARTICLE_COLUMNS };
 enum SideColumn { X, Y, TURN, PARTNER, PLACE, SIDE_COLUMNS };
@@ -27,23 +16,16 @@ enum SideColumn { X, Y, TURN, PARTNER, PLACE, SIDE_COLUMNS };
 // Of sides with curved lines.
 enum CurvedColumn { FORCE = PLACE, DIRECTED, HALF_ANGLE, CURVED_COLUMNS };
 
-// ring(particle, radius, stiffness, rows of its sides, their number) of each particle.
+// ring(particle, stiffness, rows of its sides) of each particle.
 template <class Ring> void for_rings(const Table &particles, const Table &sides, Ring &&ring)
 {
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < particles.shape(0); ++i) {
-    const double *const of = particles.data() + PARTICLE_COLUMNS * i;
-    const Stiffness stiffness = {of[KA], of[KP], of[TENSION]};
-    refuse_invalid(of[RADIUS], stiffness, of[SKIN]);
-    if (!(of[SIDES] >= 0.0 && of[SIDES] <= static_cast<double>(sides.shape(0) - next)))
-      refuse("sides has fewer rows than the particles need, or particle " + std::to_string(i) +
-             " a number of them that is none");
-    const std::size_t end = next + static_cast<std::size_t>(of[SIDES]);
-    if (!ring(of, stiffness, next, end))
-      refuse("particle " + std::to_string(i) + ": its contacts leave no room for its area");
-    next = end;
-  }
-  if (next != sides.shape(0)) refuse("sides has more rows than the particles need");
+  for_particles(
+      particles, sides, [&](std::size_t i, const double *of, std::size_t begin, std::size_t end) {
+        const Stiffness stiffness = {of[KA], of[KP], of[TENSION]};
+        refuse_invalid(of[RADIUS], stiffness, of[SKIN]);
+        if (!ring(of, stiffness, begin, end))
+          refuse("particle " + std::to_string(i) + ": its contacts leave no room for its area");
+      });
 }
 
 RingBlocks ring_blocks(const std::string &law, nb::handle given_particles, nb::handle given_sides)

@@ -37,6 +37,12 @@ template <class T> DEFORMABLE_INLINE T d_droplet_green(T m, T log_half, T over_h
   return (4.0 / 3.0 + log_half - 0.5 * m * over_half) * (-0.25 / PI);
 }
 
+// d^2G/dm^2.
+inline double dd_droplet_green(double over_half)
+{
+  return over_half * (2.0 + over_half) * (0.0625 / PI);
+}
+
 // Cosines are cut where (1 - m)/2 is this: contacts in one direction repel each other strongly, but not without a limit.
 constexpr double SMALLEST_HALF = 1e-12;
 

@@ -143,7 +143,7 @@ def test_disks(turn):
     rng = np.random.default_rng(2)
     x, y = rng.uniform(0.5, 0.8, (2, 3))
     turns = 1.0 / np.hypot(x, y) if turn is None else np.full(3, turn)
-    blocks = core.disk_blocks(x, y, turns, np.full(3, 1.2))
+    blocks = core.disk_blocks(np.column_stack([x, y]), turns, np.full(3, 1.2))
     overlap, direction = 1.2 - np.hypot(x, y), np.column_stack([x, y]) / np.hypot(x, y)[:, None]
     assert blocks.energy == pytest.approx(0.5 * np.sum(overlap**2))
     assert blocks.gradient.reshape(3, 2) == pytest.approx(-overlap[:, None] * direction)
@@ -179,6 +179,6 @@ def test_errors(change, message):
 
 def test_errors_of_disks():
     with pytest.raises(ValueError, match="vector 0"):
-        core.disk_blocks([0.0], [0.0], [1.0], [1.0])
+        core.disk_blocks([[0.0, 0.0]], [1.0], [1.0])
     with pytest.raises(ValueError, match="contact"):
-        core.disk_blocks([1.0], [0.0], [1.0], [1.0, 1.0])
+        core.disk_blocks([[1.0, 0.0]], [1.0], [1.0, 1.0])

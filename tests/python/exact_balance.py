@@ -1,11 +1,11 @@
-"""Balanced contacts closer than the default tolerance."""
+"""Contacts that are balanced closer than to the default tolerance."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
 from deformable.io import lammps_commands
-from deformable.model.laws import Law
+from deformable.model.droplet import AnyLaw, Droplet
 
 
 @contextmanager
@@ -17,9 +17,9 @@ def exactly_balanced() -> Iterator[None]:
     """
     arguments = lammps_commands.pair_style_arguments
 
-    def exact(law: Law) -> str:
-        balance = " balance 1e-13 100" if law.name in ("balanced", "curved") else ""
-        return arguments(law) + balance
+    def exact(law: AnyLaw) -> str:
+        balances = isinstance(law, Droplet) or law.name in ("balanced", "curved")
+        return arguments(law) + " balance 1e-13 100" * balances
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(lammps_commands, "pair_style_arguments", exact)

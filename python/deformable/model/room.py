@@ -318,9 +318,11 @@ def _pivot(walls: Sequence[Wall]) -> tuple[float, float] | None:
 
 
 def motions(walls: Sequence[Wall], positions: Floats) -> Floats:
-    """These motions, of particles at N positions, shape (`free_motions`, N, 2)."""
+    """These motions, of particles at N positions, shape (`free_motions`, N, d)."""
     if (pivot := _pivot(walls)) is not None:
         x, y = (positions - pivot).T
         return np.stack([-y, x], axis=1)[None]
-    along = np.eye(2)[~np.array(closed(walls))] if free_motions(walls) else np.empty((0, 2))
+    dimension = positions.shape[1]
+    free = free_motions(walls, dimension) > 0
+    along = np.eye(dimension)[free & ~np.array(closed(walls, dimension))]
     return np.repeat(along[:, None], len(positions), axis=1)

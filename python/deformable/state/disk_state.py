@@ -8,15 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core import disk_blocks
-from ..model.neighbors import near_pairs
-from .contact_forces import ContactForces
 from .disk_contacts import chords, halves
-from .hessian import Hessian
-from .linear_response import LinearResponse
 from .pictures import Pictures
 from .plane_analysis import PlaneAnalysis
-from .sides import Sides, bearing, between, by_centers, by_strains, joined, with_walls
 from .soft_state import SoftState
 
 if TYPE_CHECKING:
@@ -24,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DiskState(SoftState, LinearResponse, PlaneAnalysis, Pictures):
+class DiskState(SoftState, PlaneAnalysis, Pictures):
     """A snapshot of soft disks of contact stiffness k. Particles are numbered from 0.
 
     Attributes:
@@ -64,50 +58,6 @@ class DiskState(SoftState, LinearResponse, PlaneAnalysis, Pictures):
     def outlines(self) -> list[NDArray[np.float64]]:
         """Circles, closed polygons of shape (m, 2) [length]."""
         return self.packing.outlines
-
-    def hessian(self, rattlers: bool = True) -> Hessian:
-        """Second derivatives of the energy by the centers, and by strains.
-
-        Each contact adds n n^T - (o/d) t t^T for its direction n and overlap o. The second part is
-        the prestress.
-
-        Args:
-            rattlers: False leaves out the contacts of rattlers, which bear nothing; a contact that
-                bears a thousandth of the mean contact force or more stays.
-        """
-        sides, contact, kept = self._overlaps()
-        if not rattlers:
-            sides, contact = sides.part(kept), contact[kept]
-        x, y = sides.vector.T
-        blocks = disk_blocks(x, y, sides.turn, contact)
-        return Hessian(
-            self.packing, blocks, by_centers(sides, len(self.packing)), by_strains(sides)
-        )
-
-    def rattler_contacts(self) -> tuple[Sides, NDArray[np.float64]]:
-        """Contacts that `hessian(rattlers=False)` leaves out, and their overlaps."""
-        sides, contact, kept = self._overlaps()
-        return sides.part(~kept), (contact - sides.distance)[~kept]
-
-    def _overlaps(self) -> tuple[Sides, NDArray[np.float64], NDArray[np.bool_]]:
-        """Contacts, the distances at which they open, and whether they bear, all of them once."""
-        packing, radius = self.packing, self.packing.radius
-        i, j, shift = near_pairs(packing, 0.0)
-        pairs = between(i, j, packing.positions[j] + shift - packing.positions[i])
-        sides = joined(pairs, with_walls(packing, 0.0))
-        contact = radius[sides.i] + np.where(sides.j < 0, 0.0, radius[sides.j])
-        overlap, count = contact - sides.distance, len(i)
-        both = np.append(overlap, overlap[:count])
-        kept = bearing(np.append(sides.i, j), np.append(sides.j, i), both, len(packing))
-        return sides, contact, kept[: len(contact)]
-
-    @property
-    def _contact_forces(self) -> ContactForces:
-        sides, contact, _ = self._overlaps()
-        overlap, wall = contact - sides.distance, sides.j < 0
-        part = np.where(wall, 1.0, (self.packing.radius[sides.i] - 0.5 * overlap) / sides.distance)
-        force = -(overlap / sides.distance)[:, None] * sides.vector
-        return ContactForces(sides.i, sides.j, sides.vector, part, force)
 
     def _flats(self) -> list[list[NDArray[np.float64]]]:
         return chords(self.packing, self._contact_forces)

@@ -9,6 +9,7 @@ from ..model.lattice import fractional
 from ..model.neighbors import forward
 from ..model.packing import Packing
 from .contact_forces import ContactForces
+from .sides import other_sides
 
 # Each contact has two rows, one for each side; a contact with a wall has one row, with j = -1.
 COLUMNS = np.dtype(
@@ -62,9 +63,7 @@ def droplet_table(rows: NDArray[np.float64], packing: Packing) -> DropletTable:
     table = table[np.lexsort((*table["image"].T[::-1], table["j"], table["i"]))]
     pair = table["j"] >= 0
     both = table["force_vector"][pair]
-    # in this order the other sides come in the order of their own
-    other = np.lexsort((*-table["image"][pair].T[::-1], table["i"][pair], table["j"][pair]))
-    table["force_vector"][pair] -= both[other]
+    table["force_vector"][pair] -= both[other_sides(table[pair])]
     return table
 
 

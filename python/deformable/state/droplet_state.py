@@ -15,6 +15,7 @@ from ..model.packing import Packing
 from .contact_forces import ContactForces
 from .contact_network import ContactNetwork
 from .droplet_contacts import DropletTable, forces_of_droplets
+from .droplet_response import DropletResponse
 from .exports import Exports
 from .in_space import InSpace
 from .numbers import numbers_of
@@ -24,7 +25,9 @@ from .stressed import Stressed
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DropletState(InSpace, Stressed, ContactNetwork, SpaceAnalysis, SpacePictures, Exports):
+class DropletState(
+    InSpace, DropletResponse, Stressed, ContactNetwork, SpaceAnalysis, SpacePictures, Exports
+):
     """A snapshot of droplets, the same on every rank. Particles are numbered from 0.
 
     Attributes:

@@ -23,8 +23,8 @@ class ElasticModuli:
     gradient, at rest: particles follow the strain affinely, and then relax.
 
     Attributes:
-        tensor: C, shape (2, 2, 2, 2) [energy/length^2]. At zero stress it has all symmetries of
-            an elastic tensor.
+        tensor: C, shape (d, d, d, d) in d dimensions [energy/length^d]. At zero stress it has all
+            symmetries of an elastic tensor.
         affine: the same if centers only follow the strain (lines of contacts are at rest).
         relaxing: what the relaxation of centers takes away, `affine - tensor`.
     """
@@ -41,40 +41,45 @@ class ElasticModuli:
 
     @property
     def shear_modulus(self) -> float:
-        """Of simple shear along x, C_xyxy, as `deformable.shear_modulus` [energy/length^2]."""
+        """Of simple shear along x, C_xyxy, as `deformable.shear_modulus` [energy/length^d]."""
         return float(self.tensor[0, 1, 0, 1])
 
     @property
     def pure_shear_modulus(self) -> float:
-        """Of a stretch along x and a shrinkage along y [energy/length^2].
+        """Of a stretch along x and a shrinkage along y [energy/length^d].
 
         (C_xxxx - C_xxyy - C_yyxx + C_yyyy)/4.
         """
-        (xx_xx, xx_yy), (yy_xx, yy_yy) = np.einsum("aacc->ac", self.tensor)
+        (xx_xx, xx_yy), (yy_xx, yy_yy) = np.einsum("aacc->ac", self.tensor)[:2, :2]
         return float(xx_xx - xx_yy - yy_xx + yy_yy) / 4.0
 
     @property
     def mean_shear_modulus(self) -> float:
-        """Mean over all directions of shear, that of simple and pure shear [energy/length^2].
+        """Mean over all directions of shear [energy/length^d].
 
-        A small packing is not isotropic: its modulus varies as the sine of four times the angle.
+            [(C_abab + C_abba)/2 - C_aabb/d] / ((d + 2)(d - 1))
+
+        In the plane it is that of simple and of pure shear. A small packing is not isotropic: its
+        modulus varies as the sine of four times the angle.
         """
-        return 0.5 * (self.shear_modulus + self.pure_shear_modulus)
+        c, d = self.tensor, len(self.tensor)
+        sheared = 0.5 * (np.einsum("abab", c) + np.einsum("abba", c)) - np.einsum("aabb", c) / d
+        return float(sheared) / ((d + 2) * (d - 1))
 
     @property
     def bulk_modulus(self) -> float:
-        """K = - V dp/dV, the sum of all C_aacc over 4 [energy/length^2].
+        """K = - V dp/dV, the sum of all C_aacc over d^2 [energy/length^d].
 
-        With lengths l it is (1/4V) d^2E/d(ln l)^2 + p.
+        With lengths l it is (1/(d^2 V)) d^2E/d(ln l)^2 + p.
         """
-        return float(np.einsum("aacc", self.tensor)) / 4.0
+        return float(np.einsum("aacc", self.tensor)) / len(self.tensor) ** 2
 
 
 def moduli_of(hessian: Hessian) -> ElasticModuli:
     """See `LinearResponse.elastic_moduli`.
 
     With E'' = d^2E/de de at fixed centers and lines, its coupling B to them, and M of `Hessian`,
-    the second derivatives of the relaxed energy are E'' - B^T M^-1 B. Per area V,
+    the second derivatives of the relaxed energy are E'' - B^T M^-1 B. Per area or volume V,
 
         C_abcd = E''_ab,cd / V + sigma_ad delta_bc - sigma_ab delta_cd,    sigma = -stress
     """
@@ -86,10 +91,10 @@ def moduli_of(hessian: Hessian) -> ElasticModuli:
     coupled = hessian.by_strain
     lines = coupled[n:].T @ hessian.line_response(coupled[n:])
     relaxed = coupled.T @ hessian.response(coupled)
-    unit = np.eye(2)
+    unit = np.eye(len(sigma))
     by_stress = np.einsum("ad,bc->abcd", sigma, unit) - np.einsum("ab,cd->abcd", sigma, unit)
     affine, tensor = (
-        (hessian.strain - part).reshape(2, 2, 2, 2) / hessian.packing.area + by_stress
+        (hessian.strain - part).reshape([len(sigma)] * 4) / hessian.room + by_stress
         for part in (lines, relaxed)
     )
     return ElasticModuli(tensor, affine, affine - tensor)

@@ -14,7 +14,7 @@ from ..common.factored import factored
 from ..common.validate import numbers
 from ..core import EnergyBlocks
 from ..model.packing import Packing
-from ..model.room import motions
+from ..model.room import free_room, motions
 
 Floats = NDArray[np.float64]
 
@@ -29,27 +29,30 @@ _CORRECTIONS, _REMAINDER = 20, 1e-13
 class Hessian:
     """Second derivatives of the energy of a packing by the coordinates of its centers.
 
-    The lines of `balanced` and `curved` contacts follow the centers. Their energy is stationary in
-    the places of the lines, which are variables of their own here: the matrix stays sparse, and
-    that of the centers alone is its Schur complement,
+    The lines of `balanced` and `curved` contacts follow the centers, and so do the facets of
+    droplets in three dimensions, which are called lines here too. The energy is stationary in
+    their places, which are variables of their own here: the matrix stays sparse, and that of the
+    centers alone is its Schur complement,
 
         H = M_cc - M_cl M_ll^-1 M_lc
 
-    with the centers c and the lines l. `reduced`, `operator` and `solve` are those of H.
+    with the centers c and the lines l. `reduced`, `operator` and `solve` are those of H. There are
+    d N coordinates of the centers, in two or three dimensions d.
 
     Attributes:
         packing: the particles.
-        matrix: M, sparse and symmetric, shape (2N + lines, 2N + lines) [energy/length^2]. Rows
-            are x_0, y_0, x_1, y_1, ... of the centers, then the shift of each line [length], then
-            for `curved` the direction [rad] and the curvature [1/length] of each line. Soft disks
-            and `radical` have no such lines: M is H.
+        matrix: M, sparse and symmetric, shape (dN + lines, dN + lines) [energy/length^2]. Rows
+            are x_0, y_0, x_1, y_1, ... of the centers, with z in three dimensions, then the shift
+            of each line [length], then for `curved` the direction [rad] and the curvature
+            [1/length] of each line. Soft disks, spheres and `radical` have no such lines: M is H.
         energy: [energy].
-        gradient: of the energy, shape (2N + lines,); minus the forces, and what is left of the
+        gradient: of the energy, shape (dN + lines,); minus the forces, and what is left of the
             balance of lines.
-        by_strain: second derivatives by the rows of `matrix` and by the components xx, xy, yx,
-            yy of a displacement gradient, shape (2N + lines, 4). Walls do not follow the strain.
-        strain: second derivatives by the displacement gradient alone, shape (4, 4) [energy].
-        stress: pressure tensor of the contacts between particles, shape (2, 2) [energy/length^2].
+        by_strain: second derivatives by the rows of `matrix` and by the components xx, xy, ... of
+            a displacement gradient, shape (dN + lines, d^2). Walls do not follow the strain.
+        strain: second derivatives by the displacement gradient alone, shape (d^2, d^2) [energy].
+        room: area, in three dimensions volume, of the packing [length^d].
+        stress: pressure tensor of the contacts between particles, shape (d, d) [energy/length^d].
         free: particles without contacts in the matrix, shape (N,).
         scale: mean diagonal entry of the centers that have contacts [energy/length^2].
     """
@@ -60,8 +63,8 @@ class Hessian:
         Args:
             packing: the particles.
             blocks: energy and its derivatives by V local variables.
-            chain: their derivatives by centers and lines, sparse, shape (V, 2N + lines).
-            strains: their derivatives by a displacement gradient, shape (V, 4).
+            chain: their derivatives by centers and lines, sparse, shape (V, dN + lines).
+            strains: their derivatives by a displacement gradient, shape (V, d^2).
         """
         from scipy.sparse import csc_matrix, csr_matrix
 
@@ -72,8 +75,10 @@ class Hessian:
         self.matrix = csc_matrix(chain.T @ local @ chain)
         self.gradient = chain.T @ blocks.gradient
         self.by_strain, self.strain = chain.T @ strained, strains.T @ strained
-        self.stress = -(strains.T @ blocks.gradient).reshape(2, 2) / packing.area
-        diagonal = self.matrix.diagonal()[: self.size].reshape(-1, 2)
+        dimension = packing.dimension
+        self.room = free_room(packing.walls, packing.box)
+        self.stress = -(strains.T @ blocks.gradient).reshape(dimension, dimension) / self.room
+        diagonal = self.matrix.diagonal()[: self.size].reshape(-1, dimension)
         self.free = ~diagonal.any(axis=1)
         self.scale = (
             float(np.abs(diagonal).mean(where=~self.free[:, None])) if diagonal.any() else 1.0
@@ -85,14 +90,14 @@ class Hessian:
 
     @property
     def size(self) -> int:
-        """Number of coordinates 2N."""
-        return 2 * len(self.packing)
+        """Number of coordinates dN."""
+        return self.packing.dimension * len(self.packing)
 
     @cached_property
     def motions(self) -> Floats:
         """Motions of all particles with contacts together that no wall resists.
 
-        Orthonormal, shape (2N, m): two translations in a periodic box, one along a channel, a
+        Orthonormal, shape (dN, m): d translations in a periodic box, one along a channel, a
         rotation in a round container.
         """
         found = np.where(
@@ -104,19 +109,22 @@ class Hessian:
 
     @property
     def zero_modes(self) -> int:
-        """Number of motions without a stiffness: `motions`, and two of each free particle."""
-        return self.motions.shape[1] + 2 * int(self.free.sum())
+        """Number of motions without a stiffness: `motions`, and d of each free particle."""
+        return self.motions.shape[1] + self.packing.dimension * int(self.free.sum())
+
+    @property
+    def held(self) -> NDArray[np.bool_]:
+        """Coordinates of particles that are not free, shape (dN,)."""
+        return np.repeat(~self.free, self.packing.dimension)
 
     def project(self, vectors: Floats) -> Floats:
-        """The part of vectors, shape (2N, ...), that contains no motion without a stiffness."""
-        kept = np.where(
-            np.repeat(self.free, 2).reshape(-1, *[1] * (vectors.ndim - 1)), 0.0, vectors
-        )
+        """The part of vectors, shape (dN, ...), that contains no motion without a stiffness."""
+        kept = np.where(self.held.reshape(-1, *[1] * (vectors.ndim - 1)), vectors, 0.0)
         return kept - self.motions @ (self.motions.T @ kept)
 
     @cached_property
     def operator(self) -> Any:
-        """H as a `scipy.sparse.linalg.LinearOperator`, shape (2N, 2N)."""
+        """H as a `scipy.sparse.linalg.LinearOperator`, shape (dN, dN)."""
         from scipy.sparse.linalg import LinearOperator
 
         n, centers, response = self.size, self.matrix[: self.size, : self.size], self._lines
@@ -130,7 +138,7 @@ class Hessian:
         return LinearOperator((n, n), matvec=product, rmatvec=product, matmat=product, dtype=float)
 
     def reduced(self) -> Floats:
-        """H as a dense array, shape (2N, 2N) [energy/length^2]."""
+        """H as a dense array, shape (dN, dN) [energy/length^2]."""
         dense: Floats = self.matrix[: self.size, : self.size].toarray()
         if self._lines is not None:
             coupling = self.matrix[self.size :, : self.size].toarray()
@@ -141,7 +149,7 @@ class Hessian:
         """Displacements u with H u = f, without motions that have no stiffness.
 
         Args:
-            forces: f, shape (2N,) or (2N, k) [energy/length]. Their parts along motions without a
+            forces: f, shape (dN,) or (dN, k) [energy/length]. Their parts along motions without a
                 stiffness are left out.
 
         Returns:
@@ -161,7 +169,7 @@ class Hessian:
         return self.response(padded)[: self.size]
 
     def response(self, right: Floats) -> Floats:
-        """Change z of centers and lines with M z = b, see `solve`; shape (2N + lines, ...)."""
+        """Change z of centers and lines with M z = b, see `solve`; shape (dN + lines, ...)."""
         right = right.copy()
         right[: self.size] = self.project(right[: self.size])
         solution, remainder = np.zeros_like(right), right

@@ -9,16 +9,12 @@ from .exports import Exports
 from .state import State
 
 # What takes the place of what there is in the plane only.
-_STRAIN = "measure with `deformable.shear_modulus` and `bulk_modulus`, which strain the packing"
 _WAYS_OUT = {
     "hexatic": "take steinhardt",
     "hexatic_correlation": "take steinhardt",
     "filled_area": "take filled_volume",
     "area": "take filled_volume",
     "outlines": "take packing.positions and packing.radius",
-    "hessian": _STRAIN,
-    "modes": _STRAIN,
-    "elastic_moduli": _STRAIN,
 }
 
 

@@ -16,7 +16,17 @@ from ..model.packing import Packing
 from ..model.sticking import refuse_adhesion
 from .contact_table import ContactTable
 from .hessian import Hessian
-from .sides import Sides, bearing, between, by_centers, by_strains, joined, with_walls
+from .sides import (
+    Sides,
+    bearing,
+    between,
+    by_centers,
+    by_lines,
+    by_strains,
+    joined,
+    other_sides,
+    with_walls,
+)
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -91,17 +101,12 @@ class Lines:
 
     def chain(self) -> Any:
         """Derivatives of the local variables by centers and places of lines, sparse."""
-        from scipy.sparse import csr_matrix, hstack
+        from scipy.sparse import hstack
 
-        parts, count = [by_centers(self.sides, len(self.packing), self.variables)], len(self.first)
-        ends = np.concatenate([self.first, self.other[self.first]])
-        contact = np.tile(np.arange(count), 2)
-        for variable, sign in enumerate(_OTHER_SIDE[: self.variables - 2], start=2):
-            values = np.repeat([1.0, sign], count)
-            rows = self.variables * ends + variable
-            shape = (parts[0].shape[0], count)
-            parts.append(csr_matrix((values, (rows, contact)), shape=shape))
-        return hstack(parts, format="csr")
+        variables = self.variables
+        centers = by_centers(self.sides, len(self.packing), variables)
+        lines = by_lines(self.other, variables, _OTHER_SIDE[: variables - 2])
+        return hstack([centers, *lines], format="csr")
 
     def move(self, step: Floats) -> None:
         """Move the lines by a step of shifts."""
@@ -137,7 +142,7 @@ def lines_of(packing: Packing, law: Law, table: ContactTable, rattlers: bool = T
         packing: of the state.
         law: of the state.
         table: its contacts.
-        rattlers: False leaves out the contacts of rattlers, see `DiskState.hessian`.
+        rattlers: False leaves out the contacts of rattlers, see `SoftResponse.hessian`.
 
     Raises:
         ParameterError: the law is `Sector`, particles stick, or a line is held at the largest tilt
@@ -161,7 +166,7 @@ def lines_of(packing: Packing, law: Law, table: ContactTable, rattlers: bool = T
     sides = joined(between(pairs["i"], pairs["j"], vector), walls)
     count, radius = len(pairs), packing.radius
     other = np.full(len(sides.i), -1)
-    other[:count] = _others(pairs)
+    other[:count] = other_sides(pairs)
     tilt, bend = pairs["tilt"], pairs["half_angle"]
     held = (np.abs(tilt) > _LARGEST_TILT - _CLOSE) | (np.abs(bend) > _LARGEST_HALF_ANGLE - _CLOSE)
     if held.any():
@@ -223,7 +228,7 @@ def balanced(lines: Lines) -> Lines:
 
 
 def rattler_contacts(packing: Packing, table: ContactTable) -> tuple[Sides, Floats]:
-    """See `LinearResponse.rattler_contacts`.
+    """See `RingResponse.rattler_contacts`.
 
     A contact of the length L indents its outline by G(0) L at most, see `core.ring`.
     """
@@ -231,7 +236,7 @@ def rattler_contacts(packing: Packing, table: ContactTable) -> tuple[Sides, Floa
     out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
     length = table["length"].copy()
     pair = np.flatnonzero(table["j"] >= 0)
-    length[pair] += length[pair[_others(table[pair])]]
+    length[pair] += length[pair[other_sides(table[pair])]]
     return between(table["i"], table["j"], out * table["distance"][:, None]), _GREEN * length
 
 
@@ -252,14 +257,5 @@ def _bearing(packing: Packing, table: ContactTable) -> NDArray[np.bool_]:
     """See `bearing`; both sides of a contact do, if one does."""
     kept = bearing(table["i"], table["j"], table["force"], len(packing))
     pair = np.flatnonzero(table["j"] >= 0)
-    kept[pair] |= kept[pair[_others(table[pair])]]
+    kept[pair] |= kept[pair[other_sides(table[pair])]]
     return kept
-
-
-def _others(pairs: ContactTable) -> Integers:
-    """The row of the other side of each contact, in a table sorted by i, j and image."""
-    image = pairs["image"]
-    order = np.lexsort((-image[:, 1], -image[:, 0], pairs["i"], pairs["j"]))
-    other = np.empty(len(pairs), np.int64)
-    other[order] = np.arange(len(pairs))
-    return other

@@ -14,6 +14,7 @@ from ..common.errors import ParameterError
 from ..common.optional import optional
 from ..common.validate import count, shown, whole
 from ..model.packing import Packing
+from ..model.plane import refuse_space
 from ..model.room import closed
 from ..model.scale import scale
 from .hessian import Hessian
@@ -52,11 +53,11 @@ class Modes:
     Attributes:
         packing: the particles; their masses are 1.
         stiffness: eigenvalues of the Hessian, shape (k,) [energy/length^2].
-        vectors: displacements of each mode, orthonormal, shape (k, N, 2); None if not asked for.
+        vectors: displacements of each mode, orthonormal, shape (k, N, d); None if not asked for.
         zero_modes: number of motions without stiffness, which are left out: of all particles
-            together (two translations in a periodic box), and two of each free particle.
+            together (d translations in a periodic box), and d of each free particle.
         free: particles without contacts, shape (N,).
-        outlines: of the particles, for pictures.
+        outlines: of the particles, for pictures; none in three dimensions.
     """
 
     packing: Packing
@@ -123,9 +124,10 @@ class Modes:
             ax: axes to draw into; a new figure if not given.
 
         Raises:
-            ParameterError: there is no such mode, or no vectors.
+            ParameterError: there is no such mode, or no vectors, or particles are in space.
             ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
         """
+        refuse_space("plot", self.packing.dimension, "take `vectors`")
         number = whole("index", index)
         if not -len(self) <= number < len(self):
             raise ParameterError(f"there are {len(self)} modes: index must not be {number}")
@@ -170,9 +172,8 @@ def modes_of(
         stiffness, found = _all(hessian, wanted, vectors)
     else:
         stiffness, found = _softest(hessian, wanted)
-    shaped = (
-        found.T.reshape(wanted, len(hessian.packing), 2) if vectors and found is not None else None
-    )
+    each = (wanted, len(hessian.packing), hessian.packing.dimension)
+    shaped = found.T.reshape(each) if vectors and found is not None else None
     return Modes(
         hessian.packing, stiffness, shaped, hessian.zero_modes, hessian.free.copy(), outlines
     )
@@ -196,7 +197,7 @@ def _all(hessian: Hessian, number: int, vectors: bool) -> tuple[Floats, Floats |
     """
     from scipy.linalg import eigh
 
-    kept = np.flatnonzero(~np.repeat(hessian.free, 2))
+    kept = np.flatnonzero(hessian.held)
     if number == 0:
         return np.empty(0), np.empty((hessian.size, 0))
     dense = hessian.reduced()

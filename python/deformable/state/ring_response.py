@@ -23,7 +23,7 @@ class RingResponse(LinearResponse):
     friction: Friction | None
 
     def hessian(self, rattlers: bool = True) -> Hessian:
-        """Second derivatives of the energy of the ring laws, see `DiskState.hessian`.
+        """Second derivatives of the energy of the ring laws, see `SoftResponse.hessian`.
 
         Raises:
             ParameterError: the law is `Sector`, particles stick or rub, walls were given to `lmp`,
@@ -39,5 +39,9 @@ class RingResponse(LinearResponse):
         return balanced(lines).hessian()
 
     def rattler_contacts(self) -> tuple[Sides, Floats]:
-        """Contacts that `hessian(rattlers=False)` leaves out, and lengths by which they open."""
+        """Contacts that `hessian(rattlers=False)` leaves out, and lengths by which they open.
+
+        Returns:
+            Sides of S contacts, and distances (S,) by which they are to become longer [length].
+        """
         return rattler_contacts(self.packing, self.contact_table)

@@ -12,11 +12,12 @@ from ..model.packing import Packing
 from .analysis import Analysis
 from .contact_network import ContactNetwork
 from .numbers import numbers_of
+from .soft_response import SoftResponse
 from .stressed import Stressed
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SoftState(Stressed, ContactNetwork, Analysis):
+class SoftState(SoftResponse, Stressed, ContactNetwork, Analysis):
     """Soft particles that overlap, of contact stiffness k; attributes are those of `DiskState`."""
 
     packing: Packing

@@ -9,9 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.facets import Facets
-from ..model.lattice import lengths
-from ..model.neighbors import near_pairs
-from .contact_forces import ContactForces
 from .in_space import InSpace
 from .soft_state import SoftState
 from .space_analysis import SpaceAnalysis
@@ -47,16 +44,6 @@ class SphereState(InSpace, SoftState, SpaceAnalysis, SpacePictures):
             "contacts": np.bincount(self.pairs.ravel(), minlength=len(self.packing)),
             "rattler": self.rattlers.astype(int),
         }
-
-    @property
-    def _contact_forces(self) -> ContactForces:
-        packing, radius = self.packing, self.packing.radius
-        i, j, shift = near_pairs(packing, 0.0)
-        vector = packing.positions[j] + shift - packing.positions[i]
-        distance = lengths(vector)
-        overlap = radius[i] + radius[j] - distance
-        part = (radius[i] - 0.5 * overlap) / distance
-        return ContactForces(i, j, vector, part, -(overlap / distance)[:, None] * vector)
 
     def _facets(self) -> Facets:
         contacts = self._contact_forces

@@ -1,0 +1,223 @@
+"""Second derivatives of droplets and spheres in three dimensions: Hessian, modes and moduli."""
+
+import dataclasses
+import json
+import sys
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from deformable import Droplet, DropletState, Packing, SphereState
+from ranks import python
+
+pytestmark = pytest.mark.usefixtures("exact_balance")
+
+EMULSION = deformable.bidisperse(24, radii=(1.0, 1.2), dimension=3, tilt=0.3, seed=2)
+SIZES = deformable.polydisperse(20, np.linspace(0.5, 1.5, 20), dimension=3, seed=3)
+LAWS = {"spheres": None, "droplets": Droplet(0.7), "tensions": Droplet([1.0, 2.5])}
+CLOSE = {"sc": np.pi / 6, "bcc": np.pi * np.sqrt(3) / 8, "fcc": np.pi * np.sqrt(2) / 6}
+
+
+def evaluated(packing: Packing, law: Droplet | None):
+    """State of a packing as it is, and the gradient of the energy that LAMMPS finds, (3N,)."""
+    with deformable.Simulation(packing, law) if law else deformable.Spheres(packing) as sim:
+        state = sim.state()
+        forces = np.array(sim.lmp.gather("f", 1, 3))
+    return state, -forces
+
+
+def difference(packing: Packing, law: Droplet | None, direction: np.ndarray) -> np.ndarray:
+    """Change of the gradient per step along a direction, with an error of the fourth order."""
+
+    def gradient(step: float) -> np.ndarray:
+        positions = packing.positions + step * direction.reshape(-1, 3)
+        return evaluated(dataclasses.replace(packing, positions=positions), law)[1]
+
+    near, far = ((gradient(h) - gradient(-h)) / (2.0 * h) for h in (2e-6, 4e-6))
+    return (4.0 * near - far) / 3.0
+
+
+def agrees(packing: Packing, law: Droplet | None) -> None:
+    """Compare energy, gradient, stress and Hessian with those of LAMMPS."""
+    state, gradient = evaluated(packing, law)
+    hessian, scale = state.hessian(), np.abs(state.stress).max()
+    force = scale * packing.radius.max() ** 2
+    assert hessian.energy == pytest.approx(state.energy, rel=1e-11)
+    assert hessian.gradient[: hessian.size] == pytest.approx(gradient, abs=1e-11 * force)
+    assert hessian.gradient[hessian.size :] == pytest.approx(0.0, abs=1e-11 * force)
+    assert hessian.stress == pytest.approx(state.stress, abs=1e-11 * scale)
+    matrix = hessian.matrix
+    assert abs(matrix - matrix.T).max() <= 2e-15 * abs(matrix).max()
+    direction = np.random.default_rng(1).standard_normal(hessian.size)
+    exact = difference(packing, law, direction)
+    found = hessian.operator @ direction
+    assert found == pytest.approx(exact, abs=1e-6 * np.abs(exact).max())
+    assert hessian.reduced() @ direction == pytest.approx(found, abs=1e-12 * np.abs(found).max())
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_two_sizes_in_a_tilted_box(law: str) -> None:
+    agrees(deformable.push_off(EMULSION.at(0.72)), LAWS[law])
+
+
+@pytest.mark.parametrize("law", ["spheres", "droplets"])
+def test_any_sizes(law: str) -> None:
+    agrees(deformable.push_off(SIZES.at(0.7)), LAWS[law])
+
+
+@pytest.mark.parametrize("law", ["spheres", "droplets"])
+def test_a_particle_and_its_own_images(law: str) -> None:
+    """A crystal of one particle: nothing moves, and the moduli are those of eight."""
+    box = np.array([[1.9, 0.0, 0.0], [0.5, 1.93, 0.0], [0.3, 0.4, 1.91]])
+    one = Packing(np.zeros((1, 3)), [0], [1.0], box)
+    steps = np.array(np.unravel_index(range(8), (2, 2, 2))).T @ box
+    eight = Packing(steps, np.zeros(8, int), [1.0], 2 * box)
+    states = [evaluated(packing, LAWS[law])[0] for packing in (one, eight)]
+    assert np.abs(states[0].hessian().reduced()).max() < 1e-14
+    left, right = (state.elastic_moduli() for state in states)
+    assert left.tensor == pytest.approx(right.tensor, abs=1e-11)
+    assert np.abs(left.tensor).max() > 0.1
+
+
+@pytest.mark.parametrize(
+    ("lattice", "shear", "extension"),
+    [("fcc", 0.2865, 0.4928), ("bcc", 0.2413, None), ("sc", None, 0.6301)],
+)
+def test_moduli_of_crystals(lattice: str, shear: float | None, extension: float | None) -> None:
+    """0.01 above close packing, in tension/R: of shear along the axes, and of d(s33 - s11)/de33.
+
+    The same by finite strains of LAMMPS: `tests/lammps/test_droplet_crystals.py`. A uniaxial strain
+    at constant volume stretches z by e and x and y by -e/2.
+    """
+    packing = deformable.cubic(lattice, 2, radius=2.0, phi=CLOSE[lattice] + 0.01)
+    moduli = evaluated(packing, Droplet(3.0))[0].elastic_moduli()
+    c, unit = moduli.tensor, 3.0 / 2.0
+    assert np.abs(moduli.relaxing).max() < 1e-9  # centers follow the strain
+    if shear:
+        assert moduli.shear_modulus / unit == pytest.approx(shear, abs=1e-4)  # all digits
+    if extension:
+        change = c[2, 2] - c[0, 0]
+        found = change[2, 2] - 0.5 * (change[0, 0] + change[1, 1])
+        assert found / unit == pytest.approx(extension, abs=1e-4)
+
+
+def relaxed(law: Droplet | None, phi: float) -> DropletState | SphereState:
+    jammed = deformable.jam(deformable.bidisperse(48, radii=(1.0, 1.2), dimension=3, seed=1))
+    start = jammed.at(phi)
+    with deformable.Simulation(start, law) if law else deformable.Spheres(start) as sim:
+        return sim.relax(1e-10)
+
+
+@pytest.fixture(scope="module", params=["spheres", "droplets"])
+def rest(request: pytest.FixtureRequest) -> DropletState | SphereState:
+    return relaxed(LAWS[request.param], 0.68)
+
+
+def test_moduli_are_those_of_finite_strains(rest: DropletState | SphereState) -> None:
+    """Of second order in the strain; contacts change from some 1e-4 on."""
+    moduli, strain = rest.elastic_moduli(), 1e-5
+    for modulus, found in (
+        (deformable.shear_modulus, moduli.shear_modulus),
+        (deformable.bulk_modulus, moduli.bulk_modulus),
+    ):
+        finite = modulus(rest, strain, tolerance=1e-10)
+        assert found == pytest.approx(finite.value, rel=1e-4)
+    assert moduli.relaxing[0, 1, 0, 1] > 0.1 * moduli.affine[0, 1, 0, 1]
+
+
+def test_modes_and_zero_modes(rest: DropletState | SphereState) -> None:
+    """Three translations, and three motions of each rattler; Lanczos' method as the dense one."""
+    number = 3 + 3 * int(rest.rattlers.sum())
+    every, few = rest.modes(), rest.modes(5)
+    assert len(every) == 3 * len(rest.packing) - number
+    assert every.zero_modes == few.zero_modes == number
+    assert every.stiffness[0] > 1e-5 * every.stiffness[-1]
+    assert few.stiffness == pytest.approx(every.stiffness[:5], rel=1e-9)
+    assert every.vectors is not None
+    assert every.vectors.shape == (len(every), len(rest.packing), 3)
+    dense = rest.hessian(rattlers=False).reduced()
+    assert np.linalg.eigvalsh(dense) == pytest.approx(
+        np.sort(np.append(every.stiffness, np.zeros(number))), abs=1e-11 * every.stiffness[-1]
+    )
+    assert (every.participation <= 1.0).all()
+    with pytest.raises(deformable.ParameterError, match="plane"):
+        every.plot(0)
+
+
+def test_rattlers_are_left_out() -> None:
+    """A small droplet in the place of one of a crystal, pushed away from a neighbor that it met.
+
+    Its contact hardly bears any more, and would be a soft spring.
+    """
+    fcc = deformable.cubic("fcc", 2, radius=1.0, phi=0.76)
+    x = fcc.positions.copy()
+    toward = x[1] - x[0]
+    x[0] += 0.5 * toward
+    small = dataclasses.replace(
+        fcc, positions=x, species=(np.arange(32) > 0).astype(int), radii=[0.4, 1.0]
+    )
+    with deformable.Simulation(small, Droplet()) as sim:
+        state = sim.relax(1e-4)
+    assert state.contacts[0] == 1
+    assert not state.hessian().free.any()
+    hessian = state.hessian(rattlers=False)
+    assert hessian.free.tolist() == state.rattlers.tolist() == [True] + 31 * [False]
+    assert state.modes(1).zero_modes == hessian.zero_modes == 6
+
+
+def test_mean_shear_modulus_of_a_crystal() -> None:
+    """Voigt's mean of a cubic crystal, (C11 - C12 + 3 C44)/5."""
+    fcc = deformable.cubic("fcc", 2, phi=0.78)
+    moduli = evaluated(fcc, Droplet())[0].elastic_moduli()
+    mean = (2.0 * moduli.pure_shear_modulus + 3.0 * moduli.shear_modulus) / 5.0
+    assert moduli.mean_shear_modulus == pytest.approx(mean, rel=1e-9)
+    assert abs(moduli.pure_shear_modulus - moduli.shear_modulus) > 0.05
+
+
+def test_droplets_that_do_not_touch() -> None:
+    state, _ = evaluated(deformable.cubic("sc", 2, phi=0.4), Droplet())
+    hessian = state.hessian()
+    assert hessian.matrix.nnz == 0
+    assert hessian.zero_modes == 24
+    assert len(state.modes()) == 0
+
+
+def test_states_that_have_none() -> None:
+    """Not at rest; and so far beyond the model that the forces are no minimum."""
+    state, _ = evaluated(deformable.push_off(EMULSION.at(0.72)), Droplet())
+    with pytest.raises(deformable.ParameterError, match="at rest"):
+        state.elastic_moduli()
+    table = state.contact_table.copy()
+    table["force"] *= 30.0
+    beyond = dataclasses.replace(state, contact_table=table)
+    with pytest.raises(deformable.ParameterError, match="droplet 0 is beyond the model"):
+        beyond.hessian()
+
+
+SCRIPT = """
+import json, sys
+sys.path[:] = {path!r}
+from mpi4py import MPI
+from exact_balance import exactly_balanced
+from test_space_hessian import matrices
+
+with exactly_balanced():
+    found = matrices()
+assert MPI.COMM_WORLD.allgather(found) == [found] * MPI.COMM_WORLD.size
+if MPI.COMM_WORLD.rank == 0:
+    print(json.dumps(found))
+"""
+
+
+def matrices() -> list[list[float]]:
+    """Of droplets on all ranks: H, and the derivatives by strains."""
+    hessian = evaluated(deformable.push_off(EMULSION.at(0.72)), Droplet())[0].hessian()
+    found = hessian.reduced(), hessian.by_strain[: hessian.size], hessian.strain
+    return [matrix.ravel().tolist() for matrix in found]
+
+
+def test_two_ranks_have_the_same_answer(tmp_path: Path) -> None:
+    script = SCRIPT.format(path=sys.path)
+    for mine, theirs in zip(matrices(), json.loads(python(script, tmp_path, 2)), strict=True):
+        assert theirs == pytest.approx(mine, abs=1e-10 * np.abs(mine).max())
