@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from typing import Any
 
 from mpi4py import MPI
 
 from ..io.lammps_commands import balance_command
 from ..model.laws import Law
 from ..model.packing import Packing
+from .deforming import Deforming
 from .disks import Disks
 from .followed import setup
 from .lammps import run
@@ -30,7 +32,7 @@ def closely_balanced(packing: Packing, law: Law | None) -> Disks | Simulation:
 
 
 @contextmanager
-def balanced_to(sim: Simulation, packing: Packing, tolerance: float | None) -> Iterator[None]:
+def balanced_to(sim: Deforming[Any], packing: Packing, tolerance: float | None) -> Iterator[None]:
     """Leave this imbalance to the contacts of a simulation meanwhile; None: the usual one."""
     lmp = sim.lmp
     if tolerance is not None:
@@ -42,7 +44,7 @@ def balanced_to(sim: Simulation, packing: Packing, tolerance: float | None) -> I
             _balance(sim, packing, _USUAL)
 
 
-def _balance(sim: Simulation, packing: Packing, tolerance: float) -> None:
+def _balance(sim: Deforming[Any], packing: Packing, tolerance: float) -> None:
     run(sim.lmp, balance_command(packing, sim.law, tolerance))
     # which knows the former command
     sim._setup = replace(sim._setup, definition=setup(sim.lmp).definition)

@@ -12,7 +12,6 @@ from ..common.errors import LammpsError, ParameterError
 from ..common.validate import positive, shown
 from ..model.friction import Friction
 from ..model.onset import excess_phi, natural_pressure
-from ..model.plane import refuse_space
 from ..model.walls import Wall
 from .box_search import (
     REACHED,
@@ -26,8 +25,9 @@ from .box_search import (
 
 Floats = NDArray[np.float64]
 
-# What is free: e_xx and e_yy together, each by itself, and with the shear e_xy along x.
-FREE = {"size": 1, "sides": 2, "shape": 3}
+# What is free: all strains along the sides together, each by itself, and with the shears that tilt
+# the box, e_xy, in space e_xz and e_yz too.
+FREE = ("size", "sides", "shape")
 
 # Relaxations of one search. Ten to twenty are usual, more where a packing rearranges.
 _RELAXATIONS = 400
@@ -59,14 +59,13 @@ def check_free(
     box: str,
     walls: tuple[Wall, ...],
     pressure: float | None,
-    dimension: int = 2,
     friction: Friction | None = None,
 ) -> None:
     """Refuse what cannot be free, and a pressure that cannot be.
 
     Raises:
-        ParameterError: there is no such name, or walls or a box in space cannot follow; or the
-            pressure is missing or not above 0.
+        ParameterError: there is no such name, or walls cannot follow; or the pressure is missing or
+            not above 0.
     """
     if pressure is not None:
         positive("pressure", pressure)
@@ -79,8 +78,6 @@ def check_free(
         raise ParameterError(f"box must be size, sides or shape, not {shown(box)}")
     if pressure is None and box != "size":
         raise ParameterError(f"box='{box}' needs a pressure to relax at: give pressure too")
-    if box != "size":
-        refuse_space(f"box='{box}'", dimension, "take box='size', or `deform` the box yourself")
     if walls and box != "size":
         raise ParameterError(
             f"box='{box}' is not for walls, and there are {len(walls)}, the first a "
@@ -89,7 +86,8 @@ def check_free(
 
 
 def relax_free_box(sim: Scalable, pressure: float, box: str, relax: Callable[[], S]) -> S:
-    """Relax centers and box at a pressure p: the enthalpy E + p A is least.
+    """Relax centers and box at a pressure p: the enthalpy E + p A is least, with the
+    volume in the place of the area A in space.
 
     A strain e of the box changes it by -A (stress - p 1) : e. The size is scaled first, see
     `reach`. Then the BFGS method finds the strains at which the stress of the relaxed packing is p
@@ -97,7 +95,7 @@ def relax_free_box(sim: Scalable, pressure: float, box: str, relax: Callable[[],
 
     Args:
         sim: ends in the state that is returned.
-        pressure: p, above 0 [energy/length^2].
+        pressure: p, above 0 [energy/length^d].
         box: what is free, see `check_free`.
         relax: relaxes `sim` in its box.
 
@@ -109,14 +107,16 @@ def relax_free_box(sim: Scalable, pressure: float, box: str, relax: Callable[[],
 
     def search(relax: Callable[[], S]) -> S:
         state = reach(sim, "pressure", pressure, relax)
-        return state if box == "size" else _stress_free(sim, pressure, FREE[box], relax, state)
+        return state if box == "size" else _stress_free(sim, pressure, box, relax, state)
 
     return told_at_the_end(search, relax, stacklevel=4)
 
 
-def _stress_free(sim: Scalable, pressure: float, free: int, relax: Callable[[], S], state: S) -> S:
+def _stress_free(sim: Scalable, pressure: float, box: str, relax: Callable[[], S], state: S) -> S:
     """A state whose stress is the pressure in all free directions, from one at this pressure."""
     relaxations, stalls = 0, 0
+    dimension = state.packing.dimension
+    free = dimension if box == "sides" else dimension * (dimension + 1) // 2
 
     def strained(strain: Floats) -> S:
         nonlocal relaxations, stalls
@@ -176,15 +176,23 @@ def _downhill(
 
 def _slopes(state: Stressed, pressure: float, free: int) -> Floats:
     """Derivatives of the enthalpy by the free strains, over p A, shape (free,)."""
-    excess = state.stress / pressure - np.eye(2)
-    return -np.array([excess[0, 0], excess[1, 1], excess[0, 1]])[:free]
+    dimension = len(state.stress)
+    excess = state.stress / pressure - np.eye(dimension)
+    return -excess[_components(dimension)][:free]
+
+
+def _components(dimension: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows and columns of the strains: those along the sides, then the shears."""
+    sides, (row, column) = np.arange(dimension), np.triu_indices(dimension, 1)
+    return np.append(sides, row), np.append(sides, column)
 
 
 def _strained(box: Floats, strain: Floats) -> Floats:
     """The lattice vectors of a box after a strain of its free directions."""
-    xx, yy, xy = [*strain.tolist(), 0.0][:3]
-    (lx, _), (tilt, ly) = box.tolist()
-    return np.array([[lx * (1.0 + xx), 0.0], [tilt * (1.0 + xx) + xy * ly, ly * (1.0 + yy)]])
+    change, (row, column) = np.eye(len(box)), _components(len(box))
+    change[row[: len(strain)], column[: len(strain)]] += strain
+    strained: Floats = np.sum(box[:, None, :] * change, axis=2)
+    return strained
 
 
 def _first_inverse(state: Any, pressure: float, free: int) -> tuple[Floats, float]:
@@ -199,10 +207,11 @@ def _first_inverse(state: Any, pressure: float, free: int) -> tuple[Floats, floa
     x = excess_phi(pressure / natural_pressure(packing, law), packing, law)
     bulk = state.phi / x
     shear = bulk * float(np.sqrt(x))
-    size, pure, simple = np.array([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.0, 2.0]])
-    inverse = np.outer(size, size) / bulk
-    inverse += (np.outer(pure, pure) + np.outer(simple, simple)) / shear
-    return inverse[:free, :free] / 4.0, x
+    dimension = packing.dimension
+    inverse = np.eye(free) / shear
+    inverse[:dimension, :dimension] = 1.0 / (dimension**2 * bulk)
+    inverse[:dimension, :dimension] += (np.eye(dimension) - 1.0 / dimension) / (2.0 * shear)
+    return inverse, x
 
 
 def _updated(inverse: Floats, step: Floats, change: Floats) -> Floats:

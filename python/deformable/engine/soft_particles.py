@@ -103,7 +103,7 @@ class SoftParticles(Engine, Generic[S]):
                 none [k length].
             pressure: of the state; the box is free to reach it, to 1e-6 [k], of spheres
                 [k/length].
-            box: what is free at a pressure, see `Simulation.relax`; of spheres the size.
+            box: what is free at a pressure, see `Simulation.relax`.
 
         Returns:
             The relaxed state; its `stalled` is true if the tolerance was not reached.
@@ -118,7 +118,7 @@ class SoftParticles(Engine, Generic[S]):
         """
         positive("tolerance", tolerance)
         minimum_contact_force = zero_or_more("minimum_contact_force", minimum_contact_force)
-        check_free(box, self._walls, pressure, self.dimension)
+        check_free(box, self._walls, pressure)
         if pressure is not None:
             facet = float(self._radius.min()) ** (self.dimension - 1)  # about that of a contact
             least = max(minimum_contact_force, pressure * facet)

@@ -21,7 +21,7 @@ class Motion(NamedTuple):
     """How far a simulation has come, beside its packing.
 
     Attributes:
-        velocities: of the particles, shape (N, 2) [length/time].
+        velocities: of the particles, shape (N, d) [length/time].
         time: of the motion so far [time].
         strain: shear strain so far; None without shear.
         films: those that there are, see `films.py`; None if nothing sticks.
@@ -64,7 +64,9 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
     if given. Films, directions and springs of contacts are comments at its end.
     """
     style = atom_style(packing)
-    title = f"LAMMPS data file by lammps-deformable, units lj, atom_style {style}, two-dimensional"
+    space = "two" if packing.dimension == 2 else "three"
+    title = f"LAMMPS data file by lammps-deformable, units lj, atom_style {style}, "
+    title += f"{space}-dimensional"
     columns: list[NDArray[Any]] = [packing.species + 1]
     if packing.particle_radii is not None:
         columns += sphere_columns(packing.particle_radii)
@@ -87,12 +89,13 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
     return text + memory + direction_lines(motion.directions)
 
 
-def packing_in(text: str, radii: list[float]) -> Packing:
+def packing_in(text: str, radii: list[float], dimension: int) -> Packing:
     """The packing in a data file, which LAMMPS itself would round while it reads it.
 
     Args:
         text: of the file, as `packing_file` or LAMMPS' `write_data` writes it.
         radii: of the species [length].
+        dimension: 2, or 3 in space.
 
     Raises:
         ValueError: the text is no such file, or lacks atoms.
@@ -102,31 +105,36 @@ def packing_in(text: str, radii: list[float]) -> Packing:
         raise ValueError(f"atom IDs must be 1 to {len(found.ids)}")
     own = "diameter" in found.columns
     return Packing(
-        positions=found.places(),
+        positions=found.places(dimension),
         species=found.species,
         radii=np.array(radii),
-        box=found.lattice(),
+        box=found.lattice(dimension),
         particle_radii=found.radius("diameter") if own else None,
     )
 
 
-def motion_in(text: str, number: int) -> Motion:
+def motion_in(text: str, number: int, dimension: int) -> Motion:
     """The motion in a data file of so many atoms, as `packing_file` or `write_data` writes it.
+
+    Args:
+        text: of the file.
+        number: of atoms.
+        dimension: 2, or 3 in space.
 
     Raises:
         ValueError: velocities or directions are missing or damaged.
     """
     title, _, body = text.partition("\n")
     time, strain = (re.search(rf", {name} ([^,]+)", title) for name in ("time", "strain"))
-    velocities, spins = np.zeros((number, 2)), np.zeros(number)
+    velocities, spins = np.zeros((number, dimension)), np.zeros(number)
     _, _, section = body.partition("\nVelocities\n\n")
     rows = [row.split() for row in section.partition("\n\n")[0].splitlines()]
     if rows:
-        ids, vx, vy, _, *turn = np.array(rows, dtype=np.float64).T
+        ids, vx, vy, vz, *turn = np.array(rows, dtype=np.float64).T
         if sorted(ids) != list(range(1, number + 1)):
             raise ValueError(f"it has velocities of {len(ids)} of {number} atoms")
         order = ids.astype(np.int64) - 1
-        velocities[order] = np.column_stack([vx, vy])
+        velocities[order] = np.column_stack([vx, vy, vz][:dimension])
         spins[order] = turn[2] if len(turn) > 2 else 0.0
     return Motion(
         velocities,

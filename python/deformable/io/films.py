@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.laws import Law
+from ..model.droplet import AnyLaw
 from ..model.sticking import sticks
 from ..model.walls import Wall
 from .comments import comment_lines, rows_in_comments
@@ -22,7 +22,7 @@ Films = NDArray[np.int64]
 _FILMS = 10
 
 
-def film_commands(law: Law, walls: Sequence[Wall], films: Films | None = None) -> str:
+def film_commands(law: AnyLaw, walls: Sequence[Wall], films: Films | None = None) -> str:
     """Commands after those of the law and the walls, before the first run.
 
     Args:

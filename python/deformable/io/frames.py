@@ -195,6 +195,7 @@ def read_frame(
     radii: Sequence[float],
     saved: Mapping[str, Any],
     clock: tuple[float, float | None],
+    dimension: int,
 ) -> tuple[Packing, Motion]:
     """A packing and its motion from a frame as `record` writes it.
 
@@ -206,19 +207,20 @@ def read_frame(
         radii: of the species.
         saved: its setup, with films and springs of contacts.
         clock: time and strain.
+        dimension: 2, or 3 in space.
     """
     found = read_dump_frame(frame)
     values, species, largest = found.columns, found.species, np.array(radii)
     own = bool((values["radius"] != largest[species]).any())
     np.maximum.at(largest, species, values["radius"])
     packing = Packing(
-        found.places(),
+        found.places(dimension),
         species,
         largest,
-        found.lattice(),
+        found.lattice(dimension),
         values["radius"] if own else None,
     )
-    velocities = np.column_stack([values["vx"], values["vy"]])
+    velocities = np.column_stack([values[name] for name in ("vx", "vy", "vz")[:dimension]])
     films, directions = as_films(saved.get("films")), from_columns(values)
     rubbing = rubbing_from_json(saved, values)
     return packing, Motion(velocities, *clock, films, directions, rubbing)

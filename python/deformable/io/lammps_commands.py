@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..model.by_pair import pair_matrix
 from ..model.droplet import AnyLaw, Droplet
-from ..model.laws import Law, Ring
+from ..model.laws import Ring
 from ..model.packing import Packing
 from ..model.polygon_walls import Walls
 from ..model.polygons import PolygonModel
@@ -146,9 +146,9 @@ def law_commands(packing: Packing, law: AnyLaw, file: str) -> str:
     return commands + minimizer_commands(skin=0.1 * smallest, dmax=0.005 * smallest)
 
 
-def balance_command(packing: Packing, law: Law, tolerance: float) -> str:
+def balance_command(packing: Packing, law: AnyLaw, tolerance: float) -> str:
     """Command for the imbalance that LAMMPS leaves to contacts; empty if the law has no balance."""
-    if not isinstance(law, Ring) or law.contact == "radical":
+    if law.name in ("radical", "sector"):
         return ""
     whose = "type" if packing.particle_radii is None else "atom"
     arguments = f"{pair_style_arguments(law)} balance {tolerance!r} 1000 radius {whose}"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from ..model.droplet import AnyLaw
 from ..model.friction import Friction
-from ..model.laws import Law
 from ..model.packing import Packing
 from .data_file import Motion
 from .films import film_commands
@@ -27,8 +27,7 @@ run 0
 {relaxing}# To let it move at constant energy (not with deformable/sector):
 # timestep {moving!r}
 {velocity}# fix move all {integrator}
-# fix plane all enforce2d
-# thermo 100
+{plane}# thermo 100
 # run 1000
 """
 
@@ -41,7 +40,7 @@ _RELAXING = """# To relax it:
 
 def script(
     packing: Packing,
-    law: Law,
+    law: AnyLaw,
     timestep: float,
     moving: float,
     motion: Motion,
@@ -70,5 +69,6 @@ def script(
         "velocity": velocity,
         "integrator": integrator,
         "relaxing": relaxing,
+        "plane": "# fix plane all enforce2d\n" if packing.dimension == 2 else "",
     }
     return _SCRIPT.format(script=SCRIPT, setup=setup, data=DATA, law=commands, **proposed).lstrip()

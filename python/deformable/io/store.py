@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 from ..common.errors import FileError
 from ..common.files import make_folder, reading, write_whole
 from ..common.versions import versions
+from ..model.droplet import SAVED_LAWS, AnyLaw
 from ..model.friction import Friction
-from ..model.laws import LAWS, Law
 from ..model.packing import Packing
 from ..model.walls import KINDS, Wall
 from .data_file import Motion, motion_in, packing_file, packing_in
@@ -26,7 +26,7 @@ from .run_folder import DATA, SCRIPT, SPECIES, SUMMARY, refuse
 def save(
     folder: str | Path,
     packing: Packing,
-    law: Law,
+    law: AnyLaw,
     timesteps: tuple[float, float],
     numbers: Mapping[str, Any],
     motion: Motion,
@@ -64,13 +64,13 @@ def save(
 class Setup(NamedTuple):
     """What a state is made of besides its particles."""
 
-    law: Law
+    law: AnyLaw
     radii: list[float]
     walls: tuple[Wall, ...]
     friction: Friction | None
 
 
-def setup(packing: Packing, law: Law, friction: Friction | None) -> dict[str, Any]:
+def setup(packing: Packing, law: AnyLaw, friction: Friction | None) -> dict[str, Any]:
     """Law, radii of species, walls, and friction if contacts rub, as JSON."""
     settings = {name: _strict(value) for name, value in asdict(law).items() if name != "contact"}
     return {
@@ -95,9 +95,9 @@ def read_setup(saved: Mapping[str, Any]) -> Setup:
     """
     settings = dict(saved["law"])
     name: str = settings.pop("name")
-    if name not in LAWS:
+    if name not in SAVED_LAWS:
         raise ValueError(f"there is no law {name!r}")
-    law = replace(LAWS[name], **{key: _setting(value) for key, value in settings.items()})
+    law = replace(SAVED_LAWS[name], **{key: _setting(value) for key, value in settings.items()})
     walls = tuple(_wall(**each) for each in saved.get("walls", []))
     friction = _friction(saved["friction"]) if "friction" in saved else None
     return Setup(law, saved["radii"], walls, friction)
@@ -159,7 +159,7 @@ def _wall(shape: str, **values: Any) -> Wall:
     return KINDS[shape](**values)
 
 
-def read(folder: Path) -> tuple[Packing, Law, Friction | None]:
+def read(folder: Path) -> tuple[Packing, AnyLaw, Friction | None]:
     """The packing in a folder, with every digit, its contact law, and friction if contacts rub.
 
     Raises:
@@ -169,15 +169,15 @@ def read(folder: Path) -> tuple[Packing, Law, Friction | None]:
     with reading(folder / SUMMARY):
         law, radii, walls, friction = read_setup(summary)
     with reading(folder / DATA):
-        packing = packing_in(_text(folder / DATA, folder), radii)
+        packing = packing_in(_text(folder / DATA, folder), radii, law.dimension)
         return (replace(packing, walls=walls) if walls else packing), law, friction
 
 
-def read_motion(folder: Path, number: int) -> Motion:
-    """The motion of the packing in a folder, of so many particles.
+def read_motion(folder: Path, packing: Packing) -> Motion:
+    """The motion of the packing in a folder.
 
     Raises:
         FileError: the file is missing or damaged.
     """
     with reading(folder / DATA):
-        return motion_in(_text(folder / DATA, folder), number)
+        return motion_in(_text(folder / DATA, folder), len(packing), packing.dimension)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from ..common.validate import shown
-from .laws import Law, SpeciesParameters, one_or_each, per_species
+from .laws import LAWS, Law, SpeciesParameters, one_or_each, per_species
 from .plane import refuse_space
 
 # Load beyond which the law is off by more than it is worth; as in `src/core/droplet.h`.
@@ -40,6 +41,9 @@ class Droplet:
     Source: Morse and Witten, Europhys. Lett. 22, 549 (1993); docs/pair_deformable_droplet.md.
     """
 
+    dimension: ClassVar[int] = 3
+    sticks: ClassVar[bool] = False
+
     tension: float | Sequence[float] = 1.0
 
     def __post_init__(self) -> None:
@@ -54,6 +58,11 @@ class Droplet:
     def __repr__(self) -> str:
         return "Droplet()" if self.tension == 1.0 else f"Droplet(tension={self.tension!r})"
 
+    @property
+    def name(self) -> str:
+        """`droplet`, in files."""
+        return "droplet"
+
     def species_parameters(self, radii: Sequence[float] | NDArray[np.float64]) -> SpeciesParameters:
         """As for `Ring`: the volume is kept, kA = inf, and all else but the tension is 0.
 
@@ -67,6 +76,9 @@ class Droplet:
 
 AnyLaw = Law | Droplet
 
+# By the names that files have.
+SAVED_LAWS: dict[str, AnyLaw] = {**LAWS, "droplet": Droplet()}
+
 
 def check_dimension(law: AnyLaw, dimension: int) -> None:
     """Refuse a law of the plane in three dimensions, and `Droplet` in the plane.
@@ -74,7 +86,7 @@ def check_dimension(law: AnyLaw, dimension: int) -> None:
     Raises:
         ParameterError: law and dimension do not fit.
     """
-    if not isinstance(law, Droplet):
+    if law.dimension == 2:
         refuse_space(f"the law {type(law).__name__}", dimension, "take `Droplet`")
     elif dimension == 2:
         raise ParameterError(

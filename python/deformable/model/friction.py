@@ -11,7 +11,8 @@ from .. import core
 from ..common.errors import ParameterError
 from ..common.validate import expect
 from .by_pair import ByPair, by_pair, pair_matrix
-from .laws import Law, Sector
+from .droplet import AnyLaw, Droplet
+from .laws import Sector
 from .packing import Packing
 
 _NAMES = ("mu", "kt", "gt", "damp")
@@ -107,14 +108,19 @@ class Friction:
         return rows
 
 
-def check_friction(friction: Friction, packing: Packing, law: Law) -> None:
+def check_friction(friction: Friction, packing: Packing, law: AnyLaw) -> None:
     """Refuse friction where contacts do not slip, or where coefficients are missing.
 
     Raises:
-        ParameterError: the law is `Sector`; there is another number of species; or there are walls,
-            and coefficients by species only.
+        ParameterError: the law is `Sector` or `Droplet`; there is another number of species; or
+            there are walls, and coefficients by species only.
     """
     expect("friction", friction, Friction)
+    if isinstance(law, Droplet):
+        raise ParameterError(
+            "friction is for particles in the plane, and droplets have three dimensions: leave it "
+            "out"
+        )
     if isinstance(law, Sector):
         raise ParameterError(
             "friction needs contacts that slip, and those of Sector stick: take Ring"

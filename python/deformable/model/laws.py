@@ -92,6 +92,8 @@ class Ring:
     Source: docs/theory.md.
     """
 
+    dimension: ClassVar[int] = 2
+
     kA: float | Sequence[float] = 1.0
     _: KW_ONLY
     reach: float = math.nan
@@ -225,6 +227,7 @@ class Sector:
         ParameterError: a value is not positive, or both or none of the two are infinite.
     """
 
+    dimension: ClassVar[int] = 2
     sticks: ClassVar[bool] = False
 
     kA: float = math.nan

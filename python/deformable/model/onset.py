@@ -12,6 +12,9 @@ from .packing import Packing
 # rings; in three dimensions droplets have x = 0.8 p ln(1 + 1/p).
 _DISKS, _DROPLETS, _RINGS, _IN_SPACE = 0.4, 1.0, 5.0, 0.8
 
+# Iterations for the inverse of the last one, which come closer by 1/((1 + p) ln(1 + 1/p)) each.
+_INVERTED = 100
+
 
 def natural_pressure(packing: Packing, law: AnyLaw | None) -> float:
     """The unit of pressure of a contact law [energy/length^2].
@@ -44,10 +47,15 @@ def excess_phi(p: float, packing: Packing, law: AnyLaw | None) -> float:
     return p / _DROPLETS if _droplets(packing, law) else (max(p, 0.0) / _RINGS) ** (1.0 / 3.0)
 
 
-def pressure_above_onset(excess: float, packing: Packing, law: Law | None) -> float:
+def pressure_above_onset(excess: float, packing: Packing, law: AnyLaw | None) -> float:
     """The pressure in natural units at this phi - phi_J, the inverse of `excess_phi`."""
     if law is None:
         return _DISKS * excess
+    if isinstance(law, Droplet):
+        pressure = excess
+        for _ in range(_INVERTED):
+            pressure = excess / (_IN_SPACE * float(np.log1p(1.0 / pressure)))
+        return pressure
     return _DROPLETS * excess if _droplets(packing, law) else _RINGS * excess**3
 
 

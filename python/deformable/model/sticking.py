@@ -6,17 +6,18 @@ from collections.abc import Sequence
 
 from .. import core
 from ..common.errors import ParameterError
-from .laws import Law, Ring
+from .droplet import AnyLaw
+from .laws import Ring
 from .packing import Packing
 from .walls import Wall
 
 
-def sticks(law: Law, walls: Sequence[Wall]) -> bool:
+def sticks(law: AnyLaw, walls: Sequence[Wall]) -> bool:
     """Whether any particles have an adhesion, to each other or to a wall."""
     return law.sticks or any(wall.adhesion > 0.0 for wall in walls)
 
 
-def refuse_adhesion(law: Law, walls: Sequence[Wall], why: str) -> None:
+def refuse_adhesion(law: AnyLaw, walls: Sequence[Wall], why: str) -> None:
     """Refuse particles that stick, for what does not know adhesion.
 
     Args:
@@ -31,7 +32,7 @@ def refuse_adhesion(law: Law, walls: Sequence[Wall], why: str) -> None:
         raise ParameterError(f"particles have an adhesion{why}: take adhesion=0")
 
 
-def check_sticky_walls(packing: Packing, law: Law) -> None:
+def check_sticky_walls(packing: Packing, law: AnyLaw) -> None:
     """Refuse walls to which particles of this law cannot stick.
 
     Raises:

@@ -8,8 +8,9 @@ from dataclasses import replace
 from ..common.errors import ParameterError
 from ..common.steps import Steps
 from ..common.validate import count, expect, finite, positive
+from ..engine.deforming import Deforming, S
+from ..engine.droplet_simulation import DropletSimulation
 from ..engine.simulation import Simulation
-from ..state.state import State
 from .flow import flow, flow_dynamics
 from .shear import refuse_walls
 
@@ -21,7 +22,7 @@ fix_modify deformable_flow press deformable_virial
 
 
 def creep(
-    sim: Simulation,
+    sim: Deforming[S],
     stress: float,
     time: float,
     steps: int = 10,
@@ -30,7 +31,7 @@ def creep(
     temperature: float | None = None,
     timestep: float | None = None,
     seed: int | None = None,
-) -> Iterator[State]:
+) -> Iterator[S]:
     """Apply a shear stress, and let the box shear along x.
 
     The box follows the stress that the contacts do not bear, against a liquid of some viscosity,
@@ -42,12 +43,13 @@ def creep(
     *fix deform/pressure* with *remap x* shears the box, *fix brownian* moves the particles.
 
     Args:
-        sim: of the law `Ring`, without walls; it ends in the last state.
+        sim: of the law `Ring` or `Droplet`, without walls; it ends in the last state.
         stress: shear stress, of either sign [energy/length^2].
         time: in all [time].
         steps: number of states, after equal parts of the time.
         friction: as in `shear` at a rate, must be given [1/time].
-        viscosity: of the liquid, in two dimensions [1/time]; the friction if not given.
+        viscosity: of the liquid, in d dimensions [length^(2-d)/time]; if not
+            given the friction, in space over the mean diameter.
         temperature: as in `shear`.
         timestep: as in `shear`.
         seed: as in `shear`.
@@ -59,21 +61,24 @@ def creep(
         ParameterError: see `shear`.
         LammpsError: see `move`.
     """
-    expect("sim", sim, Simulation)
+    expect("sim", sim, Simulation, DropletSimulation)
     refuse_walls(sim)
     stress, time, steps = finite("stress", stress), positive("time", time), count("steps", steps)
     sim, dynamics = flow_dynamics(sim, friction, temperature, timestep, None, seed)
-    viscosity = dynamics.friction if viscosity is None else positive("viscosity", viscosity)
+    given = None if viscosity is None else positive("viscosity", viscosity)
     before = sim.strain or 0.0
 
-    def states() -> Iterator[State]:
-        held = sim.state().shear_stress
+    def states() -> Iterator[S]:
+        start = sim.state()
+        held, radius = start.shear_stress, float(start.packing.radius.mean())
+        usual = dynamics.friction / (1.0 if sim.dimension == 2 else 2.0 * radius)
+        viscosity = given or usual
         fastest = 2.0 * (abs(stress) + abs(held)) / viscosity
         if fastest == 0.0:
             raise ParameterError("stress must not be 0 in a packing that has none")
         most = fastest * float(sim.box[1, 1])  # velocity of the upper side of the box
         course = _COURSE.format(target=-stress, gain=1.0 / viscosity, most=most).strip()
-        damped = replace(dynamics, part=min(1.0, viscosity / dynamics.friction))
+        damped = replace(dynamics, part=min(1.0, viscosity / usual))
         duration, unknown = time / steps, [None] * steps
         yield from flow(sim, damped, fastest, duration, unknown, lambda _: course, seed)
 

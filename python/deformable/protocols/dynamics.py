@@ -5,19 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ..common.errors import LammpsError, ParameterError
 from ..common.validate import positive, whole, zero_or_more
+from ..engine.deforming import Deforming
 from ..engine.followed import rub_and_spin
 from ..engine.lammps import gather, place, run
-from ..engine.simulation import Simulation
 from ..io.rubbing import damped_commands
 from ..model.friction import Friction
 from ..model.laws import Sector
-from ..model.timestep import ACCURATE, longest_overdamped_step, longest_step, pressure_under
-from ..state.state import State
+from ..model.timestep import ACCURATE, longest_overdamped_step, longest_step, squeeze_under
+from ..state.droplet_state import DeformedState
 
 # The integrator of the heat bath by Gronbech-Jensen and Farago keeps positions and half-step
 # velocities of an oscillator at their temperature for any time step. Unlike fix langevin, it does
@@ -68,11 +69,11 @@ class Dynamics:
     timestep: float | None = None
     rubbing: Friction | None = None
 
-    def longest_step(self, state: State) -> float:
+    def longest_step(self, state: DeformedState) -> float:
         """The longest stable time step where the drive pushes particles together [time]."""
         return self._longest(state, self.drive, self._hot(state))
 
-    def default_step(self, state: State) -> float:
+    def default_step(self, state: DeformedState) -> float:
         """The time step that a user gets who gives none [time]."""
         exact = not (self.inertia or self.temperature)  # steps change the energy of noise only
         part = self.part * (1.0 if exact else ACCURATE)
@@ -88,18 +89,18 @@ class Dynamics:
             steps.append(self.rubbing.accurate_step)
         return min(steps)
 
-    def _longest(self, state: State, drive: float, temperature: float) -> float:
-        packing, law, pressure, _ = state.step_limits()
-        pressure = max(pressure, pressure_under(drive, packing, law))
+    def _longest(self, state: DeformedState, drive: float, temperature: float) -> float:
+        packing, law, squeeze, _ = state.step_limits()
+        squeeze = max(squeeze, squeeze_under(drive, packing, law))
         if self.inertia:
-            return longest_step(packing, law, pressure, temperature)
-        return longest_overdamped_step(packing, law, pressure, temperature, self.friction)
+            return longest_step(packing, law, squeeze, temperature)
+        return longest_overdamped_step(packing, law, squeeze, temperature, self.friction)
 
-    def _hot(self, state: State) -> float:
+    def _hot(self, state: DeformedState) -> float:
         """The temperature of the motion [energy]."""
         return state.temperature if self.inertia else self.temperature or 0.0
 
-    def check(self, state: State, timestep: float) -> None:
+    def check(self, state: DeformedState, timestep: float) -> None:
         """Refuse a time step at which contacts are unstable."""
         if self.persistence is not None and timestep > self.persistence:
             raise ParameterError(
@@ -115,9 +116,9 @@ class Dynamics:
         longest = self._longest(state, 0.0, self._hot(state))
         if timestep <= longest:
             return
-        pressure, temperature = float(state.particle_pressure.max()), self._hot(state)
-        n = int(state.particle_pressure.argmax())
-        cause = f"particle {n}, whose pressure is {pressure:.3g}, at temperature {temperature:.3g}"
+        name, values = state.squeezed
+        n, temperature = int(values.argmax()), self._hot(state)
+        cause = f"particle {n}, whose {name} is {values[n]:.3g}, at temperature {temperature:.3g}"
         if longest < self._longest(state, 0.0, 0.0):
             cause = f"the temperature of {temperature:.3g}, at which particles collide so hard"
         raise ParameterError(
@@ -125,7 +126,7 @@ class Dynamics:
             "leave it out"
         )
 
-    def commands(self, seed: int, spins: bool = False) -> str:
+    def commands(self, seed: int, dimension: int, spins: bool = False) -> str:
         """Commands that define the fixes; `spins`: whether particles turn."""
         temperature = self.temperature or 0.0
         if not self.inertia:
@@ -139,7 +140,7 @@ class Dynamics:
             mover = _BATH.format(temperature=temperature, time=1.0 / self.friction, seed=seed)
         else:
             mover = "fix deformable_move all nve" + "/sphere disc" * spins
-        parts = [mover, "fix deformable_plane all enforce2d"]
+        parts = [mover, *["fix deformable_plane all enforce2d"] * (dimension == 2)]
         if self.persistence is not None:
             values = {"force": self.drive, "persistence": self.persistence, "seed": seed}
             parts.append(_PROPULSION.format(**values))
@@ -147,7 +148,7 @@ class Dynamics:
 
 
 def dynamics_of(
-    sim: Simulation,
+    sim: Deforming[Any],
     temperature: float | None,
     friction: float,
     inertia: bool,
@@ -185,7 +186,7 @@ def dynamics_of(
 
 
 @contextmanager
-def moving(sim: Simulation, dynamics: Dynamics, seed: int) -> Iterator[None]:
+def moving(sim: Deforming[Any], dynamics: Dynamics, seed: int) -> Iterator[None]:
     """The fixes of a motion, in LAMMPS until its end.
 
     Raises:
@@ -202,7 +203,7 @@ def moving(sim: Simulation, dynamics: Dynamics, seed: int) -> Iterator[None]:
                 "shear without a rate"
             )
         raise ParameterError(f"contacts rub, and particles {how}")
-    fixes = dynamics.commands(seed, spins)
+    fixes = dynamics.commands(seed, sim.dimension, spins)
     run(lmp, fixes)
     if dynamics.persistence is not None and sim.directions is not None:
         place(lmp, _DIRECTIONS, sim.directions)
@@ -214,7 +215,7 @@ def moving(sim: Simulation, dynamics: Dynamics, seed: int) -> Iterator[None]:
             run(lmp, "\n".join(f"unfix {name}" for name in names))
 
 
-def refuse_second_motion(sim: Simulation) -> None:
+def refuse_second_motion(sim: Deforming[Any]) -> None:
     """Refuse to begin a motion while another one has not ended.
 
     Raises:
@@ -226,14 +227,14 @@ def refuse_second_motion(sim: Simulation) -> None:
         )
 
 
-def seeds(sim: Simulation, seed: int | None) -> list[int]:
+def seeds(sim: Deforming[Any], seed: int | None) -> list[int]:
     """Two seeds for LAMMPS, others for each number of steps; without a seed others each time."""
     entropy = sim.comm.bcast(np.random.SeedSequence(seed).entropy)
     words = np.random.SeedSequence([entropy, sim.lmp.extract_global("ntimestep")])
     return [1 + int(word) % _SEEDS for word in words.generate_state(2)]
 
 
-def advance(sim: Simulation, dynamics: Dynamics, steps: int, timestep: float) -> None:
+def advance(sim: Deforming[Any], dynamics: Dynamics, steps: int, timestep: float) -> None:
     """Let the particles move, and count the time.
 
     Raises:
@@ -241,7 +242,11 @@ def advance(sim: Simulation, dynamics: Dynamics, steps: int, timestep: float) ->
     """
     lmp = sim.lmp
     first = lmp.extract_global("ntimestep")
-    flat = f' every {_FLATTEN} "set group all z 0.0"' if dynamics.inertia else ""
+    flat = (
+        f' every {_FLATTEN} "set group all z 0.0"'
+        if dynamics.inertia and sim.dimension == 2
+        else ""
+    )
     try:  # `relax` between states has changed the time step
         run(lmp, f"timestep {timestep!r}\nrun {steps} post no{flat}")
     except LammpsError as error:
@@ -254,7 +259,7 @@ def advance(sim: Simulation, dynamics: Dynamics, steps: int, timestep: float) ->
         run(lmp, "velocity all set 0 0 0")  # fix brownian leaves those of its last step
 
 
-def refuse_restarted(sim: Simulation, lmp: object) -> None:
+def refuse_restarted(sim: Deforming[Any], lmp: object) -> None:
     """Refuse to go on in another LAMMPS than before the last state.
 
     Raises:

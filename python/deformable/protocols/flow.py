@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
 from ..common.errors import ParameterError
 from ..common.progress import progress
 from ..common.validate import count
+from ..engine.deforming import Deforming, S
+from ..engine.droplet_simulation import DropletSimulation
 from ..engine.lammps import run
 from ..engine.simulation import Simulation
-from ..state.state import State
 from .dynamics import Dynamics, advance, dynamics_of, moving, refuse_restarted, seeds
 from .tilt import straighten
 
@@ -27,16 +29,16 @@ def flow_dynamics(
     timestep: float | None,
     tolerance: float | None,
     seed: int | None,
-) -> tuple[Simulation, Dynamics]:
+) -> tuple[Deforming[Any], Dynamics]:
     """What flows, and overdamped motion relative to the mean flow.
 
     Raises:
         ParameterError: a value is out of range, the friction is missing, a tolerance is given, or
             these are `Disks` or `Spheres`.
     """
-    if not isinstance(sim, Simulation):
+    if not isinstance(sim, (Simulation, DropletSimulation)):
         kind = type(sim).__name__
-        raise ParameterError(f"{kind} are sheared without a rate only: take Simulation and Ring")
+        raise ParameterError(f"{kind} are sheared without a rate only: take Simulation")
     if friction is None:
         raise ParameterError("a flow needs the friction of particles against it: give friction")
     if tolerance is not None:
@@ -59,14 +61,14 @@ def refuse_without_flow(name: str, **given: object) -> None:
 
 
 def flow(
-    sim: Simulation,
+    sim: Deforming[S],
     dynamics: Dynamics,
     rate: float,
     duration: float,
     strains: Sequence[float | None],
     course: Callable[[float], str],
     seed: int | None,
-) -> Iterator[State]:
+) -> Iterator[S]:
     """Shear the box, and yield the state after equal times.
 
     Args:
@@ -106,9 +108,7 @@ def flow_command(parameters: str) -> str:
     return f"fix deformable_flow all deform 1 xy {parameters} remap x"
 
 
-def _piece(
-    sim: Simulation, dynamics: Dynamics, duration: float, course: str, state: State
-) -> State:
+def _piece(sim: Deforming[S], dynamics: Dynamics, duration: float, course: str, state: S) -> S:
     """The state after a flow with one time step, from the state before."""
     longest = dynamics.timestep or dynamics.default_step(state)
     steps = count("number of time steps to a state", math.ceil(duration / longest))
@@ -124,8 +124,8 @@ def _piece(
     return sim.state()
 
 
-def _strain_since(sim: Simulation, tilt: float) -> float:
+def _strain_since(sim: Deforming[S], tilt: float) -> float:
     """The smallest strain from a tilt of the box to that of now, as LAMMPS may have flipped it."""
-    (lx, _), (xy, ly) = sim.box.tolist()
+    lx, xy, ly = sim.box[[0, 1, 1], [0, 0, 1]].tolist()
     widths = (xy - tilt) / lx
     return float(widths - round(widths)) * lx / ly

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import replace
-from typing import cast
 
 import numpy as np
 from mpi4py import MPI
@@ -25,7 +24,7 @@ from ..engine.shared_disks import relax_on_ranks
 from ..engine.soft_particles import separated
 from ..engine.watching import Callback, check_callback
 from ..model.droplet import AnyLaw, Droplet, check_dimension
-from ..model.laws import Law, Ring, Sector
+from ..model.laws import Ring, Sector
 from ..model.onset import excess_phi, natural_pressure, pressure_above_onset
 from ..model.packing import Packing
 from ..model.sticking import refuse_adhesion
@@ -145,7 +144,7 @@ def jam(
     positive("pressure", pressure)
     positive("step", step)
     positive("tolerance", tolerance)
-    check_free(box, packing.walls, pressure, packing.dimension)
+    check_free(box, packing.walls, pressure)
     if grow and box != "size":
         raise ParameterError(f"grow=True keeps the box, and box='{box}' changes it: leave out one")
     check_callback(callback)
@@ -154,8 +153,7 @@ def jam(
         if box != "size":
             start = _jammed_disks(packing, _STABILIZED, step, _PART, watch, comm).packing
             watch.begin(f"free {box} at {pressure:.1e}")
-            plane = cast(Law | None, law)
-            free = stabilized(start, plane, pressure, tolerance, box, comm, watch.tell)
+            free = stabilized(start, law, pressure, tolerance, box, comm, watch.tell)
             jammed, stalled, residual = free.packing, free.stalled, free.residual
         elif law is None:
             threshold = _ABOVE * pressure * natural_pressure(packing, None)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +17,11 @@ from ..common.steps import Steps
 from ..common.validate import count, expect, number_or_nan, positive
 from ..core import unit_vectors
 from ..engine.close_balance import balanced_to
+from ..engine.deforming import Deforming, S
+from ..engine.droplet_simulation import DropletSimulation
 from ..engine.lammps import gather, run
 from ..engine.simulation import Simulation
+from ..model.plane import refuse_space
 from ..state.state import State
 from .dynamics import (
     Dynamics,
@@ -37,7 +41,7 @@ _ENOUGH = 0.5
 
 
 def move(
-    sim: Simulation,
+    sim: Deforming[S],
     steps: int,
     timestep: float | None = None,
     temperature: float | None = None,
@@ -48,7 +52,7 @@ def move(
     propulsion: float | None = None,
     persistence: float | None = None,
     tolerance: float | None = None,
-) -> Iterator[State]:
+) -> Iterator[S]:
     """Let particles of mass 1 move by their forces F.
 
         dv/dt = F - friction v + sqrt(2 friction temperature) noise
@@ -59,21 +63,22 @@ def move(
 
         friction dr/dt = F + sqrt(2 friction temperature) noise
 
-    and diffuse freely by <r^2> = 4 (temperature/friction) t. Then velocities are 0 in all states.
+    and diffuse freely by <r^2> = 2 d (temperature/friction) t in d dimensions. Then velocities are
+    0 in all states.
 
-    With a propulsion each particle adds to F a force of this size along its direction, which
-    diffuses (*fix deformable/propel* of this package). Without contacts and noise its speed is
-    v = propulsion/friction, and in overdamped motion, with the persistence time tau,
+    In the plane, with a propulsion each particle adds to F a force of this size along its
+    direction, which diffuses (*fix deformable/propel* of this package). Without contacts and noise
+    its speed is v = propulsion/friction, and in overdamped motion, with the persistence time tau,
 
         <r^2> = 2 v^2 tau (t - tau (1 - exp(-t/tau)))
 
     Args:
-        sim: of the law `Ring`; it ends in the last state.
+        sim: of the law `Ring` or `Droplet`; it ends in the last state.
         steps: number of time steps, where other protocols count states.
         timestep: length of a step [time]; if not given, a fifth of the longest stable one, which
-            depends on the pressure in the particles and on the temperature; where these grow, steps
-            become shorter. Give one if other forces than those of contacts, by fixes of `sim.lmp`,
-            move particles that are at rest.
+            depends on the pressure in particles, or the load of droplets, and on the temperature;
+            where these grow, steps become shorter. Give one if other forces than those of contacts,
+            by fixes of `sim.lmp`, move particles that are at rest.
         temperature: of the heat bath if there is friction, and of initial velocities [energy].
             These are Maxwell's, with zero total momentum. A bath draws them where all particles are
             at rest, as after `relax`; others go on with the velocities that they have.
@@ -106,9 +111,9 @@ def move(
     Gronbech-Jensen, Mol. Phys. 117, 2511 (2019); velocity Verlet: Swope et al., J. Chem. Phys. 76,
     637 (1982).
     """
-    expect("sim", sim, Simulation)
+    expect("sim", sim, Simulation, DropletSimulation)
     dynamics = dynamics_of(sim, temperature, friction, inertia, timestep, seed)
-    dynamics = _propelled(dynamics, propulsion, persistence)
+    dynamics = _propelled(dynamics, propulsion, persistence, sim.dimension)
     if tolerance is not None and not positive("tolerance", tolerance) < 1.0:
         raise ParameterError(f"tolerance must be below 1, not {tolerance}")
     steps = count("steps", steps)
@@ -125,14 +130,18 @@ def move(
     return Steps("move", _move(sim, dynamics, steps, every, seed, tolerance, start), start)
 
 
-def _propelled(dynamics: Dynamics, propulsion: float | None, persistence: float | None) -> Dynamics:
+def _propelled(
+    dynamics: Dynamics, propulsion: float | None, persistence: float | None, dimension: int
+) -> Dynamics:
     """The dynamics with a propulsion, if there is one.
 
     Raises:
-        ParameterError: one of both values is missing or out of range; or there is no friction.
+        ParameterError: one of both values is missing or out of range; or there is no friction, or
+            there are three dimensions.
     """
     if propulsion is None and persistence is None:
         return dynamics
+    refuse_space("a propulsion", dimension, "take LAMMPS' fix propel/self by `sim.lmp`")
     if propulsion is None or persistence is None:
         raise ParameterError("give propulsion and persistence, or none of them")
     force = positive("propulsion", propulsion)
@@ -143,7 +152,7 @@ def _propelled(dynamics: Dynamics, propulsion: float | None, persistence: float 
     return replace(dynamics, drive=force, persistence=float(persistence))
 
 
-def _start(sim: Simulation, dynamics: Dynamics, seed: int | None) -> State:
+def _start(sim: Deforming[S], dynamics: Dynamics, seed: int | None) -> S:
     """The state before the first step: particles may get velocities, by Maxwell."""
     refuse_second_motion(sim)
     lmp, temperature = sim.lmp, dynamics.temperature
@@ -158,7 +167,7 @@ def _start(sim: Simulation, dynamics: Dynamics, seed: int | None) -> State:
     return _with_directions(sim, dynamics)
 
 
-def _directions(sim: Simulation, seed: int | None) -> NDArray[np.float64]:
+def _directions(sim: Deforming[S], seed: int | None) -> NDArray[np.float64]:
     """Those that particles have, or random ones."""
     number = sim.lmp.get_natoms()
     if sim.directions is not None and len(sim.directions) == number:
@@ -167,20 +176,22 @@ def _directions(sim: Simulation, seed: int | None) -> NDArray[np.float64]:
     return unit_vectors(np.random.default_rng(of_directions).uniform(-np.pi, np.pi, number))
 
 
-def _with_directions(sim: Simulation, dynamics: Dynamics) -> State:
+def _with_directions(sim: Deforming[S], dynamics: Dynamics) -> S:
     state = sim.state()
-    return state if dynamics.persistence is None else replace(state, directions=sim.directions)
+    if dynamics.persistence is None:
+        return state
+    return cast(S, replace(cast(State, state), directions=sim.directions))
 
 
 def _move(
-    sim: Simulation,
+    sim: Deforming[S],
     dynamics: Dynamics,
     steps: int,
     every: int,
     seed: int | None,
     tolerance: float | None,
-    start: Callable[[], State],
-) -> Iterator[State]:
+    start: Callable[[], S],
+) -> Iterator[S]:
     lmp, state = sim.lmp, start()
     _, of_noise = seeds(sim, seed)
     dt = dynamics.timestep or dynamics.default_step(state)

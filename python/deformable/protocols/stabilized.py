@@ -7,15 +7,13 @@ import warnings
 from mpi4py import MPI
 
 from ..common.errors import UnjammedWarning
-from ..engine.disks import Disks
+from ..engine.free_box import Stressed
 from ..engine.relaxation import TOLERANCE
 from ..engine.relaxed_disks import Report
-from ..engine.simulation import Simulation
-from ..model.laws import Law
+from ..model.droplet import AnyLaw
 from ..model.onset import excess_phi, natural_pressure, pressure_above_onset
 from ..model.packing import Packing
-from ..state.disk_state import DiskState
-from ..state.state import State
+from .starts import simulate
 
 # The shape is found at this phi - phi_J first, where hardly any contacts change, and then at ever
 # lower ones, by this factor. Near the onset a shear changes contacts all the way.
@@ -24,18 +22,18 @@ _FAR, _FACTOR = 0.01, 0.1
 
 def stabilized(
     packing: Packing,
-    law: Law | None,
+    law: AnyLaw | None,
     pressure: float,
     tolerance: float,
     box: str,
     comm: MPI.Comm | None,
     report: Report,
-) -> State | DiskState:
+) -> Stressed:
     """The packing relaxed at a pressure near the onset, with a free box.
 
     Args:
         packing: jammed, or nearly.
-        law: of the particles; soft disks if None.
+        law: of the particles; soft disks or spheres if None.
         pressure: in natural units.
         tolerance: of the relaxation at this pressure; at most that of `relax` is taken.
         box: what is free, see `Simulation.relax`.
@@ -43,8 +41,9 @@ def stabilized(
         report: called after each relaxation, with the pressure in natural units.
     """
     target, unit = excess_phi(pressure, packing, law), natural_pressure(packing, law)
-    sim = Disks(packing) if law is None else Simulation(packing, law, comm or MPI.COMM_SELF)
+    sim = simulate(packing, law, comm or MPI.COMM_SELF)
     excess = max(target, _FAR)
+    state: Stressed
     with sim, warnings.catch_warnings():
         warnings.simplefilter("ignore", UnjammedWarning)  # of the start, before it is compressed
         while excess > target:

@@ -121,7 +121,9 @@ class Run:
                     if number >= len(texts):
                         raise LookupError("it is missing")
                     now = clock[number] if number < len(clock) else (0.0, None)
-                    packing, motion = frames.read_frame(texts[number], radii, saved, now)
+                    packing, motion = frames.read_frame(
+                        texts[number], radii, saved, now, law.dimension
+                    )
                     packing = replace(packing, walls=walls)
                 with Simulation(packing, law, friction=friction) as sim:
                     go_on(sim, motion)
@@ -144,7 +146,7 @@ class Run:
         """
         communicator(comm).barrier()  # rank 0 may still be writing
         packing, law, friction = read(self.folder)
-        motion = read_motion(self.folder, len(packing))
+        motion = read_motion(self.folder, packing)
         sim = Simulation(packing, law, comm, friction=friction)
         go_on(sim, motion)
         return sim
@@ -208,7 +210,7 @@ class Run:
         """
         communicator(comm).barrier()  # rank 0 may still be writing
         packing, *_ = read(self.folder)
-        motion = read_motion(self.folder, len(packing))
+        motion = read_motion(self.folder, packing)
         parameters, done = self.parameters, self.steps_done
         if done is None:
             raise FileError(

@@ -19,14 +19,23 @@ from .droplet_response import DropletResponse
 from .exports import Exports
 from .in_space import InSpace
 from .numbers import numbers_of
+from .saved import Saved
 from .space_analysis import SpaceAnalysis
 from .space_pictures import SpacePictures
+from .state import State
 from .stressed import Stressed
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DropletState(
-    InSpace, DropletResponse, Stressed, ContactNetwork, SpaceAnalysis, SpacePictures, Exports
+    InSpace,
+    Saved,
+    DropletResponse,
+    Stressed,
+    ContactNetwork,
+    SpaceAnalysis,
+    SpacePictures,
+    Exports,
 ):
     """A snapshot of droplets, the same on every rank. Particles are numbered from 0.
 
@@ -53,6 +62,8 @@ class DropletState(
         root: whether this process writes files (rank 0 of the run).
         time: of all calls of `move`, and of flows, so far, 0 without motion [time].
         strain: shear strain of all calls of `shear` so far; None before the first one.
+        unsaved: what acts on the contacts by commands to `lmp`, and is not saved: excluded pairs;
+            empty without.
     """
 
     packing: Packing
@@ -72,6 +83,7 @@ class DropletState(
     root: bool
     time: float = 0.0
     strain: float | None = None
+    unsaved: str = ""
 
     def __post_init__(self) -> None:
         for array in (value for value in vars(self).values() if isinstance(value, np.ndarray)):
@@ -89,7 +101,12 @@ class DropletState(
 
     def numbers(self) -> dict[str, Any]:
         """The state in numbers, by name; `strain` is None without shear."""
-        return numbers_of(self) | {"load": float(self.load.mean()), "beyond": self.beyond}
+        return numbers_of(self) | {
+            "temperature": self.temperature,
+            "time": self.time,
+            "load": float(self.load.mean()),
+            "beyond": self.beyond,
+        }
 
     def particle_values(self) -> dict[str, NDArray[Any]]:
         """Values of the droplets by name, arrays of shape (N,)."""
@@ -101,7 +118,13 @@ class DropletState(
             "contact_area": self.contact_area,
             "contacts": self.contacts,
             "rattler": self.rattlers.astype(int),
+            **dict(zip(("vx", "vy", "vz"), self.velocities.T, strict=True)),
         }
+
+    @property
+    def squeezed(self) -> tuple[str, NDArray[np.float64]]:
+        """What limits time steps: the load of each droplet."""
+        return "load", self.load
 
     def _facets(self) -> Facets:
         table = self.contact_table
@@ -124,3 +147,7 @@ class DropletState(
     @property
     def _contact_forces(self) -> ContactForces:
         return forces_of_droplets(self.packing, self.contact_table)
+
+
+# Of a simulation of deformable particles.
+DeformedState = State | DropletState

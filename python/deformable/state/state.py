@@ -2,32 +2,24 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import UnsavedWarning
-from ..common.validate import expect, whole
 from ..io.data_file import Motion
 from ..io.directions import as_columns
 from ..io.films import Films
-from ..io.lammps_script import TEMPERATURE
 from ..io.outlines import polygons_of
 from ..io.rubbing import Rubbing, spin_column
-from ..io.store import save
 from ..io.vtk_files import Shapes
 from ..model.filled import filled_area
 from ..model.friction import Friction
 from ..model.laws import Law
 from ..model.marks import Mark
 from ..model.packing import Packing
-from ..model.timestep import accurate_step
 from .contact_forces import ContactForces, forces_of_table
 from .contact_network import ContactNetwork
 from .contact_table import ContactTable
@@ -37,6 +29,7 @@ from .parallels import Parallels
 from .pictures import Pictures
 from .plane_analysis import PlaneAnalysis
 from .ring_response import RingResponse
+from .saved import Saved
 from .stressed import Stressed
 
 if TYPE_CHECKING:
@@ -44,7 +37,9 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class State(Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pictures, Exports):
+class State(
+    Saved, Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pictures, Exports
+):
     """A snapshot, the same on every rank. Particles are numbered from 0.
 
     Attributes:
@@ -145,7 +140,7 @@ class State(Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pi
     def kinetic_energy(self) -> float:
         """Sum of v^2/2, as masses are 1; with friction also of R^2 w^2/4 for spins w [energy]."""
         spins = 0.0 if self.rubbing is None else self.packing.radius * self.rubbing.spins
-        return float(np.sum(self.velocities**2) / 2.0 + np.sum(spins**2) / 4.0)
+        return super().kinetic_energy + float(np.sum(spins**2) / 4.0)
 
     @property
     def spins(self) -> NDArray[np.float64] | None:
@@ -156,15 +151,6 @@ class State(Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pi
     def spring_energy(self) -> float:
         """Energy of the springs along contacts, sum of kt xi^2/2; 0 without friction [energy]."""
         return 0.0 if self.rubbing is None else self.rubbing.stored
-
-    @property
-    def temperature(self) -> float:
-        """Temperature of the motion, sum (v - mean v)^2 / (2 N - 2) [energy].
-
-        Masses and k_B are 1.
-        """
-        relative = self.velocities - self.velocities.mean(axis=0)
-        return float(np.sum(relative**2) / (2.0 * max(len(relative) - 1, 1)))
 
     @property
     def _skin(self) -> NDArray[np.float64]:
@@ -223,49 +209,6 @@ class State(Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pi
         marks += friction_bars(packing, tables) if forces else []
         return marks + (spin_arrows(packing, self.rubbing.spins) if spins else [])
 
-    def save(
-        self,
-        folder: str | Path,
-        parameters: Mapping[str, Any] | None = None,
-        frames: int | None = None,
-    ) -> None:
-        """Write the state for `deformable.Run`, and for LAMMPS with the script `in.lammps`.
-
-        Args:
-            folder: made if missing; an older state there is replaced.
-            parameters: anything JSON for the summary, e.g. seed and protocol.
-            frames: number of recorded frames up to this state, see `record`.
-
-        Raises:
-            ParameterError: an argument is of another kind.
-            FileError: a file cannot be written.
-
-        Warns:
-            UnsavedWarning: the files lack what `unsaved` names.
-        """
-        expect("folder", folder, str, Path)
-        expect("parameters", parameters, Mapping, type(None))
-        if frames is not None:
-            whole("frames", frames)
-        if self.root and self.unsaved:
-            warnings.warn(
-                f"'{folder}' has the particles and the law, but not the {self.unsaved} that were "
-                "given to lmp",
-                UnsavedWarning,
-                stacklevel=2,
-            )
-        if self.root:
-            packing, law, pressure, now = self.step_limits()
-            longest = self.friction.accurate_step if self.friction else np.inf
-            steps = (
-                min(accurate_step(packing, law, pressure, now), longest),
-                min(accurate_step(packing, law, pressure, max(now, TEMPERATURE)), longest),
-            )
-            numbers = self.numbers()
-            save(
-                folder, packing, law, steps, numbers, self.motion, parameters, frames, self.friction
-            )
-
     def numbers(self) -> dict[str, Any]:
         """The state in numbers, by name.
 
@@ -294,11 +237,7 @@ class State(Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pi
             **spin_column(self.rubbing),
         }
 
-    def step_limits(self) -> tuple[Packing, Law, float, float]:
-        """The arguments of `longest_step` and `accurate_step`."""
-        return self.packing, self.law, float(self.particle_pressure.max()), self.temperature
-
-
-def parts(given: Packing | State) -> tuple[Packing, State | None]:
-    """The packing, and the state if it is one."""
-    return (given.packing, given) if isinstance(given, State) else (given, None)
+    @property
+    def squeezed(self) -> tuple[str, NDArray[np.float64]]:
+        """What limits time steps: the pressure in each particle."""
+        return "pressure", self.particle_pressure

@@ -46,7 +46,7 @@ def test_a_block_of_a_motion_ends_at_once() -> None:
 
 
 def test_a_minimization_ends_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    for limit in ("simulation._PATIENCE", "fire._ITERATIONS"):
+    for limit in ("deforming._PATIENCE", "fire._ITERATIONS"):
         monkeypatch.setattr(f"deformable.engine.{limit}", 10**8)
     packing = deformable.push_off(deformable.bidisperse(20, phi=0.7, seed=1))
     with deformable.Simulation(packing, deformable.Ring(), MPI.COMM_SELF) as sim:

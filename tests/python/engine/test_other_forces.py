@@ -30,7 +30,7 @@ def test_a_heap_under_its_weight(start: deformable.Packing, law: deformable.Ring
 
 
 def test_free_fall_has_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("deformable.engine.simulation._PATIENCE", 3000)
+    monkeypatch.setattr("deformable.engine.deforming._PATIENCE", 3000)
     loose = deformable.push_off(deformable.bidisperse(8, phi=0.4, seed=1))
     with deformable.Simulation(loose, deformable.Ring()) as sim:
         sim.lmp.command(f"fix down all addforce 0 {-GRAVITY} 0")

@@ -228,7 +228,7 @@ def test_no_number_is_lost_far_beyond_the_model(monkeypatch: pytest.MonkeyPatch)
     lost = np.zeros((8, 5))
     lost[3, 4] = np.nan
     with deformable.Simulation(SPHERES, Droplet()) as sim:
-        monkeypatch.setattr(droplet_simulation, "gather", lambda *_: lost)
+        monkeypatch.setattr(droplet_simulation, "evaluate", lambda *_: (lost, lost))
         with pytest.raises(deformable.LammpsError, match=r"load of droplet 3 is no number .* less"):
             sim._evaluate()
 
@@ -254,7 +254,7 @@ SPHERES = deformable.bidisperse(8, dimension=3, seed=1)
         (lambda: deformable.Simulation(None, Droplet()), "packing must be of the kind Packing"),
         (
             lambda: deformable.Simulation(SPHERES, Droplet(), walls=deformable.Circle((0, 0), 9)),
-            "walls is for particles in the plane",
+            "a wall is for packings in the plane",
         ),
         (lambda: Droplet(0.0), "tension must be positive, .* not 0.0"),
         (lambda: Droplet([1.0, -1.0]), r"not \[1.0, -1.0\]"),
@@ -266,12 +266,10 @@ SPHERES = deformable.bidisperse(8, dimension=3, seed=1)
             "phi must be below 1",
         ),
         (
-            lambda: deformable.Simulation(SPHERES, Droplet()).relax(pressure=0.1, box="shape"),
-            "box='shape' is for packings in the plane",
-        ),
-        (
-            lambda: deformable.move(deformable.Simulation(SPHERES, Droplet()), 1.0),
-            "sim must be of the kind Simulation, not",
+            lambda: deformable.Simulation(
+                SPHERES, Droplet(), friction=deformable.Friction(0.5, 0.1)
+            ),
+            "friction is for particles in the plane, and droplets",
         ),
     ],
 )
@@ -284,6 +282,6 @@ def test_law_shows_its_call() -> None:
     assert repr(Droplet()) == "Droplet()"
     assert repr(Droplet([1, 2])) == "Droplet(tension=(1.0, 2.0))"
     with deformable.Simulation(SPHERES, Droplet()) as sim:
-        assert repr(sim).startswith("<DropletSimulation: 8 droplets, Droplet(), box ")
+        assert repr(sim).startswith("<DropletSimulation: 8 particles, law Droplet(), box ")
         assert repr(sim.state()).startswith("<DropletState: 8 particles, law Droplet(), phi = 0.3")
     assert repr(sim) == "<DropletSimulation: closed>"
