@@ -59,7 +59,7 @@ inline bool add_droplet(const std::vector<DropletSide> &sides, double radius, do
     sum += f[c];
     squares += f[c] * f[c];
   }
-  const DropletLoad load(sum, squares);
+  const DropletLoad<double> load(sum, squares, [](double q) { return std::log(q); });
   // the part of a vector, or of both sides of a matrix, that turns n_c
   const auto across = [&n](int c, int a, int b) {
     return (a == b ? 1.0 : 0.0) - n[c][a] * n[c][b];
