@@ -164,17 +164,21 @@ def _cast(
     columns, rows = (np.ceil((high - low) / pixel / _SMOOTHED).astype(int) * _SMOOTHED).tolist()
     depth, image = np.full((rows, columns), -np.inf), np.zeros((rows, columns, 4))
     light = _LIGHT / np.linalg.norm(_LIGHT)
-    bodies = zip(centers, radius.tolist(), facets.of_each(len(radius)), strict=True)
-    for n, (center, r, own) in enumerate(bodies):
+    own = facets.of_each(len(radius))
+    for n in np.argsort(-centers[:, 2]):  # those in front first: what they hide is left out
+        center, r = centers[n], float(radius[n])
         first = np.maximum(np.floor((center[:2] - r - low) / pixel).astype(int), 0)
         last = np.minimum(np.ceil((center[:2] + r - low) / pixel).astype(int), [columns, rows])
         x = low[0] + (np.arange(first[0], last[0]) + 0.5) * pixel - center[0]
         y = low[1] + (np.arange(first[1], last[1]) + 0.5) * pixel - center[1]
         x, y = np.meshgrid(x, y)
+        place = np.s_[first[1] : last[1], first[0] : last[0]]
         height = np.sqrt(np.maximum(r**2 - x**2 - y**2, 0.0))
+        seen = (height > 0.0) & (height + center[2] > depth[place])
+        x, y, height = x[seen], y[seen], height[seen]
         front, back = height, -height  # where rays enter the body and leave it
         shade = _shade(np.stack([x, y, height], axis=-1) / r @ light)
-        for k in own:
+        for k in own[n] if len(x) else ():
             (nx, ny, nz), h = facets.normal[k].tolist(), float(facets.height[k])
             if h >= r:
                 continue
@@ -187,10 +191,10 @@ def _cast(
                 cut = room / nz < front
                 front = np.where(cut, room / nz, front)
                 shade = np.where(cut, _FACETS * _shade(facets.normal[k] @ light), shade)
-        place = np.s_[first[1] : last[1], first[0] : last[0]]
-        seen = (x**2 + y**2 < r**2) & (front > back) & (front + center[2] > depth[place])
-        depth[place][seen] = front[seen] + center[2]
-        image[place][seen, :3] = shade[seen, None] * colors[n]
+        kept = (front > back) & (front + center[2] > depth[place][seen])
+        seen[seen] = kept
+        depth[place][seen] = front[kept] + center[2]
+        image[place][seen, :3] = shade[kept, None] * colors[n]
         image[place][seen, 3] = 1.0
     blocks = image.reshape(rows // _SMOOTHED, _SMOOTHED, columns // _SMOOTHED, _SMOOTHED, 4)
     opaque = blocks[..., 3:].sum(axis=(1, 3))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -11,7 +12,8 @@ from ..common.errors import ParameterError
 from ..common.files import writing
 from ..common.progress import progress
 from ..common.validate import expect, shown, whole
-from ..model.scale import color_map, limited, scale
+from ..model.scale import limited, scale
+from ..state.droplet_state import DropletState
 from ..state.state import State
 
 # Pictures of a square box have 461 x 403 dots, so that a few dozen take less than a megabyte.
@@ -20,12 +22,15 @@ _DOTS_PER_INCH = 72
 # Pictures per second: formats and viewers count in hundredths of a second.
 _FASTEST = 100
 
+# Settings of pictures in three dimensions; the others are for the plane.
+_IN_SPACE = ("view", "slice")
+
 # matplotlib's writers by format.
 _WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
 
 
 def movie(
-    states: Iterable[State],
+    states: Iterable[State | DropletState],
     path: str | Path,
     color_by: str | ArrayLike = "particle_pressure",
     contacts: bool = False,
@@ -36,6 +41,8 @@ def movie(
     vmax: float | None = None,
     label: str | None = None,
     spins: bool = False,
+    view: tuple[float, float] | None = None,
+    slice: float | None = None,
 ) -> None:
     """Draw states as a movie, all with the same scale of colors and forces.
 
@@ -51,6 +58,8 @@ def movie(
         vmax: value of the last color; that of the scale of all states if not given.
         label: see `State.plot`.
         spins: see `State.plot`.
+        view: see `DropletState.plot`.
+        slice: see `DropletState.plot`.
 
     Raises:
         ParameterError: the format is another, ffmpeg is missing, or there are no states or no such
@@ -71,30 +80,48 @@ def movie(
         raise ImportError("movies need matplotlib: pip install lammps-deformable[plot]") from None
     if not writers.is_available(name):
         raise ParameterError(f"'{path}' needs the program ffmpeg: install it, or write a .gif")
-    from ..model.picture import new_figure
-
     frames = list(states)
     if not frames:
         raise ParameterError("a movie needs at least one state")
     for state in frames:
-        expect("a state of a movie", state, State)
+        expect("a state of a movie", state, State, DropletState)
+    own = _of_dimension(frames[0].packing.dimension, spins=spins, view=view, slice=slice)
     values = [state.values(color_by) for state in frames]
     shared = scale(values, [state.contact_table["force"] for state in frames], color_by)
     on = limited(shared, vmin, vmax)
-    color_map(cmap, on)  # or fail before the file is there
     if not frames[0].root:
         return
-    figure = new_figure(frames[0].packing)
+    figure: Any = frames[0]._new_axes().figure
+
+    def draw(state: State | DropletState) -> None:
+        figure.clear()
+        state.plot(figure.subplots(), color_by, contacts, forces, on, cmap, label=label, **own)
+
+    draw(frames[0])  # or fail before the file is there
     writer = writers[name](fps=rate)
     with (
         writing(path),
         writer.saving(figure, str(path), dpi=_DOTS_PER_INCH),
         progress("drawing", unit="picture", total=len(frames)) as bar,
     ):
-        for state in frames:
-            figure.clear()
-            state.plot(
-                figure.subplots(), color_by, contacts, forces, on, cmap, label=label, spins=spins
-            )
+        for number, state in enumerate(frames):
+            if number:
+                draw(state)
             writer.grab_frame()
             bar.update()
+
+
+def _of_dimension(dimension: int, **settings: Any) -> dict[str, Any]:
+    """The settings of a picture that are given, if they are for this dimension.
+
+    Raises:
+        ParameterError: one is for the other.
+    """
+    given = {
+        name: each for name, each in settings.items() if each is not None and each is not False
+    }
+    for name in given:
+        if (name in _IN_SPACE) != (dimension == 3):
+            where = "three dimensions" if dimension == 2 else "the plane"
+            raise ParameterError(f"{name} is for states in {where}: leave it out")
+    return given

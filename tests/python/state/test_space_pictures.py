@@ -1,12 +1,14 @@
 """Pictures in three dimensions: what rays meet, colors, the force network, and what is refused."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import deformable
 import numpy as np
 import pytest
 from deformable.model import space_picture
 from deformable.model.facets import WHOLE, Facets
+from deformable.model.section import section_of
 
 plt = pytest.importorskip("matplotlib.pyplot")
 
@@ -94,9 +96,82 @@ def test_states_and_packings_are_drawn(
     assert both == pytest.approx(np.linalg.norm(soft._contact_forces.vector, axis=1))
 
 
+def polygon_area(outline: np.ndarray) -> float:
+    x, y = outline.T
+    return float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) / 2.0)
+
+
+def test_sections_add_up_to_the_volume() -> None:
+    """Of spheres that lean out of their box, in images: the mean area fraction is phi."""
+    box = np.array([[3.0, 0.0, 0.0], [0.7, 2.5, 0.0], [-0.8, 0.9, 2.0]])
+    places = np.random.default_rng(1).random((5, 3)) @ box + box[2]
+    packing = deformable.Packing(places, [0, 1, 0, 1, 0], [0.3, 0.6], box)
+    filled = 0.0
+    for z in 2.0 * (np.arange(400) + 0.5) / 400:
+        filled += sum(map(polygon_area, section_of(packing, WHOLE, z).outlines)) / 400 / 7.5
+    circle = np.sin(2.0 * np.pi / 90) / (2.0 * np.pi / 90)  # 90 corners
+    assert filled == pytest.approx(packing.phi * circle, rel=1e-4)
+    below, above = (section_of(packing, WHOLE, 0.7 + 2.0 * step) for step in (-3, 2))
+    assert np.sort(below.particle).tolist() == np.sort(above.particle).tolist()
+
+
+def test_a_section_of_facets() -> None:
+    """Of a cubic crystal: disks with four chords, of which four corners are left."""
+    packing = deformable.cubic("sc", 2, radius=1.0).at(0.6)
+    with deformable.Simulation(packing, deformable.Droplet()) as sim:
+        state = sim.state()
+    h = packing.box[0, 0] / 4.0
+    section = section_of(packing, state._facets(), 0.1)
+    assert len(section.outlines) == 4
+    chord = 2.0 * np.sqrt(1.0 - 0.1**2 - h**2)
+    lines = np.concatenate(section.contacts)
+    assert len(lines) == 16
+    assert np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) == pytest.approx(chord, abs=6e-3)
+    for middle, outline in zip(section.positions, section.outlines, strict=True):
+        assert np.abs(outline - middle).max() == pytest.approx(h)
+    axes = state.plot(slice=0.1, contacts=True, color_by="load")
+    assert len(axes.collections[1].get_segments()) == 24  # on boundaries from both sides
+    between = section_of(deformable.cubic("sc", 2, phi=0.3), WHOLE, 0.62)
+    assert between.outlines == []
+    assert state.plot(slice=h).collections  # on the facets
+
+
+def test_movies(
+    states: tuple[deformable.SphereState, deformable.DropletState], tmp_path: Path
+) -> None:
+    from PIL import Image
+
+    _, droplets = states
+    for name, settings in (
+        ("view", {"view": (10, 50)}),
+        ("slice", {"slice": 0.0, "contacts": True}),
+    ):
+        path = tmp_path / f"{name}.gif"
+        deformable.movie([droplets, droplets], path, color_by="load", **settings)
+        with Image.open(path) as movie:
+            assert np.array(movie.convert("RGB")).std() > 10.0
+    plane = deformable.bidisperse(4, phi=0.1)
+    with deformable.Simulation(deformable.push_off(plane), deformable.Ring()) as sim:
+        state = sim.state()
+    for one, settings, told in (
+        (state, {"slice": 0.0}, "slice is for states in three dimensions"),
+        (state, {"view": (1, 2)}, "view is for states in three dimensions"),
+        (droplets, {"spins": True}, "spins is for states in the plane"),
+        (droplets, {"contacts": True}, "contacts are drawn in a slice"),
+        (states[0], {}, "a state of a movie must be of the kind State or DropletState"),
+    ):
+        with pytest.raises(deformable.ParameterError, match=told):
+            deformable.movie([one], tmp_path / "wrong.gif", **settings)
+    assert not (tmp_path / "wrong.gif").exists()
+
+
 @pytest.mark.parametrize(
     ("settings", "told"),
     [
+        ({"slice": np.inf}, "slice must be a finite number"),
+        ({"slice": "middle"}, "slice must be a finite number"),
+        ({"slice": 0.1, "forces": True}, "forces are those of the whole network"),
+        ({"contacts": True}, "contacts are drawn in a slice: give a slice"),
         ({"view": 3}, "view must be elevation and azimuth, not 3"),
         ({"view": (1, 2, 3)}, "view must be elevation and azimuth"),
         ({"view": (np.nan, 0)}, "view must be finite numbers"),
