@@ -130,7 +130,7 @@ def test_a_section_of_facets() -> None:
     for middle, outline in zip(section.positions, section.outlines, strict=True):
         assert np.abs(outline - middle).max() == pytest.approx(h)
     axes = state.plot(slice=0.1, contacts=True, color_by="load")
-    assert len(axes.collections[1].get_segments()) == 24  # on boundaries from both sides
+    assert len(axes.collections[1].get_segments()) == 36  # of nine images
     between = section_of(deformable.cubic("sc", 2, phi=0.3), WHOLE, 0.62)
     assert between.outlines == []
     assert state.plot(slice=h).collections  # on the facets
