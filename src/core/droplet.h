@@ -6,7 +6,8 @@
 // is what forces take from the energy: its derivatives are the indentations,
 //   a_c = dw/df_c = f/(4 pi) [l - 5/6 + L] + S dL/dx/(8 pi) + sum_k G f_k,   S = sum f^2/(8 pi)
 // and the energy of the droplet is f.a - w. It is asymptotically exact for small forces. L is not in the published theory, whose
-// work is not convex beyond small loads; the 4 in it was fitted to the osmotic pressure of fcc crystals.
+// work is not convex beyond small loads; the 4 in it was fitted to the osmotic pressure of fcc crystals. Beyond the model, at
+// x > 1/2, L has the further term 30 (x - 1/2)^3: without it forces grew without end, as w would fall in some directions.
 //
 // Sources: D. C. Morse and T. A. Witten, Europhys. Lett. 22, 549 (1993); R. Hoehler and S. Cohen-Addad, Soft Matter 13, 1371
 // (2017).
@@ -50,6 +51,8 @@ constexpr double SMALLEST_HALF = 1e-12;
 constexpr double BULGE_PER_LOAD = 1.177;
 // Beyond this load the theory is off by more than it is worth; the work may lose its convexity.
 constexpr double LARGEST_LOAD = 0.4;
+// Where the further term of L begins, and its factor: w is convex again from x = 0.9 on between regular contacts.
+constexpr double CONTINUED_LOAD = 0.5, STIFFENING = 30.0;
 // Of a radius: contacts that are farther outside bear nothing. That is never met up to LARGEST_LOAD.
 constexpr double LARGEST_BULGE = 0.5;
 
@@ -70,10 +73,11 @@ template <class T> struct DropletLoad {
         squares(sum_of_squares * (0.125 / PI))
   {
     constexpr double BY_SUM = 0.125 / PI;
-    const T q = 1.0 + 4.0 * x * x;
-    logarithm = 0.5 * log(q);
-    slope = 4.0 * x / q * BY_SUM;
-    bend = (4.0 - 32.0 * x * x / q) / q * (BY_SUM * BY_SUM);
+    const T q = 1.0 + 4.0 * x * x, far = x - CONTINUED_LOAD, over = far > 0.0 ? far : T{},
+            stiff = STIFFENING * over * over;
+    logarithm = 0.5 * log(q) + stiff * over;
+    slope = (4.0 * x / q + 3.0 * stiff) * BY_SUM;
+    bend = ((4.0 - 32.0 * x * x / q) / q + 6.0 * STIFFENING * over) * (BY_SUM * BY_SUM);
   }
 };
 

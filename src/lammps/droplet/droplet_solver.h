@@ -121,6 +121,7 @@ class DropletSolver : protected Pointers {
   void switch_pairs();
   void multiply(const LargeVector<float> &step);
   void correct(const State &, double accuracy);
+  void relax();
   void take_steps();
   State search(State now, const State &before, double along);
   double slope() const;
