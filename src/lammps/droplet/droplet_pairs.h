@@ -6,9 +6,11 @@
 #include "balance/near_pairs.h"
 #include "droplet_kernels.h"
 #include "large_vector.h"
+#include "surface.h"
 #include "vector_bytes.h"
 
 #include <cmath>
+#include <vector>
 
 namespace LAMMPS_NS {
 
@@ -35,8 +37,10 @@ struct DropletPairs {
   }
 
   // one more than pairs: the last one stands for places of contacts that are empty
-  LargeVector<double> force, overlap, distance;    // of a wall: its distance from the center
-  LargeVector<double> nx, ny, nz;                  // from i to j
+  LargeVector<double> force, overlap, distance;      // of a wall: its distance from the center
+  LargeVector<double> nx, ny, nz;                    // from i to j
+  std::vector<deformable::SurfacePoint> surfaces;    // from the first pair with a wall on
+  deformable::Vector3 normal(int k) const { return {nx[k], ny[k], nz[k]}; }
   deformable::PairForces forces() const { return {force.data(), nx.data(), ny.data(), nz.data()}; }
 
   void add(int i_, int j_, const PastForces &past_)
@@ -50,6 +54,18 @@ struct DropletPairs {
   void make_room()    // for the arrays that add() does not fill
   {
     for (auto *const v : {&force, &overlap, &distance, &nx, &ny, &nz}) v->assign(size + 1, 0.0);
+    surfaces.resize(size - wall);
+  }
+
+  // Of a pair with a wall.
+  void place(int k, double radius, const deformable::SurfacePoint &point)
+  {
+    surfaces[k - wall] = point;
+    distance[k] = point.height;
+    nx[k] = point.n.x;
+    ny[k] = point.n.y;
+    nz[k] = point.n.z;
+    overlap[k] = radius - point.height;
   }
 
   // Distances, normals and overlaps of pairs of droplets. Returns a pair whose direction is not known, or -1.
@@ -73,7 +89,7 @@ struct DropletPairs {
   double bytes() const
   {
     return bytes_of(i, j, owned, past, earlier[0], earlier[1], earlier[2], force, overlap, distance,
-                    nx, ny, nz);
+                    nx, ny, nz, surfaces);
   }
 };
 

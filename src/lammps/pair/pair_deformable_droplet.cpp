@@ -129,10 +129,11 @@ void PairDeformableDroplet::compute(int eflag, int vflag)
   const bool new_material = take_ramps(), new_list = neighbor->ago == 0;
   begin_call(eflag, vflag);
   if (new_list) smallest = smallest_radius();
-  const DropletScene scene = {list, &materials, radii.data(), smallest};
+  const DropletScene scene = {list, &materials, radii.data(), smallest, &walls, reach};
   if (!new_list && (new_material || radius_by_atom)) solver->set_material(scene);
   solve(scene, new_list);
   push_pairs();
+  if (!walls.empty()) push_walls();
   if (eflag_atom || needs_shapes()) finish_droplets();
   if (comm->me == 0) {    // compute pair sums over ranks
     pvector[2] = solver->steps;
@@ -148,6 +149,7 @@ void PairDeformableDroplet::compute(int eflag, int vflag)
 void PairDeformableDroplet::solve(const DropletScene &scene, bool new_list)
 {
   constexpr int MOST = 20;
+  if (!new_list) near->locate_walls(scene);
   if (new_list || !near->is_sufficient(scene, true)) {
     near->build(scene, new_list);
     solver->arrange(scene, *near);
@@ -219,18 +221,16 @@ void PairDeformableDroplet::push_pairs()
   const DropletPairs &p = near->pairs;
   double *const f = atom->nmax > 0 ? atom->f[0] : nullptr;
   double energy = 0.0;
-  for (int k = 0; k < p.size; ++k) {
+  for (int k = 0; k < p.wall; ++k) {
     const double force = p.force[k];
     if (force == 0.0) continue;
     const int i = p.i[k], j = p.j[k];
-    const double along = p.part(k) * force;
+    const double along = p.part(k) * force, over = 1.0 / p.distance[k];
     energy += along * p.overlap[k];
-    Vector push = turning_force(k, 0);    // on j
-    if (k < p.remote) {
-      const Vector other = turning_force(k, 1);
-      push = {push.x - other.x, push.y - other.y, push.z - other.z};
-    }
-    push = {push.x + along * p.nx[k], push.y + along * p.ny[k], push.z + along * p.nz[k]};
+    const Vector3 n = p.normal(k);
+    Vector3 turning = torque(k, 0);
+    if (k < p.remote) turning = turning - torque(k, 1);
+    const Vector3 push = along * n + over * turning;    // on j
     double *const fi = f + 3 * i, *const fj = f + 3 * j;
     fi[0] -= push.x;
     fi[1] -= push.y;
@@ -249,86 +249,26 @@ void PairDeformableDroplet::push_pairs()
   eng_vdwl += energy;
 }
 
-// Of the droplet on this side of a pair, on its partner.
-PairDeformableDroplet::Vector PairDeformableDroplet::turning_force(int k, int side) const
+// A wall bears no energy of its own.
+void PairDeformableDroplet::push_walls()
+{
+  const DropletPairs &p = near->pairs;
+  for (int k = p.wall; k < p.size; ++k) {
+    if (p.force[k] == 0.0) continue;
+    const int i = p.i[k], code = p.j[k];
+    wall(code).add_contact(i, wall_feature(code), p.force[k], torque(k, 0), p.surfaces[k - p.wall],
+                           (1.0 + reach) * radii[i]);
+    if (eflag_global) eng_vdwl += p.force[k] * p.overlap[k];
+  }
+}
+
+// The derivative of a droplet's work by the normal of this contact, across it.
+Vector3 PairDeformableDroplet::torque(int k, int side) const
 {
   const DropletPairs &p = near->pairs;
   const int place = solver->place(k, side), i = side == 0 ? p.i[k] : p.second(k);
-  const double tx = solver->turn(place, 0), ty = solver->turn(place, 1),
-               tz = solver->turn(place, 2);
-  const double nx = p.nx[k], ny = p.ny[k], nz = p.nz[k], along = tx * nx + ty * ny + tz * nz;
-  const double scale = radii[i] * p.force[k] / p.distance[k];
-  return {scale * (tx - along * nx), scale * (ty - along * ny), scale * (tz - along * nz)};
-}
-
-/* ---------------------------------------------------------------------- */
-
-void PairDeformableDroplet::finish_droplets()
-{
-  const DropletPairs &p = near->pairs;
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii];
-    double energy = -solver->work(i), rest = 0.0;
-    for (int n = 0; n < solver->contacts_of(i); ++n) {
-      const int c = solver->place_of_contact(i, n);
-      const int k = solver->seat(c) >> 1;
-      energy += p.force[k] * solver->indentation(c);
-      rest += (k < p.wall ? 0.5 : 1.0) * p.force[k] * solver->residual(k);
-    }
-    if (eflag_atom) eatom[i] += energy + rest;
-    if (needs_shapes()) store_droplet(i, energy);
-  }
-}
-
-void PairDeformableDroplet::store_droplet(int i, double energy)
-{
-  if (!results.requested) return;
-  const DropletPairs &p = near->pairs;
-  const double r = radii[i], tension = stiffness_of(i).tension;
-  double moment = 0.0, area = 0.0;
-  int contacts = 0;
-  for (int n = 0; n < solver->contacts_of(i); ++n) {
-    const int c = solver->place_of_contact(i, n);
-    const double force = p.force[solver->seat(c) >> 1], facet = facet_radius(force, r, tension);
-    moment += force * (r - solver->indentation(c));
-    area += PI * facet * facet;
-    contacts += force > 0.0;
-  }
-  results.store_surface(i, {4.0 * PI * r * r + energy / tension, contacts,
-                            droplet_pressure(r, tension, energy, moment), area, solver->load(i)});
-}
-
-/* ----------------------------------------------------------------------
-   One row for each side of a contact: the particle, its partner, indentation,
-   radius of the facet, force, its middle, its normal, distance of the centers,
-   and the force on the particle from its own energy.
-------------------------------------------------------------------------- */
-
-void PairDeformableDroplet::list_contacts(int groupbit, std::vector<double> &rows) const
-{
-  const DropletPairs &p = near->pairs;
-  if (p.size == 0) return;    // there may be no neighbor list yet
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii];
-    if (!(atom->mask[i] & groupbit)) continue;
-    for (int n = 0; n < solver->contacts_of(i); ++n) {
-      const int c = solver->place_of_contact(i, n);
-      const int k = solver->seat(c) >> 1, side = solver->seat(c) & 1;
-      const double force = p.force[k], sign = side ? -1.0 : 1.0;
-      if (force == 0.0) continue;
-      const double nx = sign * p.nx[k], ny = sign * p.ny[k], nz = sign * p.nz[k];
-      const double height = radii[i] - solver->indentation(c);
-      const Vector turning = turning_force(k, side);
-      const int partner = side ? p.i[k] : p.j[k];
-      rows.insert(rows.end(),
-                  {static_cast<double>(atom->tag[i]), static_cast<double>(atom->tag[partner]),
-                   solver->indentation(c), facet_radius(force, radii[i], stiffness_of(i).tension),
-                   force, atom->x[i][0] + height * nx, atom->x[i][1] + height * ny,
-                   atom->x[i][2] + height * nz, nx, ny, nz, p.distance[k],
-                   -0.5 * force * nx - turning.x, -0.5 * force * ny - turning.y,
-                   -0.5 * force * nz - turning.z});
-    }
-  }
+  const Vector3 turn = {solver->turn(place, 0), solver->turn(place, 1), solver->turn(place, 2)};
+  return (radii[i] * p.force[k]) * across(turn, p.normal(k));
 }
 
 /* ---------------------------------------------------------------------- */

@@ -49,12 +49,11 @@ class PairDeformableDroplet : public PairDeformable {
   void locate(const DropletScene &);
   void find_bulges(const DropletScene &);
   void push_pairs();
+  void push_walls();
   void finish_droplets();
   void store_droplet(int i, double energy);
-  struct Vector {
-    double x, y, z;
-  };
-  Vector turning_force(int k, int side) const;
+  deformable::Vector3 torque(int k, int side) const;
+  deformable::Vector3 force_of_contact(int k, int side) const;
 };
 
 }    // namespace LAMMPS_NS

@@ -17,25 +17,30 @@
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
+using deformable::SurfacePoint;
+using deformable::Vector3;
 
 /* ---------------------------------------------------------------------- */
 
-FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
+FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg)
+    : Fix(lmp, narg, arg),
+      dimension(domain->dimension)
 {
   if (narg < 4) utils::missing_cmd_args(FLERR, "fix deformable/wall", error);
   narg = read_adhesion(narg, arg);
   if (narg > 4 && WallSources::is_word(arg[3])) {
     WallSources sources;
+    sources.dimension = dimension;
     require(sources.read_words(narg - 3, arg + 3, lmp));
-    require(scene.assign(std::move(sources)));
+    take(std::move(sources));
   } else {
     region_id = arg[3];
     const bool exists = domain->get_region_by_id(region_id);
     if (narg > 4)
       error->all(FLERR_WORD(exists ? 4 : 3),
                  "Unknown fix deformable/wall argument '{}': it needs a region ID only, or shapes "
-                 "that begin with 'plane', 'circle', 'disk', 'segment' or 'polygon'",
-                 arg[exists ? 4 : 3]);
+                 "that begin with {}",
+                 arg[exists ? 4 : 3], WallSources::known_words(dimension));
     if (!exists)
       error->all(FLERR_WORD(3), "Region '{}' of fix deformable/wall does not exist", region_id);
   }
@@ -73,6 +78,11 @@ int FixDeformableWall::read_adhesion(int narg, char **arg)
                id, arg[words + 2]);
   stickiness = utils::numeric(FLERR, arg[words + 1], false, lmp);
   require(deformable::invalid_adhesion(stickiness));
+  if (dimension == 3 && stickiness > 0.0)
+    error->all(FLERR_WORD(words + 1),
+               "Fix {} deformable/wall: droplets in three dimensions do not stick to walls: use "
+               "adhesion 0, not {}",
+               id, arg[words + 1]);
   return words;
 }
 
@@ -97,8 +107,6 @@ void FixDeformableWall::init()
 {
   if (utils::strmatch(update->integrate_style, "^respa"))
     error->all(FLERR, "Fix {} deformable/wall cannot be used with run_style respa", id);
-  if (domain->dimension != 2)
-    error->all(FLERR, "Fix {} deformable/wall is two-dimensional: use 'dimension 2'", id);
   if (!force->pair_match("^deformable/", 0) && !force->pair_match("^deformable/", 0, 1))
     error->all(FLERR, "Fix {} deformable/wall needs a deformable pair style, but pair_style is {}",
                id, force->pair_style ? force->pair_style : "none");
@@ -117,9 +125,16 @@ void FixDeformableWall::read_region()
   if (!region)
     error->all(FLERR, "Region '{}' of fix {} deformable/wall does not exist", region_id, id);
   WallSources sources;
+  sources.dimension = dimension;
   require(sources.read_region(region, 0.5 * (domain->boxlo[0] + domain->boxhi[0]),
                               0.5 * (domain->boxlo[1] + domain->boxhi[1])));
-  require(scene.assign(std::move(sources)));
+  take(std::move(sources));
+}
+
+void FixDeformableWall::take(WallSources &&sources)
+{
+  require(dimension == 2 ? scene.assign(std::move(sources))
+                         : space.assign(std::move(sources), lmp));
 }
 
 // A shrink-wrapped boundary follows the particles; others hold them up before they meet the wall.
@@ -127,18 +142,21 @@ void FixDeformableWall::warn_of_box() const
 {
   enum { PERIODIC, FIXED };
   constexpr double ROUNDING = 1e-9;    // of the box
-  for (int axis = 0; axis < 2 && !domain->triclinic; ++axis) {
+  for (int axis = 0; axis < dimension && !domain->triclinic; ++axis) {
     const int *const kind = domain->boundary[axis];
     const double low = domain->boxlo[axis], high = domain->boxhi[axis];
     const double rest = ROUNDING * (high - low);
-    const int wall = scene.first_outside(axis, kind[0] <= FIXED ? low - rest : -INFINITY,
-                                         kind[1] <= FIXED ? high + rest : INFINITY);
+    const double from = kind[0] <= FIXED ? low - rest : -INFINITY,
+                 to = kind[1] <= FIXED ? high + rest : INFINITY;
+    const int wall =
+        dimension == 2 ? scene.first_outside(axis, from, to) : space.first_outside(axis, from, to);
     if (wall < 0) continue;
     error->warning(FLERR,
                    "Fix {} deformable/wall: '{}' lies outside of the simulation box in {} ({:.6g} "
                    "to {:.6g}): particles leave the box before they meet it. Enlarge the box "
                    "(change_box), or use a boundary s or m",
-                   id, scene.source(wall).name, axis == 0 ? 'x' : 'y', low, high);
+                   id, dimension == 2 ? scene.source(wall).name : space.source(wall).name,
+                   "xyz"[axis], low, high);
   }
 }
 
@@ -185,12 +203,47 @@ void FixDeformableWall::place(bool counts)
 {
   wall_forces.assign(atom->nlocal, WallForce{});
   callers.clear();
-  scene.period = {domain->xperiodic ? domain->xprd : 0.0, domain->yperiodic ? domain->yprd : 0.0,
-                  domain->triclinic ? domain->xy : 0.0};
-  if (!scene.moves()) return;
-  region->prematch();
-  require(scene.update());
-  scene.begin_step(counts);
+  const bool tilted = domain->triclinic != 0;
+  const double lx = domain->xperiodic ? domain->xprd : 0.0,
+               ly = domain->yperiodic ? domain->yprd : 0.0,
+               lz = domain->zperiodic ? domain->zprd : 0.0, xy = tilted ? domain->xy : 0.0,
+               xz = tilted ? domain->xz : 0.0, yz = tilted ? domain->yz : 0.0;
+  scene.period = {lx, ly, xy};
+  space.period = {{{lx, 0.0, 0.0}, {xy, ly, 0.0}, {xz, yz, lz}}};
+  if (!moves()) return;
+  if (region) region->prematch();
+  require(dimension == 2 ? scene.update() : space.update());
+  dimension == 2 ? scene.begin_step(counts) : space.begin_step(counts);
+}
+
+/* ----------------------------------------------------------------------
+   A sideways step turns the contact as well. The virial is the derivative of
+   the energy by a strain of droplets and walls: the wall's normal turns with
+   it, which the torque feels, and where the wall is round the nearest point
+   moves on.
+------------------------------------------------------------------------- */
+
+Vector3 FixDeformableWall::add_contact(int i, int feature, double force, const Vector3 &torque,
+                                       const SurfacePoint &point, double cutoff)
+{
+  const Vector3 beside = across(torque, point.n), turned = point.turned(beside), &n = point.n;
+  const Vector3 push = -force * n - turned;
+  if (!first_call) return push;
+  const double h = point.height;
+  const Vector3 a = force * h * n + h * turned, b = h * turned - beside;    // n a + b n
+  WallForce &sum = wall_forces[i];
+  sum.fx += push.x;
+  sum.fy += push.y;
+  sum.fz += push.z;
+  sum.vxx += n.x * a.x + b.x * n.x;
+  sum.vyy += n.y * a.y + b.y * n.y;
+  sum.vzz += n.z * a.z + b.z * n.z;
+  sum.vxy += n.x * a.y + b.x * n.y;
+  sum.vxz += n.x * a.z + b.x * n.z;
+  sum.vyz += n.y * a.z + b.y * n.z;
+  const double *const x = atom->x[i];
+  if (space.moves()) space.add_force(feature, {x[0], x[1], x[2]}, force, beside, cutoff);
+  return push;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -199,20 +252,25 @@ void FixDeformableWall::post_force(int vflag)
 {
   v_init(vflag);
   double *const *const f = atom->f;
-  on_wall[0] = on_wall[1] = 0.0;
+  for (double &sum : on_wall) sum = 0.0;
   for (int i = 0; i < static_cast<int>(wall_forces.size()); ++i) {
     const WallForce &force = wall_forces[i];
-    if (force.fx == 0.0 && force.fy == 0.0) continue;
+    // forces of opposite walls may cancel to the last bit
+    if (force.fx == 0.0 && force.fy == 0.0 && force.fz == 0.0 && force.vxx == 0.0 &&
+        force.vyy == 0.0 && force.vzz == 0.0)
+      continue;
     f[i][0] += force.fx;
     f[i][1] += force.fy;
+    f[i][2] += force.fz;
     on_wall[0] -= force.fx;
     on_wall[1] -= force.fy;
+    on_wall[2] -= force.fz;
     if (evflag) {
-      double v[6] = {force.vxx, force.vyy, 0.0, force.vxy, 0.0, 0.0};
+      double v[6] = {force.vxx, force.vyy, force.vzz, force.vxy, force.vxz, force.vyz};
       v_tally(i, v);
     }
   }
-  if (scene.moves()) scene.end_step();
+  if (moves()) dimension == 2 ? scene.end_step() : space.end_step();
 }
 
 void FixDeformableWall::min_post_force(int vflag)
@@ -226,7 +284,7 @@ void FixDeformableWall::min_post_force(int vflag)
 
 double FixDeformableWall::compute_scalar()
 {
-  double here = scene.energy_given();
+  double here = dimension == 2 ? scene.energy_given() : space.energy_given();
   double all;
   MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_SUM, world);
   return all;
@@ -238,7 +296,6 @@ double FixDeformableWall::compute_scalar()
 
 double FixDeformableWall::compute_vector(int n)
 {
-  if (n > 1) return 0.0;
   double all;
   MPI_Allreduce(&on_wall[n], &all, 1, MPI_DOUBLE, MPI_SUM, world);
   return all;
@@ -246,10 +303,11 @@ double FixDeformableWall::compute_vector(int n)
 
 /* ---------------------------------------------------------------------- */
 
-void FixDeformableWall::refuse_center(int i, const WallScene::Refused &refused)
+void FixDeformableWall::refuse_center(int i, const RefusedCenter &refused)
 {
   const double *x = atom->x[i];
-  const WallSource &source = scene.source(refused.wall);
+  const WallSource &source =
+      dimension == 2 ? scene.source(refused.wall) : space.source(refused.wall);
   const bool solid = source.kind == WallSource::DISK || source.kind == WallSource::POLYGON ||
                      (source.kind == WallSource::FACE && source.sides[0].reversed);
   const std::string name = region_id.empty() ? "'" + source.name + "'"
@@ -259,13 +317,16 @@ void FixDeformableWall::refuse_center(int i, const WallScene::Refused &refused)
   const std::string place = refused.height > 0.0 ? fmt::format("only {:.3g} from", refused.height)
                             : solid              ? "in the obstacle"
                                                  : "outside of";
-  error->one(FLERR, "The center of atom {} at ({:.6g}, {:.6g}) is {} {} of fix {} deformable/wall",
-             atom->tag[i], x[0], x[1], place, name, id);
+  const std::string at = dimension == 2 ? fmt::format("({:.6g}, {:.6g})", x[0], x[1])
+                                        : fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
+  error->one(FLERR, "The center of atom {} at {} is {} {} of fix {} deformable/wall", atom->tag[i],
+             at, place, name, id);
 }
 
 /* ---------------------------------------------------------------------- */
 
 double FixDeformableWall::memory_usage()
 {
-  return static_cast<double>(wall_forces.capacity() * sizeof(WallForce)) + scene.memory_usage();
+  return static_cast<double>(wall_forces.capacity() * sizeof(WallForce)) + scene.memory_usage() +
+         space.memory_usage();
 }

@@ -16,6 +16,7 @@ FixStyle(deformable/wall,FixDeformableWall);
 #include "fix.h"
 
 #include "contact.h"
+#include "space_scene.h"
 #include "wall_scene.h"
 
 #include "atom.h"
@@ -64,11 +65,28 @@ class FixDeformableWall : public Fix {
     if (!(atom->mask[i] & groupbit)) return;
     constexpr double ABOUT =
         1.0 + 1e-12;    // before the line of a wall is refused as that of a pair
-    const WallScene::Refused refused =
+    const RefusedCenter refused =
         scene.visit(atom->x[i][0], atom->x[i][1], ABOUT * deformable::NEAREST_LINE * radius,
                     (1.0 + reach) * radius, visitor);
     if (refused.wall >= 0) refuse_center(i, refused);
   }
+
+  // The same in three dimensions, where a wall has one feature: visitor(feature, nearest point).
+  template <class Visitor>
+  void visit_in_space(int i, double radius, double reach, Visitor &&visitor)
+  {
+    if (!(atom->mask[i] & groupbit)) return;
+    const double *const x = atom->x[i];
+    const RefusedCenter refused = space.visit({x[0], x[1], x[2]}, deformable::NEAREST_LINE * radius,
+                                              (1.0 + reach) * radius, visitor);
+    if (refused.wall >= 0) refuse_center(i, refused);
+  }
+
+  // A droplet presses with this force at a point of a wall; `torque`: the derivative of its work by the normal. Returns the
+  // force of the wall on it.
+  deformable::Vector3 add_contact(int i, int feature, double force,
+                                  const deformable::Vector3 &torque,
+                                  const deformable::SurfacePoint &, double cutoff);
 
   // The force of a feature of a wall on atom i, at (dx, dy) from its point of application to the
   // atom. (tx, ty) is the direction along the wall.
@@ -104,26 +122,30 @@ class FixDeformableWall : public Fix {
   void do_work(double energy) { scene.do_work(energy); }
 
  private:
-  std::string region_id;    // empty: shapes at rest
+  const int dimension;
+  std::string region_id;    // empty: shapes from words
   Region *region = nullptr;
-  WallScene scene;
+  WallScene scene;     // in two dimensions
+  SpaceScene space;    // in three
+  bool moves() const { return scene.moves() || space.moves(); }
   double stickiness = 0.0;
 
   struct WallForce {
-    double fx, fy, vxx, vyy, vxy;
+    double fx, fy, fz, vxx, vyy, vzz, vxy, vxz, vyz;
   };
   // of the present step
   std::vector<WallForce> wall_forces;    // by local index
   std::vector<const class Pair *> callers;
   bool first_call = false;
-  double on_wall[2] = {0.0, 0.0};
+  double on_wall[3] = {0.0, 0.0, 0.0};
 
   void place(bool counts);
   void require(const std::string &problem);
   int read_adhesion(int narg, char **arg);
   void read_region();
+  void take(WallSources &&);
   void warn_of_box() const;
-  [[noreturn]] void refuse_center(int i, const WallScene::Refused &);
+  [[noreturn]] void refuse_center(int i, const RefusedCenter &);
 };
 
 // Calls visitor(code, nearest point) for each wall within (1 + reach) radii of atom i. The code of a feature of wall w of n
@@ -137,6 +159,19 @@ void visit_walls(const std::vector<FixDeformableWall *> &walls, int i, double ra
     walls[w]->visit(i, radius, reach, [&](const deformable::NearestPoint &point) {
       visitor(-1 - (w + count * point.feature), point);
     });
+}
+
+// The same in three dimensions.
+template <class Visitor>
+void visit_walls_in_space(const std::vector<FixDeformableWall *> &walls, int i, double radius,
+                          double reach, Visitor &&visitor)
+{
+  const int count = static_cast<int>(walls.size());
+  for (int w = 0; w < count; ++w)
+    walls[w]->visit_in_space(i, radius, reach,
+                             [&](int feature, const deformable::SurfacePoint &point) {
+                               visitor(-1 - (w + count * feature), point);
+                             });
 }
 
 }    // namespace LAMMPS_NS

@@ -152,9 +152,8 @@ std::string read_disk(Region *region, bool sphere, WallShape &shape)
 // Gives access to what LAMMPS protects.
 struct RegionMotion : Region {
   static double axis_z(const Region *region) { return (region->*(&RegionMotion::runit))[2]; }
-  static void forward(Region *region, double &x, double &y)
+  static void forward(Region *region, double &x, double &y, double &z)
   {
-    double z = 0.0;
     (region->*(&RegionMotion::forward_transform))(x, y, z);
   }
 };
@@ -163,7 +162,14 @@ struct RegionMotion : Region {
 
 void LAMMPS_NS::move_with(Region *region, double &x, double &y)
 {
-  RegionMotion::forward(region, x, y);
+  double z = 0.0;
+  RegionMotion::forward(region, x, y, z);
+}
+
+deformable::Vector3 LAMMPS_NS::moved_with(Region *region, deformable::Vector3 x)
+{
+  RegionMotion::forward(region, x.x, x.y, x.z);
+  return x;
 }
 
 double LAMMPS_NS::angle_of_rotation(const Region *region)

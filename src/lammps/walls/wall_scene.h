@@ -33,12 +33,8 @@ class WallScene {
 
   // Calls visitor(nearest point) for each wall within the cutoff of a center. The feature of the point counts
   // over all walls. Returns the first wall that has the center on its wrong side, or nearer than `nearest`, if any.
-  struct Refused {
-    int wall;    // -1: none
-    double height;
-  };
   template <class Visitor>
-  Refused visit(double x, double y, double nearest, double cutoff, Visitor &&visitor) const
+  RefusedCenter visit(double x, double y, double nearest, double cutoff, Visitor &&visitor) const
   {
     for (const Wall &wall : walls) {
       const deformable::HalfPlane &line = wall.line;

@@ -4,6 +4,7 @@
 #define DEFORMABLE_WALL_SHAPES_H
 
 #include "obstacle.h"
+#include "surface.h"
 
 #include "region.h"
 
@@ -12,15 +13,29 @@
 
 namespace LAMMPS_NS {
 
-// A convex set of points of the plane of the particles: half planes that intersect, or a disk. Given in the frame
-// of its region, before the region moves. It does not depend on `side`.
+// A convex set of points. In the plane of the particles: half planes that intersect, or a disk. In space: half spaces, a ball,
+// or a body around an axis, whose ends are half spaces too. Given in the frame of its region, before the region moves. It does
+// not depend on `side`.
 struct WallShape {
   std::string name;
   Region *region = nullptr;                     // nullptr: at rest
   std::vector<deformable::HalfPlane> planes;    // none: a disk
-  double x = 0.0, y = 0.0, radius = 0.0;        // of the disk
+  double x = 0.0, y = 0.0, radius = 0.0;        // of the disk, or of the ball
 
-  bool is_disk() const { return planes.empty(); }
+  std::vector<deformable::HalfSpace> spaces;
+  double z = 0.0;
+  bool is_body = false;
+  deformable::Revolution body{};
+
+  // A side of the box: its axis, which one it is (-1 or 1), and its place if that may change: EDGE or v_name.
+  struct {
+    int axis, sign;
+    std::string place;
+  } side = {0, 0, ""};
+  std::string place_side(class LAMMPS *);    // returns what is wrong, or nothing
+
+  int faces() const { return static_cast<int>(planes.size() + spaces.size()); }
+  bool is_round() const { return is_body || faces() == 0; }
 };
 
 // LAMMPS installs only the base class of its regions. The geometry of a plane, block, prism, cylinder or sphere is
@@ -28,8 +43,12 @@ struct WallShape {
 // is wrong with a region that is no such shape, or nothing. (x, y): a point of the system, for planes.
 std::string read_shape(Region *, double x, double y, WallShape &);
 
+// The same in space, where cones have a shape, too.
+std::string read_solid(Region *, WallShape &);
+
 // The present place of a moving region: of a point of it, and the angle by which it is rotated.
 void move_with(Region *, double &x, double &y);
+deformable::Vector3 moved_with(Region *, deformable::Vector3);
 double angle_of_rotation(const Region *);
 
 // The same as numbers, which outlive the step.
@@ -44,7 +63,7 @@ struct Motion {
 };
 Motion motion_of(Region *);
 
-// One wall: a face of a container, the rim of a round container, or an obstacle.
+// One wall: a face of a container, the rim of a round container, or an obstacle (round, or with faces).
 struct WallSource {
   enum Kind { FACE, RIM, DISK, POLYGON } kind;
   std::string name;    // of the region, for messages
@@ -57,22 +76,34 @@ struct WallSource {
   int shape;                  // of a rim and of a disk
 };
 
+// A center that a wall refuses.
+struct RefusedCenter {
+  int wall;    // -1: none
+  double height;
+};
+
 struct WallSources {
+  int dimension = 2;
   std::vector<WallShape> shapes;
   std::vector<WallSource> walls;
 
   // The walls of a region. Returns what is wrong, or nothing.
   std::string read_region(Region *, double x, double y);
 
-  // Walls from words, at rest: plane x y nx ny, circle x y radius, disk x y radius, segment x1 y1 x2 y2,
-  // polygon N x1 y1 ... xN yN.
+  // Walls from words, at rest, in the plane: plane x y nx ny, circle x y radius, disk x y radius, segment x1 y1 x2 y2,
+  // polygon N x1 y1 ... xN yN. In space: xlo place ... zhi place, of which EDGE and v_name may move, plane x y z nx ny nz, sphere
+  // x y z radius, ball x y z radius, cylinder x y z ax ay az radius.
   // Returns what is wrong, or nothing.
   std::string read_words(int narg, char **arg, class LAMMPS *);
-  static bool is_word(const std::string &);
+  static bool is_word(const std::string &);    // in the plane or in space
+  static const char *known_words(int dimension);
 
  private:
   std::string add(Region *, bool inside, double x, double y);
+  static bool is_side(const std::string &word);
+  std::string add_side(const std::string &word, const std::string &place, class LAMMPS *);
   std::string add_obstacle(Region *, bool inside, double x, double y);
+  std::string check_obstacle(const WallSource &) const;
 };
 
 }    // namespace LAMMPS_NS

@@ -9,8 +9,7 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
-using deformable::Edge;
-using deformable::HalfPlane;
+using namespace deformable;
 
 /* ---------------------------------------------------------------------- */
 
@@ -42,15 +41,16 @@ std::string WallSources::add(Region *region, bool matching, double x, double y)
 
   WallShape shape;
   shape.name = name;
-  const std::string problem = read_shape(region, x, y, shape);
+  const std::string problem =
+      dimension == 2 ? read_shape(region, x, y, shape) : read_solid(region, shape);
   if (!problem.empty()) return "region '" + name + "' " + problem;
-  const int index = static_cast<int>(shapes.size()), n = static_cast<int>(shape.planes.size());
-  if (shape.is_disk())
-    walls.push_back({inside ? WallSource::RIM : WallSource::DISK, name, {}, index});
-  else if (inside || n == 1)
+  const int index = static_cast<int>(shapes.size()), n = shape.faces();
+  const bool is_round = shape.is_round();
+  if (is_round) walls.push_back({inside ? WallSource::RIM : WallSource::DISK, name, {}, index});
+  if (inside || (n == 1 && !is_round)) {
     for (int k = 0; k < n; ++k)
       walls.push_back({WallSource::FACE, name, {{index, k, !inside}}, index});
-  else {
+  } else if (!is_round) {
     WallSource obstacle = {WallSource::POLYGON, name, {}, index};
     for (int k = 0; k < n; ++k) obstacle.sides.push_back({index, k, false});
     walls.push_back(obstacle);
@@ -74,7 +74,6 @@ std::string WallSources::add_obstacle(Region *region, bool inside, double x, dou
     if (!problem.empty()) return problem;
   }
   WallSource obstacle = {WallSource::POLYGON, name, {}, 0};
-  std::vector<HalfPlane> planes;
   for (std::size_t w = first; w < walls.size(); ++w) {
     if (walls[w].kind != WallSource::FACE)
       return "region '" + name +
@@ -84,22 +83,38 @@ std::string WallSources::add_obstacle(Region *region, bool inside, double x, dou
              "prisms, an obstacle as a union of planes that face away from it or as a block, "
              "prism, cylinder or sphere with 'side out', and several of these as an intersect, or "
              "each in a fix of its own";
-    const WallSource::Side side = walls[w].sides[0];
-    obstacle.sides.push_back(side);
-    const HalfPlane &plane = shapes[side.shape].planes[side.plane];
-    const double sign = side.reversed ? -1.0 : 1.0;
-    planes.push_back({sign * plane.nx, sign * plane.ny, sign * plane.offset});
+    obstacle.sides.push_back(walls[w].sides[0]);
   }
   walls.erase(walls.begin() + first, walls.end());
-  std::vector<Edge> edges(planes.size());
-  bool at_rest = true;
-  for (const WallSource::Side &side : obstacle.sides)
-    at_rest = at_rest && !shapes[side.shape].region->dynamic_check();
-  if (at_rest &&
-      !deformable::intersect(planes.data(), static_cast<int>(planes.size()), edges.data()))
-    return "region '" + name +
-           "' has no surface: its parts cover the whole plane. An obstacle is a union of planes "
-           "that face away from it, a container an intersect of planes";
+  const std::string problem = check_obstacle(obstacle);
   walls.push_back(obstacle);
-  return "";
+  return problem;
+}
+
+/* ---------------------------------------------------------------------- */
+
+std::string WallSources::check_obstacle(const WallSource &obstacle) const
+{
+  std::vector<HalfPlane> planes;
+  std::vector<HalfSpace> spaces;
+  for (const WallSource::Side &side : obstacle.sides) {
+    const WallShape &shape = shapes[side.shape];
+    if (shape.region->dynamic_check()) return "";
+    const double sign = side.reversed ? -1.0 : 1.0;
+    if (dimension == 2) {
+      const HalfPlane &plane = shape.planes[side.plane];
+      planes.push_back({sign * plane.nx, sign * plane.ny, sign * plane.offset});
+    } else {
+      const HalfSpace &space = shape.spaces[side.plane];
+      spaces.push_back({sign * space.n, sign * space.offset});
+    }
+  }
+  std::vector<Edge> edges(planes.size());
+  const int n = static_cast<int>(obstacle.sides.size());
+  if (dimension == 2 ? intersect(planes.data(), n, edges.data()) : meet(spaces.data(), n))
+    return "";
+  return "region '" + obstacle.name + "' has no surface: its parts cover " +
+         (dimension == 2 ? "the whole plane" : "all of space") +
+         ". An obstacle is a union of planes that face away from it, a container an intersect of "
+         "planes";
 }

@@ -1,6 +1,7 @@
 // Walls that are written as words of the fix, without a region.
 
 #include "convex_polygon.h"
+#include "vector3.h"
 #include "wall_shapes.h"
 
 #include "lammps.h"
@@ -27,14 +28,88 @@ std::string read_polygon(const std::vector<Point> &corners, WallShape &shape)
   }
 }
 
+void read_plane_shape(const std::string &word, const std::vector<double> &value, WallShape &shape,
+                      std::string &problem)
+{
+  const Point a = {value[0], value[1]};
+  if (word == "circle" || word == "disk") {
+    shape.x = a.x;
+    shape.y = a.y;
+    shape.radius = value[2];
+    if (!(shape.radius > 0.0)) problem = fmt::format("has a radius of {:.6g}", shape.radius);
+  } else if (word == "plane") {
+    const double nx = value[2], ny = value[3];
+    if (nx == 0.0 && ny == 0.0) problem = "has a normal of zero length";
+    shape.planes.push_back(left_of(a, {a.x + ny, a.y - nx}));
+  } else if (word == "segment") {
+    const Point b = {value[2], value[3]};
+    if (a.x == b.x && a.y == b.y) problem = "has no length";
+    shape.planes = segment_planes(a, b);
+  } else {
+    std::vector<Point> corners;
+    for (std::size_t k = 0; k < value.size(); k += 2) corners.push_back({value[k], value[k + 1]});
+    problem = read_polygon(corners, shape);
+  }
+}
+
+void read_space_shape(const std::string &word, const std::vector<double> &value, WallShape &shape,
+                      std::string &problem)
+{
+  const Vector3 a = {value[0], value[1], value[2]};
+  if (word == "sphere" || word == "ball") {
+    shape.x = a.x;
+    shape.y = a.y;
+    shape.z = a.z;
+    shape.radius = value[3];
+  } else {
+    const Vector3 given = {value[3], value[4], value[5]};
+    const double size = length(given);
+    if (!(size > 0.0)) problem = "has a direction of zero length";
+    const Vector3 direction = (1.0 / size) * given;
+    if (word == "plane") {
+      shape.spaces.push_back({-direction, -dot(direction, a)});
+      return;
+    }
+    shape.is_body = true;
+    shape.radius = value[6];
+    shape.body.center = a;
+    shape.body.axis = direction;
+    shape.body.side = {1.0, 0.0, shape.radius};
+  }
+  if (!(shape.radius > 0.0)) problem = fmt::format("has a radius of {:.6g}", shape.radius);
+}
+
+// The words of walls, and how many numbers follow: in the plane, and in space.
+struct Word {
+  const char *name;
+  int numbers[2];
+  bool is_obstacle;
+};
+constexpr Word WORDS[] = {
+    {"plane", {4, 6}, false},  {"circle", {3, 0}, false}, {"disk", {3, 0}, true},
+    {"segment", {4, 0}, true}, {"polygon", {1, 0}, true},    // and as many corners
+    {"sphere", {0, 4}, false}, {"ball", {0, 4}, true},    {"cylinder", {0, 7}, false}};
+
+const Word *find_word(const std::string &name)
+{
+  for (const Word &word : WORDS)
+    if (name == word.name) return &word;
+  return nullptr;
+}
+
 }    // namespace
 
 /* ---------------------------------------------------------------------- */
 
 bool WallSources::is_word(const std::string &word)
 {
-  return word == "plane" || word == "circle" || word == "disk" || word == "segment" ||
-         word == "polygon";
+  return find_word(word) || is_side(word);
+}
+
+const char *WallSources::known_words(int dimension)
+{
+  return dimension == 2 ? "'plane', 'circle', 'disk', 'segment' or 'polygon'"
+                        : "'plane', 'sphere', 'cylinder', 'ball', or a side 'xlo' to 'zhi'";
 }
 
 /* ---------------------------------------------------------------------- */
@@ -42,13 +117,21 @@ bool WallSources::is_word(const std::string &word)
 std::string WallSources::read_words(int narg, char **arg, LAMMPS *lmp)
 {
   for (int iarg = 0; iarg < narg;) {
-    const std::string word = arg[iarg];
-    if (!is_word(word))
-      return "unknown word '" + word +
-             "': it must be 'plane', 'circle', 'disk', 'segment' or 'polygon'";
-    const bool round = word == "circle" || word == "disk";
-    int first = iarg + 1, values = round ? 3 : 4;
-    if (word == "polygon") {
+    const std::string name = arg[iarg];
+    const Word *const word = find_word(name);
+    if (dimension == 3 && is_side(name)) {
+      if (iarg + 1 == narg) return name + " needs its place: a number, EDGE or v_name";
+      const std::string problem = add_side(name, arg[iarg + 1], lmp);
+      if (!problem.empty()) return problem;
+      iarg += 2;
+      continue;
+    }
+    int first = iarg + 1, values = word ? word->numbers[dimension - 2] : 0;
+    if (values == 0)
+      return (is_word(name) ? fmt::format("'{}' is no wall in {} dimensions", name, dimension)
+                            : "unknown word '" + name + "'") +
+             ": it must be " + known_words(dimension);
+    if (name == "polygon") {
       if (first >= narg) return "polygon: missing its number of corners";
       const int corners = utils::inumeric(FLERR, arg[first++], false, lmp);
       if (corners < 3)
@@ -56,40 +139,22 @@ std::string WallSources::read_words(int narg, char **arg, LAMMPS *lmp)
       values = 2 * corners;
     }
     if (first + values > narg)
-      return fmt::format("{} needs {} numbers, but {} follow", word, values, narg - first);
+      return fmt::format("{} needs {} numbers, but {} follow", name, values, narg - first);
     std::vector<double> value;
     for (int k = 0; k < values; ++k) {
       value.push_back(utils::numeric(FLERR, arg[first + k], false, lmp));
-      if (!std::isfinite(value.back())) return word + ": '" + arg[first + k] + "' is not finite";
+      if (!std::isfinite(value.back())) return name + ": '" + arg[first + k] + "' is not finite";
     }
     iarg = first + values;
 
     WallShape shape;
-    shape.name = fmt::format("{} {}", word, walls.size() + 1);
+    shape.name = fmt::format("{} {}", name, walls.size() + 1);
     std::string problem;
-    const Point a = {value[0], value[1]};
-    if (round) {
-      shape.x = a.x;
-      shape.y = a.y;
-      shape.radius = value[2];
-      if (!(shape.radius > 0.0)) problem = fmt::format("has a radius of {:.6g}", shape.radius);
-    } else if (word == "plane") {
-      const double nx = value[2], ny = value[3];
-      if (nx == 0.0 && ny == 0.0) problem = "has a normal of zero length";
-      shape.planes.push_back(left_of(a, {a.x + ny, a.y - nx}));
-    } else if (word == "segment") {
-      const Point b = {value[2], value[3]};
-      if (a.x == b.x && a.y == b.y) problem = "has no length";
-      shape.planes = segment_planes(a, b);
-    } else {
-      std::vector<Point> corners;
-      for (int k = 0; k < values; k += 2) corners.push_back({value[k], value[k + 1]});
-      problem = read_polygon(corners, shape);
-    }
+    (dimension == 2 ? read_plane_shape : read_space_shape)(name, value, shape, problem);
     if (!problem.empty()) return shape.name + " " + problem;
 
-    const int index = static_cast<int>(shapes.size()), n = static_cast<int>(shape.planes.size());
-    WallSource wall = {n == 0   ? (word == "disk" ? WallSource::DISK : WallSource::RIM)
+    const int index = static_cast<int>(shapes.size()), n = shape.faces();
+    WallSource wall = {n == 0   ? (word->is_obstacle ? WallSource::DISK : WallSource::RIM)
                        : n == 1 ? WallSource::FACE
                                 : WallSource::POLYGON,
                        shape.name,
