@@ -75,7 +75,7 @@ EnergyBlocks droplet_blocks(nb::handle given_droplets, nb::handle given_sides)
               {{s[0], s[1], s[2]}, s[DROPLET_TURN], s[DROPLET_SHARE], s[DROPLET_FORCE]});
         }
         if (!add_droplet(of_droplet, of[DROPLET_RADIUS], of[DROPLET_TENSION], result))
-          refuse(name + " is beyond the model: its forces are no minimum of the energy");
+          refuse(name + " is beyond the model: its compliance is singular");
       });
   return result;
 }
@@ -133,7 +133,7 @@ Source: docs/theory.md, "Second derivatives".)");
       "droplet_blocks", &droplet_blocks, "droplets"_a, "sides"_a,
       R"(The energy of droplets at rest, and its derivatives by the vectors to their neighbors and the places of facets.
 
-U = max_F F.a - W(F, n) with W of `droplet`. A facet has the direction n of the vector v and the indentation
+U = F.a - W(F, n), stationary in the forces F, with W of `droplet`. A facet has the direction n of the vector v and the indentation
 a = const - share |v| + s; the energy of a packing is stationary in the shifts s of its facets.
 
 Parameters
@@ -153,8 +153,8 @@ EnergyBlocks
 Raises
 ------
 ValueError
-    Tables that do not fit each other, values that are not positive or not finite, or a droplet so far beyond the model
-    that its forces are no minimum of the energy.
+    Tables that do not fit each other, values that are not positive or not finite, or a droplet beyond the model whose
+    compliance is singular.
 
 Source: docs/theory.md, "Second derivatives".)");
 }

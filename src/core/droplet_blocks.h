@@ -4,6 +4,7 @@
 #define DEFORMABLE_DROPLET_BLOCKS_H
 
 #include "droplet.h"
+#include "elimination.h"
 #include "energy_blocks.h"
 
 #include <array>
@@ -21,27 +22,17 @@ struct DropletSide {
 
 constexpr int DROPLET_VARIABLES = 4;    // v and s of each side
 
-// Rows of the symmetric, positive definite A of this size become those of L with A = L L^T. False: A is not.
-inline bool cholesky(std::vector<double> &a, int size)
-{
-  for (int r = 0; r < size; ++r)
-    for (int c = 0; c <= r; ++c) {
-      double rest = a[r * size + c];
-      for (int k = 0; k < c; ++k) rest -= a[r * size + k] * a[c * size + k];
-      if (r == c && !(rest > 0.0)) return false;
-      a[r * size + c] = r == c ? std::sqrt(rest) : rest / a[c * size + c];
-    }
-  return true;
-}
+// A compliance beyond this condition counts as singular.
+constexpr double LARGEST_CONDITION = 1e12;
 
-// U(a, n) = max_F F.a - W(F, n). With the compliance A = W_FF, all variables x of the sides and D = d(a - W_F)/dx,
+// U(a, n) = F.a - W(F, n), stationary in F. With the compliance A = W_FF, all variables x of the sides and D = d(a - W_F)/dx,
 //   U_x = F.a_x - W_x,   U_xx = F.a_xx - W_xx + D^T A^-1 D,
 // where x changes a and n: with P = 1 - n n^T,
 //   a_v = -share n,   a_vv = -share turn P,   n_v = turn P,   g.n_vv = -turn^2 [(g.n) P + (P g) n^T + n (P g)^T],
 // and in units of R and g R, with m = n_c.n_k,
 //   W_n = f_c t_c,   t_c = sum_k G' f_k n_k,   d(W_f)_c/dn_c = t_c,   d(W_f)_c/dn_k = G' f_k n_c,
 //   d^2W/dn_c dn_k = f_c f_k (G' + G'' n_k n_c^T),   d^2W/dn_c dn_c = f_c sum_k f_k G'' n_k n_k^T.
-// False: A is not positive definite.
+// A need not be positive definite: that of all droplets of a packing together is. False: it is singular.
 inline bool add_droplet(const std::vector<DropletSide> &sides, double radius, double tension,
                         EnergyBlocks &blocks)
 {
@@ -128,16 +119,20 @@ inline bool add_droplet(const std::vector<DropletSide> &sides, double radius, do
     blocks.gradient.push_back(sides[c].force);
     D[c * size + V * c + 3] += 1.0;
   }
-  if (!cholesky(A, z)) return false;
-  for (int c = 0; c < z; ++c)    // L^-1 D
-    for (int x = 0; x < size; ++x) {
-      double &entry = D[c * size + x];
-      for (int k = 0; k < c; ++k) entry -= A[c * z + k] * D[k * size + x];
-      entry /= A[c * z + c];
+  std::vector<double> taken = D;    // A^-1 D
+  if (!solve_by_elimination(A, taken, z, size)) return false;
+  double largest = 0.0, inverse = 0.0;    // entries of A, and of A^-1: D has a 1 for each shift
+  for (int c = 0; c < z; ++c)
+    for (int k = 0; k < z; ++k) {
+      largest = std::max(largest, std::fabs(A[c * z + k]));
+      inverse = std::max(inverse, std::fabs(taken[c * size + V * k + 3]));
     }
+  if (!(largest * inverse < LARGEST_CONDITION)) return false;
   for (int x = 0; x < size; ++x)
     for (int y = 0; y < size; ++y)
-      for (int c = 0; c < z; ++c) local[x * size + y] += D[c * size + x] * D[c * size + y];
+      for (int c = 0; c < z; ++c)
+        local[x * size + y] +=
+            0.5 * (D[c * size + x] * taken[c * size + y] + D[c * size + y] * taken[c * size + x]);
   blocks.energy += product - work;
   blocks.add_block(blocks.gradient.size() - size, size, local.data());
   return true;

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from deformable import core
 from polyhedra import random_normals
+from scipy.optimize import brentq
 from test_droplet_kernel import changes
 
 RADIUS, TENSION = 1.3, 0.7
@@ -101,7 +102,6 @@ def test_droplets_come_one_after_the_other():
         ([5, 1, 1], {(2, 0): np.nan}, "vector 2"),
         ([5, 1, 1], {(3, 3): np.inf}, "side 3"),
         ([5, 1, 1], {(4, 5): 0.0}, "force of side 4"),
-        ([5, 1, 1], {(n, 5): 2.5 for n in range(5)}, "droplet 0 is beyond the model"),
     ],
 )
 def test_errors(droplet, change, message):
@@ -112,3 +112,20 @@ def test_errors(droplet, change, message):
         core.droplet_blocks([droplet], sides)
     with pytest.raises(ValueError, match="6 numbers"):
         core.droplet_blocks([droplet], sides[:, :5])
+
+
+def test_a_droplet_that_moves_without_a_force():
+    """Between two plates at a load of 0.145 the energy is not convex any more."""
+    sides = np.array([[0, 0, 1.7, 0.6, 0.5, 1.0], [0, 0, -1.7, 0.6, 0.5, 1.0]])
+
+    def difference(force):
+        both = core.droplet(sides[:, :3], [force, force]).compliance[0]
+        return both[0] - both[1]
+
+    force = brentq(difference, 1.5, 2.0, xtol=1e-15)
+    assert 2 * force / (8 * np.pi) == pytest.approx(0.145, abs=1e-3)
+    sides[:, 5] = 1.01 * force
+    assert np.isfinite(dense(core.droplet_blocks([[2, 1, 1]], sides))).all()
+    sides[:, 5] = force
+    with pytest.raises(ValueError, match="droplet 0 is beyond the model"):
+        core.droplet_blocks([[2, 1, 1]], sides)

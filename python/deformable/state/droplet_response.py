@@ -29,7 +29,7 @@ class DropletResponse(LinearResponse):
         """Second derivatives of the energy of droplets, see `SoftResponse.hessian`.
 
         Raises:
-            ParameterError: a droplet is so far beyond the model that its forces are no minimum.
+            ParameterError: the compliance of a droplet is singular, far beyond the model.
         """
         packing, table = self.packing, self.contact_table
         if not rattlers:
