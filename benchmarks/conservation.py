@@ -28,12 +28,18 @@ TIMESTEP, LONGER = 0.05, (0.1, 0.2, 0.4)
 RUNS = ((256, 20_000), (64, 1_000_000))
 SAMPLES = 200
 SEEDS = range(4711, 4719)
+BALANCED = deformable.Ring()
 
 
 def error_and_drift(
-    packing: deformable.Packing, temperature: float, dt: float, steps: int, seed: int
+    packing: deformable.Packing,
+    temperature: float,
+    dt: float,
+    steps: int,
+    seed: int,
+    law: deformable.Ring | deformable.Droplet = BALANCED,
 ) -> tuple[float, float]:
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
+    with deformable.Simulation(packing, law) as sim:
         sim.relax(1e-6)
         sim.lmp.commands_string(
             f"timestep {dt!r}\nvelocity all create {temperature!r} {seed} loop all mom yes\n"
@@ -47,9 +53,15 @@ def error_and_drift(
     return float(error / kinetic.mean()), float(slope / kinetic.mean())
 
 
-def run(packing: deformable.Packing, temperature: float, dt: float, steps: int) -> dict[str, Any]:
+def run(
+    packing: deformable.Packing,
+    temperature: float,
+    dt: float,
+    steps: int,
+    law: deformable.Ring | deformable.Droplet = BALANCED,
+) -> dict[str, Any]:
     errors, drifts = np.transpose(
-        [error_and_drift(packing, temperature, dt, steps, seed) for seed in SEEDS]
+        [error_and_drift(packing, temperature, dt, steps, seed, law) for seed in SEEDS]
     )
     return {
         "N": len(packing),

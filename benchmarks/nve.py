@@ -26,9 +26,15 @@ SAMPLES = 200
 LONGER = 16
 
 
-def energies(packing: deformable.Packing, dt: float, time: float, temperature: float) -> np.ndarray:
+RADICAL = deformable.Ring(contact="radical", reach=0.2)
+AnyLaw = deformable.Ring | deformable.Droplet
+
+
+def energies(
+    packing: deformable.Packing, law: AnyLaw, dt: float, time: float, temperature: float
+) -> np.ndarray:
     """Potential and total energy at SAMPLES + 1 times, shape (2, SAMPLES + 1)."""
-    with deformable.Simulation(packing, deformable.Ring(contact="radical", reach=0.2)) as sim:
+    with deformable.Simulation(packing, law) as sim:
         lmp = sim.lmp
         lmp.commands_string(
             f"timestep {dt!r}\nvelocity all create {temperature!r} 4711 loop all\nfix nve all nve\n"
@@ -47,11 +53,12 @@ def measure(
     time: float = 400.0,
     dt: float = 0.4,
     temperature: float = 1e-5,
+    law: AnyLaw = RADICAL,
 ) -> dict[str, Any]:
     """Energy errors at one packing fraction for the steps dt to dt/16, and their order."""
     packing = jammed.at(phi)
     steps = (dt / 2.0 ** np.arange(HALVINGS + 1)).tolist()
-    runs = [energies(packing, step, time, temperature) for step in steps]
+    runs = [energies(packing, law, step, time, temperature) for step in steps]
     errors = [float(total.std()) for _, total in runs]
     return {
         "phi": phi,
@@ -65,9 +72,15 @@ def measure(
     }
 
 
-def growth(jammed: deformable.Packing, row: dict[str, Any], temperature: float = 1e-5) -> float:
+def growth(
+    jammed: deformable.Packing,
+    row: dict[str, Any],
+    temperature: float = 1e-5,
+    law: AnyLaw = RADICAL,
+) -> float:
     """Energy error at dt/4 over LONGER times the time, relative to that of the row."""
-    _, total = energies(jammed.at(row["phi"]), row["dt"][2], LONGER * row["time"], temperature)
+    packing, time = jammed.at(row["phi"]), LONGER * row["time"]
+    _, total = energies(packing, law, row["dt"][2], time, temperature)
     return float(total.std() / row["energy_error"][2])
 
 
