@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from deformable import bidisperse, jam
 from droplets import Droplets, dual
+from test_droplet import alone, pair
 
 # ratio of radii, tensions of the small and the large ones
 CONTRASTS = [(1.0, (1, 1)), (5.0, (1, 1)), (1.4, (1, 100)), (1.4, (100, 1)), (5.0, (1, 100))]
@@ -54,3 +55,51 @@ def test_one_solution(ratio, tensions, phi, start, packings, tmp_path):
     assert loads.max() > 0.4
     assert scene.energy == pytest.approx(energy, rel=1e-8)
     assert scene.outputs()[0] == np.count_nonzero(loads > 0.4)
+
+
+@pytest.mark.parametrize("overlap", [1e-14, 1e-12, 1e-8, 1e-4])
+def test_tiny_overlaps(overlap, tmp_path):
+    """a = f/(4 pi) [ln(8 pi/f) - 5/6], as far as the digits of positions tell overlaps."""
+    scene = pair(2.0 - overlap, tmp_path)
+    distance = np.diff(scene.x[:, 2])[0]
+    f = scene.force[1, 2]
+    assert 0 < f < overlap
+    a = f / (4 * np.pi) * (np.log(8 * np.pi / f) - 5 / 6)
+    assert a == pytest.approx((2.0 - distance) / 2, rel=1e-7)
+
+
+def test_a_droplet_alone(tmp_path):
+    """It touches nothing, then itself on two sides, as two plates, then on six."""
+    assert alone("sc", 3.0, tmp_path).energy == 0.0
+    case = {"x": [[0.1, 2.9, 5]], "box": [1.94, 6, 6], "radius": [1.0], "tension": [1.0]}
+    scene = Droplets(case, tmp_path)
+    assert scene.contacts()[:, 4] == pytest.approx([0.062938049] * 2, rel=1e-8)
+    assert np.abs(scene.force).max() < 1e-12
+    with pytest.raises(Exception, match=r"have 4\.189 times the volume of their box, 1 x 1 x 1: "):
+        alone("sc", 1.0, tmp_path)
+
+
+@pytest.mark.parametrize("distance", [1.0, 0.1, 1e-3, 1e-9])
+def test_droplets_nearly_in_one_place(distance, tmp_path):
+    """Beyond the model, and counted, with balanced forces that push them apart."""
+    scene = pair(distance, tmp_path)
+    assert scene.outputs()[0] == 2
+    assert scene.outputs()[3] < 1e-11
+    assert 0 < scene.force[1, 2] < np.inf
+    scene.run("min_style fire\nmin_modify dmax 0.02\ntimestep 0.05\nminimize 0 1e-9 1000 2000")
+    assert scene.energy == 0.0
+
+
+@pytest.mark.parametrize("apart", [0.3, 0.1, 1e-2, 1e-4, 1e-6, 1e-9, 0.0])
+def test_contacts_nearly_in_one_direction(apart, tmp_path):
+    """Two droplets that do not feel each other press on a third, until one has its place alone."""
+    x = np.array([[5, 5, 5], [5, 5 - apart, 6.97], [5, 5 + apart, 6.97]])
+    case = {"x": x, "box": [20.0] * 3, "radius": [1, 1.0001, 1.0001], "tension": [1.0] * 3}
+    scene = Droplets(case, tmp_path, commands="neigh_modify exclude type 2 2")
+    force = scene.force
+    assert scene.outputs()[3] < 1e-11
+    assert np.abs(force).max() < 1e6  # G is cut at an angle of 2e-6
+    if apart >= 0.1:  # else W is not convex, as the facets cover each other
+        h = 1e-3 * apart * np.array([[0, 0, 0], [0, 0, 0], [0, 1, 0]])
+        slope = (scene.energy_at(x + h) - scene.energy_at(x - h)) / (2 * h[2, 1])
+        assert -slope == pytest.approx(force[2, 1], rel=1e-5)

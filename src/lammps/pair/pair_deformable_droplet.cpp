@@ -6,6 +6,7 @@
 #include "parameter_rules.h"
 
 #include "comm.h"
+#include "domain.h"
 #include "error.h"
 #include "neighbor.h"
 
@@ -128,7 +129,10 @@ void PairDeformableDroplet::compute(int eflag, int vflag)
 {
   const bool new_material = take_ramps(), new_list = neighbor->ago == 0;
   begin_call(eflag, vflag);
-  if (new_list) smallest = smallest_radius();
+  if (new_list) {
+    smallest = smallest_radius();
+    check_room();
+  }
   const DropletScene scene = {list, &materials, radii.data(), smallest, &walls, reach};
   if (!new_list && (new_material || radius_by_atom)) solver->set_material(scene);
   solve(scene, new_list);
@@ -140,6 +144,28 @@ void PairDeformableDroplet::compute(int eflag, int vflag)
     pvector[3] = solver->imbalance;
   }
   end_call();
+}
+
+/* ----------------------------------------------------------------------
+   Where droplets have no room, contacts would be many, and mean nothing.
+------------------------------------------------------------------------- */
+
+void PairDeformableDroplet::check_room()
+{
+  if (domain->nonperiodic) return;
+  double volume = 0.0;
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const double r = radii[list->ilist[ii]];
+    volume += 4.0 * PI / 3.0 * r * r * r;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &volume, 1, MPI_DOUBLE, MPI_SUM, world);
+  const double room = domain->xprd * domain->yprd * domain->zprd;
+  if (volume > room)
+    error->all(FLERR,
+               "The droplets have {:.4g} times the volume of their box, {:.6g} x {:.6g} x {:.6g}: "
+               "as they keep "
+               "their volumes, use a larger box, or fewer or smaller droplets",
+               volume / room, domain->xprd, domain->yprd, domain->zprd);
 }
 
 /* ----------------------------------------------------------------------

@@ -45,6 +45,7 @@ class PairDeformableDroplet : public PairDeformable {
   bool warned_unbalanced = false;
   double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
 
+  void check_room();
   void solve(const DropletScene &, bool new_list);
   void locate(const DropletScene &);
   void find_bulges(const DropletScene &);
