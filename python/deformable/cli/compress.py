@@ -24,6 +24,7 @@ from ..state.state import State
 from .material_options import (
     Adhesion,
     AreaStiffness,
+    Dimension,
     FromFile,
     FromFrame,
     FromRadii,
@@ -62,13 +63,16 @@ def compress_command(
             show_default=False,
         ),
     ] = None,
-    aspect: Annotated[float, typer.Option(help="Height over width of the box.")] = 1.0,
+    aspect: Annotated[
+        float, typer.Option(help="Height over width of the box, ly / lx or lz / lx.")
+    ] = 1.0,
     tilt: Annotated[float, typer.Option(help="Shear of the box, xy / ly.")] = 0.0,
     seed: Annotated[int, typer.Option(help="Seed of the random start.")] = 1,
     from_file: FromFile = None,
     from_radii: FromRadii = None,
     from_frame: FromFrame = -1,
-    law: LawName = "balanced",
+    law: LawName = None,
+    dimension: Dimension = None,
     kA: AreaStiffness = 1.0,
     kP: PerimeterStiffness = math.inf,
     tension: Tension = 0.0,
@@ -89,7 +93,8 @@ def compress_command(
     pressure: Annotated[
         float | None,
         typer.Option(
-            help="Compress or expand to this pressure [energy/length^2].", show_default=False
+            help="Compress or expand to this pressure [energy/length^2, energy/length^3].",
+            show_default=False,
         ),
     ] = None,
     steps: Annotated[int, typer.Option(help="Number of steps.")] = 10,
@@ -137,7 +142,7 @@ def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[State]
     began = time.perf_counter()
     compression(settings.steps, settings.tolerance, **settings.target)
     law, in_file = settings.contact_law(), settings.from_file is not None
-    start = settings.packing_in_file() if in_file else settings.random_start()
+    start = settings.packing_in_file(settings.dimension) if in_file else settings.random_start()
     if MPI.COMM_WORLD.rank == 0:
         make_folder(folder)
     packing = start if in_file else jam(start)

@@ -17,11 +17,13 @@ from ..common.progress import print_once
 from ..common.ranks import led
 from ..common.validate import positive
 from ..io.run_folder import TABLE, refuse
-from ..model.laws import LAWS
+from ..model.droplet import ALL_LAWS
 from ..model.packing import Packing
 from ..studies.ensemble.packings import (
     QUANTITIES,
+    SOFT,
     Row,
+    dimension_of,
     exponents,
     is_of_droplets,
     measure,
@@ -37,9 +39,9 @@ from ..studies.ensemble.tables import (
     write_summary,
     write_tables,
 )
-from .material_options import FromFile, FromFrame, FromRadii
+from .material_options import Dimension, FromFile, FromFrame, FromRadii
 from .options import CommandLineError, choice_option, is_given
-from .settings import FILE, InFile, check_in_file
+from .settings import FILE, InFile, check_in_file, law_and_dimension
 
 # Values of phi - phi_J at which a packing is measured, each half of the next one.
 _POINTS = 7
@@ -60,16 +62,20 @@ def jam_command(
     from_frame: FromFrame = -1,
     seeds: Annotated[int, typer.Option(help="Packings of each size: seeds 1, 2, ...")] = 10,
     law: Annotated[
-        str,
+        str | None,
         choice_option(
-            ("disk", *LAWS), "Contact law: soft disks (disk), or as in `deformable compress`."
+            (*SOFT, *ALL_LAWS),
+            "Contact law: soft disks (disk, the default), in three dimensions soft spheres "
+            "(sphere), or as in `deformable compress`.",
         ),
-    ] = "disk",
+    ] = None,
+    dimension: Dimension = None,
     tension: Annotated[
         float,
         typer.Option(
             help="Ring laws: droplets of this line tension [energy/length] that conserve their "
-            "area, in the place of particles that conserve their perimeter (kA = 1)."
+            "area, in the place of particles that conserve their perimeter (kA = 1). Of droplets "
+            "in three dimensions surface tension, 1 if not given."
         ),
     ] = 0.0,
     pressure: Annotated[
@@ -99,17 +105,19 @@ def jam_command(
 ) -> None:
     """Jam random bidisperse packings, and average over their onsets; or jam one from a file.
 
-    The natural unit of pressure is k for soft disks, tension/R0 with the mean radius R0 for
-    droplets, and kA R0^2 for the other laws. Writes table.csv (onsets), scaling.csv (compressed
-    packings), summary.json (means and exponents with standard errors) and, if matplotlib is
-    installed, onset.png and scaling.png. Packings that are in the tables are not computed again:
+    The natural unit of pressure is k for soft disks, k/2R0 with the mean radius R0 for soft
+    spheres, tension/R0 for droplets, and kA R0^2 for the other laws. Writes table.csv (onsets),
+    scaling.csv (compressed packings), summary.json (means and exponents with standard errors) and,
+    if matplotlib is installed, onset.png and scaling.png. Packings that are in the tables are not
+    computed again:
     an interrupted command goes on when it is repeated, and several laws can share a folder.
     Packings are shared by the cores of this machine, or by the ranks of mpiexec.
     """
     began = time.perf_counter()
     values = [excess_phi / 2.0**n for n in reversed(range(_POINTS))] if excess_phi else []
     given = tuple(name for name in ("seeds", *FILE) if is_given(context, name))
-    start = _start(numbers, InFile(from_file, from_radii, from_frame), given)
+    law, dimension = law_and_dimension(law, dimension, SOFT)
+    start = _start(numbers, InFile(from_file, from_radii, from_frame), given, dimension)
     numbers, seeds = (numbers or [], seeds) if start is None else ([len(start)], 1)
     for name, count in (*(("number", number) for number in numbers), ("seeds", seeds)):
         if count < 1:
@@ -120,9 +128,9 @@ def jam_command(
         raise ParameterError(f"workers must be at least 1, not {workers}")
     if values:
         _check_excess(law, pressure, values)
-    if save and law == "disk":
+    if save and law in SOFT:
         raise ParameterError(
-            "a packing is saved with its law, and soft disks have none: give another --law"
+            f"a packing is saved with its law, and soft {law}s have none: give another --law"
         )
     folder = refuse(out, but="jamming")
     origin = {"from_file": from_file, "from_radii": from_radii, "from_frame": from_frame}
@@ -176,7 +184,9 @@ def jam_command(
     print_once(f"wrote {out} ({time.perf_counter() - began:.0f} s)")
 
 
-def _start(numbers: Sequence[int] | None, in_file: InFile, given: Sequence[str]) -> Packing | None:
+def _start(
+    numbers: Sequence[int] | None, in_file: InFile, given: Sequence[str], dimension: int
+) -> Packing | None:
     """The packing in a file, which is jammed in place of random ones; None without a file."""
     if in_file.from_file is not None and (numbers or "seeds" in given):
         word = "--seeds" if "seeds" in given else "a number of particles"
@@ -186,7 +196,7 @@ def _start(numbers: Sequence[int] | None, in_file: InFile, given: Sequence[str])
         )
     check_in_file(in_file, given)
     if in_file.from_file is not None:
-        return in_file.packing_in_file()
+        return in_file.packing_in_file(dimension)
     if not numbers:
         raise CommandLineError("give numbers of particles, e.g. jam 16 32 64, or --from FILE")
     return None
@@ -207,9 +217,11 @@ def _check_excess(law: str, pressure: float, excess_phi: Sequence[float]) -> Non
     first, last = excess_phi[0], excess_phi[-1]
     if not 0.0 < last < 0.1:
         raise ParameterError(f"excess-phi must lie between 0 and 0.1, not {last}")
-    # p = 0.4 x for disks, more for droplets, 5 x^3 for rings at x = phi - phi_J, in natural units
-    linear = law == "disk" or is_of_droplets(law)
-    largest = (0.4 * first if linear else 5.0 * first**3) / _BELOW_FIRST
+    # p = 0.4 x for disks, more for droplets, half of that in space, 5 x^3 for rings at
+    # x = phi - phi_J, in natural units
+    linear = law in SOFT or is_of_droplets(law)
+    slope = 0.4 if dimension_of(law) == 2 else 0.2
+    largest = (slope * first if linear else 5.0 * first**3) / _BELOW_FIRST
     if pressure > largest:
         raise ParameterError(
             f"a pressure of {pressure:g} at the onset is too near to the first phi - phi_J, "
@@ -225,9 +237,11 @@ def _exponents(row: Row) -> str:
 
 def _means(row: Row) -> str:
     """A line with means over packings at their onset."""
+    d = dimension_of(row["law"])
+    least = f"{d}N' - {d - 1}"
     return (
         f"{row['law']}, N = {row['number']}: phi_J = {_value(row, 'phi', 5)}, contacts "
-        f"{_value(row, 'contacts', 1)}, beyond 2N' - 1 {_value(row, 'excess_contacts', 2)}, "
+        f"{_value(row, 'contacts', 1)}, beyond {least} {_value(row, 'excess_contacts', 2)}, "
         f"{row['seconds']:.2g} s each" + (f", {row['stalled']} STALLED" if row["stalled"] else "")
     )
 

@@ -30,7 +30,7 @@ from .shear import shear_command
 
 app = typer.Typer(
     cls=Group,
-    help="Two-dimensional deformable particles in LAMMPS.",
+    help="Deformable particles in LAMMPS: in two dimensions, and droplets in three.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -46,6 +46,7 @@ _GOES_ON = (
 STYLES = (
     ("pair", "deformable/ring"),
     ("pair", "deformable/sector"),
+    ("pair", "deformable/droplet"),
     ("pair", "deformable/edge"),
     ("fix", "deformable/wall"),
     ("fix", "deformable/stick"),

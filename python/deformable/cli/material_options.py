@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from ..model.laws import LAWS
+from ..model.droplet import ALL_LAWS
 from .options import choice_option
 
 FromFile = Annotated[
@@ -31,13 +31,20 @@ FromRadii = Annotated[
 FromFrame = Annotated[
     int, typer.Option(help="Frame of --from, from 0, or from the end if negative.")
 ]
+Dimension = Annotated[
+    int | None,
+    typer.Option(
+        help="2, or 3: droplets in space. By default that of the law.", show_default=False
+    ),
+]
 LawName = Annotated[
-    str,
+    str | None,
     choice_option(
-        LAWS,
+        ALL_LAWS,
         "Contact law. Contacts slip with contact lines where the forces of both sides are "
-        "equal (balanced), on arcs that balance torques and pressures too (curved), or on "
-        "radical axes (radical), or they stick (sector).",
+        "equal (balanced, the default), on arcs that balance torques and pressures too (curved), "
+        "or on radical axes (radical), or they stick (sector). Droplets in three dimensions "
+        "(droplet) are the default there.",
     ),
 ]
 AreaStiffness = Annotated[
@@ -54,7 +61,8 @@ Tension = Annotated[
     float,
     typer.Option(
         help="Ring laws: line tension of the perimeter at rest [energy/length], beside a "
-        "finite kP; droplets have --kA inf --kP 0 --tension 1."
+        "finite kP; droplets have --kA inf --kP 0 --tension 1. In three dimensions surface tension "
+        "[energy/length^2], 1 if not given."
     ),
 ]
 Adhesion = Annotated[

@@ -8,10 +8,20 @@ from typing import Annotated
 import typer
 
 from ..common.progress import print_once
-from ..model.laws import LAWS
+from ..model.droplet import ALL_LAWS
 from ..runs.outlined import state_in_file
 from .options import choice_option, refuse_ranks
-from .plot import ColorBy, Contacts, FirstColor, Forces, LastColor, check_picture, draw
+from .plot import (
+    ColorBy,
+    Contacts,
+    FirstColor,
+    Forces,
+    LastColor,
+    Slice,
+    View,
+    check_picture,
+    draw,
+)
 
 # Files of polygons; all others are pictures.
 _POLYGONS = (".vtp", ".geojson")
@@ -25,7 +35,7 @@ def outline_command(
         str,
         typer.Option(metavar="FILE", help="Species file of pair_coeff, or one of the package."),
     ],
-    law: Annotated[str, choice_option(LAWS, "Contact law.")] = "balanced",
+    law: Annotated[str, choice_option(ALL_LAWS, "Contact law.")] = "balanced",
     types: Annotated[
         str | None,
         typer.Option(
@@ -51,7 +61,7 @@ def outline_command(
         list[Path] | None,
         typer.Option(
             metavar="PATH",
-            help="Picture (.png, .pdf, .svg) or polygons (.vtp, .geojson); may be repeated. By "
+            help="Picture (.png, .pdf, .svg) or shapes (.vtp, .geojson); may be repeated. By "
             "default outlines.png and outlines.vtp.",
             show_default=False,
         ),
@@ -61,8 +71,13 @@ def outline_command(
     vmax: LastColor = None,
     contacts: Contacts = False,
     forces: Forces = False,
+    view: View = None,
+    slice: Slice = None,
 ) -> None:
-    """Write the outlines of particles in a dump, made by LAMMPS alone."""
+    """Write the outlines of particles in a dump, made by LAMMPS alone.
+
+    With --law droplet the dump is of three dimensions, and the .vtp has droplets with facets.
+    """
     refuse_ranks("outlines are written by one process")
     paths = out or [Path("outlines.png"), Path("outlines.vtp")]
     pictures = [path for path in paths if path.suffix not in _POLYGONS]
@@ -73,7 +88,8 @@ def outline_command(
     for path in paths:
         if path in pictures:
             colors = {"vmin": vmin, "vmax": vmax}
-            draw(state, path, color_by, contacts=contacts, forces=forces, **colors)
+            own = {"view": view, "slice": slice}
+            draw(state, path, color_by, own, contacts=contacts, forces=forces, **colors)
         else:
             state.export(path)
             print_once(f"wrote {path}")

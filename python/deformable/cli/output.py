@@ -5,12 +5,18 @@ from __future__ import annotations
 import importlib.util
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 from ..common.progress import print_once
-from ..state.state import State
+from ..state.droplet_state import DeformedState
+
+# Dots per inch of pictures.
+DOTS = 150
 
 
-def print_states(states: Iterator[State], done: int, columns: Sequence[str]) -> State | None:
+def print_states(
+    states: Iterator[DeformedState], done: int, columns: Sequence[str]
+) -> DeformedState | None:
     """Print a line for each state as it comes, and return the last one if there is any.
 
     Args:
@@ -27,11 +33,8 @@ def print_states(states: Iterator[State], done: int, columns: Sequence[str]) -> 
     return state
 
 
-def draw(state: State, path: Path) -> None:
+def draw(state: DeformedState, path: Path) -> None:
     """Draw a state on the rank that has it, if matplotlib is installed."""
     if state.root and importlib.util.find_spec("matplotlib"):
-        from ..model.picture import new_figure
-
-        figure = new_figure(state.packing)
-        state.plot(figure.subplots())
-        figure.savefig(path, dpi=150)
+        figure: Any = state.plot().figure
+        figure.savefig(path, dpi=DOTS)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,9 +11,11 @@ import typer
 from ..common.errors import ParameterError
 from ..common.optional import optional
 from ..common.progress import print_once
+from ..runs.movie import of_dimension
 from ..runs.run import Run
-from ..state.state import State
+from ..state.droplet_state import DeformedState
 from .options import refuse_ranks
+from .output import DOTS
 
 Recorded = Annotated[Path, typer.Argument(help="Folder of a run, e.g. of `deformable compress`.")]
 ColorBy = Annotated[str, typer.Option(help="Quantity of the particles, e.g. shape_parameter.")]
@@ -31,6 +34,20 @@ LastColor = Annotated[
 ]
 Contacts = Annotated[bool, typer.Option("--contacts", help="Draw the contacts.")]
 Forces = Annotated[bool, typer.Option("--forces", help="Draw the force chains.")]
+View = Annotated[
+    tuple[float, float] | None,
+    typer.Option(
+        metavar="ELEVATION AZIMUTH",
+        help="Of the viewer, in three dimensions [degree].",
+        show_default=False,
+    ),
+]
+Slice = Annotated[
+    float | None,
+    typer.Option(
+        help="In three dimensions: draw what the plane at this z cuts [length].", show_default=False
+    ),
+]
 Spins = Annotated[bool, typer.Option("--spins", help="Draw the spins, with friction.")]
 
 
@@ -44,13 +61,17 @@ def check_picture(out: Path) -> None:
         raise ParameterError(f"a picture is one of .{', .'.join(formats)}, not '{out}'")
 
 
-def draw(state: State, out: Path, color_by: str, **settings: Any) -> None:
-    """Draw a state into a picture that fits its box; settings as of `State.plot`."""
-    from ..model.picture import new_figure
+def draw(
+    state: DeformedState, out: Path, color_by: str, own: Mapping[str, Any], **settings: Any
+) -> None:
+    """Draw a state into a picture that fits its box; settings as of `State.plot`.
 
-    figure = new_figure(state.packing)
-    state.plot(figure.subplots(), color_by, **settings)
-    figure.savefig(out, dpi=150)
+    Args:
+        own: settings of one dimension, of which some may not be given.
+    """
+    settings |= of_dimension(state.packing.dimension, **own)
+    figure: Any = state.plot(color_by=color_by, **settings).figure
+    figure.savefig(out, dpi=DOTS)
     print_once(f"wrote {out}")
 
 
@@ -76,6 +97,8 @@ def plot_command(
     contacts: Contacts = False,
     forces: Forces = False,
     spins: Spins = False,
+    view: View = None,
+    slice: Slice = None,
 ) -> None:
     """Draw a state of a run."""
     refuse_ranks("a picture is drawn by one process")
@@ -88,8 +111,10 @@ def plot_command(
             state = Run(run)[frame]
         except IndexError as error:
             raise ParameterError(str(error)) from None
-    colors = {"cmap": cmap, "vmin": vmin, "vmax": vmax}
-    draw(state, out, color_by, contacts=contacts, forces=forces, spins=spins, title=title, **colors)
+    colors = {"cmap": cmap, "vmin": vmin, "vmax": vmax, "title": title}
+    drawn = {"contacts": contacts, "forces": forces}
+    own = {"spins": spins, "view": view, "slice": slice}
+    draw(state, out, color_by, own, **drawn, **colors)
 
 
 def movie_command(
@@ -104,10 +129,13 @@ def movie_command(
     contacts: Contacts = False,
     forces: Forces = False,
     spins: Spins = False,
+    view: View = None,
+    slice: Slice = None,
     rate: Annotated[int, typer.Option(help="Pictures per second.")] = 10,
 ) -> None:
     """Draw each state of a recorded run as a movie."""
     refuse_ranks("a movie is drawn by one process")
     colors = {"color_by": color_by, "cmap": cmap, "vmin": vmin, "vmax": vmax}
-    Run(run).movie(out, contacts=contacts, forces=forces, spins=spins, rate=rate, **colors)
+    drawn = {"contacts": contacts, "forces": forces, "spins": spins, "view": view, "slice": slice}
+    Run(run).movie(out, rate=rate, **drawn, **colors)
     print_once(f"wrote {out}")

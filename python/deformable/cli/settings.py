@@ -13,7 +13,8 @@ import typer
 
 from ..common.errors import ParameterError
 from ..common.validate import positive
-from ..model.laws import LAWS, Law, Ring
+from ..model.droplet import ALL_LAWS, AnyLaw, Droplet
+from ..model.laws import Ring
 from ..model.packing import Packing
 from ..model.random_packing import bidisperse, polydisperse
 from ..runs.run import Run
@@ -25,6 +26,15 @@ PROTOCOL = (*TARGETS, "steps", "tolerance")
 # Settings of a packing from a random start, and of one in a file.
 _RANDOM = ("number", "radii", "fraction", "polydispersity", "aspect", "tilt", "seed")
 FILE = ("from_file", "from_radii", "from_frame")
+
+# Laws that are taken without a name, and their dimensions.
+_USUAL = {"balanced": 2, "droplet": 3}
+
+# Options that laws lack.
+_NOT_OF = {
+    "sector": ("reach", "tension", "adhesion"),
+    "droplet": ("kA", "kP", "reach", "adhesion"),
+}
 
 M = TypeVar("M", bound="Material")
 
@@ -40,7 +50,7 @@ class InFile:
     from_radii: str | None
     from_frame: int
 
-    def packing_in_file(self) -> Packing:
+    def packing_in_file(self, dimension: int) -> Packing:
         """The packing in a file, which is not jammed."""
         word = self.from_radii or ""
         radii: Any = None
@@ -49,7 +59,8 @@ class InFile:
             radii = {kind: _number(radius) for kind, _, radius in pairs}
         elif word:
             radii = _number(word)
-        return Packing.from_file(str(self.from_file), radii, self.from_frame)
+        path = str(self.from_file)
+        return Packing.from_file(path, radii, self.from_frame, dimension=dimension)
 
 
 @dataclass(frozen=True)
@@ -57,15 +68,18 @@ class Material(InFile):
     """A packing in a file, if any, and a contact law."""
 
     law: str
+    dimension: int
     kA: float
     kP: float
     tension: float
     adhesion: float
     reach: float | None
 
-    def contact_law(self) -> Law:
+    def contact_law(self) -> AnyLaw:
         """The law of this name with these stiffnesses."""
-        law = LAWS[self.law]
+        law = ALL_LAWS[self.law]
+        if isinstance(law, Droplet):
+            return Droplet(self.tension)
         if isinstance(law, Ring):
             reach = law.reach if self.reach is None else self.reach
             return replace(
@@ -119,6 +133,7 @@ class Settings(Material):
                 aspect=self.aspect,
                 tilt=self.tilt,
                 seed=self.seed,
+                dimension=self.dimension,
             )
         else:
             start = _log_normal(self, self.polydispersity)
@@ -129,7 +144,36 @@ class Settings(Material):
 def given_settings(context: typer.Context, kind: type[M]) -> tuple[M, dict[str, Any]]:
     """Settings of a command, and those of them that are given on the command line."""
     values = {field.name: context.params[field.name] for field in fields(kind)}
+    law, dimension = law_and_dimension(values["law"], values["dimension"], _USUAL)
+    values |= {"law": law, "dimension": dimension}
+    if dimension == 3 and not is_given(context, "tension"):
+        values["tension"] = 1.0
     return kind(**values), {name: values[name] for name in values if is_given(context, name)}
+
+
+def law_and_dimension(
+    law: str | None, dimension: int | None, usual: Mapping[str, int]
+) -> tuple[str, int]:
+    """A law and its dimension, of which one is left out or both.
+
+    Args:
+        law: name of the law, if given.
+        dimension: if given.
+        usual: names that are taken if none is given, and their dimensions.
+
+    Raises:
+        ParameterError: they do not fit each other.
+    """
+    of = {name: each.dimension for name, each in ALL_LAWS.items()} | dict(usual)
+    if dimension not in (None, *usual.values()):
+        raise ParameterError(f"--dimension must be 2 or 3, not {dimension}")
+    if law is None:
+        law = next(name for name, each in usual.items() if each == (dimension or 2))
+    if dimension not in (None, of[law]):
+        raise ParameterError(
+            f"--law {law} is for {of[law]} dimensions, not {dimension}: leave one of them out"
+        )
+    return law, of[law]
 
 
 def check_in_file(settings: InFile, given: Container[str]) -> None:
@@ -147,12 +191,12 @@ def check_in_file(settings: InFile, given: Container[str]) -> None:
 def check_material(settings: Material, given: Mapping[str, Any]) -> None:
     """Refuse options of a packing in a file and of a law that contradict each other."""
     check_in_file(settings, given)
-    if settings.law == "sector" and "reach" in given:
-        raise ParameterError("--reach is an option of ring laws: leave it out with --law sector")
-    if settings.law == "sector" and "tension" in given:
-        raise ParameterError("--tension is an option of ring laws: leave it out with --law sector")
-    if settings.law == "sector" and "adhesion" in given:
-        raise ParameterError("--adhesion is an option of --law curved: leave it out")
+    for name in _NOT_OF.get(settings.law, ()):
+        if name in given:
+            others = "--law curved" if name == "adhesion" else "ring laws"
+            raise ParameterError(
+                f"{option(name)} is an option of {others}: leave it out with --law {settings.law}"
+            )
 
 
 def check_together(settings: Settings, given: Mapping[str, Any]) -> None:
@@ -215,15 +259,17 @@ def _log_normal(settings: Settings, polydispersity: float) -> Packing:
         aspect=settings.aspect,
         tilt=settings.tilt,
         seed=settings.seed,
+        dimension=settings.dimension,
     )
 
 
 def _check_aspect(start: Packing, aspect: float) -> None:
     """Refuse a box that the largest particles span before they jam."""
-    largest = 2.0 * start.radius.max()
-    limit = max(float(np.prod(start.box.diagonal())) / (2.0 * largest) ** 2, 1.0)
-    if not 1.0 / limit <= aspect <= limit:
+    thinnest = (4.0 * start.radius.max()) ** start.dimension
+    most = max(float(np.prod(start.box.diagonal())) / thinnest, 1.0)
+    least = most ** (-1.0 / (start.dimension - 1))
+    if not least <= aspect <= most:
         raise ParameterError(
-            f"aspect must lie between {1.0 / limit:.3g} and {limit:.3g} for {len(start)} particles,"
+            f"aspect must lie between {least:.3g} and {most:.3g} for {len(start)} particles,"
             f" not {aspect:g}: the box would be thinner than two of the largest"
         )

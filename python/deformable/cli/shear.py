@@ -20,6 +20,7 @@ from ..runs.run import Run
 from .material_options import (
     Adhesion,
     AreaStiffness,
+    Dimension,
     FromFile,
     FromFrame,
     FromRadii,
@@ -49,7 +50,8 @@ def shear_command(
     from_file: FromFile = None,
     from_radii: FromRadii = None,
     from_frame: FromFrame = -1,
-    law: LawName = "balanced",
+    law: LawName = None,
+    dimension: Dimension = None,
     kA: AreaStiffness = 1.0,
     kP: PerimeterStiffness = math.inf,
     tension: Tension = 0.0,
@@ -103,7 +105,7 @@ def _begin(
         if run is not None:
             raise ParameterError(f"give the folder '{run}' of a run, or --from, not both")
         check_material(material, given)
-        packing, contact_law = material.packing_in_file(), material.contact_law()
+        packing, contact_law = material.packing_in_file(material.dimension), material.contact_law()
         return Simulation(packing, contact_law), asdict(material)
     if run is None:
         raise ParameterError(

@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 
 from ..common.errors import FileError, ParameterError
 from ..common.files import reading
-from ..model.laws import Law, Ring, Sector, SpeciesParameters
+from ..model.droplet import ALL_LAWS, AnyLaw, Droplet
+from ..model.laws import Ring, Sector, SpeciesParameters
 from .lammps import close_lammps, run, silent_lammps
 
 _COMMANDS = """
+dimension {dimension}
 region box block 0 1 0 1 -0.5 0.5
 create_box {types} box
 pair_style deformable/{style}
@@ -37,11 +39,11 @@ def species_names(path: Path) -> list[str]:
     return names
 
 
-def read_species(path: Path, names: Sequence[str], law: str) -> tuple[NDArray[np.float64], Law]:
+def read_species(path: Path, names: Sequence[str], law: str) -> tuple[NDArray[np.float64], AnyLaw]:
     """Radii of these species, shape (species,) [length], and the law with their parameters.
 
     Args:
-        path: a species file, see pair_style deformable/ring.
+        path: a species file, see pair_style deformable/ring and deformable/droplet.
         names: of species, one for each type.
         law: name of one.
 
@@ -49,18 +51,20 @@ def read_species(path: Path, names: Sequence[str], law: str) -> tuple[NDArray[np
         ParameterError: the law is `sector`, and species differ.
         LammpsError: LAMMPS refuses the file or a name, in its words.
     """
-    ring = law != "sector"
-    style = f"ring contact {law}" if ring else "sector"
+    kind = ALL_LAWS[law]
+    style = f"ring contact {law}" if isinstance(kind, Ring) else law
     lmp = silent_lammps(MPI.COMM_SELF)
     try:
-        run(lmp, _COMMANDS.format(types=len(names), style=style))
+        run(lmp, _COMMANDS.format(types=len(names), style=style, dimension=kind.dimension))
         run(lmp, f'pair_coeff * * "{path}" {" ".join(names)}')
         radii, *values = (
             lmp.extract_pair(f"species {name}")[1:]
             for name in ("radius", *SpeciesParameters._fields)
         )
         found: dict[str, Any] = dict(zip(SpeciesParameters._fields, values, strict=True))
-        if not ring:
+        if isinstance(kind, Droplet):
+            return np.array(radii), Droplet(tuple(found["tension"]))
+        if isinstance(kind, Sector):
             return np.array(radii), Sector(kA=_one("kA", found), kP=_one("kP", found))
         adhesion = np.array(lmp.extract_pair("adhesion"))[1:, 1:]
         sticky = tuple(map(tuple, adhesion.tolist())) if adhesion.any() else 0.0

@@ -69,8 +69,8 @@ class Particles:
         if spread[2] > _PLANE * max(spread[0], spread[1]):
             raise ValueError(
                 f"its atoms fill space, z goes from {low[2]:.6g} to {high[2]:.6g}, but a packing "
-                "in the plane has one z: read it with dimension=3, or write the atoms of one z to "
-                "a file of their own"
+                "in the plane has one z: read it with dimension=3 (in the shell --law droplet), or "
+                "write the atoms of one z to a file of their own"
             )
         return self.positions[:, :2]
 

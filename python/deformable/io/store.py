@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from ..common.errors import FileError
 from ..common.files import make_folder, reading, write_whole
 from ..common.versions import versions
-from ..model.droplet import SAVED_LAWS, AnyLaw
+from ..model.droplet import ALL_LAWS, AnyLaw
 from ..model.friction import Friction
 from ..model.packing import Packing
 from ..model.walls import KINDS, Wall
@@ -95,9 +95,9 @@ def read_setup(saved: Mapping[str, Any]) -> Setup:
     """
     settings = dict(saved["law"])
     name: str = settings.pop("name")
-    if name not in SAVED_LAWS:
+    if name not in ALL_LAWS:
         raise ValueError(f"there is no law {name!r}")
-    law = replace(SAVED_LAWS[name], **{key: _setting(value) for key, value in settings.items()})
+    law = replace(ALL_LAWS[name], **{key: _setting(value) for key, value in settings.items()})
     walls = tuple(_wall(**each) for each in saved.get("walls", []))
     friction = _friction(saved["friction"]) if "friction" in saved else None
     return Setup(law, saved["radii"], walls, friction)

@@ -77,7 +77,7 @@ class Droplet:
 AnyLaw = Law | Droplet
 
 # By the names that files have.
-SAVED_LAWS: dict[str, AnyLaw] = {**LAWS, "droplet": Droplet()}
+ALL_LAWS: dict[str, AnyLaw] = {**LAWS, "droplet": Droplet()}
 
 
 def check_dimension(law: AnyLaw, dimension: int) -> None:

@@ -85,7 +85,7 @@ def movie(
         raise ParameterError("a movie needs at least one state")
     for state in frames:
         expect("a state of a movie", state, State, DropletState)
-    own = _of_dimension(frames[0].packing.dimension, spins=spins, view=view, slice=slice)
+    own = of_dimension(frames[0].packing.dimension, spins=spins, view=view, slice=slice)
     values = [state.values(color_by) for state in frames]
     shared = scale(values, [state.contact_table["force"] for state in frames], color_by)
     on = limited(shared, vmin, vmax)
@@ -111,7 +111,7 @@ def movie(
             bar.update()
 
 
-def _of_dimension(dimension: int, **settings: Any) -> dict[str, Any]:
+def of_dimension(dimension: int, **settings: Any) -> dict[str, Any]:
     """The settings of a picture that are given, if they are for this dimension.
 
     Raises:

@@ -12,10 +12,10 @@ from ..common.errors import FileError, ParameterError
 from ..common.validate import expect
 from ..engine.simulation import Simulation
 from ..engine.species import read_species, species_names
-from ..model.laws import LAWS
+from ..model.droplet import ALL_LAWS
 from ..model.packing import Packing
 from ..plugin import potentials
-from ..state.state import State
+from ..state.droplet_state import DeformedState
 
 
 def state_in_file(
@@ -25,19 +25,20 @@ def state_in_file(
     types: Sequence[str] | None = None,
     frame: int = -1,
     radii: str | None = None,
-) -> State:
+) -> DeformedState:
     """The state of particles whose centers are in a file: outlines, energy, stress, contacts.
 
         deformable.state_in_file("shapes.dump", "mixture.deformable").export("shapes.vtp")
 
-    Positions are those of the file; nothing moves. They must be periodic and of one plane.
+    Positions are those of the file; nothing moves. They must be periodic and, but for droplets, of
+    one plane.
     Velocities are left out. Particles with an adhesion stick where their circles overlap. A file
     does not tell of the stiffnesses of single particles, *kA atom*: they are those of the species.
 
     Args:
         path: a LAMMPS dump, or what else `Packing.from_file` reads.
         species: the species file of pair_coeff, or the name of one that comes with the package.
-        law: `balanced`, `curved`, `radical` or `sector`.
+        law: `balanced`, `curved`, `radical`, `sector` or, in three dimensions, `droplet`.
         types: names of species, one for each atom type, as in pair_coeff; by default those of the
             file in their order.
         frame: number of the frame, from 0, or from the end if negative.
@@ -52,15 +53,16 @@ def state_in_file(
     expect("path", path, str, Path)
     expect("species", species, str, Path)
     expect("radii", radii, str, type(None))
-    if law not in LAWS:
-        raise ParameterError(f"law must be {', '.join(LAWS)}, not {law}")
+    if law not in ALL_LAWS:
+        raise ParameterError(f"law must be {', '.join(ALL_LAWS)}, not {law}")
     file = Path(species)
     if not file.exists() and (Path(potentials()) / file).exists():
         file = Path(potentials()) / file
     if not file.exists():
         raise FileError(f"there is no species file '{species}'")
     names = list(species_names(file) if types is None else types)
-    packing = Packing.from_file(path, 1.0 if radii is None else radii, frame)
+    own, dimension = 1.0 if radii is None else radii, ALL_LAWS[law].dimension
+    packing = Packing.from_file(path, own, frame, dimension=dimension)
     number = len(packing.radii)
     if number > len(names):
         raise ParameterError(

@@ -134,11 +134,11 @@ class DropletState(
     def _bodies(self) -> tuple[Shapes, NDArray[np.int64], dict[str, NDArray[Any]]]:
         found = surfaces_of(self.packing.positions, self.packing.radius, self._facets())
         shapes = Shapes(found.points, found.corners, found.ends, normals=found.normals)
-        table, free = self.contact_table, found.facet < 0
-        j = table["j"][found.facet]
-        neighbor = np.where(free, 0, np.where(j < 0, -1, j + 1))
-        force = np.where(free, 0.0, table["force"][found.facet])
-        return shapes, found.body, {"neighbor": neighbor, "force": force}
+        j, force = self.contact_table["j"], self.contact_table["force"]
+        # of what is no facet, -1, both are 0
+        partners = np.where(j < 0, -1, j + 1)
+        values = {"neighbor": np.append(partners, 0), "force": np.append(force, 0.0)}
+        return shapes, found.body, {name: each[found.facet] for name, each in values.items()}
 
     @property
     def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

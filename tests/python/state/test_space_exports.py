@@ -220,3 +220,20 @@ def test_refusals(state: DropletState, tmp_path: Path) -> None:
     with pytest.raises(deformable.ParameterError, match="table must be particles or contacts"):
         state.to_pandas("facets")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_loose_state_has_no_contacts(tmp_path: Path) -> None:
+    packing = deformable.cubic("sc", 2, phi=0.3)
+    with deformable.Simulation(packing, deformable.Droplet()) as sim:
+        loose = sim.state()
+    loose.export(tmp_path / "droplets.vtp")
+    _, values = read_vtp(tmp_path / "droplets.vtp")
+    assert (values["neighbor"] == 0).all()
+    loose.export(tmp_path / "network.vtp", forces=True)
+    data, _ = read_vtp(tmp_path / "network.vtp")
+    assert data.GetNumberOfLines() == 0
+    assert len(loose.to_pandas("contacts")) == 0
+    assert len(loose.to_freud("contacts")) == 0
+    assert loose.steinhardt() == pytest.approx(np.full(8, np.sqrt(1.0 / 8.0)))
+    for settings in ({}, {"forces": True}, {"slice": 0.0, "contacts": True}):
+        assert loose.plot(**settings)

@@ -52,7 +52,7 @@ def test_means_that_are_not_significant_are_left_out() -> None:
 
 def test_excess_coordination() -> None:
     """Ten particles have 19 contacts at the onset; each further contact adds 2/10 to z."""
-    row = {"isostatic": 19, "contacts": 24}
+    row = {"law": "disk", "isostatic": 19, "contacts": 24}
     assert excess_coordination(row) == pytest.approx(2.0 * 5 / 10, rel=1e-15)
 
 

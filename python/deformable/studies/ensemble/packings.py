@@ -18,7 +18,8 @@ from ...common.errors import ParameterError, StalledWarning, UnjammedWarning
 from ...common.fits import power_law
 from ...common.validate import zero_or_more
 from ...engine.relaxation import TOLERANCE
-from ...model.laws import LAWS, Law, Ring
+from ...model.droplet import ALL_LAWS, AnyLaw, Droplet
+from ...model.laws import Ring
 from ...model.packing import Packing
 from ...model.random_packing import bidisperse
 from ...protocols.jamming import jam, natural_pressure
@@ -48,6 +49,9 @@ Row = dict[str, Any]
 
 _TENSION = ", tension "
 
+# Names of soft disks and soft spheres, and their dimension.
+SOFT = {"disk": 2, "sphere": 3}
+
 
 def with_tension(law: str, tension: float) -> str:
     """The name of a law in tables: `balanced`, or `balanced, tension 1.0` of droplets.
@@ -57,23 +61,31 @@ def with_tension(law: str, tension: float) -> str:
     """
     if zero_or_more("tension", tension) == 0.0:
         return law
-    if not isinstance(contact_law(law), Ring):
-        raise ParameterError(f"the law {law} has no tension: leave it out, or take a ring law")
+    if not isinstance(contact_law(law), (Ring, Droplet)):
+        raise ParameterError(
+            f"the law {law} has no tension: leave it out, or take a ring law or droplet"
+        )
     return f"{law}{_TENSION}{float(tension)!r}"
 
 
 def is_of_droplets(law: str) -> bool:
-    """Whether a name of `with_tension` has one."""
-    return _TENSION in law
+    """Whether a name of `with_tension` is that of droplets."""
+    return _TENSION in law or law == Droplet().name
 
 
-def contact_law(law: str) -> Law | None:
-    """The law of a name of `with_tension`; None for `disk`, which are soft disks."""
+def contact_law(law: str) -> AnyLaw | None:
+    """The law of a name of `with_tension`; None for soft disks and soft spheres."""
     name, _, tension = law.partition(_TENSION)
-    found = None if name == "disk" else LAWS[name]
+    found = None if name in SOFT else ALL_LAWS[name]
     if tension and isinstance(found, Ring):
         return replace(found, kA=math.inf, kP=0.0, tension=float(tension))
-    return found
+    return Droplet(float(tension)) if tension and isinstance(found, Droplet) else found
+
+
+def dimension_of(law: str) -> int:
+    """Dimension of the packings of a law of this name."""
+    settings = contact_law(law)
+    return SOFT[law] if settings is None else settings.dimension
 
 
 def measure(
@@ -88,13 +100,14 @@ def measure(
     """Jam one packing, and compress it from its onset.
 
     Args:
-        law: `disk`, a name in `LAWS`, or one of `with_tension`.
+        law: `disk`, `sphere`, a name in `ALL_LAWS`, or one of `with_tension`.
         onset_pressure: the pressure at the onset lies between this and twice this, in natural
             units, see `natural_pressure`.
         number: of particles, an equal mixture of sizes 1 : 1.4.
         seed: of the random start, or the number of a start that is given.
         excess_phi: values of phi - phi_J, rising, at which moduli are measured.
-        folder: the packing at its onset is saved there under its `packing_name`; not of disks.
+        folder: the packing at its onset is saved there under its `packing_name`; not of disks
+            and spheres.
         start: the packing that is jammed, in place of a random one.
 
     Returns:
@@ -108,12 +121,12 @@ def measure(
         # rows have a column for what stalled; packings may rearrange while they are compressed
         warnings.simplefilter("ignore", UnjammedWarning)
         warnings.simplefilter("always", StalledWarning)
-        start = start or bidisperse(number, seed=seed)
+        start = start or bidisperse(number, seed=seed, dimension=dimension_of(law))
         packing = jam(start, settings, onset_pressure, tolerance=TOLERANCE)  # counts contacts
         stalled = any(issubclass(warning.category, StalledWarning) for warning in caught)
         with simulate(packing, settings) as sim:
             onset = sim.relax()
-            if folder is not None and isinstance(onset, State):
+            if folder is not None and isinstance(onset, State | DropletState):
                 onset.save(folder / packing_name(law, onset_pressure, number, seed))
             unit = natural_pressure(onset.packing, settings)
             key = {"law": law, "onset_pressure": onset_pressure, "number": number, "seed": seed}
@@ -152,12 +165,13 @@ def _moduli(
     state: State | DropletState | DiskState | SphereState, excess_phi: float, unit: float
 ) -> Row:
     strain = _STRAIN * excess_phi
+    ways = (False, True) if state.packing.dimension == 2 else (False,)
     found = {
-        "shear": [shear_modulus(state, strain, _MODULUS_TOLERANCE, pure) for pure in (False, True)],
+        "shear": [shear_modulus(state, strain, _MODULUS_TOLERANCE, pure) for pure in ways],
         "bulk": [bulk_modulus(state, strain, _MODULUS_TOLERANCE)],
     }
     row: Row = {}
-    for name, moduli in found.items():  # the mean over all directions of shear
+    for name, moduli in found.items():  # in the plane over all directions of shear
         row[f"{name}_modulus"] = float(np.mean([modulus.value for modulus in moduli])) / unit
         row[f"{name}_error"] = max(modulus.error for modulus in moduli) / unit
         row[f"{name}_linear"] = all(modulus.linear for modulus in moduli)
@@ -220,8 +234,9 @@ def excess_phi(row: Row) -> float:
 
 
 def excess_coordination(row: Row) -> float:
-    """z - z_iso, where z_iso is the coordination with 2 N' - 1 contacts."""
-    return float(4.0 * (row["contacts"] - row["isostatic"]) / (row["isostatic"] + 1))
+    """z - z_iso, where z_iso is the coordination with d N' - d + 1 contacts."""
+    d = dimension_of(row["law"])
+    return float(2.0 * d * (row["contacts"] - row["isostatic"]) / (row["isostatic"] + d - 1))
 
 
 QUANTITIES: dict[str, Callable[[Row], float]] = {

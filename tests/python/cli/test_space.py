@@ -1,0 +1,139 @@
+"""The commands in three dimensions: which law and dimension, ensembles, dumps of LAMMPS, errors."""
+
+import csv
+from pathlib import Path
+
+import deformable
+import pytest
+from deformable.cli.main import app
+from deformable.cli.settings import law_and_dimension
+from deformable.studies.ensemble.packings import (
+    SOFT,
+    contact_law,
+    dimension_of,
+    excess_coordination,
+)
+
+
+def shell(line: str) -> None:
+    app(line.split(), standalone_mode=False)
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a packing of spheres and one of disks in it."""
+    deformable.cubic("fcc", 2, phi=0.78).to_file(tmp_path / "space.xyz")
+    deformable.bidisperse(8, dimension=2).to_file(tmp_path / "plane.xyz")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("law", "dimension", "found"),
+    [
+        (None, None, ("disk", 2)),
+        (None, 2, ("disk", 2)),
+        (None, 3, ("sphere", 3)),
+        ("droplet", None, ("droplet", 3)),
+        ("droplet", 3, ("droplet", 3)),
+        ("curved", None, ("curved", 2)),
+    ],
+)
+def test_one_of_law_and_dimension(
+    law: str | None, dimension: int | None, found: tuple[str, int]
+) -> None:
+    assert law_and_dimension(law, dimension, SOFT) == found
+
+
+def test_names_of_laws_in_tables() -> None:
+    assert contact_law("droplet") == deformable.Droplet()
+    assert contact_law("droplet, tension 2.0") == deformable.Droplet(2.0)
+    assert contact_law("sphere") is None
+    assert [dimension_of(name) for name in ("sphere", "disk", "droplet", "radical")] == [3, 2, 3, 2]
+    # ten contacts more, of 20 particles that are no rattlers
+    for law, least in (("disk", 39), ("sphere", 58)):
+        row = {"law": law, "contacts": least + 10, "isostatic": least}
+        assert excess_coordination(row) == pytest.approx(1.0)
+
+
+def test_jam_finds_the_onset_of_spheres_and_droplets(here: Path) -> None:
+    """Both touch at the same packing fraction."""
+    shell("jam 12 --dimension 3 --seeds 1 --pressure 1e-7 --workers 1")
+    shell("jam 12 --law droplet --seeds 1 --pressure 1e-7 --workers 1 --save")
+    with (here / "jam" / "table.csv").open() as file:
+        rows = {row["law"]: row for row in csv.DictReader(file)}
+    assert set(rows) == {"sphere", "droplet"}
+    phi = [float(row["phi"]) for row in rows.values()]
+    assert phi[0] == pytest.approx(phi[1], abs=3e-4)
+    assert all(row["stalled"] == "False" for row in rows.values())
+    saved = deformable.Run(here / "jam" / "packings" / "droplet_1e-07_12_1")
+    assert saved.simulation().state().phi == pytest.approx(float(rows["droplet"]["phi"]))
+
+
+def test_droplets_in_a_dump_are_drawn(here: Path) -> None:
+    """With a tension and a radius for each type."""
+    packing = deformable.push_off(deformable.bidisperse(8, ratio=1.2, dimension=3).at(0.6))
+    law = deformable.Droplet([1.0, 1.5])
+    with deformable.Simulation(packing, law) as sim:
+        expected = sim.state()
+    packing.to_file("lammps.dump")
+    (here / "oil.deformable").write_text(
+        "small 0.5 inf 0 0 tension 1.0\nlarge 0.6 inf 0 0 tension 1.5\n"
+    )
+    shell(
+        "outline lammps.dump --law droplet --species oil.deformable --color-by load --slice 0.5 "
+        "--contacts --out section.png --out droplets.vtp"
+    )
+    assert {"section.png", "droplets.vtp"} <= {path.name for path in here.iterdir()}
+    found = deformable.state_in_file("lammps.dump", "oil.deformable", law="droplet")
+    assert found.law == law
+    assert found.energy == pytest.approx(expected.energy, rel=1e-6, abs=1e-12)
+    assert "<polydata" in (here / "droplets.vtp").read_text().lower()
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("compress --dimension 4", "--dimension must be 2 or 3, not 4"),
+        ("compress --dimension 3 --law curved", "--law curved is for 2 dimensions, not 3: leave"),
+        ("jam 8 --dimension 2 --law droplet", "--law droplet is for 3 dimensions, not 2: leave"),
+        ("jam 8 --law sphere --tension 2", "law sphere has no tension: leave it out"),
+        ("jam 8 --law sphere --save", "soft spheres have none: give another --law"),
+        ("jam 8 --law droplet --excess-phi 0.04", "with the droplet law it may be"),
+        ("compress --law droplet --kA 2", "--kA is an option of ring laws: leave it out with"),
+        ("compress --law droplet --reach 2", "--reach is an option of ring laws: leave it out"),
+        ("compress --law droplet --tension 0", "tension must be positive, as droplets have"),
+        ("compress --dimension 3 --aspect 40", "aspect must lie between 0.229 and 19.1 for 128"),
+        ("compress --from space.xyz", r"fill space, .* dimension=3 \(in the shell --law droplet\)"),
+        ("shear --from space.xyz", "atoms fill space"),
+        ("jam --from space.xyz", "atoms fill space"),
+        ("jam --from space.xyz --law disk --dimension 3", "--law disk is for 2 dimensions, not 3"),
+        ("jam --from space.xyz --law droplet", "rigid already at phi = 0.7800"),
+        ("outline plane.xyz --law droplet --species none", "no species file 'none'"),
+    ],
+)
+def test_nonsense_is_told(line: str, message: str, here: Path) -> None:
+    errors = (deformable.ParameterError, deformable.FileError)
+    with pytest.raises(errors, match=message) as caught:
+        shell(line)
+    assert "\n" not in str(caught.value)
+
+
+def test_nonsense_of_pictures_is_told(here: Path) -> None:
+    """Of a packing in space, and of one in the plane."""
+    with deformable.Simulation(deformable.cubic("fcc", 2, phi=0.78), deformable.Droplet()) as sim:
+        sim.state().save("space")
+    with deformable.Simulation(deformable.triangular(4, 4, phi=0.92), deformable.Ring()) as sim:
+        sim.state().save("plane")
+    for line, message in (
+        ("plot space --spins", "spins is for states in the plane"),
+        ("plot space --contacts", "contacts are drawn in a slice"),
+        ("plot space --slice 1 --forces", "forces are those of the whole network"),
+        ("plot plane --slice 1", "slice is for states in three dimensions"),
+        ("plot plane --view 1 2", "view is for states in three dimensions"),
+    ):
+        with pytest.raises(deformable.ParameterError, match=message):
+            shell(line)
+    shell("plot space --view 10 30 --color-by load --out view.png")
+    shell("plot space --slice 0.2 --contacts --out slice.png")
+    assert {"view.png", "slice.png"} <= {path.name for path in here.iterdir()}
