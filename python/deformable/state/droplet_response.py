@@ -29,9 +29,15 @@ class DropletResponse(LinearResponse):
         """Second derivatives of the energy of droplets, see `SoftResponse.hessian`.
 
         Raises:
-            ParameterError: the compliance of a droplet is singular, far beyond the model.
+            ParameterError: droplets touch walls; or the compliance of one is singular, far beyond
+                the model.
         """
         packing, table = self.packing, self.contact_table
+        if (table["j"] < 0).any():
+            raise ParameterError(
+                "second derivatives of droplets do not know walls: take a state of a periodic box "
+                "without them"
+            )
         if not rattlers:
             force = table["force"]
             kept = bearing(table["i"], table["j"], force, len(packing), packing.dimension)

@@ -207,6 +207,15 @@ def test_a_state_that_is_not_at_rest() -> None:
         state.elastic_moduli()
 
 
+def test_droplets_at_walls() -> None:
+    with deformable.Simulation(deformable.cubic("sc", 2, radius=1.0, phi=0.54), Droplet()) as sim:
+        sim.lmp.command("fix floor all deformable/wall plane 0 0 -0.9 0 0 1")
+        state = sim.state()
+    assert (state.contact_table["j"] < 0).any()
+    with pytest.raises(deformable.ParameterError, match="walls"):
+        state.hessian()
+
+
 SCRIPT = """
 import json, sys
 sys.path[:] = {path!r}
