@@ -39,16 +39,20 @@ if TYPE_CHECKING:
     from .model.laws import Ring as Ring
     from .model.laws import Sector as Sector
     from .model.packing import Packing as Packing
+    from .model.plane_walls import Circle as Circle
+    from .model.plane_walls import Disk as Disk
+    from .model.plane_walls import Polygon as Polygon
+    from .model.plane_walls import Segment as Segment
+    from .model.plane_walls import rectangle as rectangle
     from .model.polygon_walls import Walls as Walls
     from .model.polygons import PolygonModel as PolygonModel
     from .model.random_packing import bidisperse as bidisperse
     from .model.random_packing import polydisperse as polydisperse
-    from .model.walls import Circle as Circle
-    from .model.walls import Disk as Disk
-    from .model.walls import Plane as Plane
-    from .model.walls import Polygon as Polygon
-    from .model.walls import Segment as Segment
-    from .model.walls import rectangle as rectangle
+    from .model.space_walls import Ball as Ball
+    from .model.space_walls import Cylinder as Cylinder
+    from .model.space_walls import Sphere as Sphere
+    from .model.space_walls import cuboid as cuboid
+    from .model.wall_base import Plane as Plane
     from .protocols.compression import compress as compress
     from .protocols.creep import creep as creep
     from .protocols.jamming import jam as jam
@@ -90,10 +94,12 @@ _HOMES = {
     "PolygonSimulation": "engine.polygon_simulation",
     "PolygonState": "state.polygon_state",
     "PolygonModel": "model.polygons",
+    "Ball": "model.space_walls",
     "BeyondModelWarning": "common.errors",
-    "Circle": "model.walls",
+    "Circle": "model.plane_walls",
     "Comparison": "studies.comparison",
-    "Disk": "model.walls",
+    "Cylinder": "model.space_walls",
+    "Disk": "model.plane_walls",
     "DiskState": "state.disk_state",
     "Disks": "engine.disks",
     "Droplet": "model.droplet",
@@ -106,13 +112,14 @@ _HOMES = {
     "Modulus": "protocols.moduli",
     "Packing": "model.packing",
     "ParameterError": "common.errors",
-    "Plane": "model.walls",
-    "Polygon": "model.walls",
+    "Plane": "model.wall_base",
+    "Polygon": "model.plane_walls",
     "Ring": "model.laws",
     "Run": "runs.run",
     "Sector": "model.laws",
-    "Segment": "model.walls",
+    "Segment": "model.plane_walls",
     "Simulation": "engine.simulation",
+    "Sphere": "model.space_walls",
     "SphereState": "state.sphere_state",
     "Spheres": "engine.spheres",
     "StalledWarning": "common.errors",
@@ -127,6 +134,7 @@ _HOMES = {
     "compress_in": "runs.recording",
     "creep": "protocols.creep",
     "cubic": "model.crystal",
+    "cuboid": "model.space_walls",
     "dynamic_modulus": "protocols.oscillation",
     "export": "runs.analysis",
     "jackknife": "common.fits",
@@ -141,7 +149,7 @@ _HOMES = {
     "predict": "studies.comparison",
     "push_off": "protocols.starts",
     "record": "runs.recording",
-    "rectangle": "model.walls",
+    "rectangle": "model.plane_walls",
     "resolve_secondary": "state.secondary",
     "settle": "protocols.settling",
     "shear": "protocols.shear",

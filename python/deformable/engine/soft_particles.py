@@ -16,8 +16,11 @@ from ..common.errors import StalledWarning
 from ..common.validate import positive, zero_or_more
 from ..core import unit_vectors
 from ..io.lammps_commands import minimizer_commands
+from ..model.distances import Distances
+from ..model.free_room import free_room
 from ..model.lattice import fractional
 from ..model.packing import Packing
+from ..model.room import check_fit
 from ..model.walls import Wall
 from .followed import refuse_other, setup
 from .free_box import Stressed, check_free, relax_free_box
@@ -54,6 +57,12 @@ pair_style gran/hooke 1.0 NULL 0.0 NULL 0.0 0
 pair_coeff * *
 """
 
+# Walls repel particles as other particles do, U = k/2 (R - h)^2 at the distance h.
+_WALLS = """
+fix deformable_walls all external pf/callback 1 1
+fix_modify deformable_walls virial yes
+"""
+
 # Centers closer than this part of the box are at one place, where a contact has no direction. They
 # are separated by this part of the smallest radius, on a spiral of golden angles.
 _SAME_PLACE = 1e-12
@@ -81,7 +90,39 @@ class SoftParticles(Engine, Generic[S]):
         self._radii, self._radius = start.radii, start.radius
         self._follow(start.walls, start.box)
         self.lmp = open_disks(start)
+        if self._walls:
+            run(self.lmp, _WALLS)
+            self.lmp.set_fix_external_callback("deformable_walls", self._repel)
         self._setup = setup(self.lmp)
+
+    def _follow(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
+        check_fit(walls, box, float(self._radius.max()))
+        self._walls, self._distances = walls, Distances(walls, box)
+
+    def _overlaps(
+        self, x: NDArray[np.float64], number: NDArray[np.int64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Overlaps with each wall, distances, both (W, n), and directions to it, (W, n, d).
+
+        Args:
+            x: positions, shape (n, d) [length].
+            number: of the particles at these positions, from 0, shape (n,).
+        """
+        out, distance = self._distances(x)
+        return np.maximum(self._radius[number] - distance, 0.0), distance, out
+
+    def _repel(self, _caller: Any, _step: int, _n: int, tag: Any, x: Any, f: Any) -> None:
+        """Forces of the walls and their virial, for LAMMPS."""
+        dimension = self.dimension
+        overlap, distance, out = self._overlaps(x[:, :dimension], tag - 1)
+        forces = -overlap[..., None] * out
+        f[:] = 0.0
+        f[:, :dimension] = forces.sum(axis=0)
+        lever = -distance[..., None] * out
+        virial = np.zeros((3, 3))
+        virial[:dimension, :dimension] = np.einsum("wna,wnb->ab", lever, forces)
+        xx, xy, xz, _, yy, yz, _, _, zz = virial.ravel().tolist()
+        self.lmp.fix_external_set_virial_global("deformable_walls", [xx, yy, zz, xy, xz, yz])
 
     @property
     def walls(self) -> tuple[Wall, ...]:
@@ -187,17 +228,23 @@ class SoftParticles(Engine, Generic[S]):
 
     def _forces_of_contacts(self) -> NDArray[np.float64]:
         """Their sizes at the last run, the overlaps as k = 1, shape (M,) [k length]."""
-        return local_array(self.lmp, "overlaps", 2)[:, 1]
+        positions = self._positions()
+        overlap, *_ = self._overlaps(positions, np.arange(len(positions)))
+        self._wall_pairs = np.argwhere(overlap.T > 0.0)
+        pairs = local_array(self.lmp, "overlaps", 2)[:, 1]
+        return np.append(pairs, overlap[overlap > 0.0])
 
     def _values(self, forces: Forces, stalled: bool) -> dict[str, Any]:
         """What states have, at the last run."""
         packing = self._packing()
+        room = free_room(packing.walls, packing.box) if packing.walls else None
         return {
             "packing": packing,
             "law": None,
             "energy": float(0.5 * np.sum(self._contact_forces**2)),  # of stiffness 1
-            "stress": stress(self.lmp, packing.area if packing.walls else None),
+            "stress": stress(self.lmp, room),
             "pairs": self._pairs,
+            "wall_pairs": self._wall_pairs,
             "residual": forces.residual,
             "stalled": stalled,
             "strain": self.strain,

@@ -36,7 +36,7 @@ def xyz_frame(
     rows += [["0", "0", "1"]] * (3 - dimension)
     vectors = " ".join(word for row in rows for word in [*row, "0", "0"][:3])
     corner = " ".join([*map(repr, origin), "-0.5"][:3])
-    ends = " ".join("F" if each else "T" for each in (*shut[:2], False))
+    ends = " ".join("F" if each else "T" for each in (*shut, False)[:3])
     head = [
         f'Lattice="{vectors}"',
         f'Origin="{corner}"',

@@ -97,7 +97,7 @@ def write_particles(
         radius: of the particles, shape (N,) [length].
         types: number of species.
         origin: lower left corner of the box, shape (d,) [length].
-        shut: whether the box is not periodic along x and y.
+        shut: whether the box is not periodic along each axis.
 
     Raises:
         ParameterError: the suffix is of no format that has radii and box.

@@ -38,10 +38,10 @@ def dump_frame(
         positions: shape (N, d) [length].
         columns: further values of the particles by name, arrays of shape (N,).
         origin: lower left corner of the box [length]; 0 of one that is tilted.
-        shut: whether the box is not periodic along x and y.
+        shut: whether the box is not periodic along each axis.
     """
     dimension, height = len(box), "" if len(box) == 3 else "0 "
-    ends = " ".join("ff" if each else "pp" for each in (*shut[:2], False))
+    ends = " ".join("ff" if each else "pp" for each in (*shut, False)[:3])
     sides, tilts = box.diagonal().tolist(), box[np.tril_indices(dimension, -1)].tolist()
     # LAMMPS gives the bounding box of a tilted cell and the tilts beside it.
     if not any(tilts):

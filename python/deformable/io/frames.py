@@ -186,7 +186,7 @@ def _dump_frame(number: int, packing: Packing, columns: Mapping[str, NDArray[Any
         packing.positions,
         columns,
         packing.origin.tolist(),
-        closed(packing.walls),
+        closed(packing.walls, packing.dimension),
     )
 
 

@@ -60,9 +60,9 @@ pair_coeff * * {kr!r} {range!r}
 WALL = "deformable_wall_{}"
 
 
-def boundary(walls: Sequence[Wall]) -> str:
+def boundary(walls: Sequence[Wall], dimension: int) -> str:
     """LAMMPS boundary: fixed where a container closes the box."""
-    return " ".join("f" if shut else "p" for shut in (*closed(walls), False))
+    return " ".join("f" if shut else "p" for shut in (*closed(walls, dimension), False)[:3])
 
 
 def setup_commands(packing: Packing) -> str:
@@ -70,7 +70,7 @@ def setup_commands(packing: Packing) -> str:
     return SETUP.format(
         dimension=packing.dimension,
         style=atom_style(packing),
-        boundary=boundary(packing.walls),
+        boundary=boundary(packing.walls, packing.dimension),
     )
 
 

@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import core
 from ..common.errors import ParameterError
 from ..common.validate import shown
 from .laws import LAWS, Law, SpeciesParameters, one_or_each, per_species
@@ -62,6 +63,11 @@ class Droplet:
     def name(self) -> str:
         """`droplet`, in files."""
         return "droplet"
+
+    @property
+    def reach(self) -> float:
+        """How far beyond its undeformed sphere a droplet may touch, in radii."""
+        return core.largest_bulge
 
     def species_parameters(self, radii: Sequence[float] | NDArray[np.float64]) -> SpeciesParameters:
         """As for `Ring`: the volume is kept, kA = inf, and all else but the tension is 0.

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..common.errors import ParameterError
 from ..common.optional import optional
 from ..common.validate import expect, numbers, positive, shown, whole
-from ..model import room
+from . import free_room, places, room
 from .filled import root, undeformed
 from .lattice import fractional, lattice_vectors, shown_box
 from .packing_files import PackingFiles
@@ -37,7 +37,7 @@ _FARTHEST = 1e6
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Packing(PackingFiles):
-    """Disks in a periodic two-dimensional box, or between walls; or spheres in a periodic box.
+    """Disks in a periodic two-dimensional box, or spheres in a box in space, or between walls.
 
     Attributes:
         positions: centers, shape (N, 2), of spheres (N, 3) [length].
@@ -48,14 +48,15 @@ class Packing(PackingFiles):
             (lx, ly, lz).
         particle_radii: undeformed radius of each particle, shape (N,) [length], or None: the radius
             of its species. If given, `radii` are the largest radii that a species allows.
-        walls: one shape or several: `Plane`, `Circle`, `Disk`, `Segment`, `Polygon`. Where a
-            container of planes and circles closes a direction, the box is not periodic and spans
-            it, whatever is given. Obstacles repeat with the box. Spheres have none.
+        walls: one shape or several: `Plane`, `Circle`, `Disk`, `Segment`, `Polygon`; of spheres
+            `Plane`, `Sphere`, `Cylinder`, `Ball`. Where a container of planes and round walls
+            closes a direction, the box is not periodic and spans it, whatever is given. Obstacles
+            repeat with the box.
 
     Raises:
-        ParameterError: shapes disagree, there are walls in three dimensions, a number is not
-            finite, a radius or box length is not positive, a species has no radius, or a particle
-            is larger than its species allows.
+        ParameterError: shapes disagree, walls have another dimension, a number is not finite, a
+            radius or box length is not positive, a species has no radius, or a particle is larger
+            than its species allows.
     """
 
     positions: NDArray[np.float64]
@@ -76,7 +77,6 @@ class Packing(PackingFiles):
                 array = array.astype(np.int64)
             array.setflags(write=False)
             object.__setattr__(self, name, array)
-        object.__setattr__(self, "walls", as_walls(self.walls))
         n, shape = self.species.size, self.positions.shape
         if n == 0 or shape not in ((n, 2), (n, 3)) or self.species.shape != (n,):
             raise ParameterError(
@@ -89,8 +89,7 @@ class Packing(PackingFiles):
                 f"positions have {self.dimension} columns, so that the box must have as many "
                 f"sides, not {len(given)}"
             )
-        if self.walls:
-            refuse_space("a wall", self.dimension, "give the box without, it is periodic")
+        object.__setattr__(self, "walls", as_walls(self.walls, self.dimension))
         box = room.box_between(self.walls, given)
         object.__setattr__(self, "box", lattice_vectors(box))
         boxes = np.abs(fractional(self.positions, self.box)).max(axis=1)
@@ -142,18 +141,22 @@ class Packing(PackingFiles):
         """Undeformed radius of each particle, shape (N,) [length]."""
         return self.radii[self.species] if self.particle_radii is None else self.particle_radii
 
-    @cached_property
+    @property
     def area(self) -> float:
         """Area that is free to particles: of the box, or the container, without obstacles."""
         refuse_space("area", self.dimension, "take the volume")
-        return room.free_room(self.walls, self.box)
+        return self._room
 
     @property
     def volume(self) -> float:
-        """Volume of the box of spheres [length^3]."""
+        """Volume that is free to spheres: of the box, or the container, without obstacles."""
         if self.dimension == 2:
             raise ParameterError("a packing in the plane has no volume: take the area")
-        return room.free_room(self.walls, self.box)
+        return self._room
+
+    @cached_property
+    def _room(self) -> float:
+        return free_room.free_room(self.walls, self.box)
 
     @property
     def origin(self) -> NDArray[np.float64]:
@@ -166,8 +169,7 @@ class Packing(PackingFiles):
 
         Of spheres it is sum 4 pi R^3 / (3 `volume`).
         """
-        free = room.free_room(self.walls, self.box)
-        return undeformed(self.radius, self.dimension) / free
+        return undeformed(self.radius, self.dimension) / self._room
 
     @property
     def outlines(self) -> list[NDArray[np.float64]]:
@@ -253,6 +255,7 @@ class Packing(PackingFiles):
         """The same particles at random places between walls, where they may overlap.
 
             bidisperse(60).between([Circle((0, 0), 7), Disk((2, 0), 1)])
+            bidisperse(200, dimension=3).between(Sphere((0, 0, 0), 8))
 
         It is a start for `push_off` and `jam`. The walls have the size that is given, so that the
         packing fraction follows from them; `at` scales all to another one.
@@ -265,7 +268,6 @@ class Packing(PackingFiles):
         Raises:
             ParameterError: walls leave no room.
         """
-        refuse_space("between", self.dimension, "spheres have no walls")
         packing = replace(self, walls=as_walls(walls))
         if seed is None:
             rng = np.random.default_rng(
@@ -273,8 +275,8 @@ class Packing(PackingFiles):
             )
         else:
             rng = generator(seed)
-        places = room.random_places(packing.walls, packing.box, len(self), rng)
-        return replace(packing, positions=places)
+        centers = places.random_places(packing.walls, packing.box, len(self), rng)
+        return replace(packing, positions=centers)
 
 
 def fraction_of(phi: float) -> float:

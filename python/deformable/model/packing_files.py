@@ -138,7 +138,7 @@ class PackingFiles:
         expect("radii", radii, float, int, np.number, str, Mapping, type(None))
         check_radii(radii)
         plane = dimension_of(dimension) == 2
-        walls, given = as_walls(walls), None if box is None else lattice_vectors(box)
+        walls, given = as_walls(walls, dimension), None if box is None else lattice_vectors(box)
         wanted = (radii,) if isinstance(radii, str) else RADII
         found = read_particles(
             Path(path), frame, None if topology is None else Path(topology), wanted
@@ -148,14 +148,12 @@ class PackingFiles:
             shut = closed(walls, dimension)
             if given is None:
                 given = found.lattice(dimension)
+                container = "rectangle(width, height)" if plane else "cuboid(lx, ly, lz)"
                 for axis, periodic, walled in zip("xyz", found.periodic, shut, strict=False):
                     if not (periodic or walled):
                         raise ValueError(
                             f"its box is not periodic along {axis}: give "
-                            + (
-                                "the walls there, such as walls=rectangle(width, height), or "
-                                * plane
-                            )
+                            + f"the walls there, such as walls={container}, or "
                             + f"a periodic box, as box={'(lx, ly)' if plane else '(lx, ly, lz)'}"
                         )
                 if not walls:

@@ -14,8 +14,9 @@ from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from ..common.validate import expect
+from .free_room import container, obstacles
 from .marks import Mark
-from .room import closed, container, obstacles
+from .room import closed
 from .scale import Scale, color_map
 from .walls import Wall
 

@@ -7,7 +7,10 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.errors import ParameterError
 from .facets import Facets
+from .room import bounds, closed
+from .sections import section_between
 from .walls import Wall
 
 Floats = NDArray[np.float64]
@@ -28,6 +31,8 @@ class Packing(Protocol):
     def radius(self) -> Floats: ...
     @property
     def box(self) -> Floats: ...
+    @property
+    def walls(self) -> tuple[Wall, ...]: ...
 
 
 class Section(NamedTuple):
@@ -39,7 +44,7 @@ class Section(NamedTuple):
         outlines: of each, shape (m, 2) [length].
         contacts: lines of facets of each, shape (2, 2) [length].
         box: lattice vectors in the plane, shape (2, 2) [length].
-        walls: none.
+        walls: those that the plane cuts, as walls in the plane.
     """
 
     particle: NDArray[np.int64]
@@ -51,18 +56,31 @@ class Section(NamedTuple):
 
 
 def section_of(packing: Packing, facets: Facets, height: float) -> Section:
-    """The section of all particles and their images with the plane z = height [length]."""
+    """The section of all particles and their images with the plane z = height [length].
+
+    Raises:
+        ParameterError: the plane is outside of the walls.
+    """
     x, radius, up = packing.positions, packing.radius, packing.box[2]
+    walls = section_between(packing.walls, packing.box, height)
+    if walls is None:
+        low, high = bounds(packing.walls, packing.box)[:, 2]
+        raise ParameterError(
+            f"the slice at {height:g} is outside of the walls: take one from {low:g} to {high:g}"
+        )
+    shut = closed(packing.walls, 3)[2]
     first = np.ceil((height - radius - x[:, 2]) / up[2]).astype(int)
     last = np.floor((height + radius - x[:, 2]) / up[2]).astype(int)
     turn = np.linspace(0.0, 2.0 * np.pi, _POINTS, endpoint=False)
     circle = np.column_stack([np.cos(turn), np.sin(turn)])
     particle, middles, outlines, contacts = [], [], [], []
     for n, own in enumerate(facets.of_each(len(radius))):
-        for image in range(first[n], last[n] + 1):
+        for image in (0,) if shut else range(first[n], last[n] + 1):
             center = x[n] + image * up
             above, middle = height - center[2], center[:2]
-            outline = np.sqrt(max(radius[n] ** 2 - above**2, 0.0)) * circle
+            if abs(above) >= radius[n]:
+                continue
+            outline = np.sqrt(radius[n] ** 2 - above**2) * circle
             lines = list(facets.normal[own, :2])
             levels = (facets.height[own] - facets.normal[own, 2] * above).tolist()
             for normal, level in zip(lines, levels, strict=True):
@@ -83,6 +101,7 @@ def section_of(packing: Packing, facets: Facets, height: float) -> Section:
         outlines,
         contacts,
         packing.box[:2, :2],
+        tuple(walls),
     )
 
 

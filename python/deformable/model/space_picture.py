@@ -5,7 +5,6 @@ Rays along the view meet balls and planes: no library draws more than that here.
 
 from __future__ import annotations
 
-from itertools import product
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -20,7 +19,10 @@ from ..common.validate import expect, numbers, shown
 from .facets import WHOLE, Facets
 from .lattice import cartesian, fractional, lengths
 from .picture import Picture
+from .room import closed
 from .scale import Scale, color_map
+from .wall_lines import lines_around
+from .walls import Ball, Wall
 
 Floats = NDArray[np.float64]
 
@@ -29,6 +31,9 @@ _PIXELS, _SMOOTHED = 560, 2
 
 # Size of a picture [inch], with the bar of the colors, and without.
 _SIZE, _SIZE_ALONE = (6.2, 5.2), (5.2, 5.2)
+
+# Gray of obstacles.
+_WALL = 0.75
 
 # Where light comes from, to the right, up, and to the viewer; light that is everywhere; light on
 # facets over that on the rest.
@@ -44,6 +49,8 @@ class Packing(Protocol):
     def radius(self) -> Floats: ...
     @property
     def box(self) -> Floats: ...
+    @property
+    def walls(self) -> tuple[Wall, ...]: ...
 
 
 class Chains(NamedTuple):
@@ -108,17 +115,22 @@ def draw(
     norm = Normalize(on.low, on.low + 1.0 if one_value else on.high)
     ax = new_axes(colorbar) if ax is None else ax
     expect("ax", ax, Axes)
-    fractions = fractional(packing.positions, packing.box)
-    centers = cartesian(fractions - np.floor(fractions), packing.box) @ turn
-    edges = _edges(packing.box) @ turn
-    margin = float(packing.radius.max())
-    low = np.minimum(edges.min(axis=(0, 1)), (centers - margin).min(axis=0))[:2]
-    high = np.maximum(edges.max(axis=(0, 1)), (centers + margin).max(axis=0))[:2]
-    ax.add_collection(LineCollection(list(edges[..., :2]), colors="0.6", linewidths=0.8, zorder=0))
+    balls = [wall for wall in packing.walls if isinstance(wall, Ball)]
+    middles = np.array([ball.center for ball in balls]).reshape(-1, 3)
+    bodies = _in_box(packing, np.concatenate([packing.positions, middles])) @ turn
+    radius = np.append(packing.radius, [ball.radius for ball in balls])
+    centers = bodies[: len(packing.positions)]
+    edges = [line @ turn for line in lines_around(packing.walls, packing.box, turn[:, 2])]
+    ends, margin = np.concatenate([*edges, bodies]), float(radius.max())
+    low = np.minimum(ends.min(axis=0), (bodies - margin).min(axis=0))[:2]
+    high = np.maximum(ends.max(axis=0), (bodies + margin).max(axis=0))[:2]
+    lines = [edge[:, :2] for edge in edges]
+    ax.add_collection(LineCollection(lines, colors="0.6", linewidths=0.8, zorder=0))
     colors = colors_of(norm(np.ma.masked_invalid(values)))[:, :3]
     if chains is None:
         cut = facets._replace(normal=facets.normal @ turn)
-        picture = _cast(centers, packing.radius, colors, cut, low, high)
+        all_colors = np.concatenate([colors, np.full((len(balls), 3), _WALL)])
+        picture = _cast(bodies, radius, all_colors, cut, low, high)
         extent = (low[0], high[0], low[1], high[1])
         ax.imshow(picture, extent=extent, origin="lower", interpolation="antialiased", zorder=1)
     else:
@@ -144,11 +156,11 @@ def _turn(view: Any) -> Floats:
     return np.column_stack([right, np.cross(viewer, right), viewer])
 
 
-def _edges(box: Floats) -> Floats:
-    """Both ends of the twelve edges of the box, shape (12, 2, 3) [length]."""
-    corners = [np.array(corner) for corner in product((0.0, 1.0), repeat=3)]
-    ends = [(a, b) for a in corners for b in corners if (b - a).sum() == np.abs(b - a).sum() == 1.0]
-    return np.array(ends) @ box
+def _in_box(packing: Packing, places: Floats) -> Floats:
+    """The images of places in the box; walls leave no others."""
+    fractions = fractional(places, packing.box)
+    cell = np.where(closed(packing.walls, 3), 0.0, np.floor(fractions))
+    return cartesian(fractions - cell, packing.box)
 
 
 def _cast(

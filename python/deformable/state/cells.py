@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core import contact_line, polygon_edges
+from ..model.free_room import container, obstacles
 from ..model.lattice import cartesian, fractional
 from ..model.neighbors import pairs_within
 from ..model.packing import Packing
-from ..model.room import bounds, closed, container, obstacles
+from ..model.room import bounds, closed
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

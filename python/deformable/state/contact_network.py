@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from ..common.validate import zero_or_more
 from ..model.droplet import AnyLaw
+from ..model.free_motions import free_motions
 from ..model.lattice import lengths
 from ..model.packing import Packing
-from ..model.room import free_motions
 from .contact_forces import ContactForces
 
 

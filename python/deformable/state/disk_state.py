@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -36,8 +36,6 @@ class DiskState(SoftState, PlaneAnalysis, Pictures):
 
     _NAMES: ClassVar[tuple[str, ...]] = ("filled_area", "particle_pressure", "rattlers")
 
-    wall_pairs: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
-
     @property
     def filled_area(self) -> NDArray[np.float64]:
         """pi R^2 of each particle, shape (N,) [length^2]."""
@@ -64,9 +62,3 @@ class DiskState(SoftState, PlaneAnalysis, Pictures):
 
     def _halves(self) -> list[Halves]:
         return halves(self.packing, self._contact_forces)
-
-    @property
-    def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        i, j = self.pairs.T
-        walled = self.wall_pairs[:, 0]
-        return np.concatenate([i, j, walled]), np.concatenate([j, i, np.full_like(walled, -1)])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -40,7 +40,7 @@ class DropletState(
     """A snapshot of droplets, the same on every rank. Particles are numbered from 0.
 
     Attributes:
-        packing: centers, species, undeformed radii and box.
+        packing: centers, species, undeformed radii, box and walls.
         law: the law, `Droplet`.
         surface_area: of each droplet, 4 pi R^2 without contacts, shape (N,) [length^2].
         contacts: number of contacts of each droplet that bear a force, shape (N,).
@@ -50,7 +50,8 @@ class DropletState(
         load: of each droplet, about the part of its surface that facets cover, shape (N,).
         energy: of all droplets, above that of spheres [energy].
         stress: pressure tensor of the contacts, compression positive, shape (3, 3)
-            [energy/length^3]; its `pressure` is the osmotic pressure of the emulsion.
+            [energy/length^3]; its `pressure` is the osmotic pressure of the emulsion. With walls it
+            is the derivative of the energy by a strain of droplets and walls.
         residual: largest force on a droplet over the mean contact force; 0 without contacts.
         stalled: the relaxation stopped before the tolerance.
         beyond: number of droplets beyond the model, whose load is above 0.4.
@@ -62,8 +63,10 @@ class DropletState(
         root: whether this process writes files (rank 0 of the run).
         time: of all calls of `move`, and of flows, so far, 0 without motion [time].
         strain: shear strain of all calls of `shear` so far; None before the first one.
-        unsaved: what acts on the contacts by commands to `lmp`, and is not saved: excluded pairs;
-            empty without.
+        unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
+            pairs; empty without.
+        wall_forces: force of the droplets on each of `packing.walls`, shape (number of walls, 3)
+            [energy/length].
     """
 
     packing: Packing
@@ -84,6 +87,7 @@ class DropletState(
     time: float = 0.0
     strain: float | None = None
     unsaved: str = ""
+    wall_forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
 
     def __post_init__(self) -> None:
         for array in (value for value in vars(self).values() if isinstance(value, np.ndarray)):

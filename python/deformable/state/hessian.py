@@ -13,8 +13,9 @@ from ..common.errors import ParameterError
 from ..common.factored import factored
 from ..common.validate import numbers
 from ..core import EnergyBlocks
+from ..model.free_motions import motions
+from ..model.free_room import free_room
 from ..model.packing import Packing
-from ..model.room import free_room, motions
 
 Floats = NDArray[np.float64]
 

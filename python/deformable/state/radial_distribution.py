@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from ..common.errors import ParameterError
 from ..common.optional import optional
 from ..core import unit_vectors
-from ..model.lattice import widths
+from ..model.distances import Distances
+from ..model.lattice import lengths, widths
 from ..model.packing import Packing
-from ..model.room import Distances, bounds
+from ..model.room import bounds
 
 Floats = NDArray[np.float64]
 
@@ -78,18 +79,22 @@ def _by_distance(function: Any, r_max: float, system: tuple[Any, Floats], **valu
 def _room_around(packing: Packing, r: Floats) -> tuple[float, Floats]:
     """Where centers may be: its area, and the part of circles of radius r about it that is within.
 
-    The area begins as far from the walls as the nearest center.
+    In space these are a volume and spheres. It begins as far from the walls as the nearest center.
     """
     distances = Distances(packing.walls, packing.box)
     nearest = float(distances(packing.positions)[1].min())
     low, high = bounds(packing.walls, packing.box)
     rng = np.random.default_rng(0)
-    tried = low + rng.random((_PLACES, 2)) * (high - low)
+    tried = low + rng.random((_PLACES, packing.dimension)) * (high - low)
 
     def free(places: Floats) -> NDArray[np.bool_]:
         return distances(places)[1].min(axis=0) >= nearest
 
     places = tried[free(tried)]
-    out = unit_vectors(2.0 * np.pi * rng.random(len(places)))
+    if packing.dimension == 2:
+        out = unit_vectors(2.0 * np.pi * rng.random(len(places)))
+    else:
+        out = rng.normal(size=places.shape)
+        out /= lengths(out)[:, None]
     inside = np.array([np.mean(free(places + distance * out)) for distance in r])
     return float(np.prod(high - low)) * len(places) / _PLACES, inside

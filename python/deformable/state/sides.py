@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
+from ..model.distances import Distances
 from ..model.lattice import lengths
 from ..model.packing import Packing
-from ..model.room import Distances
 from .contact_network import without_rattlers
 
 Floats = NDArray[np.float64]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,7 @@ class SoftState(SoftResponse, Stressed, ContactNetwork, Analysis):
     pairs: NDArray[np.int64]
     residual: float
     stalled: bool
+    wall_pairs: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
     strain: float | None = None
 
     @property
@@ -42,3 +43,9 @@ class SoftState(SoftResponse, Stressed, ContactNetwork, Analysis):
     def numbers(self) -> dict[str, Any]:
         """The state in numbers, by name; `strain` is None without shear."""
         return numbers_of(self)
+
+    @property
+    def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        i, j = self.pairs.T
+        walled = self.wall_pairs[:, 0]
+        return np.concatenate([i, j, walled]), np.concatenate([j, i, np.full_like(walled, -1)])

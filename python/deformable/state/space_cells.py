@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.errors import ParameterError
 from ..core import contact_line
 from ..model.neighbors import pairs_within
 from ..model.packing import Packing
+from ..model.wall_base import HalfSpace
+from ..model.walls import Plane
 from .cells import FIRST, FURTHER, Cells
 
 Floats = NDArray[np.float64]
@@ -17,12 +22,23 @@ _NO_FACE = 1e-9
 
 
 def cells_of(packing: Packing) -> Cells:
-    """The cells of all particles, polyhedra between the radical planes of neighbors."""
+    """The cells of all particles, polyhedra between the radical planes of neighbors and walls.
+
+    Raises:
+        ParameterError: there is a round wall, at which cells would not be polyhedra.
+    """
+    ends = [wall.half_spaces()[0] for wall in packing.walls if isinstance(wall, Plane)]
+    if len(ends) < len(packing.walls):
+        n, kind = next((n, w.kind) for n, w in enumerate(packing.walls, 1) if w.round_axes)
+        raise ParameterError(
+            f"Voronoi cells in space end at planes only, and wall {n} is a {kind}: take a room "
+            "between planes for local_phi, cell_sides and steinhardt"
+        )
     radius = packing.radius
     spacing = (packing.volume / len(packing)) ** (1.0 / 3.0)
     reach = FIRST * max(2.0 * float(radius.max()), spacing)
     while True:
-        cells, far = _within(packing, reach)
+        cells, far = _within(packing, reach, ends)
         # the nearest plane that a neighbor beyond the reach may have
         beyond = np.full(len(packing), reach), radius, np.full(len(packing), radius.max())
         if (far <= radius - contact_line(*beyond)).all():
@@ -30,10 +46,10 @@ def cells_of(packing: Packing) -> Cells:
         reach *= FURTHER
 
 
-def _within(packing: Packing, reach: float) -> tuple[Cells, Floats]:
+def _within(packing: Packing, reach: float, ends: Sequence[HalfSpace]) -> tuple[Cells, Floats]:
     """Cells between neighbors up to a distance, and the farthest corner of each cell, (N,).
 
-    Cells also end at a cube, so that all have an end.
+    Cells also end at walls, and at a cube, so that all have an end.
     """
     from scipy.spatial import ConvexHull
 
@@ -46,10 +62,13 @@ def _within(packing: Packing, reach: float) -> tuple[Cells, Floats]:
     order = np.argsort(i, kind="stable")
     size, far = np.zeros(len(packing)), np.zeros(len(packing))
     found = []
-    cube, half = np.concatenate([np.eye(3), -np.eye(3)]), np.full(6, 2.0 * reach)
+    more = np.array([*np.eye(3), *-np.eye(3), *(normal for normal, _ in ends)])
+    levels = np.array([offset for _, offset in ends])
     for n, part in enumerate(np.split(order, np.searchsorted(i[order], np.arange(1, len(radius))))):
-        normal = np.concatenate([vector[part] / distance[part, None], cube])
-        corners = _corners(normal, np.append(offset[part], half))
+        normal = np.concatenate([vector[part] / distance[part, None], more])
+        to_walls = levels - more[6:] @ packing.positions[n]
+        height = np.concatenate([offset[part], np.full(6, 2.0 * reach), to_walls])
+        corners = _corners(normal, height)
         if len(corners) == 0:  # no cell is left between larger particles
             continue
         hull = ConvexHull(corners)

@@ -68,7 +68,7 @@ def density_waves(packing: Packing, k: Floats) -> NDArray[np.complex128]:
 
 
 def _refuse_container(packing: Packing) -> None:
-    if any(closed(packing.walls)):
+    if any(closed(packing.walls, packing.dimension)):
         raise ParameterError(
             "the structure factor needs a periodic box: a container has no wave vectors of its own"
         )

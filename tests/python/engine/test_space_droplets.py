@@ -254,7 +254,7 @@ SPHERES = deformable.bidisperse(8, dimension=3, seed=1)
         (lambda: deformable.Simulation(None, Droplet()), "packing must be of the kind Packing"),
         (
             lambda: deformable.Simulation(SPHERES, Droplet(), walls=deformable.Circle((0, 0), 9)),
-            "a wall is for packings in the plane",
+            "circle 1 is a wall in 2 dimensions",
         ),
         (lambda: Droplet(0.0), "tension must be positive, .* not 0.0"),
         (lambda: Droplet([1.0, -1.0]), r"not \[1.0, -1.0\]"),

@@ -6,7 +6,8 @@ import deformable
 import numpy as np
 import pytest
 from deformable import Circle, Disk, ParameterError, Plane, Polygon, Segment, rectangle
-from deformable.model import room
+from deformable.model import places, room
+from deformable.model.free_motions import free_motions
 
 BOX = np.array([[12.0, 0.0], [0.0, 10.0]])
 CHANNEL = (Plane((0, 1), (0, 1)), Plane((5, 9), (0, -2)))
@@ -127,17 +128,17 @@ def test_centers_on_the_wrong_side() -> None:
         ([Circle((1, 1), 2)], "particle 1, .* outside of circle 1"),
     ):
         with pytest.raises(ParameterError, match=message):
-            room.check_centers(walls, BOX, x)
+            places.check_centers(walls, BOX, x)
     # the image of a disk
     with pytest.raises(ParameterError, match="particle 0"):
-        room.check_centers([Disk((12.5, 10.5), 1)], BOX, x)
+        places.check_centers([Disk((12.5, 10.5), 1)], BOX, x)
 
 
 def test_free_motions() -> None:
     """Of all particles together: of a box, a channel, a round container, an annulus, and none."""
     ring, hub = (Circle((0, 0), 3), Circle((0, 0), 4)), Disk((0, 0), 1)
     counts = [
-        room.free_motions(walls)
+        free_motions(walls)
         for walls in ((), CHANNEL, ring, (hub, *ring), rectangle(2, 2), (*ring, TRIANGLE), (hub,))
     ]
     assert counts == [2, 1, 1, 1, 0, 0, 0]

@@ -65,7 +65,10 @@ def test_cubic_crystals(lattice: str, spheres: int, phi: float, neighbors: int) 
     [
         (lambda: SPHERES.area, "area is for packings in the plane, .* take the volume"),
         (lambda: SPHERES.outlines, "outlines is for packings in the plane"),
-        (lambda: SPHERES.between(deformable.Circle((0, 0), 9)), "spheres have no walls"),
+        (
+            lambda: SPHERES.between(deformable.Circle((0, 0), 9)),
+            "take one of Plane, Sphere",
+        ),
         (lambda: deformable.bidisperse(4).volume, "in the plane has no volume: take the area"),
         (lambda: deformable.bidisperse(4, dimension=1), "dimension must be 2 or 3, not 1"),
         (lambda: deformable.polydisperse(1, [1.0], dimension="3D"), "dimension must be a whole"),
@@ -80,7 +83,7 @@ def test_cubic_crystals(lattice: str, spheres: int, phi: float, neighbors: int) 
         ),
         (
             lambda: Packing([[0, 0, 0]], [0], [1], (1, 1, 1), walls=deformable.Circle((0, 0), 9)),
-            "a wall is for packings in the plane",
+            "circle 1 is a wall in 2 dimensions",
         ),
         (lambda: deformable.cubic("hcp", 2), "lattice must be sc, bcc, fcc, not 'hcp'"),
         (lambda: deformable.cubic("fcc", (2, 2)), "cells must be one number, or three"),
@@ -89,7 +92,6 @@ def test_cubic_crystals(lattice: str, spheres: int, phi: float, neighbors: int) 
         (lambda: deformable.cubic("fcc", 2, phi=11.0), "phi is a fraction"),
         (lambda: deformable.Simulation(SPHERES, deformable.Ring()), "law Ring is .* `Droplet`"),
         (lambda: deformable.jam(SPHERES, deformable.Sector()), "law Sector is .* `Droplet`"),
-        (lambda: deformable.jam(SPHERES, box="shape"), "box='shape' is for packings in the plane"),
         (lambda: deformable.Disks(SPHERES), "Disks is for packings in the plane, .* `Spheres`"),
         (lambda: deformable.Spheres(deformable.bidisperse(4)), "packing has two: Disks"),
         (lambda: deformable.PolygonSimulation(SPHERES), "a polygon is for packings in the plane"),

@@ -1,0 +1,256 @@
+"""Droplets and soft spheres between walls in space: known forces, balances, protocols, files."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from deformable import Ball, Cylinder, Droplet, LammpsError, ParameterError, Plane, Sphere, cuboid
+from exact_balance import exactly_balanced
+from polyhedra import FACES, FORCES, INDENTATIONS
+from programs import output
+
+LAW = Droplet([1.0, 1.5])
+LIDS = (Plane((0, 0, 0), (0, 0, 1)), Plane((0, 0, 8), (0, 0, -1)))
+SCENES = {
+    "cuboid": cuboid(8, 7, 6, (1, -2, 3)),
+    "plates": LIDS,
+    "drum": (Cylinder((4, 3, 2), 4), *LIDS),
+    "tube": Cylinder((4, 3, 2), 4, "x"),
+    "sphere and balls": (Sphere((1, 2, 3), 6), Ball((1, 2, 3), 1.5), Ball((-2, 2, 1), 1)),
+}
+
+
+def packed(name: str, phi: float = 0.64, number: int = 40) -> deformable.Packing:
+    start = deformable.bidisperse(number, ratio=1.2, dimension=3, seed=3).between(SCENES[name])
+    return deformable.push_off(start.at(phi))
+
+
+@pytest.fixture(scope="module")
+def drum() -> deformable.Packing:
+    return packed("drum")
+
+
+@pytest.mark.parametrize("name", FORCES)
+def test_one_droplet_in_its_faces(name: str) -> None:
+    """The table of equal contacts."""
+    *forces, work = FORCES[name]
+    alone = deformable.Packing([[0, 0, 0]], [0], [1.0], [9, 9, 9])
+    for indentation, force in zip(INDENTATIONS, forces, strict=True):
+        walls = [Plane(tuple(-(1 - indentation) * n), tuple(n)) for n in FACES[name]]
+        with exactly_balanced(), deformable.Simulation(alone, Droplet(2.0), walls=walls) as sim:
+            state = sim.state()
+        table = state.contact_table
+        assert (table["j"] == -1).all()
+        assert table["force"] == pytest.approx(2 * np.full(len(walls), force), rel=5e-9)
+        assert table["indentation"] == pytest.approx(indentation)
+        assert table["distance"] == pytest.approx(1 - indentation)
+        assert table["position"] == pytest.approx((1 - indentation) * table["normal"], abs=1e-12)
+        assert np.abs(state.wall_forces + 2 * force * FACES[name]).max() < 1e-8
+        trace = len(walls) * 2 * force * (1 - indentation)
+        assert state.pressure == pytest.approx(trace / 3 / state.packing.volume, rel=1e-8)
+        if indentation == 0.03:
+            assert state.energy == pytest.approx(
+                2 * (len(walls) * force * indentation - work), rel=2e-8
+            )
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_walls_bear_what_droplets_carry(name: str) -> None:
+    """Forces on walls are those of their contacts; the pressure is the slope of the energy.
+
+    Droplets keep their radii, so that the walls are scaled with the centers.
+    """
+    packing = packed(name)
+    with exactly_balanced(), deformable.Simulation(packing, LAW) as sim:
+        state = sim.state()
+        forces = np.array(sim.lmp.gather("f", 1, 3)).reshape(-1, 3)
+    table = state.contact_table
+    at_walls = table["j"] < 0
+    assert at_walls.sum() > 4
+    assert state.wall_forces.shape == (len(packing.walls), 3)
+    on_droplets = table["force_vector"][at_walls].sum(axis=0)
+    scale = table["force"].max()
+    assert state.wall_forces.sum(axis=0) == pytest.approx(-on_droplets, abs=1e-10 * scale)
+    assert forces.sum(axis=0) == pytest.approx(on_droplets, abs=1e-10 * scale)
+    moment = np.einsum("ma,ma->", state._contact_forces.vector, state._contact_forces.force)
+    assert state.pressure == pytest.approx(-moment / 3 / packing.volume, rel=1e-8)
+    energies, volumes = [], []
+    for factor in (1 - 1e-5, 1 + 1e-5):
+        with exactly_balanced(), deformable.Simulation(packing, LAW) as sim:
+            sim.deform(packing.box * factor)
+            energies.append(sim.state().energy)
+            volumes.append(sim.state().packing.volume)
+    slope = -np.diff(energies) / np.diff(volumes)
+    assert slope == pytest.approx(state.pressure, rel=1e-6)
+
+
+def test_forces_are_differences_of_the_energy(drum) -> None:
+    with exactly_balanced(), deformable.Simulation(drum, LAW) as sim:
+        state = sim.state()
+        forces = np.array(sim.lmp.gather("f", 1, 3)).reshape(-1, 3)
+    along = np.random.default_rng(1).normal(size=forces.shape)
+    energies = []
+    for step in (-1e-5, 1e-5):
+        moved = replace(drum, positions=drum.positions + step * along)
+        with exactly_balanced(), deformable.Simulation(moved, LAW) as sim:
+            energies.append(sim.state().energy)
+    assert state.contacts.sum() > 100
+    assert np.diff(energies) / 2e-5 == pytest.approx(-np.sum(forces * along), rel=1e-6, abs=1e-6)
+
+
+def test_pressure_in_a_cuboid_is_force_per_area() -> None:
+    with deformable.Simulation(packed("cuboid"), LAW) as sim:
+        state = sim.relax(1e-9)
+    sides = state.packing.box.diagonal()
+    area = np.prod(sides) / sides
+    on_walls = state.wall_forces.reshape(3, 2, 3)
+    for axis in range(3):
+        low, high = on_walls[axis, :, axis] / area[axis]
+        assert -low == pytest.approx(high, rel=1e-6)
+        assert state.stress[axis, axis] == pytest.approx(high, rel=1e-6)
+    assert state.packing.volume == pytest.approx(np.prod(sides))
+
+
+@pytest.mark.parametrize("name", ["drum", "sphere and balls"])
+def test_soft_spheres_jam_between_walls(name: str) -> None:
+    """Their pressure is the slope of the energy, and contacts are as many as hold them."""
+    start = deformable.bidisperse(40, ratio=1.2, dimension=3, seed=3).between(SCENES[name])
+    jammed = deformable.jam(start)
+    assert 0.4 < jammed.phi < 0.6  # walls take room from small packings
+    with deformable.Spheres(jammed) as soft:
+        state = soft.relax(1e-6)
+    assert set(state.wall_pairs[:, 1].tolist()) >= {0}
+    assert 1e-6 < state.pressure < 2.1e-6
+    assert abs(state.network_contacts - state.isostatic_contacts) <= 3
+    assert state.stress.trace() / 3 == pytest.approx(state.pressure)
+    contacts = np.bincount(state.wall_pairs[:, 0], minlength=40)
+    assert (state.particle_values()["contacts"] >= contacts).all()
+    energies, volumes = [], []
+    for factor in (1 - 1e-8, 1 + 1e-8):
+        with deformable.Spheres(jammed.at(jammed.phi / factor**3)) as soft:
+            energies.append(soft.state().energy)
+            volumes.append(soft.state().packing.volume)
+    slope = -np.diff(energies) / np.diff(volumes)
+    assert slope == pytest.approx(state.pressure, rel=1e-2)
+
+
+def test_compression_scales_walls_with_droplets(drum, tmp_path: Path) -> None:
+    """They are kept in files, by which runs and LAMMPS go on."""
+    with exactly_balanced():
+        with deformable.Simulation(drum, LAW) as sim:
+            states = list(deformable.compress(sim, strain=0.02, steps=2, tolerance=1e-4))
+        states[-1].save(tmp_path)
+        with deformable.Run(tmp_path).simulation() as sim:
+            again = sim.state()
+    last = states[-1]
+    assert [s.packing.walls[0].radius for s in states] == pytest.approx(
+        drum.walls[0].radius * np.array([0.99, 0.98])
+    )
+    assert last.packing.volume / drum.volume == pytest.approx(0.98**3)
+    assert last.pressure > states[0].pressure
+    assert again.packing.walls == last.packing.walls
+    assert again.energy == pytest.approx(last.energy, rel=1e-11)
+    assert again.wall_forces == pytest.approx(last.wall_forces, abs=1e-10)
+    assert again.phi == last.phi
+    lines = output("lmp", "-in", "in.lammps", "-log", "none", cwd=tmp_path).splitlines()
+    head = next(n for n, line in enumerate(lines) if line.split()[:2] == ["Step", "PotEng"])
+    _, energy, _, pressure = map(float, lines[head + 1].split())
+    assert energy == pytest.approx(last.energy, rel=1e-10)
+    box = np.prod(last.packing.box.diagonal())  # by whose volume LAMMPS divides
+    assert pressure * box == pytest.approx(last.pressure * last.packing.volume, rel=1e-9)
+
+
+@pytest.mark.parametrize("suffix", ["data", "lammpstrj", "xyz"])
+def test_packing_files(drum, suffix: str, tmp_path: Path) -> None:
+    """Walls are given again."""
+    path = tmp_path / f"packing.{suffix}"
+    with pytest.warns(deformable.UnsavedWarning, match="lacks the walls"):
+        drum.to_file(path)
+    again = deformable.Packing.from_file(path, walls=drum.walls, dimension=3)
+    assert again.positions.tolist() == drum.positions.tolist()
+    assert again.box.tolist() == drum.box.tolist()
+    assert again.phi == drum.phi
+
+
+def test_a_piston_in_a_tube(drum) -> None:
+    """The box may be stretched along the tube alone; across, walls would not be round."""
+    with deformable.Simulation(drum, LAW) as sim:
+        lower = drum.box * [1, 1, 0.995]
+        sim.deform(lower)
+        assert sim.walls[0].radius == drum.walls[0].radius
+        assert sim.box == pytest.approx(lower)
+        with pytest.raises(ParameterError, match="cylinder 1 must stay round"):
+            sim.deform(drum.box * [1, 0.99, 1])
+
+
+def test_motion_keeps_the_energy(drum) -> None:
+    """Droplets that bounce between walls; the error falls with the square of the step."""
+    errors = []
+    for timestep, steps in ((0.04, 100), (0.02, 200)):
+        with exactly_balanced(), deformable.Simulation(drum, LAW) as sim:
+            before = sim.state().energy
+            for state in deformable.move(sim, steps, timestep=timestep, every=steps // 4):
+                errors.append(abs(state.energy + state.kinetic_energy - before))
+        assert state.kinetic_energy > 1e-3 * before
+        assert np.abs(state.wall_forces).max() > 0
+    coarse, fine = np.max(errors[:4]), np.max(errors[4:])
+    assert coarse < 1e-2 * before
+    assert fine < coarse / 2
+
+
+def test_walls_in_pictures_and_files(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    for name, outlines, obstacles in (("drum", 4, 0), ("sphere and balls", 1, 2)):
+        with deformable.Simulation(packed(name), LAW) as sim:
+            state = sim.state()
+        lines = state.plot(forces=True).collections[0].get_paths()  # rims and outlines
+        assert len(lines) == outlines
+        x = np.concatenate([path.vertices for path in lines])[:, 0]
+        assert np.ptp(x) == pytest.approx(2 * state.packing.walls[0].radius, rel=1e-2)
+        low, high = float(state.packing.origin[2]), float(state.packing.box[2, 2])
+        cut = state.plot(slice=low + 0.4 * high, contacts=True)
+        assert len(cut.collections[1].get_paths()) == obstacles
+        with pytest.raises(ParameterError, match=r"slice at .* outside of the walls: take"):
+            state.plot(slice=low - 1)
+        state.export(tmp_path / "droplets.vtp")
+        state.export(tmp_path / "forces.vtp", forces=True)
+
+
+def test_cells_end_at_planes() -> None:
+    """They fill the room; at round walls they are no polyhedra."""
+    with deformable.Simulation(packed("cuboid"), LAW) as sim:
+        state = sim.state()
+    assert (state.filled_volume / state.local_phi).sum() == pytest.approx(state.packing.volume)
+    with deformable.Simulation(packed("drum"), LAW) as sim:
+        state = sim.state()
+        with pytest.raises(ParameterError, match="wall 1 is a cylinder: take a room between"):
+            _ = state.local_phi
+
+
+def test_refusals(drum) -> None:
+    two = deformable.Packing([[2, 2, 2], [6, 6, 6]], [0, 0], [0.5], [9, 9, 9])
+    for walls, told in (
+        ([Ball((4, 4, 4), 1), Ball((6, 5.5, 6), 1)], "particle 1, .* within ball 2"),
+        ([Ball((4, 4, 4), 1), Ball((0, 0, 0), 4)], "ball 2 does not fit into the periodic box"),
+        (LIDS[:1], "leave the room open"),
+        (deformable.rectangle(9, 9), "plane 1 is a wall in 2 dimensions"),
+    ):
+        with pytest.raises(ParameterError, match=told):
+            deformable.Simulation(two, Droplet(), walls=walls)
+    with deformable.Simulation(two, Droplet(), walls=LIDS) as sim:
+        sim.lmp.command("set atom 2 z 8.1")
+        with pytest.raises(LammpsError, match="plane 2"):
+            sim.state()
+    with deformable.Simulation(drum, LAW) as sim:
+        state = sim.state()
+        with pytest.raises(ParameterError, match="walls are not sheared"):
+            next(iter(deformable.shear(sim, strain=0.1, steps=1)))
+        for refused, told in (
+            (lambda: state.hessian(), "do not know walls: take a state of a periodic box"),
+            (lambda: sim.relax(pressure=0.1, box="sides"), "box='sides' is not for walls"),
+            (lambda: state.structure_factor(3.0), "a container has no wave vectors"),
+        ):
+            with pytest.raises(ParameterError, match=told):
+                refused()

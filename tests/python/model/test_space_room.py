@@ -1,0 +1,230 @@
+"""The room between walls in space: its box, its volume, places in it, and what stays round."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import deformable
+import numpy as np
+import pytest
+from deformable import Ball, Circle, Cylinder, ParameterError, Plane, Sphere, cuboid
+from deformable.model import places, room
+from deformable.model.free_motions import free_motions, motions
+from deformable.model.free_room import free_room
+from deformable.model.sections import section_between
+from polyhedra import FACES
+
+BOX = np.diag([12.0, 10.0, 9.0])
+TILTED = np.array([[12.0, 0.0, 0.0], [3.0, 10.0, 0.0], [-2.0, 4.0, 9.0]])
+PLATES = (Plane((0, 0, 1), (0, 0, 1)), Plane((5, 9, 4), (0, 0, -2)))
+FLOOR_OF_TUBE = (Plane((0, 1, 0), (0, 1, 0)), Plane((0, 5, 0), (0, -1, 0)))
+OF_BALL = 4.0 / 3.0 * np.pi
+
+
+@pytest.fixture(scope="module")
+def loose() -> deformable.Packing:
+    return deformable.bidisperse(30, phi=0.2, seed=1, dimension=3)
+
+
+SCENES = {
+    # walls, box, lowest corner, volume, how well the volume is known
+    "none": ((), (12, 10, 9), (0, 0, 0), 1080, 1e-12),
+    "cuboid": (cuboid(7, 5, 4, (-3, 2, 1)), (7, 5, 4), (-3, 2, 1), 140, 1e-12),
+    "plates": (PLATES, (12, 10, 3), (0, 0, 1), 360, 1e-12),
+    "sphere": (Sphere((1, 2, 3), 5), (10, 10, 10), (-4, -3, -2), 125 * OF_BALL, 1e-12),
+    "tube": (Cylinder((1, 2, 3), 4), (8, 8, 9), (-3, -2, 0), 144 * np.pi, 1e-12),
+    "lying": (Cylinder((1, 2, 3), 4, "x"), (12, 8, 8), (0, -2, -1), 192 * np.pi, 1e-12),
+    "drum": (
+        (Cylinder((1, 2, 3), 4, "y"), *FLOOR_OF_TUBE),
+        (8, 4, 8),
+        (-3, 1, -1),
+        64 * np.pi,
+        1e-12,
+    ),
+    "ball": (Ball((35, -20, 8.5), 2), (12, 10, 9), (0, 0, 0), 1080 - 8 * OF_BALL, 1e-12),
+    "ball between": (
+        (*cuboid(9, 9, 9), Ball((5, 4, 4), 2)),
+        (9, 9, 9),
+        (0, 0, 0),
+        729 - 8 * OF_BALL,
+        1e-12,
+    ),
+    "ball in the floor": (
+        (*cuboid(9, 9, 9), Ball((5, 4, 0), 2)),
+        (9, 9, 9),
+        (0, 0, 0),
+        729 - 4 * OF_BALL,
+        1e-12,
+    ),
+    "tetrahedron": ([Plane(-f, f) for f in FACES["tetrahedron"]], None, None, 8 * 3**0.5, 1e-12),
+    "dome": ((Sphere((0, 0, 0), 2), Plane((1, 0, 0), (1, 0, 0))), None, None, np.pi * 5 / 3, 1e-6),
+    "half a tube": (
+        (Cylinder((0, 0, 0), 2), Plane((0, 0, 0), (1, 0, 0))),
+        (2, 4, 9),
+        None,
+        18 * np.pi,
+        1e-6,
+    ),
+    "two tubes": (
+        (Cylinder((0, 0, 0), 2), Cylinder((0, 0, 0), 2, "x")),
+        (4, 4, 4),
+        None,
+        128 / 3,
+        1e-4,
+    ),
+}
+
+
+@pytest.mark.parametrize(("walls", "box", "origin", "volume", "rel"), SCENES.values(), ids=SCENES)
+def test_box_and_volume(loose, walls, box, origin, volume, rel) -> None:
+    """phi is over the volume that walls leave free."""
+    packing = replace(loose, box=BOX, walls=walls)
+    if box is not None:
+        assert packing.box.diagonal() == pytest.approx(box)
+    if origin is not None:
+        assert packing.origin == pytest.approx(origin)
+    assert packing.volume == pytest.approx(volume, rel=rel)
+    assert packing.phi == pytest.approx(OF_BALL * np.sum(packing.radius**3) / volume, rel=rel)
+
+
+def test_volume_that_is_found_by_chance() -> None:
+    """Balls that cross each other, a round wall and the boundary, in a tilted box too."""
+    rng = np.random.default_rng(1)
+    for walls, box in (
+        ((Ball((1, 1, 1), 2), Ball((2, 3, 2), 2.5), Ball((6, 5, 5), 1)), TILTED),
+        ((Sphere((5, 5, 5), 4), Ball((2, 5, 4), 2), Plane((0, 0, 3), (1, 0, 2))), BOX),
+        ((Cylinder((5, 5, 5), 4, "y"), Ball((2, 5, 4), 2), Ball((3, 6, 5), 1.5)), BOX),
+    ):
+        packing = deformable.Packing(np.full((1, 3), 5.0), [0], [0.1], box, walls=walls)
+        tried = packing.origin + rng.random((200_000, 3)) @ packing.box
+        inside = (places.Distances(packing.walls, packing.box)(tried)[1] > 0.0).all(axis=0).mean()
+        part = packing.volume / np.prod(packing.box.diagonal())
+        assert part == pytest.approx(inside, abs=5 * np.sqrt(part * (1 - part) / len(tried)))
+
+
+def test_places_between_walls(loose) -> None:
+    walls = (Cylinder((1, 2, 0), 5, "z"), *PLATES, Ball((2, 2, 2), 1))
+    packing = loose.between(walls, seed=3)
+    x, y, z = packing.positions.T
+    assert np.hypot(x - 1, y - 2).max() < 5
+    assert z.min() > 1
+    assert z.max() < 4
+    assert np.linalg.norm(packing.positions - 2, axis=1).min() > 1
+    assert not np.array_equal(packing.positions, loose.between(walls, seed=4).positions)
+    dense = packing.at(0.6)
+    factor = (packing.phi / 0.6) ** (1 / 3)
+    assert dense.phi == pytest.approx(0.6)
+    assert dense.walls[0].values == pytest.approx(np.array([1, 2, 0, 0, 0, 1 / factor, 5]) * factor)
+    assert dense.walls[3].values == pytest.approx(np.array([2, 2, 2, 1]) * factor)
+
+
+def test_stretched_walls() -> None:
+    """A piston in a tube; other walls stay round, and nothing is sheared."""
+    tube = (Cylinder((1, 2, 3), 2), *PLATES)
+    short = BOX * [1, 1, 0.5]
+    assert room.stretched(tube, BOX, short) == (
+        Cylinder((1, 2, 1.5), 2),
+        Plane((0, 0, 0.5), (0, 0, 1)),
+        Plane((5, 9, 2), (0, 0, -2)),
+    )
+    leaning = Plane((1, 1, 1), (1, 2, 3)).stretched(2.0, 0.5, 1.5)
+    along = np.array([1, 1, 1]) + 0.7 * np.array([3, 0, -1])
+    assert (along * [2, 0.5, 1.5] - leaning.point) @ leaning.normal == pytest.approx(0, abs=1e-14)
+    for walls, new, told in (
+        (tube, BOX * [1, 0.9, 1], "cylinder 1 must stay round: .* 1 along x and 0.9 along y$"),
+        ([Ball((0, 0, 0), 1)], short, "ball 1 must stay round: .* and 0.5 along z"),
+        (PLATES, np.diag([12.0, 10.0, 9.0]) + np.eye(3, k=-1), "cannot be sheared"),
+    ):
+        with pytest.raises(ParameterError, match=told):
+            room.stretched(walls, BOX, new)
+
+
+def test_free_motions() -> None:
+    """Of all particles together, and that they keep their distances from the walls."""
+    sphere, hub, off = Sphere((1, 2, 3), 4), Ball((1, 2, 3), 1), Ball((1, 2, 4), 1)
+    tube = Cylinder((1, 2, 3), 4)
+    scenes = {
+        (): 3,
+        PLATES: 2,
+        (sphere,): 3,
+        (sphere, hub): 3,
+        (sphere, off): 1,
+        (sphere, Plane((1, 2, 3), (0, 1, 1))): 1,
+        (tube,): 2,
+        (tube, *PLATES): 1,
+        (tube, off): 1,
+        (tube, Ball((2, 2, 3), 1), *PLATES): 0,
+        cuboid(9, 9, 9): 0,
+        (hub,): 0,
+        (*PLATES, hub): 0,
+    }
+    x = np.array([[1.5, 2.5, 3.7], [0.3, 1.2, 2.2]])
+    for walls, count in scenes.items():
+        assert free_motions(walls, 3) == count, walls
+        found = motions(walls, x)
+        assert found.shape == (count, 2, 3)
+        if walls and count:
+            out, _ = places.Distances(walls, BOX)(x)
+            assert np.abs(np.einsum("mna,wna->mwn", found, out)).max() < 1e-12
+
+
+def test_sections() -> None:
+    """What a plane cuts, by the distances of its points."""
+    walls = (Sphere((5, 5, 5), 4), Ball((3, 5, 4), 1.5), Plane((0, 0, 3), (1, 0, 2)))
+    flat = section_between(walls, BOX, 4.5)
+    assert flat is not None
+    x = np.column_stack([1 + 8 * np.random.default_rng(1).random((200, 2)), np.full(200, 4.5)])
+    free = (places.Distances(walls, BOX)(x)[1] > 0).all(axis=0)
+    in_plane = (places.Distances(flat, BOX[:2, :2])(x[:, :2])[1] > 0).all(axis=0)
+    assert 20 < free.sum() < 180
+    assert (free == in_plane).all()
+    assert section_between(walls, BOX, 9.5) is None
+    assert section_between(PLATES, BOX, 0.5) is None
+    assert section_between(PLATES, BOX, 2.0) == []
+
+
+def some(walls: object, box: object = BOX) -> deformable.Packing:
+    return deformable.Packing([[5, 5, 5]], [0], [0.5], box, walls=walls)
+
+
+WRONG: dict[str, tuple[Callable[[], object], str]] = {
+    "floor": (lambda: some(PLATES[:1]), "leave the room open: .* .`cuboid` has six.$"),
+    "outward": (
+        lambda: some([Plane(p.point, -np.array(p.normal)) for p in cuboid(5, 5, 5)]),
+        "leave no room: a plane's normal must point to the particles",
+    ),
+    "apart": (lambda: some((Sphere((0, 0, 0), 1), Sphere((5, 0, 0), 1))), "leave no room"),
+    "filled": (lambda: free_room((*cuboid(5, 5, 5), Ball((2, 2, 2), 9)), BOX), "fill the room"),
+    "tilted": (lambda: some(PLATES, TILTED), "must be rectangular, not tilted by 3"),
+    "plane": (lambda: some(Circle((0, 0), 5)), "circle 1 is a wall in 2 dim.* have 3: take one of"),
+    "flat": (lambda: some(Plane((0, 0), (0, 1))), r"plane 1 .* point and normal as \(x, y, z\)"),
+    "space": (
+        lambda: deformable.bidisperse(5).between(Sphere((0, 0, 0), 3)),
+        "sphere 1 is a wall in 3 dimensions, and the particles have 2: take one of Plane, Circle",
+    ),
+    "sticks": (lambda: Plane((0, 0, 0), (0, 0, 1), 0.3), "adhesion of a plane .* leave it out"),
+    "mixed": (lambda: Plane((0, 0, 0), (0, 1)), r"point of a plane must be a point \(x, y\)"),
+    "center": (lambda: Sphere((0, 0), 1), r"center of a sphere must be a point \(x, y, z\)"),
+    "radius": (lambda: Ball((0, 0, 0), -1), "radius of a ball must be a positive number"),
+    "axis": (lambda: Cylinder((0, 0, 0), 1, (0, 0, 1)), "axis of a cylinder must be x, y or z"),
+    "height": (lambda: cuboid(1, 1, 0), "height must be a positive number"),
+    "corner": (lambda: cuboid(1, 1, 1, (0, 0)), r"corner must be a point \(x, y, z\)"),
+    "fit": (
+        lambda: room.check_fit([*PLATES, Ball((5, 5, 3), 3)], BOX, 2.1),
+        "ball 3 does not fit .* a sphere around it .* along y",
+    ),
+    "within": (
+        lambda: places.check_centers([Ball((5, 5, 14.5), 1)], BOX, np.array([[5.0, 5.0, 5.0]])),
+        "particle 0, .* is within ball 1",
+    ),
+    "outside": (
+        lambda: places.check_centers([Cylinder((0, 0, 0), 3)], BOX, np.array([[5.0, 5.0, 5.0]])),
+        "particle 0, .* is outside of cylinder 1",
+    ),
+}
+
+
+@pytest.mark.parametrize(("make", "message"), WRONG.values(), ids=WRONG)
+def test_refusals(make, message) -> None:
+    with pytest.raises(ParameterError, match=message) as error:
+        make()
+    assert "\n" not in str(error.value)
