@@ -54,7 +54,8 @@ def near_pairs(packing: Packing, skin: float) -> tuple[Integers, Integers, Float
     for step in product(*(range(-count, count + 1) for count in counts)):
         if any(step):
             moved = fractions + step
-            inside = ((moved >= -margin) & (moved <= 1.0 + margin)).all(axis=1)
+            near = (moved >= -margin) & (moved <= 1.0 + margin)
+            inside = (near | shut).all(axis=1)  # walls may be anywhere
             number = np.flatnonzero(inside)
             images.append((number, np.tile(np.array(step, float), (len(number), 1))))
     number = np.concatenate([which for which, _ in images])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.errors import ParameterError
 from ..core import disk_blocks
 from ..model.neighbors import near_pairs
 from ..model.packing import Packing
@@ -28,10 +29,18 @@ class SoftResponse(LinearResponse):
         Args:
             rattlers: False leaves out the contacts of rattlers, which bear nothing; a contact that
                 bears a thousandth of the mean contact force or more stays.
+
+        Raises:
+            ParameterError: spheres touch a cylinder.
         """
         sides, contact, kept = self._overlaps()
         if not rattlers:
             sides, contact = sides.part(kept), contact[kept]
+        if np.isnan(sides.turn).any():
+            raise ParameterError(
+                "second derivatives of soft spheres do not know cylinders: take another container, "
+                "or a state of which none touches one"
+            )
         blocks = disk_blocks(sides.vector, sides.turn, contact)
         return Hessian(
             self.packing, blocks, by_centers(sides, len(self.packing)), by_strains(sides)

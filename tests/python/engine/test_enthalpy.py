@@ -12,6 +12,8 @@ from deformable.model.neighbors import near_pairs
 from deformable.protocols.starts import soft
 
 SCENE = (deformable.Circle((0, 0), 4), deformable.Disk((1, 0.5), 0.6))
+BELOW = (deformable.Plane((0, -2), (0, 1)), deformable.Plane((0, 3), (0, -1)))
+BALLS = (deformable.Sphere((1, 2, 3), 2), deformable.Ball((1, 2, 2.5), 0.4))
 CHANNEL = (deformable.Plane((0, 0), (0, 1)), deformable.Plane((0, 5), (0, -1)))
 
 
@@ -30,7 +32,10 @@ PACKINGS = {
     "sizes": deformable.polydisperse(20, np.linspace(0.1, 1.0, 20), phi=0.95, tilt=2.2),
     "circle": deformable.bidisperse(40).between(SCENE),
     "channel": deformable.bidisperse(20, phi=0.9).between(CHANNEL),
+    "channel elsewhere": deformable.bidisperse(40, phi=0.9, seed=2).between(BELOW),
     "cube": deformable.bidisperse(12, phi=0.8, dimension=3),
+    "tube": deformable.bidisperse(40, dimension=3).between(deformable.Cylinder((0, 0, 0), 2)),
+    "sphere": deformable.bidisperse(30, dimension=3).between(BALLS),
     "leaning": in_box(((1.6, 0.0, 0.0), (0.9, 1.9, 0.0), (-0.7, 1.2, 1.7))),
 }
 

@@ -47,6 +47,15 @@ scene.append(deformable.Segment((-3, -2), (-3, 2)))
 loose = deformable.bidisperse(48, seed=3).between(scene, seed=1)
 start = deformable.push_off(loose.at(0.84))
 """
+WALLS_IN_SPACE = """
+lids = [deformable.Plane((0, 0, z), (0, 0, 1 - z)) for z in (0, 2)]
+scene = [deformable.Cylinder((0, 0, 0), 2), *lids, deformable.Ball((1, 0, 1), 0.4)]
+loose = deformable.bidisperse(32, seed=3, dimension=3).between(scene, seed=1)
+start = deformable.push_off(loose.at(0.6))
+with deformable.Simulation(start, deformable.Droplet()) as sim:
+    *_, state = deformable.compress(sim, 0.02, 2, 1e-8)
+seen = [state.phi, state.pressure, state.energy, *state.wall_forces.ravel()]
+"""
 MOTION = """
 packing = deformable.push_off(deformable.bidisperse(32, phi=0.9, seed=3))
 with deformable.Simulation(packing, deformable.Ring()) as sim:
@@ -76,6 +85,7 @@ SCENES = {
     ),
     # pressures are right to the forces that remain, times the number of particles
     "walls": (WALLS + ROUGH + "seen += state.wall_forces.ravel().tolist()", 1e-4, 1e-7),
+    "walls in space": (WALLS_IN_SPACE, 1e-4, 1e-6),
     # roundings, grown in 100 steps
     "beads": (POLYGONS.format(beads=20, stretch=0.97, relax=PART), 1e-9, 1e-12),
     "smooth polygons": (

@@ -254,3 +254,24 @@ def test_refusals(drum) -> None:
         ):
             with pytest.raises(ParameterError, match=told):
                 refused()
+
+
+def test_second_derivatives_of_soft_spheres() -> None:
+    """In a sphere with balls as those of disks in the plane; in a tube they are refused."""
+    packing = packed("sphere and balls", 0.6)
+    with deformable.Spheres(packing) as soft:
+        hessian = soft.state().hessian()
+    along = np.random.default_rng(1).normal(size=3 * len(packing))
+    gradients = []
+    for step in (-1e-7, 1e-7):
+        x = packing.positions + step * along.reshape(-1, 3)
+        with deformable.Spheres(replace(packing, positions=x)) as soft:
+            gradients.append(-np.array(soft.lmp.gather("f", 1, 3)) if soft.state() else 0.0)
+    slope = (gradients[1] - gradients[0]) / 2e-7
+    assert hessian.matrix @ along == pytest.approx(slope, abs=1e-5)
+    told = "do not know cylinders: take another container"
+    with (
+        deformable.Spheres(packed("drum", 0.6)) as soft,
+        pytest.raises(ParameterError, match=told),
+    ):
+        soft.state().hessian()
