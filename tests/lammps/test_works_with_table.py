@@ -49,7 +49,7 @@ OTHERS = {
 
 def test_rows():
     """Each command once."""
-    text = PAGE.read_text().split("## With smooth polygons")[0]
+    text = PAGE.read_text().split("## With droplets in three dimensions")[0]
     rows = [line.split(" | ")[0] for line in text.splitlines() if line[:2] == "| "]
     cells = [re.sub("[|`*]", "", cell).strip() for cell in rows]
     listed = [name for cell in cells if cell != "command" for name in cell.split(", ")]
