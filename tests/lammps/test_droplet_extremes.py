@@ -79,6 +79,14 @@ def test_a_droplet_alone(tmp_path):
         alone("sc", 1.0, tmp_path)
 
 
+@pytest.mark.parametrize("boundary", ["p p p", "p p f"])
+def test_far_too_small_boxes_are_refused_before_lists_of_neighbors(boundary, tmp_path):
+    """LAMMPS crashes where a particle has some 100 000 neighbors."""
+    case = {"x": np.full((3, 3), 0.1), "box": [0.4] * 3, "radius": [5.0] * 3, "tension": [1.0] * 3}
+    with pytest.raises(Exception, match=r"the volume of their box, 0\.4 x 0\.4 x 0\.4: "):
+        Droplets(case, tmp_path, boundary=boundary)
+
+
 @pytest.mark.parametrize("distance", [1.0, 0.1, 1e-3, 1e-9])
 def test_droplets_nearly_in_one_place(distance, tmp_path):
     """Beyond the model, and counted, with balanced forces that push them apart."""

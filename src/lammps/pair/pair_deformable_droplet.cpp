@@ -8,6 +8,7 @@
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
+#include "group.h"
 #include "neighbor.h"
 
 #include <algorithm>
@@ -85,6 +86,7 @@ void PairDeformableDroplet::coeff(int narg, char **arg)
 void PairDeformableDroplet::init_style()
 {
   PairDeformable::init_style();
+  check_room();
   if (!atom->tag_enable)
     error->all(FLERR, "Pair style deformable/droplet needs atom IDs: use 'atom_modify id yes'");
   if (rubbing)
@@ -147,25 +149,36 @@ void PairDeformableDroplet::compute(int eflag, int vflag)
 }
 
 /* ----------------------------------------------------------------------
-   Where droplets have no room, contacts would be many, and mean nothing.
+   Where droplets have no room, contacts would be many, and mean nothing; far
+   too many, LAMMPS finds no memory for its neighbor lists. Across a side that
+   is not periodic a droplet reaches as far as it bulges.
 ------------------------------------------------------------------------- */
 
 void PairDeformableDroplet::check_room()
 {
-  if (domain->nonperiodic) return;
-  double volume = 0.0;
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const double r = radii[list->ilist[ii]];
+  double volume = 0.0, largest = 0.0;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (neighbor->includegroup && !(atom->mask[i] & group->bitmask[neighbor->includegroup]))
+      continue;
+    const Species &s = species[atom->type[i]];
+    if (s.name.empty()) continue;    // of another style
+    double r = s.radius;
+    if (radius_by_atom) r = std::min(r, atom->radius[i]);
     volume += 4.0 * PI / 3.0 * r * r * r;
+    largest = std::max(largest, r);
   }
   MPI_Allreduce(MPI_IN_PLACE, &volume, 1, MPI_DOUBLE, MPI_SUM, world);
-  const double room = domain->xprd * domain->yprd * domain->zprd;
+  MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, world);
+  double room = 1.0;
+  for (int axis = 0; axis < 3; ++axis)
+    room *= domain->prd[axis] +
+        (domain->periodicity[axis] ? 0.0 : 2.0 * (1.0 + LARGEST_BULGE) * largest);
   if (volume > room)
     error->all(FLERR,
                "The droplets have {:.4g} times the volume of their box, {:.6g} x {:.6g} x {:.6g}: "
-               "as they keep "
-               "their volumes, use a larger box, or fewer or smaller droplets",
-               volume / room, domain->xprd, domain->yprd, domain->zprd);
+               "as they keep their volumes, use a larger box, or fewer or smaller droplets",
+               volume / (domain->xprd * domain->yprd * domain->zprd), domain->xprd, domain->yprd,
+               domain->zprd);
 }
 
 /* ----------------------------------------------------------------------
