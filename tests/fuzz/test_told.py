@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 SPECIES = "# UNITS: lj\na 0.45 2 inf\nb 0.6 1 inf\n"
+DROPLETS = "# UNITS: lj\na 0.5 inf 0 tension 1\nb 0.7 inf 0 tension 2\n"
 
 # Commands that LAMMPS takes in any order; where it refuses one, the case says nothing of states.
 ORDERS = [
@@ -46,19 +47,27 @@ ORDERS = [
     *(["neighbor 0.3 nsq"], ["comm_style tiled", "balance 1.1 rcb"], ["run_style respa 2 2"]),
     *(["compute v all pressure NULL virial"], ["uncompute v"], ["uncompute deformable_beyond"]),
     *(["pair_coeff * * species a b"], ["pair_style deformable/ring contact radical"]),
+    *(["set atom 2 z 0.3"], ["displace_atoms all random 0.02 0.02 0.02 3"]),
+    *(["change_box all yz delta 0.4 remap"], ["change_box all z scale 0.99 remap"]),
+    *(["pair_style deformable/droplet", "pair_coeff * * space a b"], ["replicate 1 1 2"]),
+    *(["fix h all deformable/wall zlo -9"], ["run 20"]),
     *(["pair_style none"], ["pair_style lj/cut 1.0", "pair_coeff * * 1e-9 0.1"], ["units real"]),
 ]
 
 
 @pytest.fixture(scope="module")
 def saved(host):
-    """Folders of compressed packings: radii by species, and by particle."""
+    """Folders of compressed packings: radii by species, and by particle; droplets in space."""
     folders = []
-    for n, start in enumerate(
-        [deformable.bidisperse(10, seed=1), deformable.polydisperse(8, [0.4, 0.5] * 4, seed=1)]
+    for n, (start, law) in enumerate(
+        [
+            (deformable.bidisperse(10, seed=1), deformable.Ring()),
+            (deformable.polydisperse(8, [0.4, 0.5] * 4, seed=1), deformable.Ring()),
+            (deformable.bidisperse(10, dimension=3, seed=1), deformable.Droplet()),
+        ]
     ):
         jammed = deformable.jam(start)
-        with deformable.Simulation(jammed.at(jammed.phi + 0.01), deformable.Ring()) as sim:
+        with deformable.Simulation(jammed.at(jammed.phi + 0.01), law) as sim:
             sim.relax().save(host.folder / f"saved{n}")
         folders.append(f"saved{n}")
     return folders
@@ -86,6 +95,7 @@ def test_states(host, saved, examples):
     @given(st.sampled_from(saved), st.lists(st.sampled_from(ORDERS), min_size=1, max_size=6))
     def answers(folder, orders):
         commands = [*chain.from_iterable(orders)]
-        check(host.answer(commands, {"species": SPECIES}, load=folder))
+        files = {"species": SPECIES, "space": DROPLETS}
+        check(host.answer(commands, files, load=folder))
 
     answers()

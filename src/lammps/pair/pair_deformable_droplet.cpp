@@ -172,7 +172,7 @@ void PairDeformableDroplet::check_room()
   double room = 1.0;
   for (int axis = 0; axis < 3; ++axis)
     room *= domain->prd[axis] +
-        (domain->periodicity[axis] ? 0.0 : 2.0 * (1.0 + LARGEST_BULGE) * largest);
+            (domain->periodicity[axis] ? 0.0 : 2.0 * (1.0 + LARGEST_BULGE) * largest);
   if (volume > room)
     error->all(FLERR,
                "The droplets have {:.4g} times the volume of their box, {:.6g} x {:.6g} x {:.6g}: "
