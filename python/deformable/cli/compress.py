@@ -20,7 +20,7 @@ from ..io.run_folder import refuse
 from ..protocols.jamming import jam
 from ..runs.recording import compress_in, compression
 from ..runs.run import Run
-from ..state.state import State
+from ..state.droplet_state import DeformedState
 from .material_options import (
     Adhesion,
     AreaStiffness,
@@ -137,7 +137,7 @@ def compress_command(
         print_once(f"wrote {folder} ({time.perf_counter() - began:.1f} s)")
 
 
-def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[State]:
+def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[DeformedState]:
     """Jam or read a packing and compress it; errors of the settings come before any work."""
     began = time.perf_counter()
     compression(settings.steps, settings.tolerance, **settings.target)

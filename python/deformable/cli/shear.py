@@ -12,6 +12,7 @@ import typer
 
 from ..common.errors import ParameterError
 from ..common.progress import print_once
+from ..engine.deforming import Deforming
 from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
 from ..io.run_folder import refuse
@@ -99,7 +100,7 @@ def shear_command(
 
 def _begin(
     run: Path | None, folder: Path, material: Material, given: dict[str, Any]
-) -> tuple[Simulation, dict[str, Any]]:
+) -> tuple[Deforming[Any], dict[str, Any]]:
     """What is sheared, and the parameters that tell where it comes from."""
     if material.from_file is not None:
         if run is not None:

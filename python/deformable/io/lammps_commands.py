@@ -30,7 +30,7 @@ box tilt large
 PLANE = SETUP.format(dimension=2, boundary="p p p", style="atomic")
 
 _LAW = """
-pair_style {style} {arguments} radius {whose}
+pair_style {style} radius {whose}
 pair_coeff * * "{file}" {names}
 """
 
@@ -110,9 +110,12 @@ def species_file(law: AnyLaw, radii: Sequence[float] | NDArray[np.float64]) -> s
         ParameterError: see `Ring.species_parameters`.
     """
     columns = np.column_stack([radii, *law.species_parameters(radii)])
+    units = "kA[energy/length^4] kP[energy/length^2] skin[length]"
+    if isinstance(law, Droplet):
+        units = "kA kP skin (those of constant volume) tension[energy/length^2]"
     lines = [
         "# UNITS: lj CONTRIBUTOR: written by lammps-deformable",
-        "# name radius[length] kA[energy/length^4] kP[energy/length^2] skin[length]",
+        f"# name radius[length] {units}",
     ]
     for n, (*values, tension) in enumerate(columns.tolist(), start=1):
         words = [f"s{n}", *map(repr, values)]
@@ -137,8 +140,7 @@ def law_commands(packing: Packing, law: AnyLaw, file: str) -> str:
     """
     smallest = float(packing.radius.min())
     commands = _LAW.format(
-        style=pair_style(law),
-        arguments=pair_style_arguments(law),
+        style=f"{pair_style(law)} {pair_style_arguments(law)}".strip(),
         whose="type" if packing.particle_radii is None else "atom",
         file=file,
         names=" ".join(f"s{n}" for n in range(1, len(packing.radii) + 1)),

@@ -24,7 +24,7 @@ thermo_style custom step pe ke press
 thermo_modify norm no format float %.16g
 run 0
 
-{relaxing}# To let it move at constant energy (not with deformable/sector):
+{relaxing}# To let it move at constant energy{but}:
 # timestep {moving!r}
 {velocity}# fix move all {integrator}
 {plane}# thermo 100
@@ -65,6 +65,7 @@ def script(
     integrator = "nve/sphere disc" if friction else "nve"
     relaxing = "" if friction else _RELAXING  # minimizers pass over friction
     proposed = {
+        "but": " (not with deformable/sector)" if packing.dimension == 2 else "",
         "moving": moving,
         "velocity": velocity,
         "integrator": integrator,

@@ -109,7 +109,7 @@ def check_target(sim: object, steps: int, **targets: float | None) -> tuple[str,
         raise ParameterError("polygons have no target pressure: give strain or phi")
     if positive(name, target) >= 1.0 and name == "phi" and not isinstance(sim, SoftParticles):
         raise ParameterError(
-            f"phi must be below 1, where particles that deform fill the whole area, not {target}"
+            f"phi must be below 1, where particles that deform fill the whole box, not {target}"
         )
     return name, float(target)
 

@@ -17,8 +17,8 @@ from ..io.frames import check_frames, clock_of, frames_in, recorded, series_in
 from ..io.run_folder import SERIES, TRAJECTORY
 from ..io.store import read
 from ..io.vtk_files import collection
+from ..state.droplet_state import DeformedState
 from ..state.exports import Exports
-from ..state.state import State
 from .columns import Column, check_columns
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def universe(folder: Path) -> Universe:
     """A Universe of MDAnalysis of a recorded run, see `Run.universe`."""
     import MDAnalysis
 
-    from .plane_reader import PlaneReader
+    from .frame_reader import FrameReader
 
     packing, *_ = read(folder)
     check_frames(folder)
@@ -46,11 +46,12 @@ def universe(folder: Path) -> Universe:
         warnings.simplefilter("ignore")  # masses are 1: that is no guess
         found = MDAnalysis.Universe(
             str(trajectory),
-            format=PlaneReader,
+            format=FrameReader,
             topology_format="LAMMPSDUMP",
             additional_columns=_columns(trajectory),
             dt=step,
             time_offset=start,
+            dimension=packing.dimension,
             frames=frames_in(folder),
         )
     found.add_TopologyAttr("radii", packing.radius)
@@ -72,7 +73,7 @@ def _clock(times: list[float]) -> tuple[float, float]:
     return 0.0, 1.0
 
 
-def table(folder: Path, states: Iterable[State], columns: Mapping[str, Column]) -> Any:
+def table(folder: Path, states: Iterable[DeformedState], columns: Mapping[str, Column]) -> Any:
     """The numbers of a recorded run as a DataFrame of pandas, see `Run.table`."""
     pandas = optional("pandas", "pandas")
     check_columns(columns, ())

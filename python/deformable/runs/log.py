@@ -14,10 +14,12 @@ from ..common.steps import Steps, start_of
 from ..common.validate import expect
 from ..io.series import append_row, columns_in, keep_rows, refuse_foreign, rows_in
 from ..state.disk_state import DiskState
+from ..state.droplet_state import DropletState
+from ..state.sphere_state import SphereState
 from ..state.state import State
 from .columns import Column, check_columns
 
-S = TypeVar("S", bound=State | DiskState)
+S = TypeVar("S", bound=State | DropletState | DiskState | SphereState)
 
 
 def log(
@@ -34,8 +36,8 @@ def log(
     of a record. Rank 0 writes.
 
     Args:
-        states: of `Simulation` or `Disks`, e.g. from `compress`; what knows a state before is told
-            at `record`.
+        states: of `Simulation`, `Disks` or `Spheres`, e.g. from `compress`; what knows a state
+            before is told at `record`.
         path: of the file; folders are made if missing. A log there is replaced.
         append: go on with the log that is there, if any: frames are counted on, and half a row at
             its end is removed.
@@ -76,7 +78,7 @@ def _logged(
     """Write the rows. Only the rank that writes knows how many there are already."""
     before, number = start(), -1
     for state in chain([before] if before else [], states):
-        expect("a state that is logged", state, State, DiskState)
+        expect("a state that is logged", state, State, DropletState, DiskState, SphereState)
         numbers = state.numbers()
         check_columns(columns, numbers)
         row = numbers | {name: column(state) for name, column in columns.items()}

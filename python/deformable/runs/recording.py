@@ -20,6 +20,8 @@ from ..common.errors import ParameterError
 from ..common.files import make_folder
 from ..common.steps import Steps, start_of
 from ..common.validate import expect, positive
+from ..engine.deforming import Deforming, S
+from ..engine.droplet_simulation import DropletSimulation
 from ..engine.opening import go_on
 from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
@@ -31,6 +33,7 @@ from ..io.store import memory, setup
 from ..model.packing import Packing
 from ..protocols.compression import check_target, refuse_present, remaining_steps, steps_towards
 from ..protocols.shear import check_shear, shear_steps
+from ..state.droplet_state import DropletState
 from ..state.state import State
 
 # With a larger one the forces on a particle are far from balanced.
@@ -44,8 +47,8 @@ _WAYS = (
 
 
 def record(
-    states: Iterable[State], folder: str | Path, parameters: Mapping[str, Any] | None = None
-) -> Iterator[State]:
+    states: Iterable[S], folder: str | Path, parameters: Mapping[str, Any] | None = None
+) -> Iterator[S]:
     """Write each state into a folder as it comes: an interrupted run loses nothing.
 
     Frame 0 is the state before the first step of a protocol.
@@ -74,7 +77,7 @@ def record(
 
 
 def compress_in(
-    sim: Simulation,
+    sim: Deforming[S],
     folder: str | Path,
     strain: float | None = None,
     steps: int = 10,
@@ -83,7 +86,7 @@ def compress_in(
     overwrite: bool = False,
     phi: float | None = None,
     pressure: float | None = None,
-) -> Iterator[State]:
+) -> Iterator[S]:
     """Compress as `compress`, and write as `record`, so that `Run.resume` can go on at any step.
 
     Frame 0 is the state before the first step: unrelaxed, or the relaxed start for a phi or
@@ -112,14 +115,14 @@ def compress_in(
 
 
 def shear_in(
-    sim: Simulation,
+    sim: Deforming[S],
     folder: str | Path,
     strain: float,
     steps: int = 10,
     tolerance: float = TOLERANCE,
     parameters: Mapping[str, Any] | None = None,
     overwrite: bool = False,
-) -> Iterator[State]:
+) -> Iterator[S]:
     """Shear as `shear`, and write as `record`, so that `Run.resume` can go on at any step.
 
     Frame 0 is the state before the first step, with the strain 0. The other arguments are those of
@@ -135,7 +138,7 @@ def shear_in(
         ParameterError: as for `shear`, or the tolerance is too large.
         FileError: as for `compress_in`.
     """
-    expect("sim", sim, Simulation)
+    expect("sim", sim, Simulation, DropletSimulation)
     check_shear(sim, strain, steps)
     protocol = shear_protocol(strain, steps, tolerance)
     return _begin_in("shear_in", sim, folder, protocol, parameters, overwrite)
@@ -176,13 +179,13 @@ def _target(parameters: Mapping[str, Any]) -> tuple[str, float]:
 
 def _begin_in(
     name: str,
-    sim: Simulation,
+    sim: Deforming[S],
     folder: str | Path,
     protocol: Mapping[str, Any],
     parameters: Mapping[str, Any] | None,
     overwrite: bool,
-) -> Iterator[State]:
-    expect("sim", sim, Simulation)
+) -> Iterator[S]:
+    expect("sim", sim, Simulation, DropletSimulation)
     sim.comm.barrier()  # rank 0 may still be writing
     _ = sim.lmp  # or say that it is closed
     place = refuse(folder, "compression" if overwrite else None, _WAYS)
@@ -192,13 +195,13 @@ def _begin_in(
 
 def begin(
     name: str,
-    sim: Simulation,
+    sim: Deforming[S],
     folder: Path,
     protocol: Mapping[str, Any],
     parameters: Mapping[str, Any] | None,
     before: Mapping[str, Any] | None = None,
     first: int = 0,
-) -> Iterator[State]:
+) -> Iterator[S]:
     """The steps of a run. Nothing is written before the first one is asked for.
 
     Args:
@@ -211,13 +214,13 @@ def begin(
 
 
 def _begun(
-    sim: Simulation,
+    sim: Deforming[S],
     folder: Path,
     protocol: Mapping[str, Any],
     parameters: Mapping[str, Any] | None,
     before: Mapping[str, Any] | None,
     first: int,
-) -> Iterator[State]:
+) -> Iterator[S]:
     """Write the start of a run, then take its steps."""
     shears, new = protocol.get("protocol") == "shear", before is None
     sim.strain = (sim.strain or 0.0) if shears else sim.strain
@@ -241,13 +244,13 @@ def _begun(
 
 
 def steps_of(
-    sim: Simulation,
+    sim: Deforming[S],
     packing: Packing,
     motion: Motion,
     folder: Path,
     parameters: Mapping[str, Any],
     done: int,
-) -> Iterator[State]:
+) -> Iterator[S]:
     """The steps that are missing, each written and started from a new LAMMPS."""
     start = parameters["start"]
     target, goal = _target(parameters)
@@ -263,26 +266,26 @@ def steps_of(
     return write(_restarting(sim, states), folder, parameters, start["frame"] + done)
 
 
-def _restarting(sim: Simulation, states: Iterable[State]) -> Iterator[State]:
+def _restarting(sim: Deforming[S], states: Iterable[S]) -> Iterator[S]:
     for state in states:
         yield state
         sim.restart(state)
 
 
 def write(
-    states: Iterable[State],
+    states: Iterable[S],
     folder: Path,
     parameters: Mapping[str, Any],
     first: int,
-    start: Callable[[], State | None] = lambda: None,
-) -> Iterator[State]:
+    start: Callable[[], S | None] = lambda: None,
+) -> Iterator[S]:
     """Write each state after the first frames of a folder; later frames are removed.
 
     The state before the first step, if `start` returns it, becomes frame 0, and is not yielded.
     """
     before = start() if first == 0 else None
     for number, state in enumerate(chain([before] if before else [], states), start=first):
-        expect("a state that is recorded", state, State)
+        expect("a state that is recorded", state, State, DropletState)
         if state.root:
             if number == first:
                 make_folder(folder)

@@ -28,6 +28,7 @@ from ..common.files import reading
 from ..common.progress import progress
 from ..common.steps import Steps, start_of
 from ..common.validate import expect
+from ..engine.deforming import Deforming
 from ..engine.lammps import communicator
 from ..engine.opening import go_on
 from ..engine.relaxation import TOLERANCE
@@ -36,6 +37,7 @@ from ..io import frames
 from ..io.run_folder import refuse
 from ..io.store import read, read_motion, read_setup, summary_in
 from ..protocols.shear import check_shear
+from ..state.droplet_state import DeformedState
 from ..state.state import State
 from . import analysis, movie
 from .recording import begin, compression, expect_states, shear_protocol, steps_of, write
@@ -76,14 +78,14 @@ class Run:
         summary_in(refuse(self.folder, but="compression"))  # or say what is missing
         return frames.frames_in(self.folder)
 
-    def __iter__(self) -> Iterator[State]:
+    def __iter__(self) -> Iterator[DeformedState]:
         return self._states(self._numbers())
 
     @overload
-    def __getitem__(self, index: int) -> State: ...
+    def __getitem__(self, index: int) -> DeformedState: ...
     @overload
-    def __getitem__(self, index: slice) -> list[State]: ...
-    def __getitem__(self, index: int | slice) -> State | list[State]:
+    def __getitem__(self, index: slice) -> list[DeformedState]: ...
+    def __getitem__(self, index: int | slice) -> DeformedState | list[DeformedState]:
         numbers = self._numbers()
         if isinstance(index, slice):
             return list(self._states(numbers[index]))
@@ -106,7 +108,7 @@ class Run:
         communicator(None).barrier()  # rank 0 may still be writing
         return range(len(self))
 
-    def _states(self, numbers: Iterable[int]) -> Iterator[State]:
+    def _states(self, numbers: Iterable[int]) -> Iterator[DeformedState]:
         """States of these frames, from 0."""
         numbers = list(numbers)
         if not numbers:
@@ -127,7 +129,9 @@ class Run:
                     packing = replace(packing, walls=walls)
                 with Simulation(packing, law, friction=friction) as sim:
                     go_on(sim, motion)
-                    yield replace(sim.state(), directions=motion.directions)
+                    state = sim.state()
+                directed = motion.directions is not None and isinstance(state, State)
+                yield replace(state, directions=motion.directions) if directed else state
                 bar.update()
 
     @property
@@ -135,7 +139,7 @@ class Run:
         """The parameters in the summary; those of what was done before have the key `before`."""
         return summary_in(self.folder).get("parameters") or {}
 
-    def simulation(self, comm: MPI.Comm | None = None) -> Simulation:
+    def simulation(self, comm: MPI.Comm | None = None) -> Deforming[Any]:
         """A simulation of the last state: the same particles, box and law.
 
         Velocities, spins, films, springs of contacts, directions, time and shear strain go on from
@@ -152,8 +156,8 @@ class Run:
         return sim
 
     def append(
-        self, states: Iterable[State], parameters: Mapping[str, Any] | None = None
-    ) -> Iterator[State]:
+        self, states: Iterable[DeformedState], parameters: Mapping[str, Any] | None = None
+    ) -> Iterator[DeformedState]:
         """Go on with the run: as `record`, behind the states that it has."""
         expect_states(states, parameters)
         parameters, start = {**(parameters or {}), **self._before()}, start_of(states)
@@ -169,7 +173,7 @@ class Run:
         comm: MPI.Comm | None = None,
         phi: float | None = None,
         pressure: float | None = None,
-    ) -> Iterator[State]:
+    ) -> Iterator[DeformedState]:
         """Compress the last state further: as `compress_in`, behind the states of the run.
 
         Raises:
@@ -185,7 +189,7 @@ class Run:
         tolerance: float = TOLERANCE,
         parameters: Mapping[str, Any] | None = None,
         comm: MPI.Comm | None = None,
-    ) -> Iterator[State]:
+    ) -> Iterator[DeformedState]:
         """Shear the last state: as `shear_in`, behind the states of the run.
 
         Raises:
@@ -194,7 +198,7 @@ class Run:
         protocol = shear_protocol(strain, steps, tolerance)
         return self._go_on("Run.shear", protocol, parameters, comm)
 
-    def resume(self, comm: MPI.Comm | None = None) -> Iterator[State]:
+    def resume(self, comm: MPI.Comm | None = None) -> Iterator[DeformedState]:
         """Finish an interrupted `compress_in` or `shear_in`, with the numbers of a whole one.
 
         The files of an unfinished step are removed.
@@ -241,7 +245,7 @@ class Run:
         """Write the shapes of the states for ParaView and OVITO, see `deformable.export`."""
         analysis.export(self, path, forces)
 
-    def table(self, **columns: Callable[[State], Any]) -> Any:
+    def table(self, **columns: Callable[[DeformedState], Any]) -> Any:
         """The numbers of the states as a DataFrame of pandas, with the frames as index.
 
             run.table()[["phi", "pressure"]]
@@ -286,7 +290,7 @@ class Run:
         protocol: Mapping[str, Any],
         parameters: Mapping[str, Any] | None,
         comm: MPI.Comm | None,
-    ) -> Iterator[State]:
+    ) -> Iterator[DeformedState]:
         expect_states((), parameters)
         sim = self.simulation(comm)
         if "protocol" in protocol:

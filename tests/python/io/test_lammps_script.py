@@ -117,6 +117,35 @@ def test_commands_in_comments_run(state: deformable.State, tmp_path: Path) -> No
     assert last[1] + last[2] == pytest.approx(first[1] + 31e-8, abs=0.02 * 31e-8)
 
 
+@pytest.mark.parametrize("radii", ["of species", "of particles"])
+def test_droplets_in_lammps(radii: str, tmp_path: Path) -> None:
+    """The saved energy and pressure, motion that keeps it, and the packing it has moved to."""
+    packing = deformable.jam(
+        deformable.bidisperse(24, radii=(1.0, 1.2), tilt=0.2, dimension=3, seed=1), tolerance=1e-2
+    ).at(0.68)
+    if radii == "of particles":
+        packing = replace(packing, particle_radii=packing.radius * np.linspace(0.97, 1.0, 24))
+    with deformable.Simulation(packing, deformable.Droplet([1.0, 1.5])) as sim:
+        state = sim.relax()
+    state.save(tmp_path)
+    _, energy, _, pressure = row(lammps(tmp_path))
+    assert energy == pytest.approx(state.energy, rel=1e-9)
+    assert pressure == pytest.approx(state.pressure, rel=1e-7)
+    first, *_, last = uncommented(tmp_path)
+    # 24 droplets at 1e-8 have 3/2 23e-8 in all, of which a time step of this length may lose 2 %
+    heat = 1.5 * 23e-8
+    assert last[1] + last[2] == pytest.approx(first[1] + heat, abs=0.02 * heat)
+    with (tmp_path / "in.lammps").open("a") as script:
+        script.write("write_data packing.data\n")
+    *_, last = uncommented(tmp_path)
+    with deformable.Run(tmp_path).simulation() as sim:
+        moved = sim.state()
+    assert moved.packing.box == pytest.approx(packing.box, rel=1e-15)
+    assert moved.packing.radius == pytest.approx(packing.radius, rel=1e-15)
+    assert moved.kinetic_energy == pytest.approx(last[2], rel=1e-6)
+    assert moved.energy == pytest.approx(last[1], rel=1e-7)
+
+
 def test_loose_particles_have_a_time_step_to_move(tmp_path: Path) -> None:
     """Nothing presses them, so that a minimization may take any step."""
     gas = deformable.push_off(deformable.bidisperse(30, phi=0.5, seed=1))

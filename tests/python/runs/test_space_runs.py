@@ -1,0 +1,183 @@
+"""Recorded runs of droplets in three dimensions: resumed, replayed, and read by other programs."""
+
+import csv
+import itertools
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from deformable import Droplet, DropletSimulation, DropletState, Packing
+from deformable.cli.main import app
+
+LAW = Droplet([1.0, 1.5])
+
+
+@pytest.fixture(scope="module")
+def start() -> Packing:
+    """In a tilted box, where LAMMPS rounds centers as it wraps them."""
+    loose = deformable.bidisperse(16, radii=(1.0, 1.2), tilt=0.3, dimension=3, seed=1)
+    return deformable.jam(loose, tolerance=1e-2).at(0.68)
+
+
+@pytest.fixture(scope="module")
+def moved(start: Packing, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list]:
+    """A run of a bath behind a shear, and its states."""
+    folder = tmp_path_factory.mktemp("moved") / "run"
+    with deformable.Simulation(start, LAW) as sim:
+        states = [replace(sim.state(), strain=0.0)]
+        steps = deformable.shear(sim, 0.02, 2, tolerance=1e-4)
+        states += deformable.record(steps, folder, {"seed": 3})
+        bath = deformable.move(sim, 40, temperature=1e-3, friction=0.5, every=20, seed=3)
+        states += deformable.Run(folder).append(bath)
+    return folder, states
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def compressed(**target: float) -> Callable[[DropletSimulation, Path], Iterator[DropletState]]:
+    return lambda sim, folder: deformable.compress_in(sim, folder, **target, steps=3)
+
+
+PROTOCOLS = {
+    "strain": compressed(strain=0.02),
+    "phi": compressed(phi=0.74),
+    "pressure": compressed(pressure=0.1),
+    # through a flip of the box
+    "shear": lambda sim, folder: deformable.shear_in(sim, folder, 0.4, 3),
+}
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_resumed_runs_are_those_that_were_not_interrupted(
+    protocol: str, start: Packing, tmp_path: Path
+) -> None:
+    """Byte for byte."""
+    for name, stop in (("whole", 3), ("broken", 1)):
+        with deformable.Simulation(start, LAW) as sim:
+            steps = PROTOCOLS[protocol](sim, tmp_path / name)
+            assert len(list(itertools.islice(steps, stop))) == stop
+    broken = deformable.Run(tmp_path / "broken")
+    with pytest.raises(deformable.FileError, match="interrupted at step 1 of 3: finish it first"):
+        broken.compress(0.01, 1)
+    assert len(list(broken.resume())) == 2
+    assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
+    assert list(broken.resume()) == []
+
+
+def test_runs_go_on(start: Packing, tmp_path: Path) -> None:
+    """With another protocol, which is interrupted too."""
+    for name, stop in (("whole", 2), ("broken", 1)):
+        with deformable.Simulation(start, LAW) as sim:
+            list(deformable.compress_in(sim, tmp_path / name, 0.01, 1, tolerance=1e-4))
+        further = deformable.Run(tmp_path / name).shear(0.02, 2, tolerance=1e-4)
+        list(itertools.islice(further, stop))
+    list(deformable.Run(tmp_path / "broken").resume())
+    assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
+
+
+def test_replayed_states(moved: tuple[Path, list]) -> None:
+    """Evaluated again from all digits; forces are balanced to 1e-8."""
+    folder, states = moved
+    run = deformable.Run(folder)
+    assert len(run) == len(states) == 5
+    for again, state in zip(run, states, strict=True):
+        assert isinstance(again, DropletState)
+        assert again.law == LAW
+        # LAMMPS rounds centers as it wraps them
+        assert again.packing.positions == pytest.approx(state.packing.positions, abs=1e-14)
+        assert np.array_equal(again.packing.box, state.packing.box)
+        assert np.array_equal(again.velocities, state.velocities)
+        assert (again.time, again.strain) == (state.time, state.strain)
+        assert again.energy == pytest.approx(state.energy, rel=1e-9)
+        assert again.load == pytest.approx(state.load, rel=1e-6)
+        assert len(again.contact_table) == len(state.contact_table)
+    assert run[-1].time > 0.0
+    assert run[-1].temperature == states[-1].temperature > 0.0
+    assert [state.strain for state in run[1:3]] == [0.01, 0.02]
+
+
+def test_a_simulation_of_the_last_state(moved: tuple[Path, list]) -> None:
+    folder, states = moved
+    with deformable.Run(folder).simulation() as sim:
+        assert isinstance(sim, DropletSimulation)
+        assert (sim.time, sim.strain) == (states[-1].time, states[-1].strain)
+        assert np.array_equal(sim.state().velocities, states[-1].velocities)
+
+
+def test_tables_and_pictures(moved: tuple[Path, list], tmp_path: Path) -> None:
+    pytest.importorskip("pandas")
+    folder, states = moved
+    run = deformable.Run(folder)
+    table = run.table(largest=lambda state: state.load.max())
+    for name in ("lz", "yz", "phi", "pressure", "shear_stress", "load", "temperature", "time"):
+        numbers = [state.numbers()[name] for state in states]
+        assert table[name].tolist() == pytest.approx(numbers, rel=1e-6)
+    assert table["largest"].tolist() == pytest.approx([state.load.max() for state in states], 1e-6)
+    run.export(tmp_path / "run.pvd")
+    run.export(tmp_path / "network.pvd", forces=True)
+    run.movie(tmp_path / "run.gif", color_by="load", slice=1.0)
+    assert len(list(tmp_path.glob("*.vtp"))) == 10
+    assert (tmp_path / "run.gif").stat().st_size > 0
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_mdanalysis_reads_runs(moved: tuple[Path, list]) -> None:
+    """A frame is `to_mdanalysis` of its state; `time` is that of the frame's number."""
+    pytest.importorskip("MDAnalysis")
+    folder, states = moved
+    universe = deformable.Run(folder).universe()
+    assert universe.atoms.radii == pytest.approx(states[0].packing.radius)
+    for frame, state in zip(universe.trajectory, states, strict=True):
+        expected = state.to_mdanalysis().trajectory.ts
+        assert frame.dimensions == pytest.approx(expected.dimensions, rel=1e-6)
+        assert frame.positions == pytest.approx(expected.positions, abs=1e-5)
+        assert frame.velocities == pytest.approx(expected.velocities, abs=1e-7)
+        for name in ("load", "surface_area", "contacts"):
+            assert frame.data[name] == pytest.approx(getattr(state, name), rel=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["droplets", "spheres"])
+def test_logs(kind: str, start: Packing, tmp_path: Path) -> None:
+    spheres = kind == "spheres"
+    with deformable.Spheres(start) if spheres else deformable.Simulation(start, LAW) as sim:
+        steps = deformable.compress(sim, 0.01, 1, tolerance=1e-4)
+        columns = {"widest": lambda state: state.packing.box.max()}
+        (last,) = deformable.log(steps, tmp_path / "log.csv", **columns)
+    with (tmp_path / "log.csv").open(newline="") as file:
+        _, row = csv.DictReader(file)
+    assert float(row["pressure"]) == last.pressure
+    assert float(row["widest"]) == last.packing.box.max()
+
+
+def test_the_shell_keeps_runs_of_droplets(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its runs are resumed, gone on with, sheared and drawn."""
+    monkeypatch.chdir(tmp_path)
+
+    def shell(line: str) -> None:
+        app(line.split(), standalone_mode=False)
+
+    begun = "compress --law droplet --number 8 --strain 0.01 --tolerance 1e-4 --out"
+    shell(f"{begun} whole --steps 2")
+    assert Path("whole", "packing.png").exists()
+    for command in ("compress", "shear"):  # pictures in space take seconds
+        monkeypatch.setattr(f"deformable.cli.{command}.draw", lambda *_: None)
+    run = deformable.Run("whole")
+    assert len(run) == 3
+    assert run[-1].law == Droplet()
+    assert run.parameters["dimension"] == 3
+    shell("compress --out whole --resume --dimension 3 --tension 1.0")  # nothing is left to do
+    with pytest.raises(deformable.ParameterError, match="begun with --dimension 3, not 2"):
+        shell("compress --out whole --resume --dimension 2")
+    shell("compress --out whole --append --strain 0.01 --steps 1 --tolerance 1e-4")
+    assert len(run) == 4
+    shell("plot whole --frame 1 --color-by load --out frame.png")
+    shell("movie whole --slice 1 --out movie.gif")
+    shell("shear whole --strain 0.01 --steps 1 --tolerance 1e-4 --out sheared")
+    (before, after) = deformable.Run("sheared")
+    assert (before.strain, after.strain) == (0.0, 0.01)
+    assert {"frame.png", "movie.gif"} <= {path.name for path in tmp_path.iterdir()}
