@@ -10,6 +10,7 @@ import os
 import shutil
 import subprocess
 import sys
+from itertools import chain
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -240,7 +241,7 @@ def valgrind():
     return program
 
 
-def findings(program, script, folder):
+def findings(program, script, folder, ranks=1):
     """Findings of valgrind about the plugin in a run of `lmp`."""
     (folder / "in.script").write_text(script)
     (folder / "polygons.data").write_text(polygons.data_file((polygons.SEVEN, polygons.FIVE)))
@@ -248,7 +249,8 @@ def findings(program, script, folder):
     lmp, environment = json.loads(probe.stdout)
     done = subprocess.run(
         [
-            *(program, "--xml=yes", f"--xml-file={folder / 'found.xml'}", "--num-callers=30"),
+            *([Path(sys.executable).parent / "mpiexec", "-n", str(ranks)] if ranks > 1 else []),
+            *(program, "--xml=yes", f"--xml-file={folder / 'found.%p.xml'}", "--num-callers=30"),
             *("--leak-check=full", "--errors-for-leak-kinds=definite,possible"),
             *(lmp, "-in", "in.script", "-log", "none", "-nocite"),
         ],
@@ -259,7 +261,9 @@ def findings(program, script, folder):
         timeout=1800,
     )
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
-    errors = ElementTree.parse(folder / "found.xml").getroot().iter("error")
+    files = list(folder.glob("found.*.xml"))
+    assert len(files) == ranks
+    errors = chain.from_iterable(ElementTree.parse(file).getroot().iter("error") for file in files)
     ours = [e for e in errors if any(Path(obj.text).name == PLUGIN for obj in e.iter("obj"))]
     return [" ".join(e.itertext()) for e in ours], done.stdout
 
