@@ -158,7 +158,7 @@ def dual(case, start):
 
 
 def dense(case, images=True, cut=1.15):
-    """Energy and forces of all pairs by Newton's method with the kernels' compliances."""
+    """Energy, forces on droplets and of pairs, by Newton's method with the kernels' compliances."""
     x, radius = (np.array(case[key], float) for key in ("x", "radius"))
     first, second, distance, normal, overlap, sides = pairs_of(case, images, cut)
     force = np.maximum(0.1 * overlap, 1e-14)
@@ -185,4 +185,39 @@ def dense(case, images=True, cut=1.15):
     total = np.zeros_like(x)
     np.add.at(total, first, push)
     np.add.at(total, second, -push)
-    return energy, total, force[force > 1e-12]
+    return energy, total, np.where(force > 1e-12, force, 0.0)
+
+
+def written_out(case, force, cut=1.15):
+    """The dual energy of these forces of all pairs, as the theory writes it, and its derivatives.
+
+    Nothing but the formula, for complex numbers too, whose imaginary parts are derivatives: what is
+    left of the overlaps, and the forces on the droplets.
+    """
+    first, second, distance, normal, *_ = pairs_of(case, cut=cut)
+    x, radius, tension = (np.array(case[key], float) for key in ("x", "radius", "tension"))
+    images = distance[:, None] * normal - (x[second] - x[first])
+
+    def energy(x, force):
+        vector = x[second] - x[first] + images
+        d = np.sqrt((vector * vector).sum(axis=1))
+        found = force @ (radius[first] + radius[second] - d)
+        for i in range(len(x)):
+            own = ((first == i) | (second == i)) & (force != 0)
+            n = np.where((first == i)[:, None], vector, -vector)[own] / d[own, None]
+            f = force[own] / (tension[i] * radius[i])
+            load = f.sum() / (8 * np.pi)
+            m = np.where(np.eye(len(f)) > 0, -1.0, n @ n.T)
+            green = -(0.5 + 4 / 3 * m + m * np.log((1 - m) / 2)) / (4 * np.pi)
+            each = (
+                f**2 / (8 * np.pi) * (np.log(8 * np.pi / f) - 1 / 3 + np.log(1 + 4 * load**2) / 2)
+            )
+            between = f @ green @ f - f @ f * (-0.5 + 4 / 3) / (4 * np.pi)
+            found = found - (each.sum() + between / 2) * tension[i] * radius[i] ** 2
+        return found
+
+    h = 1e-30
+    by_force = [energy(x, force + 1j * h * unit).imag / h for unit in np.eye(len(force))]
+    steps = 1j * h * np.eye(x.size).reshape(-1, *x.shape)
+    push = [-energy(x + step, force).imag / h for step in steps]
+    return energy(x, force), np.array(by_force), np.reshape(push, x.shape)

@@ -1,7 +1,7 @@
 """Droplets in three dimensions on several ranks."""
 
 import pytest
-from droplets import CASES, STRESS, sheared, species
+from droplets import CASES, STRESS, dense, sheared, species
 from parallel import FEW, TWO, assert_atoms_change_ranks, assert_same, on_grids, report, reported
 
 SCRIPT = """
@@ -27,10 +27,10 @@ thermo_modify norm no
 COLUMNS = "x y z fx fy fz f_shape[1] f_shape[2] c_stress[1] c_stress[4]"
 
 
-def script(number, folder):
+def script(number, folder, tilt=(0.3, -0.2, 0.1)):
     case = CASES[number]
     types, coeff = species(case, folder / "species.deformable")
-    rows = sheared(case, (0.3, -0.2, 0.1)).tolist()
+    rows = sheared(case, tilt).tolist()
     atoms = [
         f"create_atoms {kind} single {x:.17g} {y:.17g} {z:.17g}"
         for kind, (x, y, z) in zip(types, rows, strict=True)
@@ -51,3 +51,15 @@ def test_ranks(number, tmp_path):
     assert_same(before, 1e-10)
     assert_same(after, 1e-9)
     assert_atoms_change_ranks(before, after)
+
+
+@pytest.mark.parametrize("number", [2, 3])
+def test_stored_packings(number, tmp_path):
+    """Energy and forces are those of the dense solution, which knows all images, on any ranks."""
+    commands = SCRIPT.replace("prism", "block").replace("0.3 -0.2 0.1", "")
+    commands += report(0, "pe press", "fx fy fz")
+    fields = script(number, tmp_path, (0, 0, 0))
+    energy, force, _ = dense(CASES[number])
+    for scalars, rows in reported(on_grids(commands, tmp_path, FEW, **fields), 0).values():
+        assert scalars[0] == pytest.approx(energy, rel=1e-10)
+        assert rows[:, 2:] == pytest.approx(force, abs=1e-8)
