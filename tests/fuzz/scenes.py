@@ -29,13 +29,33 @@ obstacles = st.one_of(
 )
 scenes = st.tuples(rooms, st.lists(obstacles, max_size=4)).map(lambda parts: parts[0] + parts[1])
 
+spot = st.tuples(coordinate, coordinate, coordinate)
+space_rooms = st.one_of(
+    st.just([]),
+    st.tuples(st.just("Sphere"), st.tuples(*[st.floats(-1, 1)] * 3), st.floats(4, 9)).map(list)
+    .map(lambda s: [s]),
+    st.tuples(st.just("cuboid"), *[st.floats(5, 12)] * 3, spot).map(lambda c: [c]),
+    st.tuples(st.just("Cylinder"), spot, st.floats(3, 9), st.sampled_from("xyzw"))
+    .map(lambda c: [c]),
+    st.lists(st.tuples(st.just("Plane"), spot, spot), max_size=4),
+)  # fmt: skip
+posts = st.one_of(
+    st.tuples(st.just("Ball"), spot, size),
+    st.tuples(st.just("Sphere"), spot, size),
+    st.tuples(st.just("Plane"), spot, spot),
+    st.tuples(st.just("Disk"), point, size),
+)
+space_scenes = st.tuples(space_rooms, st.lists(posts, max_size=3)).map(
+    lambda parts: parts[0] + parts[1]
+)
+
 
 def build(deformable, parts):
     """The walls of such a scene."""
     walls = []
     for kind, *values in parts:
-        if kind == "rectangle":
-            walls += deformable.rectangle(*values)
+        if kind in ("rectangle", "cuboid"):
+            walls += getattr(deformable, kind)(*values)
         elif kind == "channel":
             half = values[0] / 2
             walls += [deformable.Plane((0, s * half), (0, -s)) for s in (1, -1)]

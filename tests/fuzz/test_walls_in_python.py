@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenes import build, scenes
+from scenes import build, scenes, space_scenes
 from test_python import refuses_or_works
 
 LAWS = [
@@ -24,7 +24,8 @@ def state_of(packing, law):
     def call():
         with deformable.Simulation(packing, law) as sim:
             state = sim.state()
-            return state, np.array(sim.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
+            force = np.array(sim.lmp.gather("f", 1, 3)).reshape(-1, 3)
+            return state, force[:, : packing.dimension]
 
     return refuses_or_works(call, REFUSED)
 
@@ -46,18 +47,25 @@ def slope(packing, law, i, k):
 
 
 @pytest.mark.parametrize("examples", [60, pytest.param(3000, marks=pytest.mark.slow)])
-def test_walls_in_python(examples):
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_walls_in_python(dimension, examples):
     worked = []
+    some_scenes = scenes if dimension == 2 else space_scenes
+    laws = LAWS if dimension == 2 else [deformable.Droplet(), deformable.Droplet(tension=(1, 3))]
 
     @settings(max_examples=examples, deadline=None)
-    @given(scenes, st.sampled_from(LAWS), st.integers(1, 30), st.integers(0, 99), st.booleans())
+    @given(
+        some_scenes, st.sampled_from(laws), st.integers(1, 30), st.integers(0, 99), st.booleans()
+    )
     def answers(parts, law, number, seed, tilted):
-        loose = deformable.bidisperse(number, seed=seed, tilt=0.2 * tilted, phi=0.2)
+        loose = deformable.bidisperse(
+            number, seed=seed, tilt=0.2 * tilted, phi=0.2, dimension=dimension
+        )
 
         def start():
             packing = loose.between(build(deformable, parts), seed=seed)
-            assert np.isfinite(packing.area)
-            assert 0 < packing.area < np.inf
+            room = packing.area if dimension == 2 else packing.volume
+            assert 0 < room < np.inf
             if number > 5 and packing.phi < 1.5:
                 packing = deformable.push_off(packing)
             return packing

@@ -88,7 +88,7 @@ def free_room(walls: Sequence[Wall], box: Floats) -> float:
     try:
         with np.errstate(all="ignore"):  # of numbers so large that areas overflow
             free = _area(walls, box) if len(box) == 2 else volume_of(walls, box, _area)
-    except shapely.errors.GEOSException:
+    except (shapely.errors.GEOSException, OverflowError):
         largest = max(abs(value) for wall in walls for value in wall.values)
         raise ParameterError(
             f"walls are too large to compute the {what} between them: one has the value {largest:g}"

@@ -194,6 +194,10 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
     ),
     "apart": (lambda: some((Sphere((0, 0, 0), 1), Sphere((5, 0, 0), 1))), "leave no room"),
     "filled": (lambda: free_room((*cuboid(5, 5, 5), Ball((2, 2, 2), 9)), BOX), "fill the room"),
+    "no numbers": (
+        lambda: free_room((Sphere((0, 0, 0), 5), Sphere((2, 4, 0), 1e300)), BOX),
+        "walls are too large to compute the volume between them: one has the value 1e\\+300",
+    ),
     "tilted": (lambda: some(PLATES, TILTED), "must be rectangular, not tilted by 3"),
     "plane": (lambda: some(Circle((0, 0), 5)), "circle 1 is a wall in 2 dim.* have 3: take one of"),
     "flat": (lambda: some(Plane((0, 0), (0, 1))), r"plane 1 .* point and normal as \(x, y, z\)"),
