@@ -11,7 +11,7 @@ from ..common.validate import count, expect, finite, positive
 from ..engine.deforming import Deforming, S
 from ..engine.droplet_simulation import DropletSimulation
 from ..engine.simulation import Simulation
-from .flow import flow, flow_dynamics
+from .flow import flow, flow_dynamics, leans
 from .shear import refuse_walls
 
 # LAMMPS' pressure tensor has the opposite sign of a stress that resists shear.
@@ -44,7 +44,7 @@ def creep(
 
     Args:
         sim: of the law `Ring` or `Droplet`, without walls; it ends in the last state.
-        stress: shear stress, of either sign [energy/length^2].
+        stress: shear stress, of either sign [energy/length^d].
         time: in all [time].
         steps: number of states, after equal parts of the time.
         friction: as in `shear` at a rate, must be given [1/time].
@@ -58,12 +58,17 @@ def creep(
         The states, with their `strain` and `time`.
 
     Raises:
-        ParameterError: see `shear`.
+        ParameterError: see `shear`; or the box has a tilt yz.
         LammpsError: see `move`.
     """
     expect("sim", sim, Simulation, DropletSimulation)
     refuse_walls(sim)
     stress, time, steps = finite("stress", stress), positive("time", time), count("steps", steps)
+    if leans(sim):
+        raise ParameterError(
+            f"a box that leans along y, by yz = {leans(sim):.4g}, does not creep: take one without "
+            "that tilt, or shear it at a rate"
+        )
     sim, dynamics = flow_dynamics(sim, friction, temperature, timestep, None, seed)
     given = None if viscosity is None else positive("viscosity", viscosity)
     before = sim.strain or 0.0

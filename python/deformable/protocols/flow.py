@@ -15,7 +15,7 @@ from ..engine.droplet_simulation import DropletSimulation
 from ..engine.lammps import run
 from ..engine.simulation import Simulation
 from .dynamics import Dynamics, advance, dynamics_of, moving, refuse_restarted, seeds
-from .tilt import straighten
+from .tilt import straighten, straightened
 
 # Strain of a time step at most, as forces follow the box with a delay of one step; and strain after
 # which the time step is chosen anew.
@@ -103,9 +103,20 @@ def flow(
                 refuse_restarted(sim, lmp)
 
 
-def flow_command(parameters: str) -> str:
-    """*fix deform*, which tilts the box as these parameters say, with the particles in it."""
-    return f"fix deformable_flow all deform 1 xy {parameters} remap x"
+def flow_command(xy: str, xz: str = "") -> str:
+    """*fix deform*, which shears the box with the particles in it.
+
+    Args:
+        xy: how the tilt changes.
+        xz: how the other tilt along x does, by the part yz/ly of that, in a box that leans along y:
+            without it the flow would have a gradient along z too.
+    """
+    return f"fix deformable_flow all deform 1 xy {xy} {xz and f'xz {xz} '}remap x"
+
+
+def leans(sim: Any) -> float:
+    """Tilt yz of the straightened box, which a shear along x leaves as it is; 0 in the plane."""
+    return float(straightened(sim.box)[2, 1]) if sim.dimension == 3 else 0.0
 
 
 def _piece(sim: Deforming[S], dynamics: Dynamics, duration: float, course: str, state: S) -> S:

@@ -21,7 +21,7 @@ from ..state.disk_state import DiskState
 from ..state.droplet_state import DropletState
 from ..state.sphere_state import SphereState
 from ..state.state import State
-from .flow import flow, flow_command, flow_dynamics, refuse_without_flow
+from .flow import flow, flow_command, flow_dynamics, leans, refuse_without_flow
 from .shear import S, Shearable, check_shear, sheared_state
 from .starts import simulate
 
@@ -36,6 +36,8 @@ _COURSE = """
 variable deformable_phase equal {omega!r}*({begin!r}+elapsed*dt)
 variable deformable_tilt equal {width!r}*(sin(v_deformable_phase)-{shift!r})
 variable deformable_rate equal {width!r}*{omega!r}*cos(v_deformable_phase)
+variable deformable_tilt_z equal {part!r}*v_deformable_tilt
+variable deformable_rate_z equal {part!r}*v_deformable_rate
 """
 
 
@@ -94,19 +96,27 @@ def oscillate(
         flows, dynamics = flow_dynamics(sim, **flowing, tolerance=tolerance, seed=seed)
         dynamics = replace(dynamics, limit=period / _STEPS)
         omega = 2.0 * math.pi / period
-        course = _course(omega, strain * float(sim.box[1, 1]))
+        height = float(sim.box[1, 1])
+        course = _course(omega, strain * height, leans(flows) / height)
         flowed = flow(flows, dynamics, strain * omega, period / steps, strains, course, seed)
         states = cast(Iterator[S], flowed)
     return Steps("oscillate", states, lambda: replace(sim.state(), strain=before))
 
 
-def _course(omega: float, width: float) -> Callable[[float], str]:
-    """Commands for a run that begins so long after the start: by width sin(omega t)."""
+def _course(omega: float, width: float, part: float) -> Callable[[float], str]:
+    """Commands for a run that begins so long after the start: by width sin(omega t).
+
+    Args:
+        omega: of the strain [1/time].
+        width: of the displacement of the upper side [length].
+        part: of it that the side along z takes in a box that leans along y.
+    """
+    xz = "variable v_deformable_tilt_z v_deformable_rate_z" if part else ""
 
     def commands(begin: float) -> str:
         shift = math.sin(omega * begin)
-        variables = _COURSE.format(omega=omega, begin=begin, shift=shift, width=width)
-        return variables + flow_command("variable v_deformable_tilt v_deformable_rate")
+        variables = _COURSE.format(omega=omega, begin=begin, shift=shift, width=width, part=part)
+        return variables + flow_command("variable v_deformable_tilt v_deformable_rate", xz)
 
     return commands
 

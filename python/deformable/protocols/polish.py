@@ -17,7 +17,10 @@ from ..engine.disks import Disks
 from ..engine.lammps import place_particles
 from ..engine.simulation import Simulation
 from ..engine.watching import Callback, Iteration, check_callback, tell
+from ..model.plane import refuse_space
 from ..state.disk_state import DiskState
+from ..state.droplet_state import DropletState
+from ..state.sphere_state import SphereState
 from ..state.state import State
 
 S = TypeVar("S", State, DiskState)
@@ -59,7 +62,8 @@ def polish(state: S, tolerance: float = 1e-10, callback: Callback | None = None)
     Warns:
         StalledWarning: the tolerance was not reached.
     """
-    expect("state", state, State, DiskState)
+    expect("state", state, State, DiskState, DropletState, SphereState)
+    refuse_space("polish", state.packing.dimension, "relax with a small tolerance, such as 1e-8")
     positive("tolerance", tolerance)
     check_callback(callback)
     root = getattr(state, "root", world().rank == 0)

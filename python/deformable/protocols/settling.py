@@ -11,9 +11,11 @@ import numpy as np
 from ..common.errors import ParameterError, StalledWarning
 from ..common.progress import progress
 from ..common.validate import count, expect, positive
+from ..engine.droplet_simulation import DropletSimulation
 from ..engine.followed import rub_and_spin
 from ..engine.lammps import gather, run
 from ..engine.simulation import Simulation
+from ..model.plane import refuse_space
 from ..state.state import State
 from .dynamics import advance, dynamics_of, moving
 
@@ -80,7 +82,8 @@ def settle(
     Source: two-dimensional packings that rub by damped motion at a pressure: Somfai et al., Phys.
     Rev. E 75, 020301 (2007); inertial number: GDR MiDi, Eur. Phys. J. E 14, 341 (2004).
     """
-    expect("sim", sim, Simulation)
+    expect("sim", sim, Simulation, DropletSimulation)
+    refuse_space("settle", sim.dimension, "take relax(pressure=), or move(friction=)")
     if sim.walls:
         raise ParameterError(
             f"walls do not follow a box that settles, and there are {len(sim.walls)}, the first a "

@@ -23,7 +23,7 @@ from ..state.disk_state import DiskState
 from ..state.droplet_state import DropletState
 from ..state.sphere_state import SphereState
 from ..state.state import State
-from .flow import flow, flow_command, flow_dynamics, refuse_without_flow
+from .flow import flow, flow_command, flow_dynamics, leans, refuse_without_flow
 from .tilt import sheared, straighten
 
 S = TypeVar("S", bound=State | DiskState | SphereState | DropletState)
@@ -58,14 +58,14 @@ def shear(
     timestep: float | None = None,
     seed: int | None = None,
 ) -> Iterator[S]:
-    """Shear in equal steps, relaxing after each one, or at a rate; the area of the box stays.
+    """Shear in equal steps, relaxing after each one, or at a rate; the size of the box stays.
 
     After step n the upper side of the box has moved along x by strain n / steps times its height.
     A state has the `shear_stress` that resists, and the `strain` of all calls of `shear` for one
     simulation. A box whose tilt exceeds half its width is replaced by the
     equivalent box with the smallest tilt, so that strains may be large.
 
-    With a rate particles are overdamped, with a friction against the mean flow u = (rate y, 0),
+    With a rate particles are overdamped, with a friction against the mean flow u = rate y along x,
 
         friction (dr/dt - u) = F + sqrt(2 friction temperature) noise
 
@@ -77,8 +77,8 @@ def shear(
         strain: total shear strain gamma; negative shears in the other direction.
         steps: number of steps, of which each yields a state.
         tolerance: of each relaxation; by default that of `sim.relax`.
-        rate: strain per time, above 0 [1/time]; if not given, the shear is quasistatic. The law is
-            `Ring` then, and the next arguments belong to it.
+        rate: strain per time, above 0 [1/time]; if not given, the shear is quasistatic. The law of
+            flows is `Ring` or `Droplet`, and the next arguments belong to them.
         friction: force over velocity relative to the mean flow [1/time], as masses are 1.
         temperature: of the noise [energy]; without, there is none.
         timestep: length of a time step [time]; if not given it follows from the contacts, as in
@@ -106,7 +106,9 @@ def shear(
     else:
         rate = positive("rate", rate)
         flows, dynamics = flow_dynamics(sim, **flowing, tolerance=tolerance, seed=seed)
-        course = flow_command(f"erate {math.copysign(rate, strain)!r}")
+        along = math.copysign(rate, strain)
+        yz = leans(flows)
+        course = flow_command(f"erate {along!r}", f"vel {along * yz!r}" if yz else "")
         strains = [before + n * strain / steps for n in range(1, steps + 1)]
         duration = abs(strain) / rate / steps
         flowed = flow(flows, dynamics, rate, duration, strains, lambda _: course, seed)
