@@ -1,4 +1,4 @@
-"""Two-dimensional deformable particles with one center each, simulated by LAMMPS.
+"""Deformable particles of the plane, and droplets in space, with one center each, in LAMMPS.
 
     packing = deformable.bidisperse(128, radii=(0.5, 0.7), seed=1)
     jammed = deformable.jam(packing)

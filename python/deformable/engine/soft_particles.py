@@ -18,7 +18,7 @@ from ..core import unit_vectors
 from ..io.lammps_commands import minimizer_commands
 from ..model.distances import Distances
 from ..model.free_room import free_room
-from ..model.lattice import fractional
+from ..model.lattice import fractional, shown_box
 from ..model.packing import Packing
 from ..model.room import check_fit
 from ..model.walls import Wall
@@ -94,6 +94,12 @@ class SoftParticles(Engine, Generic[S]):
             run(self.lmp, _WALLS)
             self.lmp.set_fix_external_callback("deformable_walls", self._repel)
         self._setup = setup(self.lmp)
+
+    def __repr__(self) -> str:
+        kind = type(self).__name__
+        if self.closed:
+            return f"<{kind}: closed>"
+        return f"<{kind}: {self.lmp.get_natoms()} particles, {shown_box(self.box)}>"
 
     def _follow(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
         check_fit(walls, box, float(self._radius.max()))

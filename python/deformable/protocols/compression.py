@@ -63,7 +63,7 @@ def compress(
         tolerance: of each relaxation; by default that of `sim.relax`.
         phi: packing fraction of the last state, `state.phi`, reached to 1e-9 of it; that of
             deformable particles is below 1.
-        pressure: of the last state, reached to 1e-6 of it [energy/length^2]; not with polygons.
+        pressure: of the last state, reached to 1e-6 of it [energy/length^d]; not with polygons.
 
     Yields:
         The relaxed state after each step. A step is done when its state is asked for.

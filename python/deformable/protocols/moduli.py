@@ -31,9 +31,9 @@ class Modulus:
     """A modulus of linear response.
 
     Attributes:
-        value: the modulus at the smallest strain [energy/length^2].
+        value: the modulus at the smallest strain [energy/length^d].
         strain: that strain.
-        error: difference to the value at twice the strain [energy/length^2].
+        error: difference to the value at twice the strain [energy/length^d].
         linear: whether both values agree to 1 %.
     """
 

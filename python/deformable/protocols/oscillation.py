@@ -139,10 +139,10 @@ class DynamicModulus:
     """The first harmonic of the stress under a strain gamma sin(omega t), over gamma.
 
     Attributes:
-        storage: G', in phase with the strain [energy/length^2].
-        loss: G'', in phase with the rate [energy/length^2].
-        storage_error: standard error of the mean of G' over cycles [energy/length^2].
-        loss_error: the same of G'' [energy/length^2].
+        storage: G', in phase with the strain [energy/length^d].
+        loss: G'', in phase with the rate [energy/length^d].
+        storage_error: standard error of the mean of G' over cycles [energy/length^d].
+        loss_error: the same of G'' [energy/length^d].
         harmonics: amplitude of the stress that is none of this, over that which is: noise, and
             higher harmonics where the response is not linear.
     """

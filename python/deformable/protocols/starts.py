@@ -26,17 +26,17 @@ _PUSHED_OFF = 1e-3
 
 
 def push_off(packing: Packing) -> Packing:
-    """Relax particles as soft disks, at constant packing fraction, to reduce their overlaps.
+    """Relax particles as soft disks or spheres, in their box, to reduce their overlaps.
 
-    Disks at random positions overlap too deeply for contact lines in front of their centers. Soft
-    disks have no such limit. The result is a start for `Simulation`, at any packing fraction.
+    Particles at random positions overlap too deeply for contacts in front of their centers. Soft
+    ones have no such limit. The result is a start for `Simulation`, at any packing fraction.
 
     Args:
         packing: e.g. from `bidisperse`, with any overlaps; or from `Packing.between`, its walls
-            repel the disks.
+            repel the particles.
 
     Returns:
-        The packing with balanced forces between its disks.
+        The packing with balanced forces between soft particles.
 
     Warns:
         StalledWarning: the forces are not balanced.
@@ -48,8 +48,8 @@ def push_off(packing: Packing) -> Packing:
         pushed = disks.relax(1e-3, _PUSHED_OFF * natural_pressure(packing, None) * facet)
     if pushed.stalled:
         warnings.warn(
-            f"separating the disks stalled: the largest force is {pushed.residual:.2g} of the mean "
-            "contact force",
+            f"separating the particles stalled: the largest force is {pushed.residual:.2g} of the "
+            "mean contact force",
             StalledWarning,
             stacklevel=2,
         )

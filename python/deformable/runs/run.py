@@ -253,7 +253,8 @@ class Run:
 
         It has the box, `strain`, `phi`, `pressure`, `shear_stress`, `energy`, `temperature`,
         `time`, `coordination`, the numbers of `rattlers` and of particles `beyond` the model, the
-        mean `shape_parameter`, `residual` and `stalled`, as they were recorded.
+        mean `shape_parameter`, or `load` of droplets in space, `residual` and `stalled`, as they
+        were recorded.
 
         Args:
             columns: further ones: functions that return a number for a state. The states are

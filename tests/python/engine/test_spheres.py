@@ -132,7 +132,7 @@ def test_nothing_of_the_plane_is_in_a_state(squeezed: deformable.SphereState) ->
         squeezed.hexagonal  # noqa: B018
     with pytest.raises(deformable.ParameterError, match="pure=True is for packings in the plane"):
         deformable.shear_modulus(squeezed, 1e-3, pure=True)
-    with pytest.raises(deformable.ParameterError, match="must be of the kind State or DiskState"):
+    with pytest.raises(deformable.ParameterError, match="polish is for packings in the plane"):
         deformable.polish(squeezed)
 
 

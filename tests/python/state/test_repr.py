@@ -43,6 +43,10 @@ def test_simulation_and_its_states(jammed: deformable.Packing) -> None:
 def test_other_states(jammed: deformable.Packing) -> None:
     with deformable.Disks(jammed) as disks:
         assert repr(disks.state()).startswith("<DiskState: 32 particles, soft disks, phi = 0.8")
+    with deformable.Spheres(deformable.cubic("fcc", 2, phi=0.8)) as spheres:
+        side = f"{spheres.box[0, 0]:.4g}"
+        assert repr(spheres) == f"<Spheres: 32 particles, box {side} x {side} x {side}>"
+    assert repr(spheres) == "<Spheres: closed>"
     few = deformable.jam(deformable.bidisperse(8, seed=1))
     with deformable.PolygonSimulation(few, deformable.PolygonModel(vertices=20)) as sim:
         assert repr(sim.state()).startswith("<PolygonState: 8 polygons, phi = 0.")
