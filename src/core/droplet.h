@@ -100,6 +100,9 @@ template <class T> DEFORMABLE_INLINE T own_compliance(T l, T logarithm)
 
 constexpr double LOG_8_PI = 3.2241714275292361;    // ln(8 pi)
 
+// Contacts that bear nothing have the logarithm of this force.
+constexpr double NO_FORCE = 1e-300, LOG_NO_FORCE = -690.77552789821368;
+
 // The pressure inside: 2 g/R at rest. The surface, of the energy e = g (4 pi R^2) + U, and the contacts at the distances
 // h = R - a hold it:  3 V p = 2 e + sum F h  (as energies scale with lengths).
 inline double droplet_pressure(double radius, double tension, double energy, double force_times_h)

@@ -30,7 +30,7 @@ DEFORMABLE_LANE_FUNCTION void finish_droplets(const DropletArrays &d, int batch)
                 over_tension = 1.0 / tension;
     for (int c = begin + w; c < end; c += LANES) {
       const Lanes f = load<Lanes>(d.force + c), response = load<Lanes>(d.response + c);
-      const Lanes l = LOG_8_PI - logarithm(larger(f, all(1e-300))).value;
+      const Lanes l = LOG_8_PI - logarithm(larger(f, all(NO_FORCE))).value;
       work += own_work(f, l, of.logarithm) + 0.5 * f * response;
       store(d.indentation + c,
             radius * (own_indentation(f, l, of.logarithm) + (response + of_all)));

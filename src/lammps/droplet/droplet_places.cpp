@@ -6,6 +6,7 @@
 #include "trigonometry.h"
 
 #include <algorithm>
+#include <cmath>
 
 using namespace LAMMPS_NS;
 using deformable::LANES;
@@ -83,7 +84,7 @@ void DropletSolver::arrange(const DropletScene &scene, DropletList &list)
   scratch.resize(static_cast<std::size_t>(deformable::DropletKernels::SCRATCH) * longest * LANES);
   residuals.resize(p.size);
   // one more than pairs: that of empty places
-  for (auto *const v : {&softness, &unit, &weight, &step, &left, &direction, &change})
+  for (auto *const v : {&softness, &unit, &weight, &step, &moved, &left, &direction, &change})
     v->assign(p.size + 1, 0.0f);
   set_material(scene);
   are_new = true;
@@ -106,8 +107,9 @@ void DropletSolver::set_material(const DropletScene &scene)
     const double of_i = tension_of(i), of_j = tension_of(j);
     const double soft = 1.0 / of_i + (k < p.wall ? 1.0 / of_j : 0.0);
     softness[k] = static_cast<float>(PER_TENSION * soft);
-    unit[k] =
-        static_cast<float>(0.5 * (1.0 / (of_i * scene.radius[i]) + 1.0 / (of_j * scene.radius[j])));
+    // both logarithms of f, each with its softness, are that of F x unit
+    const double log_i = std::log(of_i * scene.radius[i]), log_j = std::log(of_j * scene.radius[j]);
+    unit[k] = static_cast<float>(std::exp(-(log_i * of_j + log_j * of_i) / (of_i + of_j)));
   }
 }
 
@@ -127,5 +129,5 @@ double DropletSolver::memory_usage() const
                   slope_of_load, bend, seats, normals[0], normals[1], normals[2], force, response,
                   indentations, turns[0], turns[1], turns[2], rounded, compliance, product, green,
                   d_green, scratch, sides[0], sides[1], residuals, softness, unit, weight, step,
-                  left, direction, change);
+                  moved, left, direction, change);
 }

@@ -19,19 +19,17 @@ void DropletSolver::sum(double *values, int count, MPI_Op operation) const
 
 void DropletSolver::begin_call()
 {
-  constexpr double SMOOTH = 300.0;    // of the tolerance
   predictor.begin_call(update->ntimestep);
-  const deformable::Extrapolation by =
-      predictor.next(update->whichflag == 2, SMOOTH * tolerance * last.force);
+  const deformable::Extrapolation by = predictor.next(update->whichflag == 2, 0.0);
   take_past();
   if (by.slope == 0.0) return;
   DropletPairs &p = *pairs;
   for (int k = 0; k < p.size; ++k) {
+    if (p.past[k] == deformable::UNKNOWN_FORCE) continue;
     const double last = p.earlier[0][k], second = p.earlier[1][k], bend = last - second,
                  twist = bend - (second - p.earlier[2][k]);
-    const double most = std::max(deformable::KINK * std::fabs(bend), by.smooth);
-    const double curve = std::fabs(twist) > most ? 0.0 : by.bend * bend + by.twist * twist;
-    p.force[k] = std::max(p.force[k] - (by.slope * last + curve), 0.0);
+    const double change = by.slope * last + by.bend * bend + by.twist * twist;
+    p.force[k] = std::max(p.past[k] - change, 0.0);
   }
 }
 
@@ -39,17 +37,22 @@ void DropletSolver::take_past()
 {
   DropletPairs &p = *pairs;
   for (int k = 0; k < p.size; ++k)
-    p.force[k] = p.past[k] == deformable::UNKNOWN_FORCE ? alone(k, p.overlap[k]) : p.past[k];
+    p.force[k] = p.past[k] == deformable::UNKNOWN_FORCE ? alone(k, p.overlap[k], 0.0)
+                                                        : std::max(p.past[k], 0.0);
 }
 
+// A pair that bears no force is remembered with a negative one, in proportion to its residual. So its past has hardly any
+// kink where it opens or closes, and predictions see both coming.
 void DropletSolver::remember()
 {
+  constexpr double SLOPE = 10.0;    // own_slope() at f = 2e-4
   DropletPairs &p = *pairs;
   for (int k = 0; k < p.size; ++k) {
     p.earlier[2][k] = p.earlier[1][k];
     p.earlier[1][k] = p.earlier[0][k];
-    p.earlier[0][k] = p.past[k] == deformable::UNKNOWN_FORCE ? 0.0 : p.past[k] - p.force[k];
-    p.past[k] = p.force[k];
+    const double now = p.force[k] > 0.0 ? p.force[k] : residuals[k] / (SLOPE * softness[k]);
+    p.earlier[0][k] = p.past[k] == deformable::UNKNOWN_FORCE ? 0.0 : p.past[k] - now;
+    p.past[k] = now;
   }
 }
 
@@ -107,24 +110,6 @@ bool DropletSolver::solve()
   return now.balanced(tolerance);
 }
 
-// Of the indentation F (l - 5/6) that a force alone makes: its derivative, not below 1.
-static double own_slope(double f)
-{
-  return std::max(deformable::LOG_8_PI - std::log(f) - 11.0 / 6.0, 1.0);
-}
-
-// The force F with  r = s F (l - 5/6),  l = ln(8 pi/f): of a contact that has no others.
-double DropletSolver::alone(int k, double residual) const
-{
-  if (!(residual > 0.0)) return 0.0;
-  double found = 0.0, l = 5.0;
-  for (int n = 0; n < 4; ++n) {
-    found = residual / (softness[k] * std::max(l - 5.0 / 6.0, 1.0));
-    l = deformable::LOG_8_PI - std::log(found * unit[k]);
-  }
-  return found;
-}
-
 DropletSolver::State DropletSolver::evaluate()
 {
   kernels.evaluate(arrays(), pairs->forces(), 0, batches);
@@ -170,10 +155,11 @@ DropletSolver::State DropletSolver::look()
     if (f[k] > 0.0 && -error < f[k] * (1.0f + soft[k] * stiff)) {
       w[k] = stiff;
       largest[0] = std::max(largest[0], std::fabs(error));
+      if (is_bent(f[k], error)) largest[2] = 1.0;
     } else {
       w[k] = 0.0f;
       if (!(r <= 0.0) || f[k] > 0.0) {
-        largest[0] = std::max(largest[0], f[k] > 0.0 ? f[k] : alone(k, r));
+        largest[0] = std::max(largest[0], f[k] > 0.0 ? f[k] : alone(k, r, load_logarithm(k)));
         largest[2] = 1.0;
       }
     }
@@ -181,31 +167,6 @@ DropletSolver::State DropletSolver::look()
   }
   sum(largest, 3, MPI_MAX);
   return {largest[0], largest[1], largest[2] > 0.0};
-}
-
-// The steps of pairs that open or close, and what is left then. With the force that they have alone those that open take
-// part in the correction.
-void DropletSolver::switch_pairs()
-{
-  const DropletPairs &p = *pairs;
-  for (int k = 0; k < p.size; ++k) {
-    if (weight[k] > 0.0f) continue;
-    if (p.force[k] > 0.0) {
-      step[k] = static_cast<float>(-p.force[k]);
-    } else if (residuals[k] > 0.0) {
-      const double f = alone(k, residuals[k]);
-      const float c = static_cast<float>(softness[k] * own_slope(f * unit[k]));
-      step[k] = static_cast<float>(f);
-      weight[k] = 1.0f / c;
-      compliance[sides[0][k]] = k < p.wall ? 0.5f * c : c;
-      if (k < p.remote) compliance[sides[1][k]] = 0.5f * c;
-    }
-  }
-  multiply(step);
-  for (int k = 0; k < p.size; ++k) {
-    const bool opens = p.force[k] == 0.0 && weight[k] > 0.0f;
-    left[k] = opens ? step[k] / weight[k] - change[k] : left[k] - change[k];
-  }
 }
 
 // What a step of the forces takes from the residuals, into `change`.
@@ -229,6 +190,7 @@ void DropletSolver::correct(const State &from, double accuracy)
   for (int k = 0; k < p.size; ++k) {
     left[k] = static_cast<float>(residuals[k]);
     step[k] = 0.0f;
+    moved[k] = 0.0f;
   }
   if (from.switches) switch_pairs();
   for (int k = 0; k < p.size; ++k) direction[k] = weight[k] * left[k];
@@ -263,17 +225,6 @@ void DropletSolver::correct(const State &from, double accuracy)
   }
 }
 
-// A step that is uphill on the dual energy, where those of Newton's method may not be: each pair for itself, by half.
-void DropletSolver::relax()
-{
-  const DropletPairs &p = *pairs;
-  for (int k = 0; k < p.size; ++k) {
-    const double f = p.force[k], r = residuals[k];
-    const double own = weight[k] > 0.0f ? weight[k] * r : f > 0.0 ? -f : alone(k, r);
-    step[k] = static_cast<float>(0.5 * own);
-  }
-}
-
 // The change of the dual energy along the step, to first order.
 double DropletSolver::slope() const
 {
@@ -281,42 +232,6 @@ double DropletSolver::slope() const
   for (int k = 0; k < pairs->size; ++k) all += pairs->part(k) * (residuals[k] * step[k]);
   sum(&all, 1, MPI_SUM);
   return all;
-}
-
-// Of one pair, whose compliance C at the force f falls as c log f does: to the force f' with
-//   C (f' - f) + s [f' - f - f' ln(f'/f)] = C step
-// That is exact for a pair alone, also where its force is small and its step is not.
-static double bent_step(double f, double step, double soft)
-{
-  constexpr double STRAIGHT = 0.01;
-  const double q = step / f;
-  if (std::fabs(q) < STRAIGHT) return f + step;
-  if (q <= -1.0 - soft) return 0.0;
-  double ratio = std::max(1.0 + q, 0.05);
-  for (int n = 0; n < 6; ++n) {
-    const double l = std::log(ratio), slope = std::max(1.0 - soft * l, 0.1);
-    ratio = std::max(ratio - ((1.0 + soft) * (ratio - 1.0) - soft * ratio * l - q) / slope,
-                     0.01 * ratio);
-  }
-  return f * ratio;
-}
-
-void DropletSolver::take_steps()
-{
-  // f, by which a force may more than double: far beyond the model steps are too long
-  constexpr double MOST = 0.5;
-  DropletPairs &p = *pairs;
-  for (int k = 0; k < p.size; ++k) {
-    const double f = p.force[k], next = f + step[k];
-    if (weight[k] > 0.0f) {
-      const double opened = f > 0.0 ? f : alone(k, residuals[k]);
-      p.force[k] = bent_step(opened, next - opened, softness[k] * weight[k]);
-    } else {
-      p.force[k] = std::max(next, 0.0);
-    }
-    p.force[k] = std::min(p.force[k], 2.0 * f + MOST / unit[k]);
-    if (p.force[k] != next) step[k] = static_cast<float>(p.force[k] - f);
-  }
 }
 
 // The dual energy is concave along the step: where its slope is much smaller than zero at the end, the step was too long.

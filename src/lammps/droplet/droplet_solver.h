@@ -8,7 +8,8 @@
 // Newton's method finds it. A step solves C x = r with the compliances C of all droplets, for the pairs that bear a force, by
 // conjugate gradients, which need few iterations: each pair alone has most of its compliance. They are in single precision, and
 // so are the changes of indentations by a small step; F and what follows from it are in double precision. A pair closes where
-// its own force would become negative, and opens with the force that it would have alone.
+// its own force would become negative, and opens with the force that it would have alone. Those and pairs whose force changes by
+// much do so first, as forces of no other pairs bend compliances.
 //
 // The imbalance of a pair is the change of its force that would remove r if all others stayed. The solution is found when none
 // exceeds the tolerance times the largest force. In motion the forces of the last calls predict the next ones (ForcePredictor),
@@ -27,6 +28,7 @@
 
 #include "droplet_kernels.h"
 
+#include <cmath>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -102,18 +104,22 @@ class DropletSolver : protected Pointers {
   LargeVector<int> sides[2];
   LargeVector<double> residuals;
   LargeVector<float> softness, unit;    // of a force alone, see alone()
-  LargeVector<float> weight, step, left, direction,
+  LargeVector<float> weight, step, moved, left, direction,
       change;    // weight: 1/(C_i + C_j), 0 where a pair takes no part
 
   bool are_new = false;     // pairs, so that ranks may not agree on their forces
   double rounding = 0.0;    // of forces, by steps in single precision
   struct State {
     double imbalance = 0.0, force = 0.0;    // the largest ones
-    bool switches = false;                  // pairs open or close
+    bool switches = false;                  // pairs open or close, or change by much of their force
     bool balanced(double tolerance) const { return imbalance <= tolerance * force; }
   };
   State last;
-  double alone(int k, double residual) const;
+  double alone(int k, double residual, double logarithm) const;
+  double load_logarithm(int k) const;
+  double most_force(int k, double before) const;
+  // A step by so much of the force is far from linear.
+  static bool is_bent(double force, double step) { return std::fabs(step) > 0.05 * force; }
   void agree();
   State evaluate();
   State after_step(const State &before);

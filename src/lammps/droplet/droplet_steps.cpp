@@ -1,0 +1,119 @@
+// Steps of pairs for themselves: what a force does to its own indentation is not linear.
+
+#include "droplet_solver.h"
+
+#include "droplet.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+
+// A force may more than double by this f at most: far beyond the model steps are too long.
+double DropletSolver::most_force(int k, double before) const
+{
+  constexpr double MOST = 0.5;
+  return 2.0 * before + MOST / unit[k];
+}
+
+// Of the indentation F (l - 5/6) that a force alone makes: its derivative, not below 1.
+static double own_slope(double f)
+{
+  return std::max(deformable::LOG_8_PI - std::log(f) - 11.0 / 6.0, 1.0);
+}
+
+// The force F with  r = s F (l - 5/6 + L),  l = ln(8 pi/f): of a contact that opens, at these loads. By Newton's method.
+double DropletSolver::alone(int k, double residual, double logarithm) const
+{
+  if (!(residual > 0.0)) return 0.0;
+  const double scaled = residual / softness[k];
+  double found = 0.2 * scaled;
+  for (int n = 0; n < 4; ++n) {
+    const double l = deformable::LOG_8_PI - std::log(found * unit[k]) + logarithm;
+    found = l > 3.0 ? (scaled - found) / (l - 11.0 / 6.0) : scaled / std::max(l - 5.0 / 6.0, 1.0);
+  }
+  return found;
+}
+
+// L of a pair that bears no force, from own_compliance at NO_FORCE.
+double DropletSolver::load_logarithm(int k) const
+{
+  constexpr double REST = deformable::LOG_8_PI - deformable::LOG_NO_FORCE - 11.0 / 6.0;
+  return (compliance[sides[0][k]] + compliance[sides[1][k]]) / softness[k] - REST;
+}
+
+// Of one pair, whose compliance C at the force f falls as c log f does: to the force f' with
+//   C (f' - f) + s [f' - f - f' ln(f'/f)] = C step
+// That is exact for a pair alone, also where its force is small and its step is not.
+static double bent_step(double f, double step, double soft)
+{
+  constexpr double STRAIGHT = 0.01;
+  const double q = step / f;
+  if (std::fabs(q) < STRAIGHT)
+    return f + step * (1.0 + soft * q * (0.5 + q * (0.5 * soft - 1.0 / 6.0)));
+  if (q <= -1.0 - soft) return 0.0;
+  double ratio = std::max(1.0 + q, 0.05);
+  for (int n = 0; n < 6; ++n) {
+    const double l = std::log(ratio), slope = std::max(1.0 - soft * l, 0.1);
+    ratio = std::max(ratio - ((1.0 + soft) * (ratio - 1.0) - soft * ratio * l - q) / slope,
+                     0.01 * ratio);
+  }
+  return f * ratio;
+}
+
+// Pairs that open, close or change by much of their force take a step alone, and what is left then. The correction starts from
+// there, with their compliance there.
+void DropletSolver::switch_pairs()
+{
+  DropletPairs &p = *pairs;
+  for (int k = 0; k < p.size; ++k) {
+    const double f = p.force[k], r = residuals[k], own = weight[k] * r;
+    double next = f, c = 0.0;
+    if (weight[k] == 0.0f) {
+      next = f > 0.0 ? 0.0 : std::min(alone(k, r, load_logarithm(k)), most_force(k, 0.0));
+      if (next > 0.0) c = softness[k] * own_slope(next * unit[k]);
+    } else if (is_bent(f, own)) {
+      next = std::min(bent_step(f, own, softness[k] * weight[k]), most_force(k, f));
+      if (next > 0.0)
+        c = softness[k] * std::max(1.0 / (softness[k] * weight[k]) - std::log(next / f), 1.0);
+    }
+    moved[k] = static_cast<float>(next - f);
+    if (next == f) continue;
+    p.force[k] = next;
+    weight[k] = next > 0.0 ? static_cast<float>(1.0 / c) : 0.0f;
+    const float of_each = static_cast<float>(k < p.wall ? 0.5 * c : c);
+    compliance[sides[0][k]] = of_each;
+    if (k < p.remote) compliance[sides[1][k]] = of_each;
+  }
+  multiply(moved);
+  for (int k = 0; k < p.size; ++k) {
+    const bool alone = moved[k] != 0.0f && weight[k] > 0.0f;
+    left[k] = (alone ? moved[k] / weight[k] : left[k]) - change[k];
+  }
+}
+
+void DropletSolver::take_steps()
+{
+  DropletPairs &p = *pairs;
+  for (int k = 0; k < p.size; ++k) {
+    const double f = p.force[k], before = f - moved[k];
+    const double next = weight[k] > 0.0f ? bent_step(f, step[k], softness[k] * weight[k])
+                                         : std::max(f + step[k], 0.0);
+    p.force[k] = std::min(next, most_force(k, before));
+    step[k] = static_cast<float>(p.force[k] - before);
+  }
+}
+
+// A step that is uphill on the dual energy, where those of Newton's method may not be: each pair for itself, by half.
+void DropletSolver::relax()
+{
+  const DropletPairs &p = *pairs;
+  for (int k = 0; k < p.size; ++k) {
+    const double f = p.force[k], r = residuals[k];
+    const double own = weight[k] > 0.0f ? weight[k] * r
+                       : f > 0.0        ? -f
+                                        : alone(k, r, load_logarithm(k));
+    step[k] = static_cast<float>(0.5 * own);
+    moved[k] = 0.0f;
+  }
+}
