@@ -87,7 +87,6 @@ void DropletSolver::arrange(const DropletScene &scene, DropletList &list)
   for (auto *const v : {&softness, &unit, &weight, &step, &moved, &left, &direction, &change})
     v->assign(p.size + 1, 0.0f);
   set_material(scene);
-  are_new = true;
 }
 
 void DropletSolver::set_material(const DropletScene &scene)

@@ -56,7 +56,7 @@ void DropletSolver::remember()
   }
 }
 
-// Ranks have pairs of another past where droplets have moved from one to the other.
+// Both ranks of a pair begin with the same force. Else predictions would make rounding errors grow, which residuals do not show.
 void DropletSolver::agree()
 {
   DropletPairs &p = *pairs;
@@ -71,8 +71,7 @@ void DropletSolver::agree()
 
 bool DropletSolver::solve()
 {
-  if (are_new && comm->nprocs > 1) agree();
-  are_new = false;
+  if (comm->nprocs > 1) agree();
   const bool minimizing = update->whichflag == 2;
   // beyond the model there may be no solution: so many steps that do not halve the imbalance are enough
   constexpr int STUCK = 50;

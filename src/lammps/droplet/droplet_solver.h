@@ -107,7 +107,6 @@ class DropletSolver : protected Pointers {
   LargeVector<float> weight, step, moved, left, direction,
       change;    // weight: 1/(C_i + C_j), 0 where a pair takes no part
 
-  bool are_new = false;     // pairs, so that ranks may not agree on their forces
   double rounding = 0.0;    // of forces, by steps in single precision
   struct State {
     double imbalance = 0.0, force = 0.0;    // the largest ones
