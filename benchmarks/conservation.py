@@ -38,13 +38,14 @@ def error_and_drift(
     steps: int,
     seed: int,
     law: deformable.Ring | deformable.Droplet = BALANCED,
+    bath: str = "",
 ) -> tuple[float, float]:
     with deformable.Simulation(packing, law) as sim:
         sim.relax(1e-6)
         sim.lmp.commands_string(
             f"timestep {dt!r}\nvelocity all create {temperature!r} {seed} loop all mom yes\n"
             "fix nve all nve\nthermo_style custom step ke etotal\nthermo_modify norm no\n"
-            "run 2000 post no"
+            f"{bath.format(temperature=temperature, seed=seed)}run 2000 post no"
         )
         kinetic, total = energies(sim, SAMPLES, steps // SAMPLES)
     time = np.linspace(0.0, 1.0, SAMPLES)
@@ -59,9 +60,11 @@ def run(
     dt: float,
     steps: int,
     law: deformable.Ring | deformable.Droplet = BALANCED,
+    bath: str = "",
 ) -> dict[str, Any]:
+    """bath: commands before the motion that counts, with {temperature} and {seed}."""
     errors, drifts = np.transpose(
-        [error_and_drift(packing, temperature, dt, steps, seed, law) for seed in SEEDS]
+        [error_and_drift(packing, temperature, dt, steps, seed, law, bath) for seed in SEEDS]
     )
     return {
         "N": len(packing),

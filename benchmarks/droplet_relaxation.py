@@ -1,0 +1,95 @@
+"""Do FIRE and cg relax every packing of droplets in three dimensions, and in how many steps?
+
+    python benchmarks/droplet_relaxation.py [--out benchmarks/results/droplet_relaxation.json]
+
+Packings of several sizes, size ratios and box shapes are jammed as soft spheres and brought from a
+packing fraction just above jamming to 0.85. Each one is relaxed by each minimizer until no force
+exceeds 1e-8 of the mean contact force. The summary is that of relaxation.py, and has the number of
+packings where both minimizers end at the same energy: others have found another minimum.
+
+cg has the line search `forcezero`, which looks at forces. LAMMPS' default looks at energies too,
+and so ends near the rounding of the energy.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import json
+import time
+import warnings
+from pathlib import Path
+from typing import Any
+
+import deformable
+from deformable.common.versions import machine
+from relaxation import summary
+
+HERE = Path(__file__).parent
+NUMBERS, SEEDS = (16, 32, 64, 128), (1, 2)
+SHAPES = (
+    {"ratio": 1.0},
+    {"ratio": 1.2},
+    {"ratio": 1.4},
+    {"ratio": 3.0},
+    {"ratio": 1.2, "tilt": 0.4},
+)
+ABOVE, PHIS = 0.005, (0.70, 0.75, 0.80, 0.85)
+TOLERANCE = 1e-8
+MINIMIZERS = {
+    "fire": "min_style fire",
+    "cg": "min_style cg\nmin_modify dmax 0.01 line forcezero",
+}
+
+
+def relax(packing: deformable.Packing, minimizer: str) -> dict[str, Any]:
+    with deformable.Simulation(packing, deformable.Droplet()) as sim:
+        sim.lmp.commands_string(MINIMIZERS[minimizer])
+        before = sim.lmp.extract_global("ntimestep")
+        began = time.process_time()
+        state = sim.relax(TOLERANCE)
+        return {
+            "minimizer": minimizer,
+            "N": len(packing),
+            "phi": state.phi,
+            "residual": state.residual,
+            "stalled": state.stalled,
+            "energy": state.energy,
+            "beyond": state.beyond,
+            "seconds": time.process_time() - began,
+            "steps": sim.lmp.extract_global("ntimestep") - before,
+        }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=Path, default=HERE / "results" / "droplet_relaxation.json")
+    parser.add_argument("--numbers", nargs="+", type=int, default=NUMBERS, help="of particles")
+    options = parser.parse_args()
+    warnings.simplefilter("ignore", UserWarning)  # the rows have what they report
+    rows: list[dict[str, Any]] = []
+    same = 0
+    for number, seed, shape in itertools.product(options.numbers, SEEDS, SHAPES):
+        jammed = deformable.jam(deformable.bidisperse(number, seed=seed, dimension=3, **shape))
+        for phi in (jammed.phi + ABOVE, *PHIS):
+            pair = [relax(jammed.at(phi), minimizer) for minimizer in MINIMIZERS]
+            rows += [{"seed": seed, **shape, **row} for row in pair]
+            first, second = (row["energy"] for row in pair)
+            same += abs(first - second) <= 1e-9 * first
+    result = {
+        "command": "python benchmarks/droplet_relaxation.py"
+        f" --numbers {' '.join(map(str, options.numbers))}",
+        "machine": machine()["processor"],
+        "tolerance": TOLERANCE,
+        **{m: summary([row for row in rows if row["minimizer"] == m]) for m in MINIMIZERS},
+        "same_energy": same,
+        "beyond_the_model": sum(row["beyond"] > 0 for row in rows[:: len(MINIMIZERS)]),
+    }
+    for key, value in result.items():
+        print(key, value, flush=True)
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    options.out.write_text(json.dumps({**result, "rows": rows}, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
