@@ -1,51 +1,71 @@
-"""An emulsion in space: pressure, shear modulus and loads, and how it lies under its own weight.
+"""An emulsion in space: osmotic pressure, elastic moduli, contacts and loads of random packings.
 
-python emulsion_3d.py --number 128 --packings 8
+python emulsion_3d.py --number 128 --packings 4 --workers 2
 
-A packing that is measured is kept in emulsion_3d_NUMBER.json, and not measured again.
+Each packing is written to emulsion_3d_NUMBER.json when it is there, and not measured again.
 """
 
 import argparse
 import json
 import math
+import time
 from pathlib import Path
 
 import deformable
 import matplotlib.pyplot as plt
 import numpy as np
+from scipy.stats import lognorm
 
-RADII = (1.0, 1.2)  # of equal numbers, so that they do not crystallize
-RADIUS = np.mean(RADII)
-TENSION = 1.0
-UNIT = TENSION / RADIUS  # of pressures and moduli
+KINDS = ("nearly equal", "polydisperse")
+RADII = (1.0, 1.2)  # of equal numbers: equal droplets begin to crystallize
+WIDTH = 0.2  # of the logarithm of radii
+ABOVE = (0.001, 0.003, 0.01)  # phi - phi_J
 PHI = (0.66, 0.68, 0.70, 0.73, 0.76, 0.79, 0.82, 0.85)
-STRAIN = 1e-4  # to both sides, for the shear modulus
-NAMES = ("pressure", "coordination", "shear", "load")
-HEADS = ("phi", "pressure", "3.2 (phi - 0.64)^2/sqrt(1 - phi)", "shear modulus")
-HEADS = (*HEADS, "1.6 phi (phi - 0.64)", "z", "load")
+FINITE, STRAIN = (0.66, 0.76, 0.85), 1e-4  # where the first packing is sheared, and by how much
+
+NAMES = ("phi", "pressure", "shear", "bulk", "excess", "load", "largest", "order", "above")
+NEAR, FAR = slice(0, len(ABOVE)), slice(len(ABOVE) + 1, None)  # rows of fits over the pressure
+HEADS = ("pressure", "3.2 (phi - 0.64)^2/sqrt(1 - phi)", "shear modulus", "1.6 phi (phi - 0.64)")
+HEADS = (*HEADS, "bulk modulus", "z - z_iso", "mean load", "largest load")
 
 
-def measure(number, seed):
-    """phi_J of a packing of spheres, and a row for each phi."""
-    start = deformable.bidisperse(number, radii=RADII, dimension=3, seed=seed)
+def measure(kind, number, seed):
+    """phi_J of a packing of spheres, and a row for each phi; moduli in units of tension/R32."""
+    if kind == "polydisperse":
+        start = deformable.polydisperse(number, lognorm(WIDTH), dimension=3, seed=seed)
+    else:
+        start = deformable.bidisperse(number, radii=RADII, dimension=3, seed=seed)
     jammed = deformable.jam(start)
+    unit = np.sum(jammed.radius**2) / np.sum(jammed.radius**3)
     rows = []
-    with deformable.Simulation(jammed, deformable.Droplet(TENSION)) as sim:
-        for phi in PHI:
+    with deformable.Simulation(jammed, deformable.Droplet(tension=1.0)) as sim:
+        for phi in [*(jammed.phi + above for above in ABOVE), *PHI]:
+            begun, step = time.process_time(), sim.lmp.extract_global("ntimestep")
             (state,) = deformable.compress(sim, phi=phi, steps=1)
-            values = state.pressure / UNIT, state.coordination, shear_modulus(state) / UNIT
-            rows.append([*map(float, values), float(state.load.mean()), float(state.load.max())])
-    return {"seed": seed, "phi_J": jammed.phi, "rows": rows}
+            taken = time.process_time() - begun, sim.lmp.extract_global("ntimestep") - step
+            row = row_of(state, unit) | dict(zip(("seconds", "steps"), taken, strict=True))
+            if seed == 1 and phi in FINITE:
+                row["sheared"] = deformable.shear_modulus(state, STRAIN).value / unit
+            rows.append(row)
+    width = float(jammed.radius.std() / jammed.radius.mean())
+    return {"kind": kind, "seed": seed, "width": width, "phi_J": jammed.phi, "rows": rows}
 
 
-def shear_modulus(state):
-    """From two opposite strains of the relaxed state."""
-    stress = []
-    for strain in (STRAIN, -STRAIN):
-        with deformable.Simulation(state, state.law) as sim:
-            (sheared,) = deformable.shear(sim, strain, steps=1, tolerance=1e-7)
-        stress.append(sheared.shear_stress)
-    return (stress[0] - stress[1]) / (2.0 * STRAIN)
+def row_of(state, unit):
+    """What is measured in a state."""
+    moduli = state.elastic_moduli()
+    row = {
+        "phi": state.phi,
+        "pressure": state.pressure / unit,
+        "shear": moduli.mean_shear_modulus / unit,  # of all directions
+        "bulk": moduli.bulk_modulus / unit,
+        "excess": state.excess_coordination(),
+        "load": state.load.mean(),
+        "largest": state.load.max(),
+        "order": state.steinhardt(6).mean(),
+        "simple": moduli.shear_modulus / unit,  # along x alone
+    }
+    return {name: float(value) for name, value in row.items()}
 
 
 def master_curve(phi):
@@ -58,36 +78,91 @@ def mason(phi):
     return 1.6 * phi * (phi - 0.64)
 
 
-def means(packings):
-    """Means over the packings and their errors, each of shape (phi, quantities).
+def of_kind(packings, kind):
+    """Quantities of all packings of a kind, shape (packings, phi, quantities)."""
+    rows = [
+        [[*map((row | {"above": row["phi"] - one["phi_J"]}).get, NAMES)] for row in one["rows"]]
+        for one in packings
+        if one["kind"] == kind
+    ]
+    return np.array(rows)
 
-    A shear modulus that is not positive is that of a packing that gives way, and is left out.
-    """
-    rows = np.array([packing["rows"] for packing in packings])
-    rows[..., 2][rows[..., 2] <= 0.0] = np.nan
-    return deformable.jackknife(lambda some: np.nanmean(some, axis=0), rows)
+
+def means(packings, kind):
+    """Means over the packings and their errors, by name, each of one number for each phi."""
+    values, errors = deformable.jackknife(lambda some: np.mean(some, 0), of_kind(packings, kind))
+    return dict(zip(NAMES, values.T, strict=True)), dict(zip(NAMES, errors.T, strict=True))
 
 
-def height(phi, pressure, onset):
+def onset(packings, kind):
+    """phi_J of a kind, and its error."""
+    return deformable.jackknife(np.mean, [p["phi_J"] for p in packings if p["kind"] == kind])
+
+
+def exponent(packings, kind, name, rows):
+    """n of the mean quantity ~ pressure^n in some rows, and its error."""
+    pressure, column = NAMES.index("pressure"), NAMES.index(name)
+
+    def slope(some):
+        mean = np.mean(some, axis=0)[rows]
+        return np.polyfit(np.log(mean[:, pressure]), np.log(np.abs(mean[:, column])), 1)[0]
+
+    return deformable.jackknife(slope, of_kind(packings, kind))
+
+
+def microseconds(packings, number):
+    """Processor time of relaxations for each droplet and step, the median."""
+    rows = [row for packing in packings for row in packing["rows"]]
+    return 1e6 * float(np.median([row["seconds"] / row["steps"] / number for row in rows]))
+
+
+def summary(packings, kind, number):
+    """What the packings of a kind are."""
+    some = [packing for packing in packings if packing["kind"] == kind]
+    width = np.mean([packing["width"] for packing in some])
+    return (
+        f"{kind}: phi_J = {with_error(*onset(packings, kind))}, relative width of the radii "
+        f"{width:.2f}, {len(some)} packings of {number} droplets"
+    )
+
+
+def exponents(packings):
+    """The lines of the table of exponents, with errors of the last digits."""
+    yield "| | pressure | bulk modulus | shear modulus | z - z_iso |"
+    yield "|" + "---|" * 5
+    for kind in KINDS:
+        pressure = means(packings, kind)[0]["pressure"]
+        for rows in (NEAR, FAR):
+            found = (
+                with_error(*exponent(packings, kind, name, rows))
+                for name in ("bulk", "shear", "excess")
+            )
+            span = f"{pressure[rows][0]:.2g} to {pressure[rows][-1]:.2g}"
+            yield f"| {kind} | {span} | " + " | ".join(found) + " |"
+
+
+def table(packings, kind):
+    """The lines of the table, with errors of the last digits."""
+    yield "| " + " | ".join((kind, *HEADS)) + " |"
+    yield "|" + "---|" * (len(HEADS) + 1)
+    values, errors = means(packings, kind)
+    for n, phi in enumerate([*(f"phi_J + {above}" for above in ABOVE), *PHI]):
+        cells = {name: with_error(values[name][n], errors[name][n]) for name in NAMES}
+        at = values["phi"][n]
+        curves = (f"{master_curve(at):.4f}", f"{mason(at):.3f}") if n >= len(ABOVE) else ("", "")
+        row = (phi, cells["pressure"], curves[0], cells["shear"], curves[1], cells["bulk"])
+        row = (*row, cells["excess"], cells["load"], cells["largest"])
+        yield "| " + " | ".join(map(str, row)) + " |"
+
+
+def height(phi, pressure, start):
     """Height above the floor of floating droplets, from dp/dz = weight phi [pressure/weight].
 
-    It is 0 at the densest point, and the emulsion ends where its pressure does, at the onset.
+    It is 0 at the densest point, and the emulsion ends where its pressure does, at the first phi.
     """
-    phi, pressure = np.append(onset, phi), np.append(0.0, pressure)
+    phi, pressure = np.append(start, phi), np.append(0.0, pressure)
     depth = np.append(0.0, np.cumsum(np.diff(pressure) / (0.5 * (phi[1:] + phi[:-1]))))
     return depth[-1] - depth, phi
-
-
-def table(packings, number):
-    """phi_J, and the lines of the table, with errors of the last digits."""
-    onset, error = deformable.jackknife(np.mean, [packing["phi_J"] for packing in packings])
-    yield f"phi_J = {with_error(onset, error)}, {len(packings)} packings of {number} droplets"
-    yield "| " + " | ".join(HEADS) + " |"
-    yield "|" + "---|" * len(HEADS)
-    for phi, values, errors in zip(PHI, *means(packings), strict=True):
-        p, z, shear, load, _ = (with_error(*pair) for pair in zip(values, errors, strict=True))
-        curves = f"{master_curve(phi):.4f}", f"{mason(phi):.3f}"
-        yield f"| {phi} | {p} | {curves[0]} | {shear} | {curves[1]} | {z} | {load} |"
 
 
 def with_error(value, error):
@@ -98,41 +173,66 @@ def with_error(value, error):
     return f"{value:.{decimals}f} ± {error:.{decimals}f}"
 
 
+def lines(packings, number):
+    """All that the log has."""
+    for kind in KINDS:
+        yield from (summary(packings, kind, number), *table(packings, kind), "")
+    yield from (*exponents(packings), "")
+    taken = microseconds(packings, number)
+    yield f"a step of a relaxation takes {taken:.1f} microseconds of processor time a droplet"
+
+
 def draw(packings, file):
-    """Pressure, shear modulus and loads over phi, and phi over the height."""
-    figure, ((one, two), (three, four)) = plt.subplots(2, 2, figsize=(9, 7.2), layout="constrained")
-    (pressure, _, shear, load, largest), errors = (each.T for each in means(packings))
+    """Pressure and shear modulus over phi and over phi - phi_J, contacts, and loads."""
+    figure, axes = plt.subplots(2, 3, figsize=(13, 7.2), layout="constrained")
+    (one, two, five), (three, four, six) = axes
+    for kind, mark in zip(KINDS, "os", strict=True):
+        values, errors = means(packings, kind)
+        for left, right, name in ((one, three, "pressure"), (two, four, "shear")):
+            style = {"fmt": mark, "ms": 4, "label": kind}
+            left.errorbar(values["phi"], values[name], errors[name], **style)
+            right.errorbar(values["above"], values[name], errors[name], **style)
+        five.errorbar(values["above"], values["excess"], errors["excess"], **style)
+        six.plot(values["phi"], values["load"], mark + "-", ms=4, label=f"{kind}, mean")
+        six.plot(values["phi"], values["largest"], mark + ":", ms=4, label="largest")
     dense = np.linspace(0.645, 0.86, 200)
-    for axes, values, error, curve, name in (
-        (one, pressure, errors[0], master_curve, r"osmotic pressure [$\gamma/R$]"),
-        (two, shear, errors[2], mason, r"shear modulus [$\gamma/R$]"),
+    for left, right, curve, name in (
+        (one, three, master_curve, r"osmotic pressure [$\gamma/R_{32}$]"),
+        (two, four, mason, r"shear modulus [$\gamma/R_{32}$]"),
     ):
-        axes.errorbar(PHI, values, error, fmt="o", ms=4, label="Droplet")
-        axes.plot(dense, curve(dense), "k--", lw=1, label="emulsions, published")
-        axes.set(xlabel=r"$\phi$", ylabel=name)
-        axes.legend(frameon=False)
-    three.errorbar(PHI, load, errors[3], fmt="o", ms=4, label="mean load")
-    three.plot(PHI, largest, "s", ms=4, label="largest load")
-    three.axhline(0.4, color="k", ls=":", lw=1)
-    three.set(xlabel=r"$\phi$", ylabel="part of the surface in facets", yscale="log")
-    three.legend(frameon=False)
-    onset = np.mean([packing["phi_J"] for packing in packings])
-    four.plot(*height(PHI, pressure, onset)[::-1], "o-", ms=4)
-    four.set(xlabel=r"$\phi$", ylabel=r"height [$\gamma/(R\,\Delta\rho\,g)$]")
-    figure.savefig(file, dpi=80)
+        left.plot(dense, curve(dense), "k--", lw=1, label="emulsions, published")
+        right.plot(dense - 0.64, curve(dense), "k--", lw=1)
+        left.set(xlabel=r"$\phi$", ylabel=name)
+        right.set(xlabel=r"$\phi - \phi_J$", ylabel=name, xscale="log", yscale="log")
+    five.set(xlabel=r"$\phi - \phi_J$", ylabel=r"$z - z_{iso}$", xscale="log", yscale="log")
+    six.axhline(0.4, color="k", ls=":", lw=1)
+    six.set(xlabel=r"$\phi$", ylabel="part of the surface in facets", yscale="log")
+    for each in (one, two, six):
+        each.legend(frameon=False)
+    figure.savefig(file, dpi=70)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--number", type=int, default=512, help="droplets of a packing")
-    parser.add_argument("--packings", type=int, default=8)
+    parser.add_argument("--packings", type=int, default=8, help="of each kind")
+    parser.add_argument("--workers", type=int, help="packings at a time")
     asked = parser.parse_args()
     file = Path(f"emulsion_3d_{asked.number}.json")
     packings = json.loads(file.read_text()) if file.exists() else []
-    for seed in range(len(packings) + 1, asked.packings + 1):
-        packings.append(measure(asked.number, seed))
+    known = {(packing["kind"], packing["seed"]) for packing in packings}
+    seeds = range(1, asked.packings + 1)
+    calls = [
+        (kind, asked.number, seed) for seed in seeds for kind in KINDS if (kind, seed) not in known
+    ]
+
+    def keep(packing):
+        packings.append(packing)
         file.write_text(json.dumps(packings))
-    print(*table(packings, asked.number), sep="\n")
+
+    deformable.parallel_map(measure, calls, asked.workers, "packings", keep)
+    packings.sort(key=lambda one: (one["seed"], one["kind"]))
+    print(*lines(packings, asked.number), sep="\n")
     draw(packings, file.with_suffix(".png"))
 
 
