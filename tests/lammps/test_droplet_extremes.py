@@ -111,3 +111,21 @@ def test_contacts_nearly_in_one_direction(apart, tmp_path):
         h = 1e-3 * apart * np.array([[0, 0, 0], [0, 0, 0], [0, 1, 0]])
         slope = (scene.energy_at(x + h) - scene.energy_at(x - h)) / (2 * h[2, 1])
         assert -slope == pytest.approx(force[2, 1], rel=1e-5)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_droplets_at_rest_meet_as_their_box_shrinks(axis, tmp_path):
+    """Centers keep their places, and images come near between two neighbor lists."""
+    x = np.full((2, 3), 4.0)
+    x[:, axis] = 1.0, 6.0  # a gap of 1 through the boundary
+    case = {"x": x, "box": [8.0, 8.0, 8.0], "radius": [1.0, 1.0], "tension": [1.0, 1.0]}
+    once = "neighbor 2.0 bin\nneigh_modify every 1000 delay 0 check no"
+    scene = Droplets(case, tmp_path, commands=once)
+    assert scene.energy == 0.0
+    # the box changes at the end of every tenth step, and not once more at the end of the run
+    scene.run(f"fix shrink all deform 10 {'xyz'[axis]} final 0 6.8 remap none\nrun 99")
+    energy, force = scene.energy, scene.force
+    scene.run("unfix shrink\nrun 0")
+    assert energy == pytest.approx(scene.energy, rel=1e-9)
+    assert energy > 1e-4
+    assert force == pytest.approx(scene.force, rel=1e-7, abs=1e-12)
