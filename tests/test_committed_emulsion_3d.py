@@ -195,9 +195,10 @@ def test_what_the_page_says_of_the_numbers() -> None:
             assert (np.diff(at_phi(kind, name)) > 0.0).all()
         near, error = emulsion.exponent(PACKINGS, kind, "bulk", emulsion.NEAR)
         assert 0.0 < near - 2.0 * error < near + 2.0 * error < 0.5
-        for name, expected in (("shear", 0.56), ("excess", 0.43)):
+        # of contacts whose stiffness is F^(1/L): 1/2 over 1 + 1/L, and for the modulus 1/L more
+        for name, least, most in (("shear", 0.56, 0.59), ("excess", 0.43, 0.45)):
             near, error = emulsion.exponent(PACKINGS, kind, name, emulsion.NEAR)
-            assert near == pytest.approx(expected, abs=3.0 * error)
+            assert least - 3.0 * error < near < most + 3.0 * error
     # strains are halved until two values agree to 1 %
     assert all(strain == pytest.approx(linear, rel=0.01) for strain, linear in strained())
     assert max(row["largest"] for row in rows()) < 0.4
