@@ -12,7 +12,7 @@ from deformable.model.neighbors import near_pairs
 from deformable.protocols.starts import soft
 
 SCENE = (deformable.Circle((0, 0), 4), deformable.Disk((1, 0.5), 0.6))
-BELOW = (deformable.Plane((0, -2), (0, 1)), deformable.Plane((0, 3), (0, -1)))
+BELOW = (deformable.Plane((0, -9), (0, 1)), deformable.Plane((0, -4), (0, -1)))
 BALLS = (deformable.Sphere((1, 2, 3), 2), deformable.Ball((1, 2, 2.5), 0.4))
 CHANNEL = (deformable.Plane((0, 0), (0, 1)), deformable.Plane((0, 5), (0, -1)))
 

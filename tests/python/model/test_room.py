@@ -23,6 +23,7 @@ SCENES = {
     # walls, box, lower left corner, free area
     "none": ((), (12, 10), (0, 0), 120),
     "disk": (Disk((0, 0), 2), (12, 10), (0, 0), 120 - 4 * np.pi),
+    "disk elsewhere": (Disk((31, -23), 2), (12, 10), (0, 0), 120 - 4 * np.pi),
     "segment": (Segment((3, 3), (5, 4)), (12, 10), (0, 0), 120),
     "overlap": ((TRIANGLE, Polygon([(4, 4), (6, 4), (5, 5)])), (12, 10), (0, 0), 118),
     "rectangle": (rectangle(7, 5, (-3, 2)), (7, 5), (-3, 2), 35),
