@@ -7,6 +7,7 @@ each module of the folder loads all that the face names.
 import ast
 import shutil
 import subprocess
+from collections import Counter
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -174,6 +175,12 @@ def test_faces_of_folders_are_empty() -> None:
 def test_tests_mirror_the_folders() -> None:
     folders = {path.name for path in (ROOT / "tests" / "python").iterdir() if path.is_dir()}
     assert folders - {"__pycache__"} == set(LEVELS)
+
+
+def test_no_two_files_of_tests_have_one_name() -> None:
+    """pytest imports them by their names alone."""
+    names = Counter(path.name for path in (ROOT / "tests").rglob("test_*.py"))
+    assert {name for name, count in names.items() if count > 1} == set()
 
 
 def test_broken_places_are_in_the_source(tmp_path: Path) -> None:
