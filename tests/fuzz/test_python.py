@@ -145,8 +145,8 @@ def test_protocols(sim, packing, examples):
         refuses_or_works(lambda: deformable.compress(sim, other, 1))
 
     answers()
-    # Balanced anew; its error is of second order in what is left of the balance. Indentations of
-    # droplets are right to a tenth of the balance of 1e-8, and their energy is of first order in these.
+    # Balanced anew; its error is of second order in what is left of that. Indentations of
+    # droplets are right to a tenth of the balance, and their energy is of first order in them.
     digits = 1e-11 if packing.dimension == 2 else 1e-9
     assert sim.state().energy == pytest.approx(energy, rel=digits)
 
