@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, TypeVar
 
@@ -22,16 +23,16 @@ HalfSpace = tuple[Floats, float]
 R = TypeVar("R", bound="Round")
 
 
-class Shape:
+class Shape(ABC):
     """A wall. What it adds to a LAMMPS command are its `kind` and its `values`."""
 
     kind: ClassVar[str]
     is_obstacle: ClassVar[bool] = False
 
     @property
+    @abstractmethod
     def dimension(self) -> int:
         """2, or 3 in space."""
-        raise NotImplementedError
 
     def half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
         """Those that have a container in common; of a round one a square or cube around it.
