@@ -49,7 +49,9 @@ if TYPE_CHECKING:
     from .model.random_packing import bidisperse as bidisperse
     from .model.random_packing import polydisperse as polydisperse
     from .model.space_walls import Ball as Ball
+    from .model.space_walls import Cone as Cone
     from .model.space_walls import Cylinder as Cylinder
+    from .model.space_walls import Post as Post
     from .model.space_walls import Sphere as Sphere
     from .model.space_walls import cuboid as cuboid
     from .model.wall_base import Plane as Plane
@@ -98,6 +100,7 @@ _HOMES = {
     "BeyondModelWarning": "common.errors",
     "Circle": "model.plane_walls",
     "Comparison": "studies.comparison",
+    "Cone": "model.space_walls",
     "Cylinder": "model.space_walls",
     "Disk": "model.plane_walls",
     "DiskState": "state.disk_state",
@@ -114,6 +117,7 @@ _HOMES = {
     "ParameterError": "common.errors",
     "Plane": "model.wall_base",
     "Polygon": "model.plane_walls",
+    "Post": "model.space_walls",
     "Ring": "model.laws",
     "Run": "runs.run",
     "Sector": "model.laws",

@@ -208,8 +208,17 @@ class SpaceScene:
     ) -> None: ...
     def add_plane(self, x: float, y: float, z: float, nx: float, ny: float, nz: float) -> None: ...
     def add_round(self, x: float, y: float, z: float, radius: float, inside: bool) -> None: ...
-    def add_cylinder(
-        self, x: float, y: float, z: float, ax: float, ay: float, az: float, radius: float
+    def add_cone(
+        self,
+        x: float,
+        y: float,
+        z: float,
+        ax: float,
+        ay: float,
+        az: float,
+        radius: float,
+        slope: float,
+        inside: bool,
     ) -> None: ...
     def nearest(self, x: ArrayLike, y: ArrayLike, z: ArrayLike) -> _Vector: ...
 

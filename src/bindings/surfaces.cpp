@@ -30,11 +30,13 @@ class SpaceScene {
   {
     walls.push_back({inside ? SPHERE : BALL, {x, y, z}, radius, {}, {}});
   }
-  void add_cylinder(double x, double y, double z, double ax, double ay, double az, double radius)
+  void add_cone(double x, double y, double z, double ax, double ay, double az, double radius,
+                double slope, bool inside)
   {
     const Vector3 axis = (1.0 / length({ax, ay, az})) * Vector3{ax, ay, az};
-    walls.push_back(
-        {CYLINDER, {x, y, z}, radius, {}, {{x, y, z}, axis, {1.0, 0.0, radius}, {}, 0}});
+    const double slant = std::hypot(1.0, slope);
+    const HalfPlane sides = {1.0 / slant, -slope / slant, radius / slant};
+    walls.push_back({inside ? CONE : POST, {x, y, z}, radius, {}, {{x, y, z}, axis, sides, {}, 0}});
   }
 
   Matrix nearest(nb::handle px, nb::handle py, nb::handle pz) const
@@ -55,7 +57,7 @@ class SpaceScene {
   }
 
  private:
-  enum Kind { PLANE, SPHERE, BALL, CYLINDER };
+  enum Kind { PLANE, SPHERE, BALL, CONE, POST };
   struct Wall {
     Kind kind;
     Vector3 center;
@@ -71,16 +73,17 @@ class SpaceScene {
   {
     constexpr double ANY = std::numeric_limits<double>::infinity();    // direction, in the middle
     if (wall.kind == PLANE) return nearest_on_plane(wall.face, x);
-    if (wall.kind == CYLINDER) {
-      SurfacePoint point;
-      if (!nearest_on_side(wall.body, x, point)) point.turn = ANY;
-      return point;
-    }
-    const bool inside = wall.kind == SPHERE;
+    const bool inside = wall.kind == SPHERE || wall.kind == CONE;
     Vector3 to = wall.center - x;
     for (int axis = 2; axis >= 0 && !inside; --axis) {
       const double along = axis == 0 ? to.x : axis == 1 ? to.y : to.z;
       if (side[axis] > 0.0) to = to - std::round(along / side[axis]) * period[axis];
+    }
+    if (wall.kind == CONE || wall.kind == POST) {
+      SurfacePoint point;
+      if (!nearest_on_side(wall.body, wall.center - to, point)) point.turn = ANY;
+      if (inside) return point;
+      return {-point.n, -point.height, point.turn, -point.more, point.t};
     }
     if (dot(to, to) > 0.0) return nearest_on_sphere(to, wall.radius, inside);
     return {{1.0, 0.0, 0.0}, inside ? wall.radius : -wall.radius, ANY, 0.0, {}};
@@ -104,12 +107,13 @@ void deformable::bind_surfaces(nb::module_ &m)
       .def("add_plane", &SpaceScene::add_plane, "x"_a, "y"_a, "z"_a, "nx"_a, "ny"_a, "nz"_a)
       .def("add_round", &SpaceScene::add_round, "x"_a, "y"_a, "z"_a, "radius"_a, "inside"_a,
            "A sphere with particles inside, or a ball.")
-      .def("add_cylinder", &SpaceScene::add_cylinder, "x"_a, "y"_a, "z"_a, "ax"_a, "ay"_a, "az"_a,
-           "radius"_a, "With particles inside.")
+      .def("add_cone", &SpaceScene::add_cone, "x"_a, "y"_a, "z"_a, "ax"_a, "ay"_a, "az"_a,
+           "radius"_a, "slope"_a, "inside"_a,
+           "Around an axis, whose radius grows by the slope along it; 0: a tube, or a post.")
       .def(
           "nearest", &SpaceScene::nearest, "x"_a, "y"_a, "z"_a,
           R"(Direction (three components) to the nearest point of a wall, distance, and rotation per sideways step.
 
 A row for each point (x, y, z), for one wall after the other. The distance is negative beyond a plane, sphere or
-cylinder and inside of a ball. The rotation is nan where it differs by the direction of the step, in a cylinder.)");
+cone and inside of a ball or post. The rotation is nan where it differs by the direction of the step, at a cone or post.)");
 }

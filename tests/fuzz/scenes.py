@@ -37,11 +37,16 @@ space_rooms = st.one_of(
     st.tuples(st.just("cuboid"), *[st.floats(5, 12)] * 3, spot).map(lambda c: [c]),
     st.tuples(st.just("Cylinder"), spot, st.floats(3, 9), st.sampled_from("xyzw"))
     .map(lambda c: [c]),
+    st.tuples(spot, st.floats(0.3, 3), st.floats(0.2, 2), st.floats(5, 12)).map(
+        lambda t: [("Cone", *t[:3]), ("Plane", t[0], (0, 0, 1)),
+                   ("Plane", (0, 0, t[3]), (0, 0, -1))]),
     st.lists(st.tuples(st.just("Plane"), spot, spot), max_size=4),
 )  # fmt: skip
 posts = st.one_of(
     st.tuples(st.just("Ball"), spot, size),
+    st.tuples(st.just("Post"), spot, size, st.sampled_from("xyzw")),
     st.tuples(st.just("Sphere"), spot, size),
+    st.tuples(st.just("Cone"), spot, size, coordinate),
     st.tuples(st.just("Plane"), spot, spot),
     st.tuples(st.just("Disk"), point, size),
 )

@@ -155,6 +155,10 @@ def test_words_and_regions_are_the_same(tmp_path):
     assert energy(ball) == pytest.approx(energy(SCENES["ball"]), rel=1e-13)
     tube = "cylinder 0.02 0 0.01 0 -3 0 2.39 ylo -1.97 yhi 1.96"
     assert energy(tube) == pytest.approx(energy(SCENES["cylinder"]), rel=1e-13)
+    post = f"{sides} post 0.01 0.02 9 0 0 -3 0.44"
+    assert energy(post) == pytest.approx(energy(SCENES["pillar"]), rel=1e-13)
+    funnel = f"cone -1.97 0.01 0.02 3 0 0 2.5 {(2.33 - 2.5) / 3.94!r} xlo -1.97 xhi 1.97"
+    assert energy(funnel) == pytest.approx(energy(SCENES["cone"]), rel=1e-10)
     turned = "variable quarter equal PI/2\n" + region(
         "room cylinder x -0.02 0.01 2.39 -1.97 1.96 rotate v_quarter 0 0 0 0 0 1"
     )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .room import closed
 from .wall_base import Round
-from .walls import Cylinder, Plane, Wall
+from .walls import Cone, Cylinder, Plane, Post, Wall
 
 Floats = NDArray[np.float64]
 
@@ -55,8 +55,10 @@ def _forbidden(wall: Wall) -> list[Floats]:
     if isinstance(wall, Plane):
         normal = np.array(wall.normal) / np.linalg.norm(wall.normal)
         return [_turns(normal), normal[None] @ _moves(np.array(wall.point))]
-    if isinstance(wall, Cylinder):
+    if isinstance(wall, (Cylinder, Post)):
         return [_turns(np.array(wall.direction)), _moves(wall.middle)[list(wall.round_axes)]]
+    if isinstance(wall, Cone):
+        return [_turns(np.array(wall.direction)), _moves(wall.middle)]
     if isinstance(wall, Round):
         return [_moves(wall.middle)]
     return [np.eye(3)]  # of one with corners, in the plane

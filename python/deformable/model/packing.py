@@ -49,9 +49,9 @@ class Packing(PackingFiles):
         particle_radii: undeformed radius of each particle, shape (N,) [length], or None: the radius
             of its species. If given, `radii` are the largest radii that a species allows.
         walls: one shape or several: `Plane`, `Circle`, `Disk`, `Segment`, `Polygon`; of spheres
-            `Plane`, `Sphere`, `Cylinder`, `Ball`. Where a container of planes and round walls
-            closes a direction, the box is not periodic and spans it, whatever is given. Obstacles
-            repeat with the box.
+            `Plane`, `Sphere`, `Cylinder`, `Cone`, `Ball`, `Post`. Where a container of planes and
+            round walls closes a direction, the box is not periodic and spans it, whatever is given.
+            Obstacles repeat with the box.
 
     Raises:
         ParameterError: shapes disagree, walls have another dimension, a number is not finite, a

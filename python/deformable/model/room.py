@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
 from .corners import ROUNDING, are_open, corners_of
-from .walls import Plane, Wall
+from .walls import Plane, Post, Wall
 
 # Round walls stay round: factors along the axes agree up to this.
 _SAME = 1e-9
@@ -108,6 +108,13 @@ def check_fit(walls: Sequence[Wall], box: Floats, cutoff: float) -> None:
         if isinstance(wall, Plane) or not wall.is_obstacle:
             continue
         for axis, length, shut in zip("xyz", box.diagonal(), shuts, strict=False):
+            if isinstance(wall, Post) and axis == wall.axis:
+                if (tilt := box["xyz".index(axis)]).astype(bool).sum() > 1:
+                    raise ParameterError(
+                        f"post {n} is not along an edge of the box, {tilt.tolist()}: its axis must "
+                        "be x, or the box not tilted"
+                    )
+                continue
             if not shut and wall.extent + cutoff > 0.5 * length:
                 raise ParameterError(
                     f"{wall.kind} {n} does not fit into the periodic box: a {around} around it and "

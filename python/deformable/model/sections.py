@@ -15,7 +15,7 @@ from .distances import Distances
 from .lattice import fractional, lengths, widths
 from .room import bounds, closed, corners_between
 from .wall_base import HalfSpace, sides_of
-from .walls import Ball, Circle, Cylinder, Disk, Plane, Sphere, Wall
+from .walls import Ball, Circle, Cone, Cylinder, Disk, Plane, Polygon, Post, Sphere, Wall
 
 Floats = NDArray[np.float64]
 
@@ -38,16 +38,16 @@ def section_between(walls: Sequence[Wall], box: Floats, height: float) -> list[W
         None if the plane is outside of a container.
     """
     found: list[Wall] = []
-    shut = closed(walls, 3)[2]
+    shut, ends = closed(walls, 3)[2], bounds(walls, box)
     for wall in walls:
-        cut = _cut(wall, box, height, shut)
+        cut = _cut(wall, box, height, shut, ends)
         if cut is None:
             return None
         found += cut
     return found
 
 
-def _cut(wall: Wall, box: Floats, height: float, shut: bool) -> list[Wall] | None:
+def _cut(wall: Wall, box: Floats, height: float, shut: bool, ends: Floats) -> list[Wall] | None:
     """What the plane cuts of a wall; `shut`: whether there are no images along z."""
     if isinstance(wall, Plane):
         *flat, nz = wall.normal
@@ -62,6 +62,11 @@ def _cut(wall: Wall, box: Floats, height: float, shut: bool) -> list[Wall] | Non
             for x, y, z in _images(wall, box, shut)
             if (half := _half_width(wall, z, height)) > 0.0
         ]
+    if isinstance(wall, Post):
+        return _cut_post(wall, box, height, shut, ends)
+    if isinstance(wall, Cone):
+        half = wall.radius_at(height)
+        return [Circle(wall.center[:2], half)] if half > 0.0 else None
     if not isinstance(wall, (Sphere, Cylinder)):
         raise TypeError(wall)
     x, y, z = wall.center
@@ -77,13 +82,28 @@ def _cut(wall: Wall, box: Floats, height: float, shut: bool) -> list[Wall] | Non
     return [*sides[2:]] if wall.axis == "x" else [*sides[:2]]
 
 
-def _half_width(wall: Ball | Sphere | Cylinder, z: float, height: float) -> float:
+def _cut_post(wall: Post, box: Floats, height: float, shut: bool, ends: Floats) -> list[Wall]:
+    """A disk, or strips through the room."""
+    if wall.axis == "z":
+        return [Disk(wall.center[:2], wall.radius)]
+    along = "xy".index(wall.axis)
+    strips: list[Wall] = []
+    for *flat, z in _images(wall, box, shut):
+        if (half := _half_width(wall, z, height)) > 0.0:
+            low, high = ends[:, :2].copy()
+            low[1 - along], high[1 - along] = flat[1 - along] - half, flat[1 - along] + half
+            (left, front), (right, back) = low.tolist(), high.tolist()
+            strips.append(Polygon(((left, front), (right, front), (right, back), (left, back))))
+    return strips
+
+
+def _half_width(wall: Ball | Sphere | Cylinder | Post, z: float, height: float) -> float:
     """Of a round wall with its center at z, 0 where the plane does not cut it."""
     return float(np.sqrt(max(wall.radius**2 - (height - z) ** 2, 0.0)))
 
 
-def _images(wall: Ball, box: Floats, shut: bool) -> list[list[float]]:
-    """Centers of a ball and of its images along z."""
+def _images(wall: Ball | Post, box: Floats, shut: bool) -> list[list[float]]:
+    """Centers of an obstacle and of its images along z."""
     cell = 0.0 if shut else float(np.floor(fractional(wall.middle, box)[2]))
     steps = (0,) if shut else (-1, 0, 1)
     return [(wall.middle + (step - cell) * box[2]).tolist() for step in steps]
@@ -149,8 +169,9 @@ def _levels(walls: Sequence[Wall], box: Floats) -> list[float]:
     planes = [wall for wall in walls if isinstance(wall, Plane)]
     spheres: list[tuple[list[float], float]] = []
     for wall in walls:
-        if isinstance(wall, Cylinder) and wall.axis != "z":
-            found += [wall.center[2] - wall.radius, wall.center[2] + wall.radius]
+        if isinstance(wall, (Cylinder, Post)) and wall.axis != "z":
+            own = _images(wall, box, shut[2]) if isinstance(wall, Post) else [[*wall.center]]
+            found += [z + sign * wall.radius for *_, z in own for sign in (-1.0, 1.0)]
         elif isinstance(wall, (Ball, Sphere)):
             own = _images(wall, box, shut[2]) if isinstance(wall, Ball) else [[*wall.center]]
             spheres += [(center, wall.radius) for center in own]

@@ -1,4 +1,4 @@
-"""Lines that show the ends of a room in space: edges of planes, rims of tubes, round outlines."""
+"""Lines that show walls in space: edges of planes, rims of cones and tubes, round outlines."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ from itertools import chain, combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from .lattice import lengths
+from .distances import Distances
+from .lattice import fractional, lengths
 from .room import bounds, closed, corners_between, half_spaces_between
-from .walls import Cylinder, Sphere, Wall
+from .walls import Cone, Cylinder, Post, Sphere, Wall
 
 Floats = NDArray[np.float64]
 
-# Points of a circle.
-_POINTS = 120
+# Points of a circle, and of a side, which may end where another wall begins.
+_POINTS, _OF_A_SIDE = 120, 1000
 
 # Corners are on a plane up to this part of the size of the room.
 _ON = 1e-9
@@ -25,20 +26,20 @@ def lines_around(walls: Sequence[Wall], box: Floats, viewer: Floats) -> list[Flo
     """Edges of the room and of the periodic box, as lines of shape (n, 3) [length].
 
     Args:
-        walls: in space; obstacles have no lines.
+        walls: in space; balls have no lines.
         box: lattice vectors as rows, shape (3, 3) [length].
-        viewer: unit vector to the viewer, who sees outlines of spheres and tubes.
+        viewer: unit vector to the viewer, who sees outlines of round walls.
     """
-    if not any(closed(walls, 3)):
-        corners = np.array(np.meshgrid(*[(0.0, 1.0)] * 3)).T.reshape(-1, 3)
-        pairs = combinations(corners, 2)
-        return [np.stack(ends) @ box for ends in pairs if np.abs(np.subtract(*ends)).sum() == 1.0]
     outlines = [_outline(wall, walls, box, viewer) for wall in walls]
     return [*_edges(walls, box), *chain.from_iterable(outlines)]
 
 
 def _edges(walls: Sequence[Wall], box: Floats) -> list[Floats]:
-    """Where two flat ends meet."""
+    """Of the box, or where two flat ends meet."""
+    if not any(closed(walls, 3)):
+        ends = np.array(np.meshgrid(*[(0.0, 1.0)] * 3)).T.reshape(-1, 3)
+        pairs = combinations(ends, 2)
+        return [np.stack(both) @ box for both in pairs if np.abs(np.subtract(*both)).sum() == 1.0]
     corners = corners_between(walls, box)
     flat = [wall for wall in walls if not wall.round_axes]
     normals, offsets = half_spaces_between(flat, box, closed(walls, 3))
@@ -55,19 +56,47 @@ def _edges(walls: Sequence[Wall], box: Floats) -> list[Floats]:
 
 
 def _outline(wall: Wall, walls: Sequence[Wall], box: Floats, viewer: Floats) -> list[Floats]:
-    """Of a round container, as the viewer sees it."""
+    """Of a round wall, as the viewer sees it, as far as it is in the room."""
     if isinstance(wall, Sphere):
-        return [wall.middle + wall.radius * _circle(viewer)]
-    if not isinstance(wall, Cylinder):
+        lines = [wall.middle + wall.radius * _circle(viewer)]
+    elif isinstance(wall, (Cylinder, Post, Cone)):
+        lines = _around_axis(wall, walls, box, viewer)
+    else:
         return []
+    others = [each for each in walls if each is not wall and not each.is_obstacle]
+    return list(chain.from_iterable(_within(others, box, line) for line in lines))
+
+
+def _around_axis(
+    wall: Cylinder | Post | Cone, walls: Sequence[Wall], box: Floats, viewer: Floats
+) -> list[Floats]:
+    """Rims at the ends of the room, and both sides where the viewer sees it end."""
     axis, middle = np.array(wall.direction), wall.middle
+    if isinstance(wall, Post):  # the image in the box
+        cell = np.where(closed(walls, 3), 0.0, np.floor(fractional(middle, box)))
+        middle = middle - cell @ box
     ends = [middle + axis * (end - middle) for end in bounds(walls, box)]
-    lines = [end + wall.radius * _circle(axis) for end in ends]
-    side = np.cross(axis, viewer)
-    if (size := float(lengths(side))) > _ON:
-        shift = wall.radius / size * side
-        lines += [np.stack(ends) + shift, np.stack(ends) - shift]
+    slope = wall.slope if isinstance(wall, Cone) else 0.0
+    radii = [max(wall.radius + slope * float((end - middle) @ axis), 0.0) for end in ends]
+    lines = [end + radius * _circle(axis) for end, radius in zip(ends, radii, strict=True)]
+    # The normal of a side, its direction u minus slope times the axis, is across the view.
+    beside = viewer - (viewer @ axis) * axis
+    steep, size = slope * float(viewer @ axis), float(lengths(beside))
+    if size > max(_ON, abs(steep)):
+        toward, part = beside / size, steep / size
+        for sign in (-1.0, 1.0):
+            u = part * toward + sign * np.sqrt(1.0 - part**2) * np.cross(axis, toward)
+            low, high = (end + radius * u for end, radius in zip(ends, radii, strict=True))
+            lines.append(low + np.linspace(0.0, 1.0, _OF_A_SIDE)[:, None] * (high - low))
     return lines
+
+
+def _within(walls: Sequence[Wall], box: Floats, line: Floats) -> list[Floats]:
+    """The parts of a line in the room between walls."""
+    _, distances = Distances(walls, box)(line)
+    inside = (distances >= -_ON * np.abs(box).max()).all(axis=0)
+    cuts = np.flatnonzero(np.diff(inside)) + 1
+    return [part for part in np.split(line, cuts)[int(not inside[0]) :: 2] if len(part) > 1]
 
 
 def _circle(axis: Floats) -> Floats:

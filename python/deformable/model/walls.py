@@ -8,14 +8,14 @@ from typing import Union
 from ..common.errors import ParameterError
 from ..common.validate import shown
 from .plane_walls import Circle, Disk, Polygon, Segment
-from .space_walls import Ball, Cylinder, Sphere
+from .space_walls import Ball, Cone, Cylinder, Post, Sphere
 from .wall_base import Plane
 
 Wall = Union[  # noqa: UP007  of Python 3.10 at run time
-    Plane, Circle, Disk, Segment, Polygon, Sphere, Cylinder, Ball
+    Plane, Circle, Disk, Segment, Polygon, Sphere, Cylinder, Cone, Ball, Post
 ]
 _IN_THE_PLANE: tuple[type[Wall], ...] = (Plane, Circle, Disk, Segment, Polygon)
-_IN_SPACE: tuple[type[Wall], ...] = (Plane, Sphere, Cylinder, Ball)
+_IN_SPACE: tuple[type[Wall], ...] = (Plane, Sphere, Cylinder, Cone, Ball, Post)
 KINDS: dict[str, type[Wall]] = {each.kind: each for each in _IN_THE_PLANE + _IN_SPACE}
 
 

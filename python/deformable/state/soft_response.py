@@ -31,15 +31,15 @@ class SoftResponse(LinearResponse):
                 bears a thousandth of the mean contact force or more stays.
 
         Raises:
-            ParameterError: spheres touch a cylinder.
+            ParameterError: spheres touch a cylinder, cone or post.
         """
         sides, contact, kept = self._overlaps()
         if not rattlers:
             sides, contact = sides.part(kept), contact[kept]
         if np.isnan(sides.turn).any():
             raise ParameterError(
-                "second derivatives of soft spheres do not know cylinders: take another container, "
-                "or a state of which none touches one"
+                "second derivatives of soft spheres do not know cylinders, cones and posts: take "
+                "other walls, or a state in which none touches one"
             )
         blocks = disk_blocks(sides.vector, sides.turn, contact)
         return Hessian(

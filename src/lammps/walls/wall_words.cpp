@@ -74,7 +74,9 @@ void read_space_shape(const std::string &word, const std::vector<double> &value,
     shape.radius = value[6];
     shape.body.center = a;
     shape.body.axis = direction;
-    shape.body.side = {1.0, 0.0, shape.radius};
+    const double slope = word == "cone" ? value[7] : 0.0, slant = std::hypot(1.0, slope);
+    if (word == "cone" && slope == 0.0) problem = "has a slope of 0: use 'cylinder'";
+    shape.body.side = {1.0 / slant, -slope / slant, shape.radius / slant};
   }
   if (!(shape.radius > 0.0)) problem = fmt::format("has a radius of {:.6g}", shape.radius);
 }
@@ -88,7 +90,8 @@ struct Word {
 constexpr Word WORDS[] = {
     {"plane", {4, 6}, false},  {"circle", {3, 0}, false}, {"disk", {3, 0}, true},
     {"segment", {4, 0}, true}, {"polygon", {1, 0}, true},    // and as many corners
-    {"sphere", {0, 4}, false}, {"ball", {0, 4}, true},    {"cylinder", {0, 7}, false}};
+    {"sphere", {0, 4}, false}, {"ball", {0, 4}, true},    {"cylinder", {0, 7}, false},
+    {"cone", {0, 8}, false},   {"post", {0, 7}, true}};
 
 const Word *find_word(const std::string &name)
 {
@@ -108,8 +111,9 @@ bool WallSources::is_word(const std::string &word)
 
 const char *WallSources::known_words(int dimension)
 {
-  return dimension == 2 ? "'plane', 'circle', 'disk', 'segment' or 'polygon'"
-                        : "'plane', 'sphere', 'cylinder', 'ball', or a side 'xlo' to 'zhi'";
+  return dimension == 2
+             ? "'plane', 'circle', 'disk', 'segment' or 'polygon'"
+             : "'plane', 'sphere', 'cylinder', 'cone', 'ball', 'post', or a side 'xlo' to 'zhi'";
 }
 
 /* ---------------------------------------------------------------------- */

@@ -6,7 +6,18 @@ from pathlib import Path
 import deformable
 import numpy as np
 import pytest
-from deformable import Ball, Cylinder, Droplet, LammpsError, ParameterError, Plane, Sphere, cuboid
+from deformable import (
+    Ball,
+    Cone,
+    Cylinder,
+    Droplet,
+    LammpsError,
+    ParameterError,
+    Plane,
+    Post,
+    Sphere,
+    cuboid,
+)
 from exact_balance import exactly_balanced
 from polyhedra import FACES, FORCES, INDENTATIONS
 from programs import output
@@ -18,6 +29,8 @@ SCENES = {
     "plates": LIDS,
     "drum": (Cylinder((4, 3, 2), 4), *LIDS),
     "tube": Cylinder((4, 3, 2), 4, "x"),
+    "hopper": (Cone((4, 3, 0), 1.5, 0.7), Cylinder((4, 3, 2), 4), *LIDS),
+    "posts": (*cuboid(8, 7, 6, (1, -2, 3)), Post((3, 1, 5), 1.0), Post((3, 4, 7), 0.8, "x")),
     "sphere and balls": (Sphere((1, 2, 3), 6), Ball((1, 2, 3), 1.5), Ball((-2, 2, 1), 1)),
 }
 
@@ -202,13 +215,20 @@ def test_motion_keeps_the_energy(drum) -> None:
 
 def test_walls_in_pictures_and_files(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
-    for name, outlines, obstacles in (("drum", 4, 0), ("sphere and balls", 1, 2)):
+    for name, outlines, obstacles in (
+        ("drum", 4, 0),
+        ("sphere and balls", 1, 2),
+        ("hopper", 6, 0),
+        ("posts", 20, 1),
+    ):
         with deformable.Simulation(packed(name), LAW) as sim:
             state = sim.state()
         lines = state.plot(forces=True).collections[0].get_paths()  # rims and outlines
         assert len(lines) == outlines
         x = np.concatenate([path.vertices for path in lines])[:, 0]
-        assert np.ptp(x) == pytest.approx(2 * state.packing.walls[0].radius, rel=1e-2)
+        widest = max(getattr(wall, "radius", 0.0) for wall in state.packing.walls)
+        if name != "posts":
+            assert np.ptp(x) == pytest.approx(2 * widest, rel=1e-2)
         low, high = float(state.packing.origin[2]), float(state.packing.box[2, 2])
         cut = state.plot(slice=low + 0.4 * high, contacts=True)
         assert len(cut.collections[1].get_paths()) == obstacles
@@ -269,7 +289,7 @@ def test_second_derivatives_of_soft_spheres() -> None:
             gradients.append(-np.array(soft.lmp.gather("f", 1, 3)) if soft.state() else 0.0)
     slope = (gradients[1] - gradients[0]) / 2e-7
     assert hessian.matrix @ along == pytest.approx(slope, abs=1e-5)
-    told = "do not know cylinders: take another container"
+    told = "do not know cylinders, cones and posts: take other walls"
     with (
         deformable.Spheres(packed("drum", 0.6)) as soft,
         pytest.raises(ParameterError, match=told),

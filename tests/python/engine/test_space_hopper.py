@@ -1,0 +1,132 @@
+"""Cones and posts in space: volumes, a hopper that holds its filling, files, what is refused."""
+
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+
+import deformable
+import numpy as np
+import pytest
+from deformable import Cone, Cylinder, Droplet, ParameterError, Plane, Post, cuboid
+from deformable.model.free_motions import free_motions
+from exact_balance import exactly_balanced
+from programs import output
+
+FLOOR, LID = Plane((0, 0, 0), (0, 0, 1)), Plane((0, 0, 9), (0, 0, -1))
+HOPPER = (Cone((0, 0, 0), 1.2, 0.75), Cylinder((0, 0, 0), 4.2), FLOOR, LID)
+
+
+def frustum(low: float, high: float, height: float) -> float:
+    return np.pi / 3 * height * (low**2 + low * high + high**2)
+
+
+ROOMS = {  # walls, their volume, and the motions that they leave free
+    "hopper": (HOPPER, frustum(1.2, 4.2, 4) + np.pi * 4.2**2 * 5, 1),
+    "heap": ((Cone((1, 2, 3), 2, -0.5), FLOOR, LID), np.pi / 3 * 3.5**2 * 7, 1),
+    "tip above the floor": ((Cone((0, 0, 8), 3, 1), FLOOR, LID), np.pi / 3 * 4**3, 1),
+    "post": ((*cuboid(8, 7, 6), Post((3, 4, 0), 1.2)), (56 - 1.44 * np.pi) * 6, 0),
+    "lying post": ((*cuboid(8, 7, 6), Post((0, 4, 3), 1.2, "x")), 8 * (42 - 1.44 * np.pi), 0),
+    "ring": ((*HOPPER[1:], Post((0, 0, 0), 2)), np.pi * (4.2**2 - 4) * 9, 1),
+    "plates": ((FLOOR, LID, Post((0, 0, 0), 2)), None, 0),
+}
+
+
+def packed(walls, phi=0.62, number=40) -> deformable.Packing:
+    start = deformable.bidisperse(number, ratio=1.2, dimension=3, seed=2).between(walls)
+    return deformable.push_off(start.at(phi))
+
+
+@pytest.mark.parametrize(("walls", "volume", "free"), ROOMS.values(), ids=ROOMS)
+def test_volumes_and_free_motions(walls, volume, free) -> None:
+    packing = deformable.bidisperse(20, dimension=3).between(walls)
+    if volume is None:
+        lx, ly, lz = packing.box.diagonal()
+        volume = (lx * ly - 4 * np.pi) * lz
+    assert packing.volume == pytest.approx(volume, rel=1e-12)
+    assert free_motions(walls, 3) == free
+
+
+@pytest.mark.parametrize("axis", "xyz")
+def test_a_post_in_a_periodic_box(axis: str) -> None:
+    """It is one wherever it stands, and droplets touch its images."""
+    start, found = packed([Post((1, 2, 3), 1.0, axis)]), []
+    post, side = start.walls[0], float(start.box[0, 0])
+    for cells in product((0, 1), repeat=3):
+        image = replace(post, center=tuple(np.add(post.center, np.multiply(side, cells))))
+        packing = replace(start, walls=(image,))
+        with exactly_balanced(), deformable.Simulation(packing, Droplet()) as sim:
+            found.append(sim.state())
+    volume = side**3 - np.pi * post.radius**2 * side
+    assert [float(s.packing.volume) for s in found] == pytest.approx([volume] * 8, rel=1e-12)
+    assert [s.energy for s in found] == pytest.approx([found[0].energy] * 8, rel=1e-9)
+    assert found[0].contact_table["j"].min() == -1
+    assert found[0].wall_forces[0, "xyz".index(axis)] == 0.0
+
+
+def test_a_hopper_holds_its_filling(tmp_path: Path) -> None:
+    """Walls bear the weight, and the funnel most of it; the state goes on from files."""
+    packing = packed((*HOPPER[:-1], Plane((0, 0, 12), (0, 0, -1))), 0.4)
+    weight = 0.02
+    with exactly_balanced(), deformable.Simulation(packing, Droplet()) as sim:
+        sim.lmp.command(f"fix weight all addforce 0 0 {-weight}")
+        state = sim.relax(1e-8)
+        state.save(tmp_path)
+    total = state.wall_forces.sum(axis=0)
+    assert total == pytest.approx([0, 0, -weight * len(packing)], abs=1e-6 * weight)
+    cone, tube, floor, lid = state.wall_forces
+    assert cone[2] < total[2] / 2
+    assert tube[2] == 0.0
+    assert floor[2] < 0.0
+    assert not lid.any()
+    touching = state.contact_table["j"] < 0
+    slanted = np.abs(state.contact_table["normal"][touching][:, 2] + 0.6) < 1e-9
+    assert slanted.sum() >= 3  # across the side of the cone
+    lines = output("lmp", "-in", "in.lammps", "-log", "none", cwd=tmp_path).splitlines()
+    head = next(n for n, line in enumerate(lines) if line.split()[:2] == ["Step", "PotEng"])
+    assert float(lines[head + 1].split()[1]) == pytest.approx(state.energy, rel=1e-9)
+    with exactly_balanced(), deformable.Run(tmp_path).simulation() as sim:
+        assert sim.walls == state.packing.walls
+        assert sim.state().energy == pytest.approx(state.energy, rel=1e-9)
+
+
+def test_a_funnel_is_stretched_along_its_axis() -> None:
+    packing = packed(HOPPER)
+    with deformable.Simulation(packing, Droplet()) as sim:
+        before = sim.walls[0]
+        sim.deform(packing.box * [1, 1, 0.99])
+        assert sim.walls[0].radius == before.radius
+        assert sim.walls[0].slope == pytest.approx(before.slope / 0.99)
+        with pytest.raises(ParameterError, match="cone 1 must stay round"):
+            sim.deform(packing.box * [0.99, 1, 1])
+
+
+@pytest.mark.parametrize(
+    ("wall", "told"),
+    [
+        (lambda: Cone((0, 0, 0), 1, 0), "slope of a cone must not be 0: take a Cylinder"),
+        (lambda: Cone((0, 0, 0), 1, np.nan), "slope of a cone must be a finite number, not nan"),
+        (lambda: Cone((0, 0, 0), -1, 1), "radius of a cone must be a positive number, not -1"),
+        (lambda: Post((0, 0, 0), 0), "radius of a post must be a positive number, not 0"),
+        (lambda: Post((0, 0), 1), r"center of a post must be a point \(x, y, z\)"),
+        (lambda: Post((0, 0, 0), 1, "w"), "axis of a post must be x, y or z, not 'w'"),
+    ],
+)
+def test_refused_shapes(wall, told: str) -> None:
+    with pytest.raises(ParameterError, match=told):
+        wall()
+
+
+def test_refused_scenes() -> None:
+    two = deformable.Packing([[2, 2, 2], [6, 6, 6]], [0, 0], [0.5], [9, 9, 9])
+    tilted = replace(two, box=[[9, 0, 0], [1, 9, 0], [0, 0, 9]])
+    for packing, walls, told in (
+        (two, [Post((4, 4, 4), 4)], "post 1 does not fit into the periodic box"),
+        (two, [Post((2, 2, 7), 1)], "particle 0, .* within post 1"),
+        (two, [Cone((2, 2, 0), 0.1, 1), FLOOR], "leave the room open"),
+        (two, [Cone((2, 2, 0), 0.1, 0.5), FLOOR, LID], "particle 1, .* outside of cone 1"),
+        (tilted, [Post((4, 4, 4), 1, "y")], "post 1 is not along an edge of the box"),
+    ):
+        with pytest.raises(ParameterError, match=told):
+            deformable.Simulation(packing, Droplet(), walls=walls)
+    with deformable.Simulation(tilted, Droplet(), walls=Post((4, 4, 4), 1, "x")) as sim:
+        assert sim.state().energy == 0.0
