@@ -82,7 +82,7 @@ def test_tissue(tmp_path: Path) -> None:
     check_tissue((folder / "tissue.log").read_text())
     for name in ("in.tissue", "tissue.deformable"):
         shutil.copy(folder / name, tmp_path)
-    part_of(folder / "tissue.py", tmp_path, ROUNDS=30)
+    part_of(folder / "tissue.py", tmp_path, ROUNDS=25)
     check_tissue(text("python", "tissue.py", cwd=tmp_path))
     assert (tmp_path / "tissue.png").stat().st_size > 10_000
     log = text("lmp", "-in", "in.tissue", "-log", "none", cwd=tmp_path)
