@@ -22,6 +22,9 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 PIP_INSTALL := $(PIP) install --no-compile
 SOURCES := $(shell find cmake potentials python src -type f -not -name '*.pyc') CMakeLists.txt pyproject.toml
 
+# Containers often set it. Without bytecode each process compiles all that it imports, for two seconds.
+export PYTHONDONTWRITEBYTECODE :=
+
 .PHONY: demo test test-slow lint docs wheel clean
 .DELETE_ON_ERROR:
 .PRECIOUS: $(VENV)/requirements-%
