@@ -141,25 +141,6 @@ def test_droplets_and_contacts(tmp_path):
     assert force == pytest.approx(scene.force, abs=1e-10)
 
 
-@pytest.mark.parametrize("number", range(4))
-def test_minimizers(number, tmp_path):
-    """A packing at rest, shaken a little: FIRE and cg find it again, to 1e-8 of a contact force."""
-    scene = Droplets(CASES[number], tmp_path)
-    fire, found = "min_style fire\ntimestep 0.05\nmin_modify dmax 0.02\n", []
-    scene.run(f"{fire}minimize 0 1e-9 9999 99999")
-    shaken = scene.x + 1e-3 * np.random.default_rng(1).normal(size=scene.x.shape)
-    mean = scene.contacts()[:, 4].mean()
-    # other line searches of cg end near the rounding of the energy
-    for style in (fire, "min_style cg\nmin_modify dmax 0.02 line forcezero\n"):
-        scene.energy_at(shaken)
-        assert np.abs(scene.force).max() > 1e-4 * mean
-        scene.run(f"{style}minimize 0 {0.5e-8 * mean:.17g} 9999 99999")
-        assert np.linalg.norm(scene.force, axis=1).max() < 1e-8 * mean
-        found.append(scene.energy)
-    # of second order in forces and in the balance of 1e-12: rounding is left
-    assert found[0] == pytest.approx(found[1], rel=1e-12)
-
-
 def test_motion_is_of_second_order(tmp_path):
     """The energy's error is a quarter with half of the time step."""
     errors = []

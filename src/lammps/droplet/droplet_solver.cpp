@@ -83,7 +83,7 @@ bool DropletSolver::solve()
   for (steps = 0; steps < most_steps && std::isfinite(now.imbalance); ++steps) {
     // The forces of a minimizer vanish. Those of contacts go on with them below the tolerance if each call corrects them.
     if (now.balanced(minimizing && steps == 0 ? 0.0 : tolerance)) {
-      if (rounding <= 0.1 * tolerance * now.force) break;
+      if (rounding <= precision() * now.force) break;
       now = evaluate();
       continue;
     }
@@ -116,16 +116,25 @@ DropletSolver::State DropletSolver::evaluate()
   return look();
 }
 
+// Of forces, over the largest one: they are rounded to this at most. Energies change with rounding in first order, with an
+// imbalance in second order only, and line searches of minimizers fail where an energy is off by 1e-12.
+double DropletSolver::precision() const
+{
+  constexpr double OF_TOLERANCE = 0.1, OF_ENERGIES = 1e-13;
+  const double usual = OF_TOLERANCE * tolerance;
+  return update->whichflag == 2 ? std::min(usual, OF_ENERGIES) : usual;
+}
+
 // A step of single precision is as good as one of double precision where it is small.
 DropletSolver::State DropletSolver::after_step(const State &before)
 {
-  constexpr double PRECISION = 3e-8, MOST = 0.1;
+  constexpr double PRECISION = 3e-8;
   float largest = 0.0f;
   for (int k = 0; k < pairs->size; ++k) largest = std::max(largest, std::fabs(step[k]));
   double of_all = largest;
   sum(&of_all, 1, MPI_MAX);
   rounding += PRECISION * of_all;
-  if (!(rounding <= MOST * tolerance * before.force)) return evaluate();
+  if (!(rounding <= precision() * before.force)) return evaluate();
   kernels.adapt(arrays(), pairs->forces(), step.data(), 0, batches);
   return look();
 }

@@ -120,6 +120,7 @@ class DropletSolver : protected Pointers {
   // A step by so much of the force is far from linear.
   static bool is_bent(double force, double step) { return std::fabs(step) > 0.05 * force; }
   void agree();
+  double precision() const;
   State evaluate();
   State after_step(const State &before);
   State look();
