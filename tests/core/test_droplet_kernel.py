@@ -138,6 +138,15 @@ def test_work_grows_faster_than_the_square_of_forces():
 
 
 @levels
+@pytest.mark.parametrize("load", [0.3, 0.6, 1.5])
+def test_work_of_one_contact(load, level):
+    """Beyond x = 1/2 it has the further term, 30 (x - 1/2)^3."""
+    bracket = -np.log(load) - 1 / 3 + np.log(1 + 4 * load**2) / 2 + 30 * max(load - 0.5, 0) ** 3
+    found = core.droplet([[0, 0, 1]], [8 * np.pi * load], level=level)
+    assert found.work == pytest.approx(8 * np.pi * load**2 * bracket, rel=1e-14)
+
+
+@levels
 def test_levels_agree(level):
     normals, forces = unequal(13, 3)
     plain, found = (core.droplet(normals, forces, level=each) for each in ("plain", level))
@@ -172,8 +181,15 @@ def test_a_droplet_alone():
 
 def test_contacts_in_one_direction_repel_each_other():
     """The indentation grows like the logarithm of their angle, to a bound."""
-    at = [core.droplet([[0, 0, 1], [0, e, 1]], [0.1, 0.1]).indentation[0] for e in (0.1, 1e-3, 0)]
-    assert at[0] < at[1] < at[2] < 1.0
+    angles, force = np.array([0.1, 1e-3, 1e-5, 0]), 0.1
+    normals = [[[0, 0, 1], [0, np.sin(angle), np.cos(angle)]] for angle in angles]
+    at = np.array([core.droplet(pair, [force, 0]).indentation[1] for pair in normals])
+    half = np.maximum(np.sin(angles / 2) ** 2, 1e-12)  # (1 - m)/2
+    green = -(1 / 2 + (1 - 2 * half) * (4 / 3 + np.log(half))) / (4 * np.pi)
+    load = force / (8 * np.pi)
+    of_all = force * load / (8 * np.pi) * 4 * load / (1 + 4 * load**2)
+    assert at == pytest.approx(green * force + of_all, rel=1e-5)  # of 1 - m at 1e-5
+    assert at[-1] < 0.3
 
 
 def test_contacts_bulge_by_less_than_the_bound():
