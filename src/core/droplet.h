@@ -44,7 +44,8 @@ inline double dd_droplet_green(double over_half)
   return over_half * (2.0 + over_half) * (0.0625 / PI);
 }
 
-// Cosines are cut where (1 - m)/2 is this: contacts in one direction repel each other strongly, but not without a limit.
+// Cosines are cut where (1 - m)/2 is this: contacts in one direction repel each other strongly, but not without a limit. Beyond
+// it G is constant.
 constexpr double SMALLEST_HALF = 1e-12;
 
 // G has its smallest value, -0.0468, at m = 0.269: no contact bulges by more than this times x R.

@@ -69,8 +69,10 @@ inline bool add_droplet(const std::vector<DropletSide> &sides, double radius, do
       }
       const double m = n[c][0] * n[k][0] + n[c][1] * n[k][1] + n[c][2] * n[k][2];
       const double half = std::max(0.5 - 0.5 * m, SMALLEST_HALF), log_half = std::log(half);
-      const double G = droplet_green(m, log_half), dG = d_droplet_green(m, log_half, 1.0 / half),
-                   ddG = dd_droplet_green(1.0 / half);
+      const bool apart = half > SMALLEST_HALF;
+      const double G = droplet_green(m, log_half),
+                   dG = apart ? d_droplet_green(m, log_half, 1.0 / half) : 0.0,
+                   ddG = apart ? dd_droplet_green(1.0 / half) : 0.0;
       A[c * z + k] = (G + shared) / tension;
       response += G * f[k];
       for (int a = 0; a < 3; ++a) {

@@ -72,10 +72,11 @@ static void evaluate_droplets(const DropletArrays &d, const PairForces &p, int b
         for (int k = w; k < c; k += LANES) {
           const Lanes xk = load<Lanes>(nx + k), yk = load<Lanes>(ny + k), zk = load<Lanes>(nz + k),
                       of_k = load<Lanes>(f + k);
-          const Lanes m = x * xk + y * yk + z * zk;
-          const Logarithm half = logarithm(larger(0.5 - 0.5 * m, all(SMALLEST_HALF)));
+          const Lanes m = x * xk + y * yk + z * zk, apart = 0.5 - 0.5 * m;
+          const Logarithm half = logarithm(larger(apart, all(SMALLEST_HALF)));
           const Lanes g = droplet_green(m, half.value),
-                      dg = d_droplet_green(m, half.value, half.over);
+                      slope = d_droplet_green(m, half.value, half.over),
+                      dg = apart > SMALLEST_HALF ? slope : Lanes{};
           store(green + k, g);
           store(d_green + k, dg);
           const Lanes by_c = dg * of_c, by_k = dg * of_k;

@@ -190,6 +190,7 @@ def test_contacts_in_one_direction_repel_each_other():
     of_all = force * load / (8 * np.pi) * 4 * load / (1 + 4 * load**2)
     assert at == pytest.approx(green * force + of_all, rel=1e-5)  # of 1 - m at 1e-5
     assert at[-1] < 0.3
+    assert not core.droplet(normals[-1], [force, force]).d_normal.any()  # beyond the limit
 
 
 def test_contacts_bulge_by_less_than_the_bound():

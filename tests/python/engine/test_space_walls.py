@@ -149,6 +149,19 @@ def test_soft_spheres_jam_between_walls(name: str) -> None:
     assert slope == pytest.approx(state.pressure, rel=1e-2)
 
 
+def test_two_walls_in_one_place() -> None:
+    """Their contacts with a droplet have one direction: the force is the slope of the energy."""
+    energies = []
+    for step in (-1e-5, 1e-5, 0.0):
+        one = deformable.Packing([[1.1 + step, 0.9, 0.7]], [0], [0.5], [9, 9, 9])
+        twice = [Sphere((0, 0, 0), 2.0)] * 2
+        with deformable.Simulation(one, Droplet(), walls=twice) as sim:
+            energies.append(sim.state().energy)
+            force = np.array(sim.lmp.gather("f", 1, 3))
+    assert (energies[0] - energies[1]) / 2e-5 == pytest.approx(force[0], rel=1e-5)
+    assert force / force[0] == pytest.approx(np.array([1.1, 0.9, 0.7]) / 1.1, rel=1e-6)
+
+
 def test_compression_scales_walls_with_droplets(drum, tmp_path: Path) -> None:
     """They are kept in files, by which runs and LAMMPS go on."""
     with exactly_balanced():
