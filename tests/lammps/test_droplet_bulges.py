@@ -7,8 +7,9 @@ to find them.
 import numpy as np
 import pytest
 from deformable import core
-from droplet_walls import SIDE, at_walls, faces
-from droplets import CASES, Droplets, dense
+from droplet_walls import CUBE, ORIGIN, SCENES, SIDE, at_walls, faces, walled
+from droplets import CASES, EXACT, Droplets, dense
+from polyhedra import FACES
 
 M = 0.269  # at this cosine from a contact droplets bulge most
 ANGLE = np.arange(3) * 2 * np.pi / 3
@@ -62,3 +63,62 @@ def test_a_gap_that_both_bulges_fill(tmp_path):
 def test_newtons_method_squares_its_error(number, tmp_path):
     """From forces that know nothing of each other, by the compliances of all."""
     assert Droplets(CASES[number], tmp_path).outputs()[2] <= 4
+
+
+def test_droplets_that_grow_meet(tmp_path):
+    """At rest, between two neighbor lists, so that only their radii say that they are near."""
+    case = {"x": [[3, 3, 3], [3, 3, 5.6]], "box": [12.0] * 3}
+    case |= {"radius": [1.4] * 2, "tension": [1.0] * 2}
+    scene = Droplets(
+        case,
+        tmp_path,
+        style=f"{EXACT} radius atom",
+        atoms="sphere 1",
+        commands="set group all diameter 2\nneigh_modify every 1000 delay 0 check no\n",
+    )
+    assert scene.energy == 0.0
+    scene.run("variable size equal 2+0.08*step\nfix grow all adapt 1 atom diameter v_size\nrun 9")
+    grown = scene.energy
+    scene.run("unfix grow\nrun 0")
+    assert grown == pytest.approx(scene.energy, rel=1e-11)
+    assert grown > 1e-3
+
+
+def test_a_wall_that_comes_near(tmp_path):
+    """To a droplet at rest, between two neighbor lists."""
+    walls = "variable top equal 2-0.02*step\nfix walls all deformable/wall zlo -0.98 zhi v_top\n"
+    case = {"x": [[0, 0, 0]], "box": [SIDE] * 3, "low": -0.5 * SIDE}
+    case |= {"radius": [1.0], "tension": [1.0]}
+    once = "neigh_modify every 1000 delay 0 check no\n"
+    scene = Droplets(case, tmp_path, commands=walls + once, boundary="f f f")
+    scene.run("fix still all move linear 0 0 0\nrun 51")
+    rows = at_walls(scene)
+    assert rows[:, 11] == pytest.approx([0.98, 0.98])
+    assert core.droplet(rows[:, 8:11], rows[:, 4]).indentation == pytest.approx([0.02] * 2)
+
+
+@pytest.mark.parametrize("load", [0.39, 0.41])
+def test_loads_up_to_the_end_of_the_model(load, tmp_path):
+    """Beyond 0.4 the droplet counts as one of those."""
+    at = core.droplet(FACES["sc"], np.full(6, 8 * np.pi * load / 6)).indentation[0]
+    scene = walled(ORIGIN, faces(FACES["sc"], 1 - at), tmp_path)
+    assert at_walls(scene)[:, 4].sum() / (8 * np.pi) == pytest.approx(load)
+    assert scene.outputs()[0] == (load > 0.4)
+
+
+def test_reach_of_all(tmp_path):
+    """A load needs its bulge as reach, and no more; the share that is used is said."""
+    load = 0.2
+    at = core.droplet(FACES["sc"], np.full(6, 8 * np.pi * load / 6)).indentation[0]
+    walls = faces(FACES["sc"], 1 - at)
+    scene = walled(ORIGIN, walls, tmp_path, style=f"{EXACT} reach 0.24")
+    assert scene.outputs()[1] == pytest.approx(1.177 * load / 0.24)
+    with pytest.raises(Exception, match=r"load of atom 1 is 0\.2, but 'reach 0.23' covers"):
+        walled(ORIGIN, walls, tmp_path, style=f"{EXACT} reach 0.23")
+
+
+def test_energies_of_droplets_are_those_of_all(tmp_path):
+    """However well contacts are balanced: what is left of overlaps is shared, too."""
+    scene = walled(CUBE, SCENES["block"], tmp_path, style="deformable/droplet balance 0.1 100")
+    assert scene.outputs()[3] > 1e-6
+    assert scene.sums()[0] == pytest.approx(scene.energy, rel=1e-13)
