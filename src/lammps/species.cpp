@@ -191,7 +191,14 @@ Species read_line(Error *error, const std::string &place, const std::vector<std:
   read_options(error, of_species, words, value, stiffness.tension, skin);
   const Species found = {words[0], radius, stiffness, skin};
   const std::string problem = invalid_values(found);
-  if (!problem.empty()) error->all(FLERR, of_species + problem);
+  // a number without its word is taken for the skin, where a tension may be meant
+  const bool unnamed = words.size() == 5 && stiffness.kP == 0.0;
+  if (!problem.empty())
+    error->all(FLERR, of_species + problem +
+                          (unnamed ? ": a fifth number is the skin, and a tension is written as "
+                                     "'tension " +
+                                         shown(words[4]) + "'"
+                                   : ""));
   return found;
 }
 

@@ -73,6 +73,7 @@ MALFORMED = {
     "tension and perimeter": ("a 0.5 1 inf tension 1", "species a: kP must be finite"),
     "collapse": ("a 0.5 1 0 tension 1", "species a: tension 1 .*collapse"),
     "floppy": ("a 0.5 inf 0", "species a: kP .*tension, not 0"),
+    "tension without its word": ("a 0.5 inf 0 0.2", "not 0: a fifth .* skin.* 'tension 0.2'"),
     "both inf": ("a 0.5 inf inf", "species a: kA and kP"),
     "twice": ("a 0.5 1.0 inf\nb 0.5 1 inf\na 0.6 1.0 inf", "line 4: species a .*twice"),
     "not printable": ("a \x01 \xe4", "got 3 words: 'a [?] [?][?]'"),
