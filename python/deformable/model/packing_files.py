@@ -76,7 +76,7 @@ class PackingFiles:
         Raises:
             ParameterError: as for a packing.
         """
-        places, radius = numbers("positions", positions), numbers("radii", radii)
+        places, radius = np.atleast_1d(numbers("positions", positions)), numbers("radii", radii)
         if radius.shape not in ((), places.shape[:1]):
             raise ParameterError(
                 f"radii must be one number, or one for each of {len(places)} particles, not "

@@ -13,7 +13,7 @@ from ..common.errors import ParameterError
 from ..common.validate import expect
 from ..core import norm
 from ..engine.simulation import Simulation
-from ..model.laws import Law
+from ..model.laws import Law, Ring, Sector
 from ..model.sticking import refuse_adhesion
 from ..state.polygon_state import PolygonState
 from ..state.state import State
@@ -79,6 +79,7 @@ def predict(reference: PolygonState, law: Law | None = None, comm: MPI.Comm | No
     expect("reference", reference, PolygonState)
     if law is None:
         law = matching_laws(reference.model, reference.polygons)["balanced"]
+    expect("law", law, Ring, Sector)
     refuse_adhesion(law, (), ", and polygons have none")
     packing = replace(reference.packing, radii=reference.polygons.effective_radius)
     with Simulation(packing, law, comm) as sim:

@@ -135,6 +135,7 @@ def test_arrays() -> None:
         ({"box": (2, 0)}, r"box must be \(lx, ly\) or"),
         ({"positions": [[0.0, 0.0, 1.0]] * 3}, "positions have 3 columns"),
         ({"positions": [[0.0]] * 3}, r"positions must have shape \(N, 2\)"),
+        ({"positions": 1.0}, r"positions must have shape"),
         ({"positions": []}, "positions must have shape"),
     ],
 )

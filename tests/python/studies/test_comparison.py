@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import deformable
 import numpy as np
@@ -176,6 +177,15 @@ def test_a_folded_outline_is_named(small: deformable.PolygonState) -> None:
         state = deformable.predict(pressed, law)
         folds = [n for n, line in enumerate(polygon_outlines(pressed, state)) if turns_back(line)]
         assert f"particle {folds[0]} folds in the {law.name} law" in str(error.value)
+
+
+@pytest.mark.parametrize("wrong", ["balanced", "state", "droplet"])
+def test_another_kind_of_law_is_refused(small: deformable.PolygonState, wrong: str) -> None:
+    """Such as a state of a law, which has all that is compared."""
+    law: Any = {"state": small, "droplet": deformable.Droplet()}.get(wrong, wrong)
+    for function in (deformable.compare, deformable.predict):
+        with pytest.raises(deformable.ParameterError, match="law must be of the kind Ring or Sec"):
+            function(small, law)
 
 
 def turns_back(outline: np.ndarray) -> bool:
