@@ -112,7 +112,7 @@ def species_file(law: AnyLaw, radii: Sequence[float] | NDArray[np.float64]) -> s
     columns = np.column_stack([radii, *law.species_parameters(radii)])
     units = "kA[energy/length^4] kP[energy/length^2] skin[length]"
     if isinstance(law, Droplet):
-        units = "kA kP skin (those of constant volume) tension[energy/length^2]"
+        units = "kA kP skin (inf 0 0: constant volume) tension[energy/length^2]"
     lines = [
         "# UNITS: lj CONTRIBUTOR: written by lammps-deformable",
         f"# name radius[length] {units}",
