@@ -122,3 +122,47 @@ def test_energies_of_droplets_are_those_of_all(tmp_path):
     scene = walled(CUBE, SCENES["block"], tmp_path, style="deformable/droplet balance 0.1 100")
     assert scene.outputs()[3] > 1e-6
     assert scene.sums()[0] == pytest.approx(scene.energy, rel=1e-13)
+
+
+# Plates press a droplet, so that its sides bulge by 0.02.
+PRESSED = {"x": [[0, 0, 0], [0, 3, 3]], "box": [SIDE] * 3, "low": -0.5 * SIDE}
+PRESSED |= {"radius": [1.0, 0.01], "tension": [1.0, 1.0]}
+PLATES = "group one id 1\nfix plates one deformable/wall zlo -0.9 zhi 0.9\n"
+ONCE = "neigh_modify every 1000 delay 0 check no\nfix still all move linear 0 0 0\n"
+
+
+def test_a_wall_that_comes_near_a_bulge(tmp_path):
+    """Across a gap, between two neighbor lists."""
+    walls = "variable side equal 1.05-0.005*step\nfix walls one deformable/wall xhi v_side\n"
+    scene = Droplets(PRESSED, tmp_path, commands=PLATES + walls + ONCE, boundary="f f m")
+    assert len(at_walls(scene)) == 2
+    scene.run("run 7")
+    rows = at_walls(scene)
+    assert rows[:, 11] == pytest.approx([0.9, 0.9, 1.015])
+    assert core.droplet(rows[:, 8:11], rows[:, 4]).indentation == pytest.approx(rows[:, 2])
+
+
+def test_work_across_a_gap(tmp_path):
+    """A ball that moves toward the side of a droplet gives it energy before they would touch."""
+    walls = "variable place equal 1.53-0.0005*step\n"
+    walls += "region walls sphere v_place 0 0 0.5 side out\nfix walls one deformable/wall walls\n"
+    scene = Droplets(PRESSED, tmp_path, commands=PLATES + walls + ONCE, boundary="f f m")
+    before = scene.energy
+    scene.run("run 60")
+    given = scene.lmp.extract_fix("walls", 0, 0)
+    assert at_walls(scene)[:, 11].max() == pytest.approx(1.0)
+    assert scene.energy > 1.001 * before
+    assert given == pytest.approx(before - scene.energy, rel=1e-2)
+
+
+def test_droplets_that_move_toward_each_other(tmp_path):
+    """Both of them, so that a part of what the list has to spare belongs to each."""
+    case = {"x": [[0, 0, -1.055], [0, 0, 1.055]], "box": [12.0] * 3, "low": -6.0}
+    case |= {"radius": [1.0, 1.0], "tension": [1.0, 1.0]}
+    scene = Droplets(case, tmp_path, commands="neigh_modify every 1000 delay 0 check no")
+    scene.run("group one id 1\ngroup two id 2\ntimestep 0.01\nfix up one move linear 0 0 1")
+    scene.run("fix down two move linear 0 0 -1\nrun 7")
+    found = scene.energy
+    scene.run("run 0")
+    assert found == pytest.approx(scene.energy, rel=1e-11)
+    assert found > 1e-5

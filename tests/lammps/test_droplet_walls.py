@@ -179,6 +179,12 @@ def test_edge_of_the_box(tmp_path):
     assert none < scene.energy == pytest.approx(walled(shaken, SCENES["block"], tmp_path).energy)
 
 
+def test_obstacles_without_room_for_images_have_none(tmp_path):
+    """The image would be around the droplet."""
+    scene = walled(np.array([[-3.7, 0, 0]]), "ball 3.4 0 0 3.2", tmp_path, boundary="p p p")
+    assert len(scene.contacts()) == 0
+
+
 @pytest.mark.parametrize(
     "post", ["ball 3.4 3.5 3.3 0.6", "cylinder y 3.4 3.3 0.3 INF INF side out"]
 )
