@@ -68,9 +68,32 @@ def test_derivatives(name, tmp_path):
     assert rows[:, 5:8] == pytest.approx(middle)
 
 
-def strained(strain):
+def brick(F, low=(-0.43, -0.43, -0.44), sides=(0.87, 0.88, 0.88)):
+    """Droplets are at its corners. F is an upper triangle."""
+    low, sides = F @ low, F @ np.diag(sides)
+    ends = " ".join(
+        f"{x:.17g} {x + side:.17g}" for x, side in zip(low, sides.diagonal(), strict=True)
+    )
+    tilts = " ".join(f"{x:.17g}" for x in (sides[0, 1], sides[0, 2], sides[1, 2]))
+    return f"region post prism {ends} {tilts} side out\nfix post all deformable/wall post\n"
+
+
+def bar(F):
+    """Droplets are at its edges."""
+    return brick(F, (-0.31, -0.31, -1.5), (0.63, 0.64, 3.0))
+
+
+def post(F):
+    """A round one along z: it stays round to first order, if it is not stretched across."""
+    words = " ".join(f"{x:.17g}" for x in [*F @ [0.01, 0.02, 0.3], *F[:, 2]])
+    return f"fix post all deformable/wall post {words} 0.44\n"
+
+
+STRAINS = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
+
+
+def strained(F):
     """Planes and droplets in a strained space, where normals are those of the strained planes."""
-    F = np.eye(3) + strain
     normals = np.vstack([np.eye(3), -np.eye(3)]) + 0.02 * np.array(
         [[0, 1, 2], [2, 0, 1], [1, -1, 0], [0, -1, 1], [1, 0, -2], [-2, 1, 0]]
     )
@@ -82,19 +105,31 @@ def strained(strain):
     return shaken @ F.T, faces(normals / lengths[:, None], heights)
 
 
-def test_virial(tmp_path):
-    """The derivative of the energy by all six strains of droplets and planes."""
-    x, walls = strained(np.zeros((3, 3)))
-    stress = walled(x, walls, tmp_path, more=VIRIAL).stress() * SIDE**3
-    for n, (a, b) in enumerate([(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]):
+@pytest.mark.parametrize(
+    ("obstacle", "strains"),
+    [(None, STRAINS), (brick, STRAINS), (bar, STRAINS), (post, [(2, 2), (0, 2), (1, 2)])],
+    ids=["planes", "corners", "edges", "post"],
+)
+def test_virial(obstacle, strains, tmp_path):
+    """The derivative of the energy by strains of droplets and walls. They may turn all: a simple
+    shear is as good as a pure one."""
+
+    def scene(F, more=""):
+        x, walls = strained(F)
+        return walled(x, walls + (obstacle(F) if obstacle else ""), tmp_path, more=more)
+
+    virial = VIRIAL + VIRIAL.replace("walls", "post") * bool(obstacle)
+    start = scene(np.eye(3), virial)
+    assert len(at_walls(start)) >= 19 + 4 * bool(obstacle)
+    for a, b in strains:
 
         def energy(h, a=a, b=b):
-            strain = np.zeros((3, 3))
-            strain[a, b] += h / 2
-            strain[b, a] += h / 2
-            return walled(*strained(strain), tmp_path).energy
+            F = np.eye(3)
+            F[a, b] += h
+            return scene(F).energy
 
-        assert slope(energy) == pytest.approx(-stress[n], abs=1e-6), (a, b)
+        expected = -start.stress()[STRAINS.index((a, b))] * SIDE**3
+        assert slope(energy) == pytest.approx(expected, abs=1e-6), (a, b)
 
 
 @pytest.mark.parametrize("name", ["sphere", "ball", "rims", "cone"])
