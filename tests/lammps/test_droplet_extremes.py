@@ -129,3 +129,9 @@ def test_droplets_at_rest_meet_as_their_box_shrinks(axis, tmp_path):
     assert energy == pytest.approx(scene.energy, rel=1e-9)
     assert energy > 1e-4
     assert force == pytest.approx(scene.force, rel=1e-7, abs=1e-12)
+
+
+def test_a_box_that_is_thinner_than_its_droplet(tmp_path):
+    """Across a side that is not periodic there is room."""
+    case = {"x": [[1.5, 1.5, 0.2]], "box": [3.0, 3.0, 0.4], "radius": [1.0], "tension": [1.0]}
+    assert Droplets(case, tmp_path, boundary="p p f").energy == 0.0
