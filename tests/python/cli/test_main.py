@@ -241,22 +241,33 @@ def test_error_on_one_rank_ends_all(tmp_path: Path) -> None:
     assert "Traceback" not in result.stderr
 
 
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        (["compress", "--bubbles", "3"], "error: No such option: --bubbles"),
-        (["compress", "--number", "many"], "error: --number many: "),
-        (["jam"], "error: give numbers of particles"),
-        (["bubble"], "error: No such command 'bubble'"),
-        (["plot", "--help"], "Usage: deformable plot "),
-        ([], "Usage: deformable "),
-    ],
-)
-def test_ranks_print_once_what_is_wrong(arguments: list[str], line: str, tmp_path: Path) -> None:
-    result = launch(*arguments, cwd=tmp_path)
-    assert result.returncode == (0 if "--help" in arguments else 2)
-    assert (result.stdout + result.stderr).count(line) == 1
-    assert not list(tmp_path.iterdir())
+WRONG = {
+    "compress --bubbles 3": "error: No such option: --bubbles",
+    "compress --number many": "error: --number many: ",
+    "jam": "error: give numbers of particles",
+    "bubble": "error: No such command 'bubble'",
+    "plot --help": "Usage: deformable plot ",
+    "": "Usage: deformable [OPTIONS] COMMAND",
+}
+
+
+def test_ranks_print_once_what_is_wrong(tmp_path: Path) -> None:
+    """Commands one after another, in processes that load only once what they need."""
+    script = f"""
+import sys
+from deformable.cli.main import main
+for words in {[*WRONG]}:
+    sys.argv = ["deformable", *words.split()]
+    try:
+        main()
+    except SystemExit as end:
+        assert (end.code or 0) == (0 if "--help" in words else 2), words
+"""
+    result = ranks.launch(script, tmp_path, 2)
+    assert result.returncode == 0, result.stderr
+    for line in WRONG.values():
+        assert (result.stdout + result.stderr).count(line) == 1, line
+    assert [path.suffix for path in tmp_path.iterdir()] == [".py"]
 
 
 def test_an_interruption_tells_how_to_go_on(
