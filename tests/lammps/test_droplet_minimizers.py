@@ -33,10 +33,10 @@ def test_minimizers(number, tmp_path):
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-10])
 @pytest.mark.parametrize("number", range(4))
 def test_cg_relaxes_as_far_as_contacts_are_balanced(number, tolerance, tmp_path):
-    """To *tol* of the largest contact force."""
+    """To *tol* of the largest contact force, for each of some ten contacts of a droplet."""
     scene = Droplets(CASES[number], tmp_path, style=f"deformable/droplet balance {tolerance} 100")
     scene.run(f"{FIRE}minimize 0 1e-9 9999 99999")
-    at_rest, most = scene.x, tolerance * scene.contacts()[:, 4].max()
+    at_rest, most = scene.x, 3 * tolerance * scene.contacts()[:, 4].max()
     for seed in range(3):
         scene.energy_at(shaken(at_rest, 1e-3, seed))
         scene.run(f"{CG}min_modify norm max\nminimize 0 {most:.17g} 9999 99999")

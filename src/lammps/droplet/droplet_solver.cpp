@@ -87,11 +87,8 @@ bool DropletSolver::solve()
       now = evaluate();
       continue;
     }
-    // Newton's method squares its relative error in each step, with this factor; single precision knows no more
-    constexpr double SQUARE = 0.3, SINGLE = 1e-5;
-    const double error = now.imbalance / now.force;
     if (steps < since + CIRCLE)
-      correct(now, std::max({0.1 * tolerance / error, SQUARE * error, SINGLE}));
+      correct(now);
     else
       relax();
     const double along = slope();
@@ -177,38 +174,55 @@ DropletSolver::State DropletSolver::look()
   return {largest[0], largest[1], largest[2] > 0.0};
 }
 
-// What a step of the forces takes from the residuals, into `change`.
+// What a step of the forces takes from the residuals: see changed().
 void DropletSolver::multiply(const LargeVector<float> &of)
 {
-  const DropletPairs &p = *pairs;
   kernels.multiply(arrays(), of.data(), product.data(), 0, batches);
-  remote->exchange(sides[0].data() + p.remote, first[batches] * deformable::LANES, product.data());
-  const int *const one = sides[0].data(), *const other = sides[1].data();
-  for (int k = 0; k < p.size; ++k) change[k] = product[one[k]] + product[other[k]];
+  remote->exchange(sides[0].data() + pairs->remote, first[batches] * deformable::LANES,
+                   product.data());
 }
 
-/* ----------------------------------------------------------------------
-   C step = r by conjugate gradients, until what is left is this part of r.
-------------------------------------------------------------------------- */
-
-void DropletSolver::correct(const State &from, double accuracy)
+// A step of Newton's method: C step = r. Long ones bend, as far as they are known by then.
+void DropletSolver::correct(const State &from)
 {
-  constexpr int MOST = 100;
-  const DropletPairs &p = *pairs;
-  for (int k = 0; k < p.size; ++k) {
+  // The method squares its relative error with this factor, or the second one of steps that bend; single precision knows no more
+  constexpr double STRAIGHT = 0.3, BENT = 0.01, SINGLE = 1e-5, BEFORE_BENDING = 0.01;
+  const double error = from.imbalance / from.force;
+  const bool is_long = error * error > tolerance;
+  const double accuracy =
+      std::max({0.1 * tolerance / error, (is_long ? BENT : STRAIGHT) * error, SINGLE});
+  for (int k = 0; k < pairs->size; ++k) {
     left[k] = static_cast<float>(residuals[k]);
     step[k] = 0.0f;
     moved[k] = 0.0f;
   }
   if (from.switches) switch_pairs();
+  if (!is_long) {
+    iterate(accuracy);
+    return;
+  }
+  const double all = iterate(BEFORE_BENDING);
+  bend_steps();
+  iterate(accuracy, all);
+}
+
+/* ----------------------------------------------------------------------
+   Conjugate gradients, until the norm of what is left is this part of `all`, or
+   of the first one. Returns which.
+------------------------------------------------------------------------- */
+
+double DropletSolver::iterate(double accuracy, double all)
+{
+  constexpr int MOST = 100;
+  const DropletPairs &p = *pairs;
   for (int k = 0; k < p.size; ++k) direction[k] = weight[k] * left[k];
-  double enough = 0.0;
   for (int n = 0; n < MOST; ++n) {
     multiply(direction);
     // ranks wait for each other once: the next norm follows from these sums, with the rounding of one iteration only
     double sums[4] = {0.0, 0.0, 0.0, 0.0};
     for (int k = 0; k < p.size; ++k) {
-      const float c = change[k], weighted = weight[k] * c;
+      const float c = changed(k), weighted = weight[k] * c;
+      change[k] = c;
       const double part = p.part(k);
       sums[0] += part * (direction[k] * c);
       sums[1] += part * (weight[k] * left[k] * left[k]);
@@ -219,9 +233,9 @@ void DropletSolver::correct(const State &from, double accuracy)
     const auto [curvature, norm, turned, square] = sums;
     if (!(curvature > 0.0)) {    // beyond the model: not along this direction
       for (int k = 0; k < p.size && n == 0; ++k) step[k] += direction[k];
-      return;
+      break;
     }
-    if (n == 0) enough = accuracy * accuracy * norm;
+    if (all == 0.0) all = norm;
     const double length = norm / curvature, next = norm - length * (2.0 * turned - length * square);
     const float by = static_cast<float>(length), conjugate = static_cast<float>(next / norm);
     for (int k = 0; k < p.size; ++k) {
@@ -229,8 +243,9 @@ void DropletSolver::correct(const State &from, double accuracy)
       left[k] -= by * change[k];
       direction[k] = weight[k] * left[k] + conjugate * direction[k];
     }
-    if (next <= enough) return;
+    if (next <= accuracy * accuracy * all) break;
   }
+  return all;
 }
 
 // The change of the dual energy along the step, to first order.

@@ -124,9 +124,14 @@ class DropletSolver : protected Pointers {
   State evaluate();
   State after_step(const State &before);
   State look();
+  void move_alone(int k, double next, double own);
+  void open_alone(int k, double residual);
   void switch_pairs();
   void multiply(const LargeVector<float> &step);
-  void correct(const State &, double accuracy);
+  float changed(int k) const { return product[sides[0][k]] + product[sides[1][k]]; }
+  void correct(const State &);
+  double iterate(double accuracy, double all = 0.0);
+  void bend_steps();
   void relax();
   void take_steps();
   State search(State now, const State &before, double along);

@@ -61,35 +61,69 @@ static double bent_step(double f, double step, double soft)
   return f * ratio;
 }
 
+// The force of a pair by itself, and its own compliance there.
+void DropletSolver::move_alone(int k, double next, double own)
+{
+  DropletPairs &p = *pairs;
+  moved[k] += static_cast<float>(next - p.force[k]);
+  p.force[k] = next;
+  weight[k] = next > 0.0 ? static_cast<float>(1.0 / own) : 0.0f;
+  const float of_each = static_cast<float>(k < p.wall ? 0.5 * own : own);
+  compliance[sides[0][k]] = of_each;
+  if (k < p.remote) compliance[sides[1][k]] = of_each;
+}
+
+void DropletSolver::open_alone(int k, double residual)
+{
+  const double next = std::min(alone(k, residual, load_logarithm(k)), most_force(k, 0.0));
+  if (next > 0.0) move_alone(k, next, softness[k] * own_slope(next * unit[k]));
+}
+
 // Pairs that open, close or change by much of their force take a step alone, and what is left then. The correction starts from
 // there, with their compliance there.
 void DropletSolver::switch_pairs()
 {
-  DropletPairs &p = *pairs;
+  const DropletPairs &p = *pairs;
   for (int k = 0; k < p.size; ++k) {
     const double f = p.force[k], r = residuals[k], own = weight[k] * r;
-    double next = f, c = 0.0;
-    if (weight[k] == 0.0f) {
-      next = f > 0.0 ? 0.0 : std::min(alone(k, r, load_logarithm(k)), most_force(k, 0.0));
-      if (next > 0.0) c = softness[k] * own_slope(next * unit[k]);
+    if (f == 0.0) {
+      open_alone(k, r);
+    } else if (weight[k] == 0.0f) {
+      move_alone(k, 0.0, 0.0);
     } else if (is_bent(f, own)) {
-      next = std::min(bent_step(f, own, softness[k] * weight[k]), most_force(k, f));
-      if (next > 0.0)
-        c = softness[k] * std::max(1.0 / (softness[k] * weight[k]) - std::log(next / f), 1.0);
+      const double soft = softness[k], stiff = weight[k],
+                   next = std::min(bent_step(f, own, soft * stiff), most_force(k, f)),
+                   bend = next > 0.0 ? std::log(next / f) : 0.0;
+      move_alone(k, next, soft * std::max(1.0 / (soft * stiff) - bend, 1.0));
     }
-    moved[k] = static_cast<float>(next - f);
-    if (next == f) continue;
-    p.force[k] = next;
-    weight[k] = next > 0.0 ? static_cast<float>(1.0 / c) : 0.0f;
-    const float of_each = static_cast<float>(k < p.wall ? 0.5 * c : c);
-    compliance[sides[0][k]] = of_each;
-    if (k < p.remote) compliance[sides[1][k]] = of_each;
   }
   multiply(moved);
   for (int k = 0; k < p.size; ++k) {
     const bool alone = moved[k] != 0.0f && weight[k] > 0.0f;
-    left[k] = (alone ? moved[k] / weight[k] : left[k]) - change[k];
+    left[k] = (alone ? moved[k] / weight[k] : left[k]) - changed(k);
   }
+}
+
+// Where steps are known by and large: what the bend of each takes from the other pairs, while its own stays balanced. Pairs that
+// bear nothing open where the others left them an overlap.
+void DropletSolver::bend_steps()
+{
+  const DropletPairs &p = *pairs;
+  for (int k = 0; k < p.size; ++k) {
+    const double f = p.force[k];
+    direction[k] = 0.0f;
+    if (weight[k] > 0.0f) {
+      direction[k] =
+          static_cast<float>(bent_step(f, step[k], softness[k] * weight[k]) - f - step[k]);
+    } else if (moved[k] == 0.0f && left[k] > 0.0f) {
+      open_alone(k, left[k]);
+      direction[k] = static_cast<float>(p.force[k]);
+      left[k] = 0.0f;
+    }
+  }
+  multiply(direction);
+  for (int k = 0; k < p.size; ++k)
+    left[k] -= changed(k) - (weight[k] > 0.0f ? direction[k] / weight[k] : 0.0f);
 }
 
 void DropletSolver::take_steps()

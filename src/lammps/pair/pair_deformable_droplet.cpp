@@ -301,15 +301,6 @@ void PairDeformableDroplet::push_walls()
   }
 }
 
-// The derivative of a droplet's work by the normal of this contact, across it.
-Vector3 PairDeformableDroplet::torque(int k, int side) const
-{
-  const DropletPairs &p = near->pairs;
-  const int place = solver->place(k, side), i = side == 0 ? p.i[k] : p.second(k);
-  const Vector3 turn = {solver->turn(place, 0), solver->turn(place, 1), solver->turn(place, 2)};
-  return (radii[i] * p.force[k]) * across(turn, p.normal(k));
-}
-
 /* ---------------------------------------------------------------------- */
 
 double PairDeformableDroplet::memory_usage()

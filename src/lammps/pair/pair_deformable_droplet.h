@@ -57,6 +57,16 @@ class PairDeformableDroplet : public PairDeformable {
   deformable::Vector3 force_of_contact(int k, int side) const;
 };
 
+// The derivative of a droplet's work by the normal of this contact, across it.
+inline deformable::Vector3 PairDeformableDroplet::torque(int k, int side) const
+{
+  const DropletPairs &p = near->pairs;
+  const int place = solver->place(k, side), i = side == 0 ? p.i[k] : p.second(k);
+  const deformable::Vector3 turn = {solver->turn(place, 0), solver->turn(place, 1),
+                                    solver->turn(place, 2)};
+  return (radii[i] * p.force[k]) * deformable::across(turn, p.normal(k));
+}
+
 }    // namespace LAMMPS_NS
 
 #endif
