@@ -1,4 +1,4 @@
-"""Which tests notice a mistake: the product with twenty lines broken, one at a time.
+"""Which tests notice a mistake: the product with some lines broken, one at a time.
 
     .venv/bin/python tests/broken_places.py build/broken          # all places
     .venv/bin/python tests/broken_places.py build/broken 3 17     # some of them
