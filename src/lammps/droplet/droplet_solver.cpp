@@ -113,8 +113,8 @@ DropletSolver::State DropletSolver::evaluate()
   return look();
 }
 
-// Of forces, over the largest one: they are rounded to this at most. Energies change with rounding in first order, with an
-// imbalance in second order only, and line searches of minimizers fail where an energy is off by 1e-12.
+// How much rounding of forces may pass, over the largest one. Energies change with rounding in first order, with an imbalance in
+// second order only, and line searches of minimizers fail where an energy is off by 1e-12.
 double DropletSolver::precision() const
 {
   constexpr double OF_TOLERANCE = 0.1, OF_ENERGIES = 1e-13;
@@ -174,7 +174,7 @@ DropletSolver::State DropletSolver::look()
   return {largest[0], largest[1], largest[2] > 0.0};
 }
 
-// What a step of the forces takes from the residuals: see changed().
+// By C: product_of() a pair is what the step takes from its residual.
 void DropletSolver::multiply(const LargeVector<float> &of)
 {
   kernels.multiply(arrays(), of.data(), product.data(), 0, batches);
@@ -182,10 +182,11 @@ void DropletSolver::multiply(const LargeVector<float> &of)
                    product.data());
 }
 
-// A step of Newton's method: C step = r. Long ones bend, as far as they are known by then.
+// A step of Newton's method: C step = r. Errors are imbalances over the largest force, and that after a step is about the square
+// of that before. A step is long where this is not enough.
 void DropletSolver::correct(const State &from)
 {
-  // The method squares its relative error with this factor, or the second one of steps that bend; single precision knows no more
+  // the next error over the square of this one, less for steps that bend; and what single precision knows
   constexpr double STRAIGHT = 0.3, BENT = 0.01, SINGLE = 1e-5, BEFORE_BENDING = 0.01;
   const double error = from.imbalance / from.force;
   const bool is_long = error * error > tolerance;
@@ -198,20 +199,20 @@ void DropletSolver::correct(const State &from)
   }
   if (from.switches) switch_pairs();
   if (!is_long) {
-    iterate(accuracy);
+    conjugate_gradients(accuracy);
     return;
   }
-  const double all = iterate(BEFORE_BENDING);
+  const double start = conjugate_gradients(BEFORE_BENDING);
   bend_steps();
-  iterate(accuracy, all);
+  conjugate_gradients(accuracy, start);
 }
 
 /* ----------------------------------------------------------------------
-   Conjugate gradients, until the norm of what is left is this part of `all`, or
-   of the first one. Returns which.
+   Adds to the step until the norm of what is left is this part of that at the
+   start, which is returned: squared, as all norms here. 0: the start is now.
 ------------------------------------------------------------------------- */
 
-double DropletSolver::iterate(double accuracy, double all)
+double DropletSolver::conjugate_gradients(double accuracy, double start)
 {
   constexpr int MOST = 100;
   const DropletPairs &p = *pairs;
@@ -221,7 +222,7 @@ double DropletSolver::iterate(double accuracy, double all)
     // ranks wait for each other once: the next norm follows from these sums, with the rounding of one iteration only
     double sums[4] = {0.0, 0.0, 0.0, 0.0};
     for (int k = 0; k < p.size; ++k) {
-      const float c = changed(k), weighted = weight[k] * c;
+      const float c = product_of(k), weighted = weight[k] * c;
       change[k] = c;
       const double part = p.part(k);
       sums[0] += part * (direction[k] * c);
@@ -231,11 +232,15 @@ double DropletSolver::iterate(double accuracy, double all)
     }
     sum(sums, 4, MPI_SUM);
     const auto [curvature, norm, turned, square] = sums;
-    if (!(curvature > 0.0)) {    // beyond the model: not along this direction
-      for (int k = 0; k < p.size && n == 0; ++k) step[k] += direction[k];
+    const bool at_start = n == 0 && start == 0.0;
+    if (at_start) start = norm;
+    if (!(curvature > 0.0)) {    // beyond the model: no farther along this direction
+      for (int k = 0; k < p.size && at_start; ++k) {
+        step[k] += direction[k];
+        left[k] -= change[k];
+      }
       break;
     }
-    if (all == 0.0) all = norm;
     const double length = norm / curvature, next = norm - length * (2.0 * turned - length * square);
     const float by = static_cast<float>(length), conjugate = static_cast<float>(next / norm);
     for (int k = 0; k < p.size; ++k) {
@@ -243,9 +248,9 @@ double DropletSolver::iterate(double accuracy, double all)
       left[k] -= by * change[k];
       direction[k] = weight[k] * left[k] + conjugate * direction[k];
     }
-    if (next <= accuracy * accuracy * all) break;
+    if (next <= accuracy * accuracy * start) break;
   }
-  return all;
+  return start;
 }
 
 // The change of the dual energy along the step, to first order.

@@ -7,16 +7,23 @@
 //
 // Newton's method finds it. A step solves C x = r with the compliances C of all droplets, for the pairs that bear a force, by
 // conjugate gradients, which need few iterations: each pair alone has most of its compliance. They are in single precision, and
-// so are the changes of indentations by a small step; F and what follows from it are in double precision. A pair closes where
-// its own force would become negative, and opens with the force that it would have alone. Those and pairs whose force changes by
-// much do so first, as forces of no other pairs bend compliances.
+// so are the changes of indentations by a small step; F and what follows from it are in double precision.
+//
+// C is that of the forces before the step. Along the step it changes mostly because the indentation that a force makes under
+// itself goes like F ln(1/F). Of a pair alone that is known exactly (bent_step), which steps use three times:
+//   before: pairs that open, close or change by much of their force do so alone, and the step begins there (switch_pairs). A
+//     pair closes where its own force would become negative, and opens with the force that it would have alone.
+//   within: when a long step is known to a hundredth, each of its forces bends to where its own indentation is what C promised.
+//     The rest of the step makes up for what other pairs get or lose by that (bend_steps).
+//   at the end: the forces that are taken bend, too (force_after).
+// A step that is too long is halved (search). Where that does not help either, pairs go by half of their own step (relax).
 //
 // The imbalance of a pair is the change of its force that would remove r if all others stayed. The solution is found when none
 // exceeds the tolerance times the largest force. In motion the forces of the last calls predict the next ones (ForcePredictor),
 // and mostly one step is enough.
 //
-// All ranks do the same steps, from the same overlap and force of a pair that two ranks share. Each has the indentation of its own
-// droplet, and that of the other one from the other rank.
+// All ranks do the same steps. Both ranks of a pair have its force and, but for rounding, its overlap. Each has the indentation of
+// its own droplet, and that of the other one from the other rank.
 
 #ifndef LMP_DROPLET_SOLVER_H
 #define LMP_DROPLET_SOLVER_H
@@ -104,8 +111,8 @@ class DropletSolver : protected Pointers {
   LargeVector<int> sides[2];
   LargeVector<double> residuals;
   LargeVector<float> softness, unit;    // of a force alone, see alone()
-  LargeVector<float> weight, step, moved, left, direction,
-      change;    // weight: 1/(C_i + C_j), 0 where a pair takes no part
+  // weight: 1/(C_i + C_j), 0 where a pair takes no part; moved: by pairs alone, which forces have already; left: of residuals
+  LargeVector<float> weight, step, moved, left, direction, change;
 
   double rounding = 0.0;    // of forces, by steps in single precision
   struct State {
@@ -124,13 +131,14 @@ class DropletSolver : protected Pointers {
   State evaluate();
   State after_step(const State &before);
   State look();
-  void move_alone(int k, double next, double own);
+  void move_alone(int k, double next, double own_compliance);
   void open_alone(int k, double residual);
   void switch_pairs();
   void multiply(const LargeVector<float> &step);
-  float changed(int k) const { return product[sides[0][k]] + product[sides[1][k]]; }
+  float product_of(int k) const { return product[sides[0][k]] + product[sides[1][k]]; }
   void correct(const State &);
-  double iterate(double accuracy, double all = 0.0);
+  double conjugate_gradients(double accuracy, double start = 0.0);
+  double force_after(int k) const;
   void bend_steps();
   void relax();
   void take_steps();

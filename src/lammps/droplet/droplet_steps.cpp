@@ -61,14 +61,14 @@ static double bent_step(double f, double step, double soft)
   return f * ratio;
 }
 
-// The force of a pair by itself, and its own compliance there.
-void DropletSolver::move_alone(int k, double next, double own)
+// To this force, with the compliance there. Only the sum of both sides counts: each has a half.
+void DropletSolver::move_alone(int k, double next, double own_compliance)
 {
   DropletPairs &p = *pairs;
   moved[k] += static_cast<float>(next - p.force[k]);
   p.force[k] = next;
-  weight[k] = next > 0.0 ? static_cast<float>(1.0 / own) : 0.0f;
-  const float of_each = static_cast<float>(k < p.wall ? 0.5 * own : own);
+  weight[k] = next > 0.0 ? static_cast<float>(1.0 / own_compliance) : 0.0f;
+  const float of_each = static_cast<float>(k < p.wall ? 0.5 * own_compliance : own_compliance);
   compliance[sides[0][k]] = of_each;
   if (k < p.remote) compliance[sides[1][k]] = of_each;
 }
@@ -100,21 +100,28 @@ void DropletSolver::switch_pairs()
   multiply(moved);
   for (int k = 0; k < p.size; ++k) {
     const bool alone = moved[k] != 0.0f && weight[k] > 0.0f;
-    left[k] = (alone ? moved[k] / weight[k] : left[k]) - changed(k);
+    left[k] = (alone ? moved[k] / weight[k] : left[k]) - product_of(k);
   }
 }
 
-// Where steps are known by and large: what the bend of each takes from the other pairs, while its own stays balanced. Pairs that
-// bear nothing open where the others left them an overlap.
+// The force to which its step leads.
+double DropletSolver::force_after(int k) const
+{
+  const double f = pairs->force[k];
+  const double next = weight[k] > 0.0f ? bent_step(f, step[k], softness[k] * weight[k])
+                                       : std::max(f + step[k], 0.0);
+  return std::min(next, most_force(k, f - moved[k]));
+}
+
+// What the bends of steps take from other pairs; that of a pair itself makes its own indentation what it should be. Pairs that
+// bear nothing open where the others leave them an overlap.
 void DropletSolver::bend_steps()
 {
   const DropletPairs &p = *pairs;
   for (int k = 0; k < p.size; ++k) {
-    const double f = p.force[k];
     direction[k] = 0.0f;
     if (weight[k] > 0.0f) {
-      direction[k] =
-          static_cast<float>(bent_step(f, step[k], softness[k] * weight[k]) - f - step[k]);
+      direction[k] = static_cast<float>(force_after(k) - p.force[k] - step[k]);
     } else if (moved[k] == 0.0f && left[k] > 0.0f) {
       open_alone(k, left[k]);
       direction[k] = static_cast<float>(p.force[k]);
@@ -123,17 +130,15 @@ void DropletSolver::bend_steps()
   }
   multiply(direction);
   for (int k = 0; k < p.size; ++k)
-    left[k] -= changed(k) - (weight[k] > 0.0f ? direction[k] / weight[k] : 0.0f);
+    left[k] -= product_of(k) - (weight[k] > 0.0f ? direction[k] / weight[k] : 0.0f);
 }
 
 void DropletSolver::take_steps()
 {
   DropletPairs &p = *pairs;
   for (int k = 0; k < p.size; ++k) {
-    const double f = p.force[k], before = f - moved[k];
-    const double next = weight[k] > 0.0f ? bent_step(f, step[k], softness[k] * weight[k])
-                                         : std::max(f + step[k], 0.0);
-    p.force[k] = std::min(next, most_force(k, before));
+    const double before = p.force[k] - moved[k];
+    p.force[k] = force_after(k);
     step[k] = static_cast<float>(p.force[k] - before);
   }
 }

@@ -92,7 +92,7 @@ struct WallSources {
 
   // Walls from words, at rest, in the plane: plane x y nx ny, circle x y radius, disk x y radius, segment x1 y1 x2 y2,
   // polygon N x1 y1 ... xN yN. In space: xlo place ... zhi place, of which EDGE and v_name may move, plane x y z nx ny nz, sphere
-  // x y z radius, ball x y z radius, cylinder x y z ax ay az radius, post with the same words, cone x y z ax ay az radius slope.
+  // x y z radius, ball x y z radius, cylinder or post x y z ax ay az radius, cone x y z ax ay az radius slope.
   // Returns what is wrong, or nothing.
   std::string read_words(int narg, char **arg, class LAMMPS *);
   static bool is_word(const std::string &);    // in the plane or in space
