@@ -76,8 +76,9 @@ def _around_axis(
         cell = np.where(closed(walls, 3), 0.0, np.floor(fractional(middle, box)))
         middle = middle - cell @ box
     ends = [middle + axis * (end - middle) for end in bounds(walls, box)]
-    slope = wall.slope if isinstance(wall, Cone) else 0.0
-    radii = [max(wall.radius + slope * float((end - middle) @ axis), 0.0) for end in ends]
+    slope, radii = 0.0, [wall.radius] * 2
+    if isinstance(wall, Cone):
+        slope, radii = wall.slope, [wall.radius_at(float(end[2])) for end in ends]
     lines = [end + radius * _circle(axis) for end, radius in zip(ends, radii, strict=True)]
     # The normal of a side, its direction u minus slope times the axis, is across the view.
     beside = viewer - (viewer @ axis) * axis
