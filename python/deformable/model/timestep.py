@@ -28,9 +28,9 @@ _BY_FORCE = (1.0 / (2.0 * 15.0)) ** (1.0 / 3.0)
 _TOGETHER = 10.0
 
 # The largest eigenvalue of the Hessian of droplets over their tension, about, by their load x: no
-# less than 9 packings have, random ones and fcc, bcc and sc crystals up to phi = 0.85, with 3 to 52
-# (tests/python/model/test_timestep.py). A droplet with the energy U above rest has a load of up to
-# (U / (tension R^2))^(1/2) / 2.
+# less than random packings and fcc, bcc and sc crystals have
+# (tests/python/protocols/test_space_motion.py). A droplet with the energy U above rest has a load
+# of up to (U / (tension R^2))^(1/2) / 2.
 _LOOSE, _BY_LOAD = 12.0, 380.0
 
 # Smallest pressure that limits the step, over the stiffness: particles at rest do not move.

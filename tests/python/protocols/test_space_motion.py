@@ -34,10 +34,19 @@ def stiffest(sim: deformable.DropletSimulation, state: DropletState) -> float:
     return float(np.linalg.norm(v))
 
 
-@pytest.mark.parametrize("phi", [0.645, 0.7, 0.8])
-def test_longest_steps_are_stable_and_not_by_far(jammed: Packing, phi: float) -> None:
+@pytest.mark.parametrize(
+    ("kind", "phi"),
+    [
+        *(("random", phi) for phi in (0.645, 0.7, 0.8)),
+        *(("fcc", phi) for phi in (0.75, 0.8, 0.85)),
+        *(("bcc", phi) for phi in (0.7, 0.8)),
+        ("sc", 0.55),
+    ],
+)
+def test_longest_steps_are_stable_and_not_by_far(jammed: Packing, kind: str, phi: float) -> None:
     """Verlet up to 2/omega, Euler up to 2 friction/omega^2, of the stiffest mode."""
-    with deformable.Simulation(jammed.at(phi), Droplet(2.0)) as sim:
+    packing = jammed if kind == "random" else deformable.cubic(kind, 2, radius=1.0)
+    with deformable.Simulation(packing.at(phi), Droplet(2.0)) as sim:
         state = sim.relax(1e-4)
         largest = stiffest(sim, state)
     assert 0.5 < longest_step(*state.step_limits()) / (2.0 / np.sqrt(largest)) < 1.0
