@@ -16,10 +16,10 @@ def packings():
     return {r: jam(bidisperse(24, ratio=r, dimension=3, seed=1), tolerance=1e-2) for r in ratios}
 
 
-def case_of(packing, tensions, phi, shake=0.0):
+def case_of(packing, tensions, phi, shake=0.0, seed=1):
     """The packing at phi; shake: of positions, of the smallest radius."""
     packing = packing.at(phi)
-    random = np.random.default_rng(1).normal(size=(len(packing), 3))
+    random = np.random.default_rng(seed).normal(size=(len(packing), 3))
     return {
         "x": packing.positions + shake * packing.radius.min() * random,
         "box": np.diag(packing.box),
@@ -43,6 +43,21 @@ def test_contrasts(ratio, tensions, phi, packings, tmp_path):
     h = 1e-4 * min(packings[ratio].radii)
     at = [scene.energy_at(scene.x + s * h * along) for s in (1, -2)]  # 1 and -1 from the start
     assert (at[1] - at[0]) / (2 * h) == pytest.approx(np.linalg.norm(push), rel=1e-4)
+
+
+@pytest.mark.parametrize("ratio", [1.4, 5.0])
+def test_contacts_are_balanced_beyond_the_model(ratio, packings, tmp_path):
+    """Weak droplets among strong ones, from forces that know nothing of each other: Newton's method
+    goes in circles in few scenes at most. Which ones they are is up to rounding."""
+    imbalances = [
+        Droplets(
+            case_of(packings[ratio], (1, 100), phi, shake, seed), tmp_path, "deformable/droplet"
+        ).outputs()[3]
+        for phi in (0.8, 0.9, 0.95)
+        for shake in (0.02, 0.05, 0.1)
+        for seed in range(10)
+    ]
+    assert np.count_nonzero(np.array(imbalances) > 1e-8) <= 4
 
 
 @pytest.mark.parametrize("start", [0.1, 3.0])

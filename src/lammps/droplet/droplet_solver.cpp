@@ -183,13 +183,15 @@ void DropletSolver::multiply(const LargeVector<float> &of)
 }
 
 // A step of Newton's method: C step = r. Errors are imbalances over the largest force, and that after a step is about the square
-// of that before. A step is long where this is not enough.
+// of that before. A step is long where this is not enough, and bends if it is not too far.
 void DropletSolver::correct(const State &from)
 {
   // the next error over the square of this one, less for steps that bend; and what single precision knows
   constexpr double STRAIGHT = 0.3, BENT = 0.01, SINGLE = 1e-5, BEFORE_BENDING = 0.01;
+  // of farther steps bends are mere guesses, which beyond the model lead in circles
+  constexpr double FAR = 0.1;
   const double error = from.imbalance / from.force;
-  const bool is_long = error * error > tolerance;
+  const bool is_long = error * error > tolerance && error < FAR;
   const double accuracy =
       std::max({0.1 * tolerance / error, (is_long ? BENT : STRAIGHT) * error, SINGLE});
   for (int k = 0; k < pairs->size; ++k) {
@@ -203,6 +205,7 @@ void DropletSolver::correct(const State &from)
     return;
   }
   const double start = conjugate_gradients(BEFORE_BENDING);
+  if (start == 0.0) return;
   bend_steps();
   conjugate_gradients(accuracy, start);
 }
@@ -210,6 +213,7 @@ void DropletSolver::correct(const State &from)
 /* ----------------------------------------------------------------------
    Adds to the step until the norm of what is left is this part of that at the
    start, which is returned: squared, as all norms here. 0: the start is now.
+   Returns 0 beyond the model, where a direction has no curvature.
 ------------------------------------------------------------------------- */
 
 double DropletSolver::conjugate_gradients(double accuracy, double start)
@@ -232,15 +236,12 @@ double DropletSolver::conjugate_gradients(double accuracy, double start)
     }
     sum(sums, 4, MPI_SUM);
     const auto [curvature, norm, turned, square] = sums;
-    const bool at_start = n == 0 && start == 0.0;
-    if (at_start) start = norm;
-    if (!(curvature > 0.0)) {    // beyond the model: no farther along this direction
-      for (int k = 0; k < p.size && at_start; ++k) {
-        step[k] += direction[k];
-        left[k] -= change[k];
-      }
-      break;
+    if (norm <= accuracy * accuracy * start) break;    // the rest is rounding
+    if (!(curvature > 0.0)) {    // not along this direction, if there is another step
+      for (int k = 0; k < p.size && n == 0 && start == 0.0; ++k) step[k] += direction[k];
+      return 0.0;
     }
+    if (start == 0.0) start = norm;
     const double length = norm / curvature, next = norm - length * (2.0 * turned - length * square);
     const float by = static_cast<float>(length), conjugate = static_cast<float>(next / norm);
     for (int k = 0; k < p.size; ++k) {

@@ -13,8 +13,8 @@
 // itself goes like F ln(1/F). Of a pair alone that is known exactly (bent_step), which steps use three times:
 //   before: pairs that open, close or change by much of their force do so alone, and the step begins there (switch_pairs). A
 //     pair closes where its own force would become negative, and opens with the force that it would have alone.
-//   within: when a long step is known to a hundredth, each of its forces bends to where its own indentation is what C promised.
-//     The rest of the step makes up for what other pairs get or lose by that (bend_steps).
+//   within: when a long step, but no far one, is known to a hundredth, its forces bend to where their own indentation is what C
+//     promised. The rest of the step makes up for what other pairs get or lose by that (bend_steps).
 //   at the end: the forces that are taken bend, too (force_after).
 // A step that is too long is halved (search). Where that does not help either, pairs go by half of their own step (relax).
 //
