@@ -34,9 +34,8 @@ class SpaceScene {
                 double slope, bool inside)
   {
     const Vector3 axis = (1.0 / length({ax, ay, az})) * Vector3{ax, ay, az};
-    const double slant = std::hypot(1.0, slope);
-    const HalfPlane sides = {1.0 / slant, -slope / slant, radius / slant};
-    walls.push_back({inside ? CONE : POST, {x, y, z}, radius, {}, {{x, y, z}, axis, sides, {}, 0}});
+    const HalfPlane side = cone_side(radius, slope);
+    walls.push_back({inside ? CONE : POST, {x, y, z}, radius, {}, {{x, y, z}, axis, side, {}, 0}});
   }
 
   Matrix nearest(nb::handle px, nb::handle py, nb::handle pz) const

@@ -58,6 +58,13 @@ struct Revolution {
   int count;
 };
 
+// The side of a cone: s <= radius + slope z. Of a cylinder the slope is 0.
+inline HalfPlane cone_side(double radius, double slope)
+{
+  const double slant = std::hypot(1.0, slope);
+  return {1.0 / slant, -slope / slant, radius / slant};
+}
+
 // Where x is: distance from the axis, height along it, and the direction away from the axis.
 struct AxialPlace {
   double s, z;

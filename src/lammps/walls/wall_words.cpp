@@ -74,9 +74,9 @@ void read_space_shape(const std::string &word, const std::vector<double> &value,
     shape.radius = value[6];
     shape.body.center = a;
     shape.body.axis = direction;
-    const double slope = word == "cone" ? value[7] : 0.0, slant = std::hypot(1.0, slope);
+    const double slope = word == "cone" ? value[7] : 0.0;
     if (word == "cone" && slope == 0.0) problem = "has a slope of 0: use 'cylinder'";
-    shape.body.side = {1.0 / slant, -slope / slant, shape.radius / slant};
+    shape.body.side = cone_side(shape.radius, slope);
   }
   if (!(shape.radius > 0.0)) problem = fmt::format("has a radius of {:.6g}", shape.radius);
 }
