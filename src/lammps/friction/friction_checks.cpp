@@ -2,7 +2,7 @@
 
 #include "fix_deformable_friction.h"
 
-#include "pair/pair_deformable.h"
+#include "pair/deformable_pairs.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -26,13 +26,7 @@ void FixDeformableFriction::init()
                "Fix {} deformable/friction: 'fix_modify {} energy yes' would count its losses as "
                "potential energy. Use the thermo keyword econserve, or f_{}[1] for the springs",
                id, id, id);
-  pairs.clear();
-  const auto add = [this](Pair *pair) {    // but for that of polygons
-    if (auto *const deformable = dynamic_cast<PairDeformable *>(pair)) pairs.push_back(deformable);
-    return pair;
-  };
-  if (!add(force->pair_match("^deformable/", 0)))
-    for (int n = 1; add(force->pair_match("^deformable/", 0, n));) ++n;
+  pairs = deformable_pairs(*force);
   if (pairs.empty())
     error->all(FLERR,
                "Fix {} deformable/friction needs pair_style deformable/ring, but pair_style is {}",
@@ -128,9 +122,10 @@ void FixDeformableFriction::find_lightest()
 
 void FixDeformableFriction::check_time_step() const
 {
-  if (update->whichflag != 1) return;    // minimizers pass over friction
-  constexpr double SPHERE = 3.5;         // 1 + m R^2/I; 3 of a disk
-  const double longest = coefficients.largest_time_step(lightest, atom->omega_flag ? SPHERE : 1.0);
+  if (update->whichflag != 1) return;             // minimizers pass over friction
+  constexpr double SPHERE = 3.5;                  // 1 + m R^2/I; 3 of a disk
+  const double mass = lightest / force->ftm2v;    // force time^2/distance units
+  const double longest = coefficients.largest_time_step(mass, atom->omega_flag ? SPHERE : 1.0);
   if (update->dt > longest)
     error->all(FLERR,
                "Fix {} deformable/friction: the time step {:.6g} is too long for these stiffnesses "

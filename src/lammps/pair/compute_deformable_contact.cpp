@@ -1,10 +1,9 @@
 #include "compute_deformable_contact.h"
 
+#include "deformable_pairs.h"
 #include "lammps_release.h"
-#include "pair_deformable.h"
 
 #include "error.h"
-#include "force.h"
 #include "update.h"
 
 using namespace LAMMPS_NS;
@@ -24,24 +23,15 @@ ComputeDeformableContact::ComputeDeformableContact(LAMMPS *lmp, int narg, char *
 
 /* ---------------------------------------------------------------------- */
 
-std::vector<PairDeformable *> ComputeDeformableContact::deformable_pairs() const
-{
-  std::vector<PairDeformable *> found;
-  if (Pair *pair = force->pair_match("^deformable/", 0)) {
-    found.push_back(static_cast<PairDeformable *>(pair));
-  } else {
-    for (int n = 1; Pair *part = force->pair_match("^deformable/", 0, n); ++n)
-      found.push_back(static_cast<PairDeformable *>(part));
-  }
-  return found;
-}
-
 void ComputeDeformableContact::init()
 {
-  pairs = deformable_pairs();
+  pairs = deformable_pairs(*force);
   if (pairs.empty())
-    error->all(FLERR, "Compute {} deformable/contact needs a deformable pair style, not {}", id,
-               force->pair_style ? force->pair_style : "none");
+    error->all(
+        FLERR,
+        "Compute {} deformable/contact needs pair_style deformable/ring, deformable/sector or "
+        "deformable/droplet, but pair_style is {}",
+        id, force->pair_style ? force->pair_style : "none");
 }
 
 /* ----------------------------------------------------------------------
@@ -50,7 +40,7 @@ void ComputeDeformableContact::init()
 
 void ComputeDeformableContact::compute_local()
 {
-  if (deformable_pairs() != pairs)
+  if (deformable_pairs(*force) != pairs)
     error->all(FLERR,
                "Compute {} deformable/contact: the pair style is another one since the last run, "
                "use 'run 0' first",

@@ -26,7 +26,6 @@ class ComputeDeformableContact : public Compute {
 
  private:
   std::vector<class PairDeformable *> pairs;    // of the last run; several within a hybrid style
-  std::vector<class PairDeformable *> deformable_pairs() const;
 
   std::vector<double> values;
   std::vector<double *> rows;

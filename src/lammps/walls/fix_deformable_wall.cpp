@@ -1,14 +1,13 @@
 #include "fix_deformable_wall.h"
 
 #include "lammps_release.h"
+#include "pair/deformable_pairs.h"
 
 #include "parameter_rules.h"
 
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
-#include "force.h"
-#include "pair.h"
 #include "update.h"
 
 #include <cmath>
@@ -107,8 +106,10 @@ void FixDeformableWall::init()
 {
   if (utils::strmatch(update->integrate_style, "^respa"))
     error->all(FLERR, "Fix {} deformable/wall cannot be used with run_style respa", id);
-  if (!force->pair_match("^deformable/", 0) && !force->pair_match("^deformable/", 0, 1))
-    error->all(FLERR, "Fix {} deformable/wall needs a deformable pair style, but pair_style is {}",
+  if (deformable_pairs(*force).empty())
+    error->all(FLERR,
+               "Fix {} deformable/wall needs pair_style deformable/ring, deformable/sector or "
+               "deformable/droplet, but pair_style is {}",
                id, force->pair_style ? force->pair_style : "none");
   if (thermo_energy)
     error->all(FLERR,
