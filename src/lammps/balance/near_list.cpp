@@ -30,6 +30,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
   find_softness(p);
   pairs.sticks = p.films != nullptr;
   if (pairs.sticks) {
+    if (new_list) p.films->follow();
     p.films->who_knows(knows_films);
     remote_sides.to_ghosts(knows_films);
   }
@@ -193,8 +194,8 @@ void NearList::add_walls(const DeformableParticles &p, bool new_list, const Know
     const int own = order(*p.list)[ii];
     visit_walls(*p.walls, own, p.radius[own], p.reach, [&](int code, const auto &point) {
       const bool is_attached =
-          pairs.sticks && (knows_films[own] != 0.0 ? p.films->is_attached(own, code)
-                                                   : point.height < p.radius[own]);
+          pairs.sticks && (p.films->is_attached(own, code) ||
+                           (knows_films[own] == 0.0 && point.height < p.radius[own]));
       if (point.height > p.radius[own] + bulge[own] + margin && !is_attached) return;
       at_walls.push_back(is_attached);
       PastForces past;

@@ -10,9 +10,9 @@
 #include "pointers.h"
 
 #include "adhesions.h"
-#include "fix_deformable_films.h"
 #include "force_history.h"
 #include "materials.h"
+#include "memory/fix_deformable_films.h"
 #include "near_pairs.h"
 #include "remote_sides.h"
 #include "walls/fix_deformable_wall.h"

@@ -4,6 +4,7 @@
 #include "friction/fix_deformable_friction.h"
 #include "input_checks.h"
 #include "lammps_release.h"
+#include "memory/fix_deformable_restart.h"
 
 #include "parameter_rules.h"
 #include "trigonometry.h"
@@ -107,6 +108,7 @@ void PairDeformable::coeff(int narg, char **arg)
     radius[type] = species[type].radius;
   }
   adhesions.assign(species, known.adhesions);
+  describe_species();
   check_lines_bend("Species", adhesions.any());
 }
 
@@ -147,6 +149,9 @@ void PairDeformable::init_style()
 
   recording = !modify->get_compute_by_style(ComputeDeformableContact::STYLE).empty();
   rubbing = !modify->get_fix_by_style(FixDeformableFriction::STYLE).empty();
+
+  const char *const id = FixDeformableRestart::ID;
+  if (!modify->get_fix_by_id(id)) modify->add_fix(fmt::format("{} all deformable/restart", id));
 
   walls.clear();
   for (Fix *fix : modify->get_fix_by_style(FixDeformableWall::STYLE))

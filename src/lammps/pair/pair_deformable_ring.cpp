@@ -8,6 +8,7 @@
 
 #include "comm.h"
 #include "error.h"
+#include "force.h"
 #include "modify.h"
 #include "neighbor.h"
 
@@ -97,6 +98,15 @@ void PairDeformableRing::settings(int narg, char **arg)
 
 /* ---------------------------------------------------------------------- */
 
+std::string PairDeformableRing::law() const
+{
+  const char *const contact = !balanced                  ? "radical"
+                              : balanced->pairs().curved ? "curved"
+                                                         : "balanced";
+  return fmt::format("deformable/ring contact {}{}{}", contact, kA_by_atom ? " kA atom" : "",
+                     tension_by_atom ? " tension atom" : "");
+}
+
 void PairDeformableRing::init_style()
 {
   PairDeformable::init_style();
@@ -108,17 +118,35 @@ void PairDeformableRing::init_style()
   stick();
 }
 
-// Which pairs are attached outlives this pair style, for one that continues its run.
+// Which pairs are attached outlives this pair style, for one that continues its run. Styles of a hybrid one do not share it.
 void PairDeformableRing::stick()
 {
   bool sticks = adhesions.any();
   for (const FixDeformableWall *wall : walls) sticks |= wall->adhesion() > 0.0;
-  if (!sticks || films) return;
-  Fix *fix = modify->get_fix_by_id(FixDeformableFilms::ID);
-  if (!fix) fix = modify->add_fix(fmt::format("{} all deformable/films", FixDeformableFilms::ID));
+  if (!sticks && !films) return;
+  std::string name = FixDeformableFilms::ID;
+  const int number = number_in_hybrid();
+  if (number > 1) name += fmt::format("_{}", number);
+  Fix *fix = modify->get_fix_by_id(name);
+  if (!fix && films)
+    error->all(FLERR,
+               "Fix {} was deleted, which knew the attached pairs: define pair_style "
+               "deformable/ring again. "
+               "'fix_modify {} attached none' lets them go",
+               name, name);
+  if (!fix) fix = modify->add_fix(fmt::format("{} all deformable/films", name));
+  if (!films) balanced->stick();
   films = dynamic_cast<FixDeformableFilms *>(fix);
-  if (!films) error->all(FLERR, "A fix has the ID {}, which contacts that stick need", fix->id);
-  balanced->stick();
+  if (!films) error->all(FLERR, "A fix has the ID {}, which contacts that stick need", name);
+}
+
+// Of the styles deformable/ring in a hybrid one, from 1 on.
+int PairDeformableRing::number_in_hybrid() const
+{
+  for (int n = 1;; ++n) {
+    const Pair *const other = force->pair_match("deformable/ring", 1, n);
+    if (!other || other == this) return other ? n : 1;
+  }
 }
 
 /* ---------------------------------------------------------------------- */

@@ -34,7 +34,7 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
     particles.new_material = true;
     wrong = balanced->solve(particles, false, before_change);
   }
-  if (moves) lost_energy += balanced->lost_energy();
+  if (moves && films) films->lose(balanced->lost_energy());
   if (wrong >= 0) {
     int i = balanced->pairs().i[wrong], j = balanced->pairs().j[wrong];
     if (radii[i] > radii[j]) std::swap(i, j);    // the line lies behind the smaller one
@@ -57,7 +57,7 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
   else
     for (const int i : balanced->crowded_rings()) finish_balanced(i);
   if (comm->me != 0) return;    // compute pair sums over ranks
-  pvector[5] = lost_energy;
+  pvector[5] = films ? films->compute_scalar() : 0.0;
   pvector[2] = balanced->evaluations();
   pvector[3] = balanced->imbalance();
 }

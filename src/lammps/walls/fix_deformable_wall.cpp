@@ -23,6 +23,7 @@ using deformable::Vector3;
 
 FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg)
     : Fix(lmp, narg, arg),
+      words(utils::join_words({arg + std::min(3, narg), arg + narg}, " ")),
       dimension(domain->dimension)
 {
   if (narg < 4) utils::missing_cmd_args(FLERR, "fix deformable/wall", error);

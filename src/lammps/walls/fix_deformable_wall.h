@@ -35,6 +35,8 @@ class FixDeformableWall : public Fix {
   // begins so. The style of this object therefore has another name.
   static constexpr const char *STYLE = "wall/flat";
 
+  const std::string words;    // that define it
+
   int setmask() override;
   void init() override;
   void setup(int) override;
@@ -119,6 +121,7 @@ class FixDeformableWall : public Fix {
   }
   Motion::Way way(int feature, double x, double y) const { return scene.way(feature, x, y); }
   int first_feature(int feature) const { return scene.first_feature(feature); }
+  std::vector<std::string> feature_names() const { return scene.feature_names(); }
   void do_work(double energy) { scene.do_work(energy); }
 
  private:

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 
 using namespace LAMMPS_NS;
 using deformable::Edge;
@@ -186,6 +187,18 @@ const WallScene::Wall &WallScene::wall_of(int feature) const
   return *(std::upper_bound(walls.begin(), walls.end(), feature,
                             [](int f, const Wall &w) { return f < w.first_feature; }) -
            1);
+}
+
+std::vector<std::string> WallScene::feature_names() const
+{
+  std::vector<std::string> names;
+  std::map<std::string, int> so_far;    // features of this name
+  for (const Wall &wall : walls)
+    for (int k = 0; k < std::max(1, 3 * wall.edges); ++k) {
+      const std::string &name = sources.walls[wall.source].name;
+      names.push_back(name + ", surface " + std::to_string(++so_far[name]));
+    }
+  return names;
 }
 
 void WallScene::add_force(int feature, double fx, double fy, double x, double y, double dx,

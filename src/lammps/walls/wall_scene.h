@@ -81,6 +81,9 @@ class WallScene {
   // The first feature of the wall that this one belongs to.
   int first_feature(int feature) const { return wall_of(feature).first_feature; }
 
+  // What a feature is called, for a memory that outlives this scene. None before a region is read.
+  std::vector<std::string> feature_names() const;
+
   const WallSource &source(int wall) const { return sources.walls[wall]; }
   double memory_usage() const;
 
