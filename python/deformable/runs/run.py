@@ -26,6 +26,7 @@ from mpi4py import MPI
 from ..common.errors import FileError
 from ..common.files import reading
 from ..common.progress import progress
+from ..common.ranks import world
 from ..common.steps import Steps, start_of
 from ..common.validate import expect
 from ..engine.deforming import Deforming
@@ -63,19 +64,26 @@ class Run:
         folder: of the run.
 
     Raises:
-        FileError: when files are needed: one is missing or cannot be read.
+        FileError: the folder has no run, or a file is missing or cannot be read. On several ranks,
+            of which one may still be writing, this is told when files are needed.
         IndexError: there is no such state.
     """
 
     def __init__(self, folder: str | Path) -> None:
         expect("folder", folder, str, Path)
         self.folder = Path(folder)
+        if world().size == 1:
+            self._check()
 
     def __repr__(self) -> str:
         return f"Run({str(self.folder)!r})"
 
+    def _check(self) -> None:
+        """Say what is missing."""
+        summary_in(refuse(self.folder, but="compression"))
+
     def __len__(self) -> int:
-        summary_in(refuse(self.folder, but="compression"))  # or say what is missing
+        self._check()
         return frames.frames_in(self.folder)
 
     def __iter__(self) -> Iterator[DeformedState]:
