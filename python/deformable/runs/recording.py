@@ -19,6 +19,7 @@ import numpy as np
 from ..common.errors import ParameterError
 from ..common.files import make_folder
 from ..common.steps import Steps, start_of
+from ..common.strict_json import check_parameters
 from ..common.validate import expect, positive
 from ..engine.deforming import Deforming, S
 from ..engine.droplet_simulation import DropletSimulation
@@ -147,7 +148,7 @@ def shear_in(
 def expect_states(states: Any, parameters: Any) -> None:
     """Refuse objects of another kind."""
     expect("states", states, Iterable)
-    expect("parameters", parameters, Mapping, type(None))
+    check_parameters(parameters)
 
 
 def compression(steps: int, tolerance: float, **targets: float | None) -> dict[str, Any]:
@@ -209,7 +210,7 @@ def begin(
         before: parameters of the run that it goes on with, if any.
         first: number of the frames before.
     """
-    expect("parameters", parameters, Mapping, type(None))
+    check_parameters(parameters)
     return Steps(name, _begun(sim, folder, protocol, parameters, before, first))
 
 

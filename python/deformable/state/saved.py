@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import UnsavedWarning
+from ..common.strict_json import check_parameters
 from ..common.validate import expect, whole
 from ..io.data_file import Motion
 from ..io.lammps_script import TEMPERATURE
@@ -77,7 +78,7 @@ class Saved(ABC):
 
         Args:
             folder: made if missing; an older state there is replaced.
-            parameters: anything JSON for the summary, e.g. seed and protocol.
+            parameters: for the summary, e.g. seed and protocol: what JSON can hold.
             frames: number of recorded frames up to this state, see `record`.
 
         Raises:
@@ -88,7 +89,7 @@ class Saved(ABC):
             UnsavedWarning: the files lack what `unsaved` names.
         """
         expect("folder", folder, str, Path)
-        expect("parameters", parameters, Mapping, type(None))
+        check_parameters(parameters)
         if frames is not None:
             whole("frames", frames)
         if self.root and self.unsaved:

@@ -276,9 +276,9 @@ def test_a_resumed_packing_was_rigid(
     first = deformable.Simulation(jammed, deformable.Ring())
     next(deformable.compress_in(first, tmp_path, 0.02, 2))
     again = []
-    opened = deformable.Run.simulation
+    opened = deformable.Run._simulation
     monkeypatch.setattr(
-        deformable.Run, "simulation", lambda *given: again.append(opened(*given)) or again[0]
+        deformable.Run, "_simulation", lambda *given: again.append(opened(*given)) or again[0]
     )
     deformable.Run(tmp_path).resume()
     assert again[0]._rigidity.phi == first._rigidity.phi < 1.0
