@@ -102,6 +102,12 @@ def keep_frames(folder: Path, first: int) -> None:
         write_whole(folder / SETUPS, text)
 
 
+def drop_frames(folder: Path) -> None:
+    """Make place for another run: without its packing first, so that a half is never a whole."""
+    for name in (DATA, SERIES, TRAJECTORY, SETUPS):
+        (folder / name).unlink(missing_ok=True)
+
+
 def append_setup(folder: Path, number: int, setup: Mapping[str, Any]) -> None:
     """Append what a frame is made of besides its particles, if the frame before had another."""
     line = json.dumps({"frame": number} | dict(setup), allow_nan=False) + "\n"

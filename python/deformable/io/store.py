@@ -37,7 +37,7 @@ def save(
     """Write a state. Only one rank may call this.
 
     Args:
-        folder: made if missing; an older state there is replaced.
+        folder: made if missing; a state there is replaced.
         packing: of the state.
         law: its contact law.
         timesteps: of the LAMMPS script, see there [time].

@@ -266,9 +266,9 @@ class Run:
         """Draw the states as a movie, see `deformable.movie`."""
         movie.movie(self, path, **settings)
 
-    def export(self, path: str | Path, forces: bool = False) -> None:
+    def export(self, path: str | Path, forces: bool = False, overwrite: bool = False) -> None:
         """Write the shapes of the states for ParaView and OVITO, see `deformable.export`."""
-        analysis.export(self, path, forces)
+        analysis.export(self, path, forces, overwrite)
 
     def table(self, **columns: Callable[[DeformedState], Any]) -> Any:
         """The numbers of the states as a DataFrame of pandas, with the frames as index.

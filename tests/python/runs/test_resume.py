@@ -94,7 +94,7 @@ def test_killed_again_and_again(uninterrupted: dict[str, bytes], tmp_path: Path)
     killed(
         ("torn", 1, *START),  # within the line of its law and walls
         ("torn", 3, *again),  # within the row of the start
-        ("before", 19, *again),  # before its packing, which is written last
+        ("before", 15, *again),  # before its packing, which is written last
         cwd=tmp_path,
     )
     result = compress("--resume", cwd=tmp_path)  # there is no run yet
@@ -102,7 +102,7 @@ def test_killed_again_and_again(uninterrupted: dict[str, bytes], tmp_path: Path)
     assert "packing.data is missing" in result.stderr
 
     killed(
-        ("before", 20, *again),  # before the frame of the first step
+        ("before", 16, *again),  # before the frame of the first step
         ("torn", 3, "--resume"),  # within the frame of the second step
         ("torn", 2, "--resume"),  # within its row
         ("before", 23, "--resume"),  # between summary and packing of the third step
