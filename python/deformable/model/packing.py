@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.errors import ParameterError
+from ..common.errors import AbsentError, ParameterError
 from ..common.optional import optional
 from ..common.validate import expect, numbers, positive, shown, whole
 from . import free_room, places, room
@@ -144,14 +144,14 @@ class Packing(PackingFiles):
     @property
     def area(self) -> float:
         """Area that is free to particles: of the box, or the container, without obstacles."""
-        refuse_space("area", self.dimension, "take the volume")
+        refuse_space("area", self.dimension, "take the volume", attribute=True)
         return self._room
 
     @property
     def volume(self) -> float:
         """Volume that is free to spheres: of the box, or the container, without obstacles."""
         if self.dimension == 2:
-            raise ParameterError("a packing in the plane has no volume: take the area")
+            raise AbsentError("a packing in the plane has no volume: take the area")
         return self._room
 
     @cached_property
@@ -174,7 +174,7 @@ class Packing(PackingFiles):
     @property
     def outlines(self) -> list[NDArray[np.float64]]:
         """Circles of the undeformed disks, closed polygons of shape (m, 2) [length]."""
-        refuse_space("outlines", self.dimension, "take positions and radius")
+        refuse_space("outlines", self.dimension, "take positions and radius", attribute=True)
         turn = np.linspace(0.0, 2.0 * np.pi, _POINTS)
         circle = np.column_stack([np.cos(turn), np.sin(turn)])
         return list(self.positions[:, None] + self.radius[:, None, None] * circle)

@@ -121,6 +121,39 @@ def test_plain_xyz_takes_a_box(tmp_path: Path) -> None:
     assert found.positions.tolist() == [[0.1, 0.2], [1.1, 0.2]]
 
 
+@pytest.mark.parametrize(
+    "comment",
+    ["", "Plateau's foam", "it's a=b", "6'3\" high", "a='b", "half of 'it", "x = 3", "= \"'"],
+)
+def test_any_comment_of_plain_xyz(comment: str, tmp_path: Path) -> None:
+    """Also behind a header of the extended format."""
+    (tmp_path / "a.xyz").write_text(f"1\n{comment}\nA 0.1 0.2 0\n")
+    assert Packing.from_file(tmp_path / "a.xyz", radii=0.5, box=(2, 3)).box[1, 1] == 3.0
+    lattice = 'Lattice="2 0 0 0 3 0 0 0 1" Properties=species:S:1:pos:R:3'
+    (tmp_path / "b.xyz").write_text(f"1\n{lattice} {comment}\nA 0.1 0.2 0\n")
+    assert Packing.from_file(tmp_path / "b.xyz", radii=0.5).box[1, 1] == 3.0
+
+
+@pytest.mark.parametrize("head", ["", "Properties=species:S:1:pos:R:3"])
+@pytest.mark.parametrize(
+    ("names", "species"),
+    [
+        (("1", "A", "1"), [0, 1, 0]),
+        (("nan", "Cu", "inf"), [2, 0, 1]),
+        (("1e0", "01", "2"), [1, 0, 2]),
+        (("2", "1", "2"), [1, 0, 1]),
+    ],
+)
+def test_words_that_look_like_numbers(
+    head: str, names: tuple[str, ...], species: list[int], tmp_path: Path
+) -> None:
+    """`species:S` says that types are words, of which some are numbers."""
+    rows = "".join(f"{name} {n}.1 0.2 0\n" for n, name in enumerate(names))
+    (tmp_path / "a.xyz").write_text(f"3\n{head}\n{rows}")
+    found = Packing.from_file(tmp_path / "a.xyz", radii=0.5, box=(4, 3))
+    assert found.species.tolist() == species
+
+
 def test_gsd_of_hoomd(tmp_path: Path) -> None:
     """Frames, names of types, the diameter 1 of the schema, and a square box about the origin."""
     hoomd = pytest.importorskip("gsd.hoomd")

@@ -36,7 +36,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @given(packing=packings())
 def test_texts_keep_every_bit(suffix: str, folder: Path, packing: Packing) -> None:
     path = folder / f"any{suffix}"
-    packing.to_file(path)
+    packing.to_file(path, overwrite=True)
     check_equal(Packing.from_file(path, dimension=3), packing)
 
 
@@ -45,7 +45,7 @@ def test_texts_keep_every_bit(suffix: str, folder: Path, packing: Packing) -> No
 def test_gsd_keeps_single_precision(folder: Path, packing: Packing) -> None:
     """Of lengths, of tilts over heights, and of positions, up to three boxes away."""
     pytest.importorskip("gsd")
-    packing.to_file(folder / "any.gsd")
+    packing.to_file(folder / "any.gsd", overwrite=True)
     found = Packing.from_file(folder / "any.gsd", dimension=3)
     sizes = np.abs(packing.box).sum(axis=0)
     assert (np.abs(found.box - packing.box) <= 4.0 * SINGLE * sizes).all()
