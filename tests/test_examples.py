@@ -139,6 +139,33 @@ def test_hopper(tree):
     assert weight == pytest.approx(1, abs=1e-3)
 
 
+def test_emulsion_si(tree):
+    """Pressures are those of droplets of this size; its page has the numbers of the log."""
+    folder = tree / "examples" / "emulsion_si"
+    committed = (folder / "log.emulsion_si").read_text()
+    log = run(folder, "lmp", "-in", "in.emulsion_si")
+    steps, expected = (numbers(text, "phi 0") for text in (log, committed))
+    phi, osmotic, emulsions, load, inside = steps.T
+    assert phi == pytest.approx([0.7, 0.75, 0.8, 0.85])
+    small, large = 10e-6, 11e-6
+    scale = 5e-3 * (small**2 + large**2) / (small**3 + large**3)
+    assert osmotic[-1] == pytest.approx(0.2765 * scale, rel=0.05)  # examples/emulsion_3d
+    assert osmotic == pytest.approx(expected[:, 1], rel=0.5)  # another random packing
+    assert emulsions == pytest.approx(3.2 * (phi - 0.64) ** 2 / np.sqrt(1 - phi) * scale, abs=0.1)
+    assert load.max() < 0.4
+    assert (np.diff([5e-3 * (1 / small + 1 / large), *inside]) > 0).all()
+    _, _, _, kinetic, total = table(log, ["Step", "Time"])
+    assert np.ptp(total) < 0.01 * kinetic.min()
+
+    page = (folder / "README.md").read_text()
+    rows = [
+        [float(n) for n in re.findall(NUMBER, row)] for row in re.findall(r"^\| 0\..*", page, re.M)
+    ]
+    np.testing.assert_array_equal(rows, expected[:, [0, 3, 4, 1, 2]])
+    _, _, _, kinetic, total = table(committed, ["Step", "Time"])
+    assert np.ptp(total) / kinetic.min() == pytest.approx(3e-3, rel=0.1)
+
+
 def test_mpi_input(tree):
     log = run(tree / "examples" / "mpi", "mpiexec", "-n", "2", "lmp", "-in", "in.mpi")
     reference = (ROOT / "examples" / "mpi" / "log.mpi").read_text()

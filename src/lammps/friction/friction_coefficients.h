@@ -26,7 +26,7 @@ class FrictionCoefficients : protected Pointers {
   void find_variables();    // before a run, as others may have been defined since
   void evaluate();          // as of this step
 
-  // The largest time step for particles of this mass, and lever = 1 + m R^2/I.
+  // The largest time step for particles of this mass (force time^2/distance units), and lever = 1 + m R^2/I.
   double largest_time_step(double mass, double lever) const;
 
  private:

@@ -43,6 +43,13 @@ void PairDeformableSector::settings(int narg, char **arg)
       utils::missing_cmd_args(FLERR, "pair_style deformable/sector radius", error);
     radius_by_atom = is_by_atom(iarg + 1, arg);
   }
+  if (std::string(update->unit_style) != "lj" && comm->me == 0)
+    error->warning(
+        FLERR,
+        "Pair style deformable/sector: the energy of a contact that is the only one of a "
+        "particle has the number of kA, or kP, as its stiffness, whatever the unit of "
+        "length. Use 'units lj' with radii of about 1, or deformable/ring in units {}",
+        update->unit_style);
 }
 
 /* ---------------------------------------------------------------------- */

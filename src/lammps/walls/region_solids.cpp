@@ -49,7 +49,8 @@ struct Extent {
 };
 
 // A convex body is nearest to a point far away on an axis at about its end. Later points are nearer, in front of the middle,
-// where nothing is lost to rounding; of a cone only its rim tells where it ends.
+// where nothing is lost to rounding, after a second round that does not know yet how small the body is; of a cone only its rim
+// tells where it ends.
 Extent extent_of(Region *region, bool is_cone)
 {
   constexpr double FAR = 1e9,
@@ -62,7 +63,8 @@ Extent extent_of(Region *region, bool is_cone)
         const int beside = (axis + 1) % 3;
         Vector3 from = extent.point(0.0, 0.0, 0.0), found;
         if (is_cone) along(from, beside) += ASIDE * extent.half(beside);
-        const double before = extent.half(axis) * (is_cone ? 1e6 : 2.0);
+        const double before =
+            std::max(extent.half(axis) * (is_cone ? 1e6 : 2.0), round == 1 ? 1.0 : 0.0);
         along(from, axis) = round == 0 ? sign * FAR : extent.at(axis, sign) + sign * before;
         (sign < 0.0 ? next.low : next.high)[axis] =
             nearest_to(region, from, found) ? along(found, axis) : sign * INFINITY;

@@ -113,21 +113,26 @@ std::string SpaceScene::update()
   return "";
 }
 
-// Of a convex body: where it is nearest to points far away, or nearly so.
+// Of a convex body: where it is nearest to a point far away, then to points in front of that, where less is lost to rounding. So
+// bodies may have any size.
 void SpaceScene::find_ends(Wall &wall) const
 {
-  constexpr double FAR = 1e9, ENDLESS = 1e6, ROUNDING = 1e-6;
+  constexpr double AWAY[] = {1e9, 1.0, 1e-6}, ENDLESS = 1e6;
   const Vector3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0}) {
-      const Vector3 x = (sign * FAR) * axes[axis];
-      SurfacePoint point;
-      double end = sign * std::numeric_limits<double>::infinity();
-      if (nearest_point(wall, x, point)) {
-        const double found = dot(axes[axis], x + point.height * point.n);
-        if (std::fabs(found) < ENDLESS) end = found;
+      Vector3 foot = {};
+      bool ends = true;
+      for (const double distance : AWAY) {
+        const Vector3 x = foot + (sign * distance) * axes[axis];
+        SurfacePoint point;
+        ends = ends && nearest_point(wall, x, point);
+        if (ends) foot = x + point.height * point.n;
       }
-      (sign < 0.0 ? wall.low : wall.high)[axis] = end + sign * ROUNDING * (1.0 + std::fabs(end));
+      const double end = dot(axes[axis], foot);
+      ends = ends && std::fabs(end) < ENDLESS;
+      (sign < 0.0 ? wall.low : wall.high)[axis] =
+          ends ? end : sign * std::numeric_limits<double>::infinity();
     }
 }
 
