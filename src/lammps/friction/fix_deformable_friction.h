@@ -18,6 +18,7 @@ FixStyle(deformable/friction,FixDeformableFriction);
 
 #include "fix.h"
 
+#include "box_rate.h"
 #include "contact_memory.h"
 #include "friction_coefficients.h"
 
@@ -41,7 +42,9 @@ class FixDeformableFriction : public Fix {
   void init() override;
   void reset_dt() override;
   void setup_pre_reverse(int, int) override;
+  void post_integrate() override { box_rate.measure(); }
   void pre_reverse(int, int) override;
+  void post_run() override { box_rate.end_run(); }
   double compute_scalar() override;
   double compute_vector(int) override;
 
@@ -96,6 +99,7 @@ class FixDeformableFriction : public Fix {
   struct Speeds {
     double along, normal, wall_along, wall_normal;
   };
+  BoxRate box_rate;
   double dt = 0.0;    // 0: before the first step of a run
   void rub_all(int vflag);
   void rub(const LoadedContact &);
