@@ -107,10 +107,3 @@ def test_other_commands(tmp_path):
     tilted = "change_box all triclinic\nfix walls all deformable/wall xlo EDGE\n"
     with pytest.raises(Exception, match=r"xlo EDGE: a side of a tilted box.*'plane'"):
         walled(ORIGIN, tilted, tmp_path)
-
-
-def test_sides_are_for_space(tmp_path):
-    scene = walled(ORIGIN, "zlo -2", tmp_path, style=EXACT)
-    scene.run("clear\ndimension 2\nregion box block -4 4 -4 4 -0.5 0.5\ncreate_box 1 box")
-    with pytest.raises(Exception, match="'xlo' is no wall in 2 dimensions: it must be 'plane'"):
-        scene.run("fix walls all deformable/wall xlo -2")

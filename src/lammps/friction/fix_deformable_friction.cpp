@@ -5,6 +5,7 @@
 
 #include "atom.h"
 #include "comm.h"
+#include "domain.h"
 #include "neighbor.h"
 #include "update.h"
 
@@ -24,7 +25,8 @@ static constexpr double BALANCED = 1e-6;
 FixDeformableFriction::FixDeformableFriction(LAMMPS *lmp, int narg, char **arg)
     : FixPartnerMemory(lmp, narg, arg, STYLE),
       words(utils::join_words({arg + std::min(3, narg), arg + narg}, " ")),
-      coefficients(lmp, narg, arg)
+      coefficients(lmp, narg, arg),
+      box_rate(lmp)
 {
   scalar_flag = vector_flag = extscalar = extvector = 1;
   size_vector = OUTPUTS;
@@ -42,7 +44,7 @@ FixDeformableFriction::FixDeformableFriction(LAMMPS *lmp, int narg, char **arg)
 
 int FixDeformableFriction::setmask()
 {
-  return PRE_REVERSE;
+  return POST_INTEGRATE | PRE_REVERSE;
 }
 
 /* ----------------------------------------------------------------------
@@ -55,12 +57,14 @@ void FixDeformableFriction::setup_pre_reverse(int, int vflag)
   if (update->ntimestep != update->firststep)
     for (int i = 0; i < atom->nlocal; ++i) particles[i].rows.clear();
   dt = 0.0;
+  box_rate.begin_run();
   rub_all(vflag);
 }
 
 void FixDeformableFriction::pre_reverse(int, int vflag)
 {
   dt = update->dt;
+  box_rate.remember();
   rub_all(vflag);
 }
 
@@ -278,11 +282,15 @@ void FixDeformableFriction::sweep()
   output[STORED] = stored;
 }
 
+// Across a sheared boundary images of a partner have velocities of their own.
 void FixDeformableFriction::end(int i, const RememberedContact &m)
 {
-  const int partner =
-      m.partner < 0.0 ? static_cast<int>(m.partner) : atom->map(static_cast<tagint>(m.partner));
-  if (m.partner > 0.0 && partner < 0) return;    // it is gone
+  int partner = static_cast<int>(m.partner);
+  if (m.partner > 0.0) {
+    const double *const x = atom->x[i], there[] = {x[0] + m.place.x, x[1] + m.place.y, x[2]};
+    partner = domain->closest_image(there, atom->map(static_cast<tagint>(m.partner)));
+    if (partner < 0) return;    // it is gone
+  }
   const Sides sides = {i, partner, i};
   const Speeds before = speeds(sides, velocity(sides), m.place, dt);
   lose(sides, m, m.kt, {0.0, 0.0, false}, 0.0, before, before);

@@ -18,6 +18,7 @@ FixStyle(deformable/friction,FixDeformableFriction);
 
 #include "memory/fix_partner_memory.h"
 
+#include "box_rate.h"
 #include "friction_coefficients.h"
 #include "remembered_contact.h"
 
@@ -42,7 +43,9 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
   void init() override;
   void reset_dt() override;
   void setup_pre_reverse(int, int) override;
+  void post_integrate() override { box_rate.measure(); }
   void pre_reverse(int, int) override;
+  void post_run() override { box_rate.end_run(); }
   double compute_scalar() override;
   double compute_vector(int) override;
 
@@ -89,6 +92,7 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
   struct Speeds {
     double along, normal, wall_along, wall_normal;
   };
+  BoxRate box_rate;
   double dt = 0.0;    // 0: before the first step of a run
   void rub_all(int vflag);
   void rub(const LoadedContact &);
