@@ -13,7 +13,7 @@ namespace {
 
 // One droplet, as the kernels know it.
 struct Droplet {
-  double radius, tension, load, work;
+  double radius, tension, load, facet, work;
   std::size_t contacts;
   std::vector<double> nx, ny, nz, f, indentation, tx, ty, tz;
 
@@ -99,24 +99,28 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
   const auto room = [&] { return std::vector<double>(places); };
   std::vector<double> nx = room(), ny = room(), nz = room(), f = room(), response = room(),
                       a = room(), tx = room(), ty = room(), tz = room();
-  std::vector<double> radii(LANES, 1.0), tensions(LANES, 1.0), load(LANES), work(LANES);
+  std::vector<double> radii(LANES, 1.0), tensions(LANES, 1.0), load(LANES), facet(LANES),
+      work(LANES);
   radii[0] = radius;
   tensions[0] = tension;
   std::vector<float> slope(LANES), bend(LANES), rounded(places), compliance(places), green(greens),
       d_green(greens), scratch(DropletKernels::SCRATCH * places);
-  const DropletArrays arrays = {
-      first,        &first_green,      radii.data(),    tensions.data(), load.data(),   work.data(),
-      slope.data(), bend.data(),       seat.data(),     nx.data(),       ny.data(),     nz.data(),
-      f.data(),     rounded.data(),    response.data(), a.data(),        tx.data(),     ty.data(),
-      tz.data(),    compliance.data(), green.data(),    d_green.data(),  scratch.data()};
+  const DropletArrays arrays = {first,           &first_green,   radii.data(),
+                                tensions.data(), load.data(),    facet.data(),
+                                work.data(),     slope.data(),   bend.data(),
+                                seat.data(),     nx.data(),      ny.data(),
+                                nz.data(),       f.data(),       rounded.data(),
+                                response.data(), a.data(),       tx.data(),
+                                ty.data(),       tz.data(),      compliance.data(),
+                                green.data(),    d_green.data(), scratch.data()};
   kernels->droplets.evaluate(arrays, {force.data(), x.data(), y.data(), n.data()}, 0, 1);
   const auto own = [&](const std::vector<double> &by_place) {
     std::vector<double> found(z);
     for (std::size_t c = 0; c < z; ++c) found[c] = by_place[c * LANES];
     return found;
   };
-  return {radius,  tension, load[0], work[0], z,       own(nx), own(ny),
-          own(nz), own(f),  own(a),  own(tx), own(ty), own(tz)};
+  return {radius,  tension, load[0], facet[0], work[0], z,       own(nx),
+          own(ny), own(nz), own(f),  own(a),   own(tx), own(ty), own(tz)};
 }
 
 }    // namespace
@@ -125,6 +129,8 @@ void deformable::bind_droplets(nb::module_ &m)
 {
   nb::class_<Droplet>(m, "Droplet", "A droplet in three dimensions that bears given forces.")
       .def_ro("load", &Droplet::load, "x = sum F/(8 pi g R), the part that facets would cover")
+      .def_ro("facet", &Droplet::facet,
+              "y = sum F^2/(8 pi g R sum F), the part that the mean facet would cover")
       .def_ro("work", &Droplet::work, "W [energy]")
       .def_prop_ro("energy", &Droplet::energy,
                    "F.a - W, what the surface has more than that of a sphere [energy]")

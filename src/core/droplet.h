@@ -52,6 +52,9 @@ constexpr double SMALLEST_HALF = 1e-12;
 constexpr double BULGE_PER_LOAD = 1.177;
 // Beyond this load the theory is off by more than it is worth; the work may lose its convexity.
 constexpr double LARGEST_LOAD = 0.4;
+// And beyond this part of the surface in the mean facet, y = sum f^2/(8 pi sum f), where contacts are few and strong: two plates
+// bear a quarter less than they should. Dense packings have less than this up to LARGEST_LOAD.
+constexpr double LARGEST_FACET = 0.05;
 // Where the further term of L begins, and its factor: w is convex again from x = 0.9 on between regular contacts.
 constexpr double CONTINUED_LOAD = 0.5, STIFFENING = 30.0;
 // Of a radius: contacts that are farther outside bear nothing. That is never met up to LARGEST_LOAD.
@@ -63,15 +66,20 @@ inline double droplet_bulge(double radius, double load)
   return radius * std::min(BULGE_PER_LOAD * load, LARGEST_BULGE);
 }
 
+// Contacts that bear nothing have the logarithm of this force.
+constexpr double NO_FORCE = 1e-300, LOG_NO_FORCE = -690.77552789821368;
+
 // What all contacts of a droplet share. log: ln of a T.
 template <class T> struct DropletLoad {
   T x, squares;                // sum f^2/(8 pi)
+  T facet;                     // y
   T logarithm, slope, bend;    // L, and its first and second derivatives by sum f
 
   template <class Log>
   DEFORMABLE_INLINE DropletLoad(T sum, T sum_of_squares, Log &&log)
       : x(sum * (0.125 / PI)),
-        squares(sum_of_squares * (0.125 / PI))
+        squares(sum_of_squares * (0.125 / PI)),
+        facet(squares / (sum > NO_FORCE ? sum : T{} + NO_FORCE))
   {
     constexpr double BY_SUM = 0.125 / PI;
     const T q = 1.0 + 4.0 * x * x, far = x - CONTINUED_LOAD, over = far > 0.0 ? far : T{},
@@ -100,9 +108,6 @@ template <class T> DEFORMABLE_INLINE T own_compliance(T l, T logarithm)
 }
 
 constexpr double LOG_8_PI = 3.2241714275292361;    // ln(8 pi)
-
-// Contacts that bear nothing have the logarithm of this force.
-constexpr double NO_FORCE = 1e-300, LOG_NO_FORCE = -690.77552789821368;
 
 // The pressure inside: 2 g/R at rest. The surface, of the energy e = g (4 pi R^2) + U, and the contacts at the distances
 // h = R - a hold it:  3 V p = 2 e + sum F h  (as energies scale with lengths).

@@ -23,8 +23,8 @@ struct DropletArrays {
   const int *first;                  // one more than batches
   const std::size_t *first_green;    // of each batch
   const double *radius, *tension;
-  double *load, *work;    // x, and W = g R^2 w
-  float *slope, *bend;    // see DropletLoad; bend: times `squares`
+  double *load, *facet, *work;    // x, y, and W = g R^2 w
+  float *slope, *bend;            // see DropletLoad; bend: times `squares`
 
   const int *seat;         // 2 x the pair, + 1 for its second droplet
   double *nx, *ny, *nz;    // outward

@@ -38,6 +38,7 @@ DEFORMABLE_LANE_FUNCTION void finish_droplets(const DropletArrays &d, int batch)
       store(d.rounded + c, f);
     }
     store(d.load + droplet, of.x);
+    store(d.facet + droplet, of.facet);
     store(d.work + droplet, tension * radius * radius * work);
     store(d.slope + droplet, of.slope);
     store(d.bend + droplet, of.squares * of.bend);

@@ -97,13 +97,17 @@ def test_a_wall_that_comes_near(tmp_path):
     assert core.droplet(rows[:, 8:11], rows[:, 4]).indentation == pytest.approx([0.02] * 2)
 
 
-@pytest.mark.parametrize("load", [0.39, 0.41])
-def test_loads_up_to_the_end_of_the_model(load, tmp_path):
-    """Beyond 0.4 the droplet counts as one of those."""
-    at = core.droplet(FACES["sc"], np.full(6, 8 * np.pi * load / 6)).indentation[0]
-    scene = walled(ORIGIN, faces(FACES["sc"], 1 - at), tmp_path)
+@pytest.mark.parametrize(
+    ("name", "load", "beyond"),
+    [("bcc", 0.39, 0), ("bcc", 0.41, 1), ("sc", 0.29, 0), ("sc", 0.31, 1)],
+)
+def test_loads_up_to_the_end_of_the_model(name, load, beyond, tmp_path):
+    """Beyond 0.4, or 0.05 of each contact, the droplet counts as one of those."""
+    count = len(FACES[name])
+    at = core.droplet(FACES[name], np.full(count, 8 * np.pi * load / count)).indentation[0]
+    scene = walled(ORIGIN, faces(FACES[name], 1 - at), tmp_path)
     assert at_walls(scene)[:, 4].sum() / (8 * np.pi) == pytest.approx(load)
-    assert scene.outputs()[0] == (load > 0.4)
+    assert scene.outputs()[0] == beyond
 
 
 def test_reach_of_all(tmp_path):

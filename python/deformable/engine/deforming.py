@@ -179,7 +179,7 @@ class Deforming(Watched, Engine, Generic[S]):
                 the start counts as rigid if its forces balance, by the law or as soft disks.
             StalledWarning: forces stopped falling, or contacts far beyond the model do not balance.
             BeyondModelWarning: outlines have a negative radius of curvature, e.g. past confluence;
-                or droplets have a load above 0.4.
+                or droplets have a load above 0.4, or one above 0.05 in the mean facet.
 
         Source: FIRE: Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006), in the form of Guenole et
         al., Comput. Mater. Sci. 175, 109584 (2020).

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 
 from ..common.errors import BeyondModelWarning, StalledWarning, UnjammedWarning
-from ..model.droplet import LARGEST_LOAD
+from ..model.droplet import LARGEST_FACET, LARGEST_LOAD
 from ..model.laws import Ring
 from ..model.sticking import sticks
 from ..state.droplet_state import DeformedState, DropletState
@@ -58,8 +58,8 @@ def _beyond(state: DeformedState) -> str:
     if isinstance(state, DropletState):
         return (
             f"droplets are beyond the model at phi = {state.phi:.5f}: their load is above "
-            f"{LARGEST_LOAD:g}, the largest {state.load.max():.2g}, so that pressures are off by "
-            "more than ten per cent"
+            f"{LARGEST_LOAD:g}, or that of few strong contacts above {LARGEST_FACET:g} each, the "
+            f"largest {state.load.max():.2g}, so that pressures are off by more than ten per cent"
         )
     return (
         f"particles are beyond the model at phi = {state.phi:.5f}: their outlines have a negative "

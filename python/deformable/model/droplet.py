@@ -17,6 +17,8 @@ from .plane import refuse_space
 
 # Load beyond which the law is off by more than it is worth; as in `src/core/droplet.h`.
 LARGEST_LOAD = 0.4
+# And part of the surface in the mean facet, where contacts are few and strong.
+LARGEST_FACET = 0.05
 
 
 @dataclass(frozen=True, repr=False)
@@ -29,7 +31,8 @@ class Droplet:
     small forces, and one more term for large ones. Droplets bulge between their contacts, so that
     each contact depends on all others of both droplets. Compared with Surface Evolver, the osmotic
     pressure of fcc crystals is right to a few per cent up to phi = 0.85. The *load* of a droplet is
-    the part of its surface that facets cover; beyond 0.4 a droplet is beyond the model.
+    the part of its surface that facets cover; beyond 0.4, or beyond 0.05 in the mean facet, a
+    droplet is beyond the model.
 
         Simulation(packing, Droplet(tension=1.0))
 

@@ -54,7 +54,8 @@ class DropletState(
             is the derivative of the energy by a strain of droplets and walls.
         residual: largest force on a droplet over the mean contact force; 0 without contacts.
         stalled: the relaxation stopped before the tolerance.
-        beyond: number of droplets beyond the model, whose load is above 0.4.
+        beyond: number of droplets beyond the model, whose load is above 0.4, or above 0.05 in the
+            mean facet.
         velocities: of the centers, zero after a relaxation, shape (N, 3) [length/time].
         contact_table: contacts that bear a force, with a row for each side, sorted by (i, j,
             image): structured array with the fields i, j (-1 for a wall), image (3,), distance,

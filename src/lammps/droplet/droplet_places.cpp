@@ -71,7 +71,7 @@ void DropletSolver::arrange(const DropletScene &scene, DropletList &list)
       if (k >= p.remote && k < p.wall) sides[1][k] = places + k - p.remote;
     }
 
-  for (auto *const v : {&of_load, &of_work}) v->resize(droplets);
+  for (auto *const v : {&of_load, &of_facet, &of_work}) v->resize(droplets);
   for (auto *const v : {&radius, &tension}) v->assign(droplets, 1.0);
   for (auto *const v : {&slope_of_load, &bend}) v->resize(droplets);
   for (auto *const v :
@@ -114,17 +114,17 @@ void DropletSolver::set_material(const DropletScene &scene)
 
 deformable::DropletArrays DropletSolver::arrays()
 {
-  return {first.data(),    first_green.data(), radius.data(),        tension.data(),
-          of_load.data(),  of_work.data(),     slope_of_load.data(), bend.data(),
-          seats.data(),    normals[0].data(),  normals[1].data(),    normals[2].data(),
-          force.data(),    rounded.data(),     response.data(),      indentations.data(),
-          turns[0].data(), turns[1].data(),    turns[2].data(),      compliance.data(),
-          green.data(),    d_green.data(),     scratch.data()};
+  return {first.data(),        first_green.data(), radius.data(),     tension.data(),
+          of_load.data(),      of_facet.data(),    of_work.data(),    slope_of_load.data(),
+          bend.data(),         seats.data(),       normals[0].data(), normals[1].data(),
+          normals[2].data(),   force.data(),       rounded.data(),    response.data(),
+          indentations.data(), turns[0].data(),    turns[1].data(),   turns[2].data(),
+          compliance.data(),   green.data(),       d_green.data(),    scratch.data()};
 }
 
 double DropletSolver::memory_usage() const
 {
-  return bytes_of(rows, first, contacts, first_green, radius, tension, of_load, of_work,
+  return bytes_of(rows, first, contacts, first_green, radius, tension, of_load, of_facet, of_work,
                   slope_of_load, bend, seats, normals[0], normals[1], normals[2], force, response,
                   indentations, turns[0], turns[1], turns[2], rounded, compliance, product, green,
                   d_green, scratch, sides[0], sides[1], residuals, softness, unit, weight, step,

@@ -69,6 +69,7 @@ class DropletSolver : protected Pointers {
 
   // Of a droplet, by local index.
   double load(int i) const { return of_load[rows[i]]; }
+  double facet(int i) const { return of_facet[rows[i]]; }
   double work(int i) const { return of_work[rows[i]]; }
   int contacts_of(int i) const { return contacts[rows[i]]; }
   int place_of_contact(int i, int contact) const { return place_of(rows[i], contact); }
@@ -99,7 +100,7 @@ class DropletSolver : protected Pointers {
   void sort(const NeighList *);
   LargeVector<int> first;
   LargeVector<std::size_t> first_green;
-  LargeVector<double> radius, tension, of_load, of_work;
+  LargeVector<double> radius, tension, of_load, of_facet, of_work;
   LargeVector<float> slope_of_load, bend;
   // by place
   LargeVector<int> seats;

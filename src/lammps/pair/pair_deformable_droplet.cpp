@@ -236,7 +236,7 @@ void PairDeformableDroplet::find_bulges(const DropletScene &scene)
     const int i = list->ilist[ii];
     const double load = solver->load(i);
     near->bulge[i] = droplet_bulge(scene.radius[i], load);
-    beyond_model += load > LARGEST_LOAD;
+    beyond_model += load > LARGEST_LOAD || solver->facet(i) > LARGEST_FACET;
     most = std::max(most, near->bulge[i] / scene.radius[i]);
     if (near->bulge[i] > reach * scene.radius[i])
       error->one(FLERR,

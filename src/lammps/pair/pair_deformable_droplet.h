@@ -34,8 +34,10 @@ class PairDeformableDroplet : public PairDeformable {
   void check_species(const Species &) const override;
   const char *what_is_beyond() const override
   {
-    return "forces cover more than 0.4 of their surface with facets. Such loads are outside of the "
-           "range of the theory; their";
+    return "forces cover more than 0.4 of their surface with facets, or, where contacts are few "
+           "and "
+           "strong, more than 0.05 with the mean facet. Such loads are outside of the range of the "
+           "theory; their";
   }
 
  private:
