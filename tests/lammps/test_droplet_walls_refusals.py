@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from droplet_walls import ORIGIN, region, walled
-from droplets import EXACT
 
 WALL = r"\AERROR: Fix walls deformable/wall: "
 
@@ -51,7 +50,7 @@ WORDS = {
     "zlo inf": "'inf'",
     "zlo v_none": "zlo: variable 'none' does not exist",
     "zlo v_style": "zlo: variable 'style' must be equal-style",
-    "zlo v_far": "zlo: its place 'v_far' is inf",
+    "zlo v_far": "zlo: its value 'v_far' is inf",
     "disk 0 0 1": "'disk' is no wall in 3 dimensions: it must be 'plane', 'sphere'",
     "segment 0 0 1 1": "'segment' is no wall in 3 dimensions",
     "polygon 3 0 0 1 0 0 1": "'polygon' is no wall in 3 dimensions",

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from parallel import finished, on_grids
+from parallel import on_grids
 
 DROP = "# UNITS: lj\ndrop 0.5 inf 0 tension 1\n"
 GAP, COUNT = 0.95, 5  # between centers of a column along y, also across the boundary
