@@ -10,6 +10,7 @@
 #include "block_walk.h"
 #include "materials.h"
 #include "particle_results.h"
+#include "refusals.h"
 #include "shape.h"
 #include "species.h"
 #include "stiffness.h"
@@ -173,6 +174,7 @@ class PairDeformable : public Pair {
   std::vector<WallContact> wall_contacts;    // of the block; a place has -1 minus the index
 
   void end_call();
+  Refusals refusals;
 
   ParticleResults results;
   bool recording = false;    // for compute deformable/contact

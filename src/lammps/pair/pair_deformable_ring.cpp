@@ -1,6 +1,7 @@
 #include "pair_deformable_ring.h"
 
 #include "lammps_release.h"
+#include "refusals.h"
 
 #include "contact.h"
 #include "parameter_rules.h"
@@ -214,8 +215,8 @@ void PairDeformableRing::check_sticky_walls()
       const Species &s = species[atom->type[i]];
       const std::string wrong = invalid_for_adhesion(wall->adhesion(), stiffness_of(i), s.skin);
       if (!wrong.empty())
-        error->one(FLERR, "Fix {} deformable/wall: atom {} of species {}: {}", wall->id,
-                   atom->tag[i], s.name, wrong);
+        refuse("Fix {} deformable/wall: atom {} of species {}: {}", wall->id, atom->tag[i], s.name,
+               wrong);
     }
   }
 }
@@ -228,13 +229,14 @@ void PairDeformableRing::compute(int eflag, int vflag)
   materials.kA = kA_by_atom ? atom->dvector[kA_of_atoms] : nullptr;
   materials.tension = tension_by_atom ? atom->dvector[tension_of_atoms] : nullptr;
   begin_call(eflag, vflag);
-  if (materials.vary()) check_properties();
-  if (neighbor->ago == 0 || new_material || materials.vary()) check_sticky_walls();
+  if (materials.vary()) refusals.check([this] { check_properties(); });
+  if (films && (neighbor->ago == 0 || new_material || materials.vary()))
+    refusals.check([this] { check_sticky_walls(); });
   if (neighbor->ago == 0) smallest = smallest_radius();
   if (balanced)
     evaluate_balanced(new_material);
   else
-    evaluate_radical();
+    refusals.collect([this] { evaluate_radical(); });
   end_call();
   tell_room();
 }
@@ -323,10 +325,9 @@ void PairDeformableRing::refuse_bulge(int i, const Contacts &contacts, int partn
   const double enough = 1.2 * ratio * reach;
   const std::string larger =
       enough <= LARGEST_REACH ? fmt::format(" or use a reach of {:.2g} or more", enough) : "";
-  error->one(FLERR,
-             "The outline of atom {} bulges by {:.6g}, but 'reach {}' covers {:.6g}: {}, take "
-             "smaller steps or a smaller timestep{}{}",
-             atom->tag[i], ratio * depth, reach, depth, cause, larger.empty() ? "" : ",", larger);
+  refuse("The outline of atom {} bulges by {:.6g}, but 'reach {}' covers {:.6g}: {}, take "
+         "smaller steps or a smaller timestep{}{}",
+         atom->tag[i], ratio * depth, reach, depth, cause, larger.empty() ? "" : ",", larger);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -78,6 +78,7 @@ class PairDeformableRing : public PairDeformable {
   double push_part = 1.0;    // where films change, forces are the mean of those before and after
   Push push_of(int k, const NearPairs::Centers &, double share, double slope) const;
   void push_pairs(int begin, int end);
+  void refuse_pair(int k);
   void finish_balanced(int i);
   void load_contacts_of_pairs();
 

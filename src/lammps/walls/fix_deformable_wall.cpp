@@ -315,8 +315,8 @@ void FixDeformableWall::refuse_center(int i, const RefusedCenter &refused)
                                                  : "outside of";
   const std::string at = dimension == 2 ? fmt::format("({:.6g}, {:.6g})", x[0], x[1])
                                         : fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
-  error->one(FLERR, "The center of atom {} at {} is {} {} of fix {} deformable/wall", atom->tag[i],
-             at, place, name, id);
+  refuse("The center of atom {} at {} is {} {} of fix {} deformable/wall", atom->tag[i], at, place,
+         name, id);
 }
 
 /* ---------------------------------------------------------------------- */
