@@ -227,6 +227,10 @@ def _of(
     """
     largest = np.zeros(max(count, int(species.max(initial=0)) + 1))
     np.maximum.at(largest, species, radius)
-    largest[np.bincount(species, minlength=len(largest)) == 0] = radius.max(initial=0.0)
-    own = bool((radius != largest[species]).any())
+    empty = np.bincount(species, minlength=len(largest)) == 0
+    largest[empty] = radius.max(initial=0.0)
+    # as many radii as particles would be taken for theirs
+    own = bool((radius != largest[species]).any()) or (
+        len(largest) == len(species) and bool(empty.any())
+    )
     return kind(positions, species, largest, box, radius if own else None, walls)

@@ -32,7 +32,7 @@ from ..io.run_folder import SERIES, refuse_run
 from ..io.series import refuse_foreign
 from ..io.store import memory, setup
 from ..model.packing import Packing
-from ..protocols.compression import check_target, refuse_present, remaining_steps, steps_towards
+from ..protocols.compression import check_target, remaining_steps, steps_towards
 from ..protocols.shear import check_shear, shear_steps
 from ..state.droplet_state import DropletState
 from ..state.state import State
@@ -234,10 +234,9 @@ def _begun(
     shears, new = protocol.get("protocol") == "shear", before is None
     sim.strain = (sim.strain or 0.0) if shears else sim.strain
     start = sim.state()  # all ranks have read the folder by then
-    target, goal = _target(protocol)
+    target, _ = _target(protocol)
     if target != "strain":
         start = sim.relax(protocol["tolerance"])
-        refuse_present(target, getattr(start, target), goal)
     began = {"frame": max(first, 1), "box": start.packing.box.tolist()}
     began["strain"] = sim.strain
     began |= {} if target == "strain" else {target: getattr(start, target)}

@@ -114,6 +114,17 @@ def test_names_of_types_in_alphabetical_order(tmp_path: Path) -> None:
     assert (by_type.radii.tolist(), by_type.box[0, 0]) == ([0.4, 0.5], 8.0)
 
 
+def test_as_many_types_as_atoms(tmp_path: Path) -> None:
+    """Of which some have no atoms: radii are those of the atoms."""
+    path = tmp_path / "three.data"
+    atoms = "1 1 1.0 1.0 1 1 0\n2 1 1.0 1.0 2 1 0\n3 2 1.4 1.0 3 1 0"
+    head = "a title\n\n3 atoms\n3 atom types\n0 5 xlo xhi\n0 5 ylo yhi\n-0.5 0.5 zlo zhi\n"
+    path.write_text(f"{head}\nAtoms # sphere\n\n{atoms}\n")
+    found = Packing.from_file(path)
+    assert (found.species.tolist(), found.radius.tolist()) == ([0, 0, 1], [0.5, 0.5, 0.7])
+    assert len(found.radii) == 3
+
+
 def test_plain_xyz_takes_a_box(tmp_path: Path) -> None:
     path = tmp_path / "plain.xyz"
     path.write_text("2\na comment\nA 0.1 0.2 0\nB 1.1 0.2 0\n")

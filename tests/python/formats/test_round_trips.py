@@ -26,7 +26,8 @@ def packings(draw: st.DrawFn) -> Packing:
     box = np.array([[lx, 0.0], [draw(st.floats(-29.0, 29.0)) * lx, ly]])
     radii = draw(lengths) * rng.uniform(0.5, 1.5, 3)
     species = rng.integers(0, draw(st.integers(1, 3)), number)
-    own = radii[species] * rng.uniform(0.5, 1.0, number) if draw(st.booleans()) else None
+    some = draw(st.booleans()) or number == 3  # three radii would be those of three particles
+    own = radii[species] * rng.uniform(0.5, 1.0, number) if some else None
     return Packing(rng.uniform(-2.0, 3.0, (number, 2)) @ box, species, radii, box, own)
 
 
