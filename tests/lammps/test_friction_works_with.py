@@ -22,6 +22,7 @@ COMMANDS = {
     "fix freeze": (NVE, "group rest id 1 2 3\nfix rest rest freeze\n"),
     "fix gravity": (NVE, "fix down all gravity 0.001 vector 0 -1 0\n"),
     "fix deform": (NVE, "fix shear all deform 1 xy erate 0.01 remap v flip yes\n"),
+    "fix deform/pressure": (NVE, "fix p all deform/pressure 1 y pressure 0.001 0.1 remap v\n"),
     "fix balance": (NVE, "comm_style tiled\nfix even all balance 10 1.0 rcb\n"),
     "delete_atoms": (NVE, "group gone id 5 9\nrun 20\ndelete_atoms group gone\n"),
     "reset_atoms id": (
