@@ -1,4 +1,4 @@
-"""Particles in space that are followed where all three tilts flip: protocols, LAMMPS, any images."""
+"""Particles in space are followed where tilts flip: by protocols, by LAMMPS, in any images."""
 
 from dataclasses import replace
 
