@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from .common.errors import BeyondModelWarning as BeyondModelWarning
     from .common.errors import FileError as FileError
+    from .common.errors import JumpWarning as JumpWarning
     from .common.errors import LammpsError as LammpsError
     from .common.errors import ParameterError as ParameterError
     from .common.errors import StalledWarning as StalledWarning
@@ -111,6 +112,7 @@ _HOMES = {
     "DynamicModulus": "protocols.oscillation",
     "FileError": "common.errors",
     "Friction": "model.friction",
+    "JumpWarning": "common.errors",
     "LammpsError": "common.errors",
     "Modulus": "protocols.moduli",
     "Packing": "model.packing",

@@ -29,5 +29,9 @@ class BeyondModelWarning(UserWarning):
     """Particles are deformed further than their law describes, e.g. past confluence."""
 
 
+class JumpWarning(UserWarning):
+    """Particles move by about half a box from one state to the next, and cannot be followed."""
+
+
 class UnsavedWarning(UserWarning):
     """A saved state lacks walls or excluded pairs that were given to LAMMPS."""
