@@ -17,6 +17,10 @@ class LammpsError(RuntimeError):
     """LAMMPS refused a command; the message is one line of LAMMPS' error."""
 
 
+class CallError(RuntimeError):
+    """A simulation is called by two threads at a time, or not by all of its ranks."""
+
+
 class StalledWarning(UserWarning):
     """A relaxation stopped before it reached its tolerance."""
 
