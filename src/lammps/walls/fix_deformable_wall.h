@@ -59,6 +59,8 @@ class FixDeformableWall : public Fix {
     if (first_call) callers.push_back(caller);
   }
 
+  static constexpr double NARROWEST =
+      1.0 - 1e-9;    // of a radius: a round container, but for the rounding of its region
   // Calls visitor(nearest point) for each wall within (1 + reach) radii of atom i.
   template <class Visitor> void visit(int i, double radius, double reach, Visitor &&visitor)
   {
@@ -66,8 +68,8 @@ class FixDeformableWall : public Fix {
     constexpr double ABOUT =
         1.0 + 1e-12;    // before the line of a wall is refused as that of a pair
     const RefusedCenter refused =
-        scene.visit(atom->x[i][0], atom->x[i][1], radius, ABOUT * deformable::NEAREST_LINE * radius,
-                    (1.0 + reach) * radius, visitor);
+        scene.visit(atom->x[i][0], atom->x[i][1], NARROWEST * radius,
+                    ABOUT * deformable::NEAREST_LINE * radius, (1.0 + reach) * radius, visitor);
     if (refused.wall >= 0) refuse_center(i, radius, refused);
   }
 
@@ -78,7 +80,7 @@ class FixDeformableWall : public Fix {
     if (!(atom->mask[i] & groupbit)) return;
     const double *const x = atom->x[i];
     const RefusedCenter refused =
-        space.visit({x[0], x[1], x[2]}, radius, deformable::NEAREST_LINE * radius,
+        space.visit({x[0], x[1], x[2]}, NARROWEST * radius, deformable::NEAREST_LINE * radius,
                     (1.0 + reach) * radius, visitor);
     if (refused.wall >= 0) refuse_center(i, radius, refused);
   }

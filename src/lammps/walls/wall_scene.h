@@ -32,10 +32,10 @@ class WallScene {
   int first_outside(int axis, double low, double high) const;
 
   // Calls visitor(nearest point) for each wall within the cutoff of a center. The feature of the point counts
-  // over all walls. Returns the first wall that has the center on its wrong side, or nearer than `nearest`, or that is narrower
-  // than the particle, if any.
+  // over all walls. Returns the first wall that has the center on its wrong side, or nearer than `nearest`, or that is round and
+  // narrower than `narrowest`, if any.
   template <class Visitor>
-  RefusedCenter visit(double x, double y, double radius, double nearest, double cutoff,
+  RefusedCenter visit(double x, double y, double narrowest, double nearest, double cutoff,
                       Visitor &&visitor) const
   {
     for (const Wall &wall : walls) {
@@ -49,7 +49,7 @@ class WallScene {
           wrap(wall, cutoff, dx, dy);
           const double far = wall.bound + cutoff;
           if (dx * dx + dy * dy >= far * far) continue;
-        } else if (wall.radius < radius) {
+        } else if (wall.radius < narrowest) {
           return {wall.source, 0.0, wall.radius};
         } else if (dx == 0.0 && dy == 0.0) {
           continue;    // the center of a round container has no nearest point
