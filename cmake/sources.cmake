@@ -49,7 +49,7 @@ endif()
 # The LAMMPS styles, and what only the plugin needs.
 set(STYLE_FOLDERS ${DEFORMABLE_DIR}/src/lammps/pair ${DEFORMABLE_DIR}/src/lammps/polygons
                   ${DEFORMABLE_DIR}/src/lammps/walls ${DEFORMABLE_DIR}/src/lammps/motion
-                  ${DEFORMABLE_DIR}/src/lammps/friction)
+                  ${DEFORMABLE_DIR}/src/lammps/friction ${DEFORMABLE_DIR}/src/lammps/memory)
 file(GLOB STYLE_SOURCES CONFIGURE_DEPENDS ${DEFORMABLE_DIR}/src/lammps/*.cpp
                                           ${DEFORMABLE_DIR}/src/lammps/*/*.cpp)
 set(PLUGIN_SOURCES ${DEFORMABLE_DIR}/src/lammps/host_check.cpp

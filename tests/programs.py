@@ -20,11 +20,7 @@ PATIENT = {
 def program(
     *words: object, cwd: Path, ranks: int = 0, timeout: float = 300, **environment: str
 ) -> subprocess.CompletedProcess[str]:
-    """`python`, `lmp`, `deformable` and so on to the end; under mpiexec on any number of ranks.
-
-    On one rank a script makes the calls of `parallel_map` in its own process, which has loaded what
-    they need.
-    """
+    """`python`, `lmp`, `deformable` and so on to the end; under mpiexec on any number of ranks."""
     mpiexec = (BIN / "mpiexec", "-n", ranks) if ranks else ()
     return subprocess.run(
         [*map(str, mpiexec), str(BIN / str(words[0])), *map(str, words[1:])],

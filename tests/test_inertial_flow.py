@@ -61,7 +61,7 @@ def test_committed_inertial_flow(capsys: pytest.CaptureFixture[str]) -> None:
     assert list(flows) == list(inertial_flow.CASES)
     for run in data:
         shown = inertial_flow.averaged(run)
-        assert abs(shown["lost"][0] - 1) < 0.03
+        assert abs(shown["lost"][0] - 1) < 4 * shown["lost"][1]
         assert abs(shown["pressure"][0] - 1) < max(0.02, 4 * shown["pressure"][1])
         assert max(run["blocks"]["used"]) < 1 + 1e-12
     (friction, errors), (packing, _) = (
@@ -70,6 +70,6 @@ def test_committed_inertial_flow(capsys: pytest.CaptureFixture[str]) -> None:
     )
     np.testing.assert_allclose(friction[0], [0.25, 1.1], rtol=0.2)
     np.testing.assert_allclose(packing[0], [0.81, -0.3], rtol=0.2)
-    assert (np.diff(friction[:3, 0]) < 0).all()
+    assert (np.diff(friction[:3], axis=0) < 0).all()  # at rest, and how it grows
     assert (np.diff(packing[:3, 0]) > 0).all()
     assert friction[3, 0] < friction[1, 0] - 5 * np.hypot(errors[1, 0], errors[3, 0])

@@ -17,12 +17,11 @@ SMALLER = {
     "bidisperse(64": "bidisperse(16",
     "rectangle(12, 12)": "rectangle(6, 6)",
     "r_max=3.0": "r_max=1.5",
-    "(1, 2)])": "(1, 2)], workers=1)",
 }
 
 
 def smaller(call: str) -> str:
-    """The same of 16 particles, in this process."""
+    """The same of 16 particles."""
     for large, small in SMALLER.items():
         call = call.replace(large, small)
     return call

@@ -186,7 +186,7 @@ def ramp(law, number, phi, seed):
                 curve = columns([{"r": a, "g6": b} for a, b in zip(r, g6, strict=True)])
                 found["g6"].append({"eta": eta, **curve})
                 if (law, phi, seed) == ("droplets", 0.94, 1):
-                    state.save(f"packing_{number}_{eta:g}")
+                    state.save(f"packing_{number}_{eta:g}", overwrite=True)
         found[way] = columns(rows)
     return found | {"seconds": round(time.process_time() - start, 1)}
 

@@ -16,7 +16,7 @@ print(f"jammed at phi = {jammed.phi:.5f}")
 
 sim = deformable.Simulation(jammed, deformable.Ring(kA=1.0))
 steps = deformable.compress(sim, strain=0.03, steps=6, tolerance=1e-4)
-for state in deformable.record(steps, "run"):
+for state in deformable.record(steps, "run", overwrite=True):
     on_disk = np.linalg.norm(state.wall_forces[1])
     print(f"phi {state.phi:.4f}  pressure {state.pressure:.3e}  on the disk {on_disk:.2e}")
 

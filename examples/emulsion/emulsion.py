@@ -34,7 +34,7 @@ def measure(seed):
             shape = float(state.shape_parameter.mean())
             rows.append((state.pressure / UNIT, state.coordination, shear, bulk, shape))
             if (seed, phi) == (SEEDS[0], SHOWN):
-                state.save("packing")
+                state.save("packing", overwrite=True)
     return {"phi_J": jammed.phi, "rows": rows}
 
 

@@ -30,7 +30,7 @@ def prepare(number):
     """A packing at rest, saved in a folder."""
     jammed = deformable.jam(deformable.bidisperse(number, radii=RADII, seed=1), DROPLETS, 1e-4)
     with deformable.Simulation(jammed.at(PHI), DROPLETS) as sim:
-        sim.relax(1e-4).save("start")
+        sim.relax(1e-4).save("start", overwrite=True)
 
 
 def flow(rate, strain):

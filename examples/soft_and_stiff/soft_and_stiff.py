@@ -14,7 +14,7 @@ mixture = replace(jammed, species=jammed.species + 2 * stiff, radii=[0.5, 0.7, 0
 law = deformable.Ring(kA=[1.0, 1.0, 10.0, 10.0], kP=[1.0, 1.0, 10.0, 10.0], contact="balanced")
 
 sim = deformable.Simulation(mixture, law)
-sim.state().save("start")  # in.soft_and_stiff starts here
+sim.state().save("start", overwrite=True)  # in.soft_and_stiff starts here
 for state in deformable.compress(sim, strain=0.05, steps=10):
     print(f"phi {state.phi:.5f}  pressure {state.pressure:.4e}  z {state.coordination:.3f}")
 

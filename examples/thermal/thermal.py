@@ -11,7 +11,9 @@ for name, phi in (("fluid", 0.6), ("glass", 0.9)):
     bath = {"temperature": TEMPERATURE, "friction": FRICTION, "timestep": TIMESTEP, "every": EVERY}
     for _ in deformable.move(sim, 8_000, **bath, seed=1):
         pass  # until it is in equilibrium
-    run = deformable.record(deformable.move(sim, 20_000, **bath, seed=2), name, bath)
+    run = deformable.record(
+        deformable.move(sim, 20_000, **bath, seed=2), name, bath, overwrite=True
+    )
     measured = np.mean([state.temperature for state in run]) / TEMPERATURE
     print(f"phi {phi}  mean temperature over that of the bath {measured:.3f}")
     sim.state().plot(color_by="shape_parameter").figure.savefig(f"{name}.png", dpi=60)

@@ -1,5 +1,7 @@
 #include "input_checks.h"
 
+#include "refusals.h"
+
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
@@ -19,13 +21,11 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-[[noreturn]] void refuse_special_bonds(const LAMMPS *lmp, const std::string &atoms)
+[[noreturn]] void refuse_special_bonds(const std::string &atoms)
 {
-  lmp->error->one(
-      FLERR,
-      "special_bonds gives {} a factor that is not 1, but deformable pair styles do not "
-      "scale contacts: use 'special_bonds lj/coul 1 1 1'",
-      atoms);
+  refuse("special_bonds gives {} a factor that is not 1, but deformable pair styles do not "
+         "scale contacts: use 'special_bonds lj/coul 1 1 1'",
+         atoms);
 }
 
 /* ----------------------------------------------------------------------
@@ -45,7 +45,7 @@ void check_special_bonds(LAMMPS *lmp, const NeighList &list, const std::vector<S
     any |= refused[k];
   }
   if (!any) return;
-  if (atom->molecular == Atom::TEMPLATE) refuse_special_bonds(lmp, "atoms of a molecule template");
+  if (atom->molecular == Atom::TEMPLATE) refuse_special_bonds("atoms of a molecule template");
 
   for (int ii = 0; ii < list.inum; ++ii) {
     const int i = list.ilist[ii];
@@ -54,7 +54,7 @@ void check_special_bonds(LAMMPS *lmp, const NeighList &list, const std::vector<S
         const int j = refused[k] ? atom->map(atom->special[i][n]) : -1;
         if (j >= 0 && species[atom->type[j]].radius > 0.0)
           refuse_special_bonds(
-              lmp, fmt::format("atoms {} and {} of a molecule", atom->tag[i], atom->special[i][n]));
+              fmt::format("atoms {} and {} of a molecule", atom->tag[i], atom->special[i][n]));
       }
   }
 }
@@ -79,10 +79,9 @@ void LAMMPS_NS::check_ghosts(LAMMPS *lmp, const NeighList &list)
   for (int ii = 0; ii < list.inum; ++ii) {
     const int i = list.ilist[ii];
     if (lmp->atom->mask[i] & group->bitmask[chosen]) continue;
-    lmp->error->one(FLERR,
-                    "comm_modify group {} removes contacts of atom {}, which is not in that group: "
-                    "use 'comm_modify group all', or 'neigh_modify include {}'",
-                    group->names[chosen], lmp->atom->tag[i], group->names[chosen]);
+    refuse("comm_modify group {} removes contacts of atom {}, which is not in that group: "
+           "use 'comm_modify group all', or 'neigh_modify include {}'",
+           group->names[chosen], lmp->atom->tag[i], group->names[chosen]);
   }
 }
 

@@ -14,7 +14,7 @@ namespace LAMMPS_NS {
 class LAMMPS;
 class NeighList;
 
-// Stops with an error if special_bonds or comm_modify removes contacts of particles of these species (by type).
+// Refuses (refusals.h) if special_bonds or comm_modify removes contacts of particles of these species (by type).
 void check_contacts(LAMMPS *, const NeighList &, const std::vector<Species> &);
 
 // The same for comm_modify only, which removes the ghosts of particles outside of a group.

@@ -3,8 +3,9 @@
 #include "host_check.h"
 #include "plugin_abi.h"
 
-#include "balance/fix_deformable_films.h"
 #include "friction/fix_deformable_friction.h"
+#include "memory/fix_deformable_films.h"
+#include "memory/fix_deformable_restart.h"
 #include "motion/fix_deformable_propel.h"
 #include "pair/compute_deformable_contact.h"
 #include "pair/pair_deformable_droplet.h"
@@ -72,8 +73,9 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.info = "fix " #key;                                                                       \
   plugin.creator.v2 = &creator_of<Style>;                                                          \
   register_style(&plugin, lmp)
-#include "balance/fix_deformable_films.h"
 #include "friction/fix_deformable_friction.h"
+#include "memory/fix_deformable_films.h"
+#include "memory/fix_deformable_restart.h"
 #include "motion/fix_deformable_propel.h"
 #include "polygons/fix_deformable_polygon.h"
 #include "polygons/fix_deformable_stick.h"

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from droplet_walls import ORIGIN, region, walled
-from droplets import EXACT
 
 WALL = r"\AERROR: Fix walls deformable/wall: "
 
@@ -51,7 +50,7 @@ WORDS = {
     "zlo inf": "'inf'",
     "zlo v_none": "zlo: variable 'none' does not exist",
     "zlo v_style": "zlo: variable 'style' must be equal-style",
-    "zlo v_far": "zlo: its place 'v_far' is inf",
+    "zlo v_far": "zlo: its value 'v_far' is inf",
     "disk 0 0 1": "'disk' is no wall in 3 dimensions: it must be 'plane', 'sphere'",
     "segment 0 0 1 1": "'segment' is no wall in 3 dimensions",
     "polygon 3 0 0 1 0 0 1": "'polygon' is no wall in 3 dimensions",
@@ -107,13 +106,6 @@ def test_other_commands(tmp_path):
     tilted = "change_box all triclinic\nfix walls all deformable/wall xlo EDGE\n"
     with pytest.raises(Exception, match=r"xlo EDGE: a side of a tilted box.*'plane'"):
         walled(ORIGIN, tilted, tmp_path)
-
-
-def test_sides_are_for_space(tmp_path):
-    scene = walled(ORIGIN, "zlo -2", tmp_path, style=EXACT)
-    scene.run("clear\ndimension 2\nregion box block -4 4 -4 4 -0.5 0.5\ncreate_box 1 box")
-    with pytest.raises(Exception, match="'xlo' is no wall in 2 dimensions: it must be 'plane'"):
-        scene.run("fix walls all deformable/wall xlo -2")
 
 
 NARROW = {

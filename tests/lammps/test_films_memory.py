@@ -99,8 +99,97 @@ def test_fix_modify(tmp_path):
     assert scene.energy() == pytest.approx(energy, rel=1e-11)
     scene.run("fix_modify deformable_films attached none")
     assert scene.energy() == 0.0
-    with pytest.raises(Exception, match="two IDs for each pair, not 3 words"):
-        scene.run("fix_modify deformable_films attached 1 2 1")
+    for words, message in {
+        "1 2 1": "two IDs for each pair, not 3 words",
+        "1 7": "7 is neither the ID of an atom nor the number < 0 of a wall",
+        "1 -1": "-1 is neither the ID of an atom nor the number < 0 of a wall",
+    }.items():
+        with pytest.raises(Exception, match=f"fix_modify deformable_films attached: .*{message}"):
+            scene.run(f"fix_modify deformable_films attached {words}")
+
+
+def test_fix_modify_before_the_first_run(tmp_path):
+    """Pairs that it names are attached, others if their circles overlap."""
+    _, energy = stretched(tmp_path)
+    scene = doublet(STRETCHED, tmp_path, W, commands=CONTACTS)
+    scene.run("fix_modify deformable_films attached 2 1")
+    assert scene.energy() == pytest.approx(energy, rel=1e-11)
+    assert scene.energy() == pytest.approx(energy, rel=1e-11)
+
+
+def test_without_its_fix(tmp_path):
+    scene, _ = stretched(tmp_path)
+    scene.run("unfix deformable_films")
+    with pytest.raises(
+        Exception, match="Fix deformable_films was deleted, which knew the attached"
+    ):
+        scene.run("run 0")
+    scene.run(f"pair_style {EXACT['curved']}\npair_coeff * * {tmp_path / 'species'} drop0")
+    assert scene.energy() == 0.0
+
+
+ONE = "pair_style {law}\npair_coeff * * species drop drop"
+EACH = """
+pair_coeff * * deformable/ring 1 species drop NULL
+pair_coeff * * deformable/ring 2 species NULL drop
+pair_coeff 1 2 none
+"""
+STYLES = {
+    "hybrid": f"pair_style hybrid {{law}} {{law}}{EACH}",
+    "hybrid/overlay": f"pair_style hybrid/overlay {{law}} {{law}}{EACH}",
+}
+TWO_PAIRS = """units lj
+dimension 2
+region box block -6 6 -4 4 -0.5 0.5
+create_box 2 box
+create_atoms 1 single -4 0 0
+create_atoms 1 single {left} 0 0
+create_atoms 2 single 1 0 0
+create_atoms 2 single {right} 0 0
+mass * 1
+{style}
+group pulled id 2 4
+thermo_modify norm no
+run 0
+displace_atoms pulled move {pull} 0 0
+run 0
+run 0
+print "$(pe:%.17g)" file energy
+"""
+
+
+@pytest.mark.parametrize("style", STYLES.values(), ids=STYLES)
+def test_two_styles(style, tmp_path):
+    """Each of two curved styles knows its own films."""
+    (tmp_path / "species").write_text(f"drop 1.0 inf 0 tension 1\nadhesion drop drop {W}\n")
+    places = {"left": -4 + TOUCH, "right": 1 + TOUCH, "pull": STRETCHED - TOUCH}
+    found = []
+    for text in (ONE, style):
+        finished(1, TWO_PAIRS.format(style=text.format(law=EXACT["curved"]), **places), tmp_path)
+        found.append(float((tmp_path / "energy").read_text()))
+    assert found[1] == pytest.approx(found[0], rel=1e-9)
+    assert found[0] > 0.01
+
+
+def test_lost_energy_goes_on(tmp_path):
+    """What attaching has cost is part of econserve, also after a restart."""
+    scene = doublet(2.02, tmp_path, W)
+    scene.run("fix move all nve\ntimestep 0.01\nset atom 1 vx 0.1")
+    scene.run("thermo_style custom step pe econserve c_pair[6]\nthermo_modify norm no\nrun 0")
+    scene.run("variable kept equal econserve")
+    begin = scene.lmp.extract_variable("kept")
+    scene.run(f"run 100\nwrite_restart {tmp_path / 'restart'}")
+    lost = scene.vector("pair", 6)[5]
+    assert lost > 0.01
+    assert scene.lmp.extract_variable("kept") == pytest.approx(begin, abs=1e-4)
+    again = Again(tmp_path / "restart", tmp_path)
+    again.run("fix move all nve\ntimestep 0.01\nvariable kept equal econserve")
+    again.run(
+        "compute pair all pair deformable/ring\nthermo_style custom step pe econserve c_pair[6]"
+    )
+    again.run("thermo_modify norm no\nrun 100")
+    assert again.vector("pair", 6)[5] == lost
+    assert again.lmp.extract_variable("kept") == pytest.approx(begin, abs=1e-4)
 
 
 def test_a_pair_style_that_is_defined_again(tmp_path):

@@ -22,8 +22,13 @@ COMMANDS = {
     "fix freeze": (NVE, "group rest id 1 2 3\nfix rest rest freeze\n"),
     "fix gravity": (NVE, "fix down all gravity 0.001 vector 0 -1 0\n"),
     "fix deform": (NVE, "fix shear all deform 1 xy erate 0.01 remap v flip yes\n"),
+    "fix deform/pressure": (NVE, "fix p all deform/pressure 1 y pressure 0.001 0.1 remap v\n"),
     "fix balance": (NVE, "comm_style tiled\nfix even all balance 10 1.0 rcb\n"),
     "delete_atoms": (NVE, "group gone id 5 9\nrun 20\ndelete_atoms group gone\n"),
+    "reset_atoms id": (
+        NVE,
+        "group gone id 5 9\nrun 20\ndelete_atoms group gone compress no\nreset_atoms id\n",
+    ),
     "minimize": (NVE, "run 20\nminimize 0 1e-9 3 10\n"),
     "displace_atoms": (NVE, "run 20\ndisplace_atoms all move 3 1 0\n"),
     "change_box": (NVE, "run 20\nchange_box all x scale 0.99 y scale 1.01 remap\n"),

@@ -157,7 +157,7 @@ def test_wall_without_deformable_particles(style):
     if style != "none":
         lmp.command("pair_coeff * * 1.0 1.0")
     lmp.command("fix cell all deformable/wall box")
-    with refuses(f"Fix cell .*deformable pair style.*{style.split()[0]}"):
+    with refuses(f"Fix cell .*needs pair_style deformable/ring.*{style.split()[0]}"):
         lmp.command("run 0")
 
 

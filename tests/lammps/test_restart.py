@@ -5,6 +5,7 @@ import pytest
 from lammps import lammps
 from laws import DIRECT, EXACT, LAWS, direct_laws
 from materials import packing, spread
+from parallel import finished
 from scene import HEADER, MEASURE, PACKINGS, SPECIES, Scene
 
 FILES = {
@@ -64,3 +65,61 @@ def test_coefficients_are_not_kept(law, tmp_path):
     lmp.commands_string(f"read_restart {file}\npair_style {LAWS[law]}")
     with pytest.raises(Exception, match=r"pair_coeff|[Pp]air coeffs"):
         lmp.command("run 0")
+
+
+BEGIN = """units lj
+dimension 2
+atom_style sphere
+boundary p f p
+region box block 0 8 -1 8 -0.5 0.5
+create_box 1 box
+create_atoms 1 single 4 2 0
+create_atoms 1 single 4 5 0
+set group all diameter 2.0
+set group all mass 1.0
+"""
+PROBLEM = """
+pair_style deformable/ring contact curved
+pair_coeff * * species drop
+fix floor all deformable/wall plane 0 0 0 1
+fix move all nve/sphere disc
+fix rub all deformable/friction 0.5 1 0
+"""
+# what is written otherwise after read_restart, and what the warning says
+OTHERWISE = {
+    "law": (
+        *("contact curved", "contact curved radius atom"),
+        "law of type 1 was 'deformable/ring contact curved', is "
+        "'deformable/ring contact curved radius atom'",
+    ),
+    "file": (
+        *("* species", "* other"),
+        "adhesion of types 1 and 1 was '0.2', is 'none'; type 1 was "
+        "'drop radius 1 kA 2 kP 0 skin 0 tension 1', is 'drop radius 1 kA 3 kP 0 skin 0 tension 1'",
+    ),
+    "friction": (
+        *("0.5 1 0", "0.4 1 0"),
+        "fix rub deformable/friction was '0.5 1 0', is '0.4 1 0'",
+    ),
+    "wall": (
+        *("plane 0 0 0 1", "plane 0 0.1 0 1"),
+        "fix floor deformable/wall was 'plane 0 0 0 1', is 'plane 0 0.1 0 1'",
+    ),
+    "no wall": (
+        *("fix floor", "# fix floor"),
+        "fix floor deformable/wall was 'plane 0 0 0 1', is 'none'",
+    ),
+}
+
+
+def test_another_problem_is_told(tmp_path):
+    """Once, in the first run after read_restart; nothing about the same problem."""
+    (tmp_path / "species").write_text("drop 1.0 2.0 0 tension 1\nadhesion drop drop 0.2\n")
+    (tmp_path / "other").write_text("drop 1.0 3.0 0 tension 1\n")
+    finished(1, BEGIN + PROBLEM + "run 1\nwrite_restart file\n", tmp_path)
+    for now, otherwise, differences in [("", "", ""), *OTHERWISE.values()]:
+        problem = PROBLEM.replace(now, otherwise) if now else PROBLEM
+        output = finished(1, f"read_restart file\n{problem}\nrun 1\nrun 1\n", tmp_path)
+        told = [line for line in output.splitlines() if "another problem" in line]
+        assert len(told) == bool(differences)
+        assert all(f"another problem: {differences} (src" in line for line in told)

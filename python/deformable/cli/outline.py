@@ -91,5 +91,5 @@ def outline_command(
             own = {"view": view, "slice": slice}
             draw(state, path, color_by, own, contacts=contacts, forces=forces, **colors)
         else:
-            state.export(path)
+            state.export(path, overwrite=True)
             print_once(f"wrote {path}")

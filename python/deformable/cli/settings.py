@@ -245,7 +245,7 @@ def _saved(parameters: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _typed(value: object) -> str:
-    """A setting as it is typed, from the command line or from JSON, where inf is a string."""
+    """A setting as it is typed, from the command line or from a summary."""
     return " ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value).lower()
 
 

@@ -5,6 +5,10 @@ class ParameterError(ValueError):
     """A parameter has a value that cannot work."""
 
 
+class AbsentError(ParameterError, AttributeError):
+    """An object of this kind has no such attribute, so that `hasattr` says no."""
+
+
 class FileError(RuntimeError):
     """A folder or file cannot be read."""
 

@@ -22,6 +22,25 @@ def write_whole(path: Path, content: str | bytes) -> None:
         part.replace(path)
 
 
+def refuse_present(path: Path, overwrite: bool, *ways: str) -> None:
+    """Raise an error rather than replace a file that nobody has asked to.
+
+    Args:
+        path: of the file.
+        overwrite: somebody has.
+        ways: further ways out to name in the error.
+
+    Raises:
+        FileError: there is a file.
+    """
+    expect("overwrite", overwrite, bool)
+    with writing(path):  # names may be too long
+        if overwrite or not path.exists():
+            return
+    ways_out = ", ".join((*ways, "replace it with overwrite=True"))
+    raise FileError(f"'{path}' is there already: {ways_out}, or give another name")
+
+
 def make_folder(folder: str | Path) -> Path:
     """The folder, made if it is missing, with the folders that it is in.
 

@@ -4,21 +4,14 @@ from __future__ import annotations
 
 import os
 import pickle
+import re
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    Executor,
-    Future,
-    ProcessPoolExecutor,
-    ThreadPoolExecutor,
-    wait,
-)
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 from mpi4py import MPI
 
@@ -26,10 +19,21 @@ from .. import core
 from .errors import ParameterError
 from .files import make_folder
 from .progress import progress
-from .ranks import helpers, independent, independently, launched, led
-from .validate import expect
+from .ranks import helpers, independent, independently, led
+from .validate import expect, shown
 
 T = TypeVar("T")
+
+# What new processes run first. mpiexec and srun tell a process its rank by such variables, which
+# its children inherit: with them MPI would take each child for that rank. And a lock of tqdm's for
+# several processes outlives one that is killed.
+_ALONE = """
+import os, threading, tqdm
+for name in [*os.environ]:
+    if name.startswith(("PMI", "HYDI_", "MPI_LOCAL", "OMPI_", "PALS_")):
+        del os.environ[name]
+tqdm.tqdm.set_lock(threading.RLock())
+"""
 
 
 @led
@@ -43,14 +47,14 @@ def parallel_map(
 ) -> list[T]:
     """Call a function with each tuple of arguments, several at a time, independent of each other.
 
-    Under `mpiexec` the ranks share the calls, and all of them must call this. Else processes on
-    the cores of this machine do; the script then needs the guard `if __name__ == "__main__":`,
-    because each process imports it again. In a call each simulation belongs to one rank, and a
-    further `parallel_map` makes its calls one after another.
+    Several ranks of `mpiexec` share the calls, and all of them must call this. Else processes on
+    the cores of this machine do, by joblib's loky, from scripts and notebooks. In a call each
+    simulation belongs to one rank, and a further `parallel_map` makes its calls one after another.
 
     Args:
-        function: at the top level of a module; it and its results must pickle.
-        arguments: of each call.
+        function: of any kind, also a lambda. What it names is copied for each call, so that a
+            simulation must be made in it.
+        arguments: of each call. They and the results must pickle.
         workers: number of calls at a time; by default one per core or rank. One worker makes them
             one after another in this process.
         description: of the progress bar.
@@ -64,18 +68,17 @@ def parallel_map(
         of workers.
 
     Raises:
-        ParameterError: fewer than one worker, arguments that are no tuples, or a function that
-            other processes cannot import.
+        ParameterError: fewer than one worker, arguments that are no tuples, or what is called does
+            not pickle.
         BrokenProcessPool: a process died.
-        Exception: the first one that a call raises, once the calls that have begun are done; others
-            are given up.
+        Exception: the first one that a call raises, with a note that has its arguments, once the
+            calls that have begun are done; others are given up.
     """
     if workers is not None and workers < 1:
         raise ParameterError(f"workers must be at least 1, not {workers}")
     for these in arguments:
         expect("arguments of each call", these, tuple)
-    kept = function if keep is None else partial(call_once, Path(keep), function)
-    call = partial(independently, kept)
+    call = _Call(function, None if keep is None else Path(keep))
     with progress(description, unit="run", total=len(arguments)) as bar:
 
         def done(result: T) -> None:
@@ -84,32 +87,64 @@ def parallel_map(
 
         with _places(workers, len(arguments)) as places:
             if places:
-                _check_importable(function)
-                try:
-                    return _spread(call, arguments, places, done)
-                except BrokenProcessPool:
-                    name = getattr(function, "__name__", function)
-                    raise BrokenProcessPool(
-                        f"a process of {name} died: it was killed, or memory ran out, or the "
-                        'script lacks the guard `if __name__ == "__main__":`; workers=1 runs '
-                        "without processes"
-                    ) from None
+                return _spread(call, arguments, places, done)
         results = []
         for these in arguments:
-            results.append(call(*these))
+            results.append(call(these))
             done(results[-1])
         return results
 
 
-def _check_importable(function: Callable[..., Any]) -> None:
-    """Refuse functions that pickle does not find by their names, such as a lambda."""
+class _Call(Generic[T]):
+    """Calls of a function, each made alone; results may be kept in a folder."""
+
+    def __init__(self, function: Callable[..., T], keep: Path | None) -> None:
+        self.name = getattr(function, "__name__", repr(function))
+        # the copy of a function of a script or a notebook does not know where it stands
+        self._file = getattr(getattr(function, "__code__", None), "co_filename", None)
+        if helpers() is not None and not _has_name(function):
+            from joblib import wrap_non_picklable_objects
+
+            function, self._file = wrap_non_picklable_objects(function), None
+        self._function, self._keep = function, keep
+
+    def __call__(self, these: tuple[Any, ...]) -> T:
+        """The result of one call; its error notes what was called."""
+        function: Any = self._function
+        if self._file and function.__code__.co_filename != self._file:
+            function.__code__ = function.__code__.replace(co_filename=self._file)
+        if self._keep:
+            function = partial(call_once, self._keep, function)
+        try:
+            result: T = independently(function, *these)
+            return result
+        except Exception as error:
+            if hasattr(error, "add_note"):  # Python 3.11
+                error.add_note(f"in the call {self.name}({', '.join(map(shown, these))})")
+            raise
+
+    def elsewhere(self, these: tuple[Any, ...]) -> T:
+        """The same, with an error that reaches other processes."""
+        from joblib.externals.loky.backend.reduction import dumps
+
+        try:
+            return self(these)
+        except Exception as error:
+            try:
+                pickle.loads(dumps(error))
+            except Exception:
+                plain = RuntimeError(f"{type(error).__name__}: {error}")
+                vars(plain).update(__notes__=getattr(error, "__notes__", []))
+                raise plain from error
+            raise
+
+
+def _has_name(function: Callable[..., Any]) -> bool:
+    """Whether other ranks, which run the same script, find a function by its name."""
     try:
-        pickle.dumps(function)
-    except (pickle.PicklingError, AttributeError, TypeError):
-        raise ParameterError(
-            f"{function!r} cannot be called in other processes: define it at the top level of a "
-            "module or script, or take workers=1"
-        ) from None
+        return bool(pickle.dumps(function))
+    except Exception:
+        return False
 
 
 @contextmanager
@@ -124,16 +159,28 @@ def _places(workers: int | None, calls: int) -> Iterator[list[Executor]]:
             yield [here, *[others] * (count - 1)] if shared else [others] * count
         return
     count = min(workers or len(os.sched_getaffinity(0)), calls)
-    if count < 2 or independent() or launched():
+    if count < 2 or independent():
         yield []
         return
-    # a process that has initialized MPI must not fork
-    with _one_thread(), ProcessPoolExecutor(count, get_context("spawn")) as pool:
+    from joblib.externals.loky import ProcessPoolExecutor
+
+    # one thread each: OpenMP reads its variable when it is loaded
+    pool = ProcessPoolExecutor(
+        count, initializer=exec, initargs=(_ALONE,), env={"OMP_NUM_THREADS": "1"}
+    )
+    interrupted = True
+    try:
         yield [pool] * count
+        interrupted = False
+    except Exception:  # once all calls are done
+        interrupted = False
+        raise
+    finally:
+        pool.shutdown(kill_workers=interrupted)
 
 
 def _spread(
-    call: Callable[..., T],
+    call: _Call[T],
     arguments: Sequence[tuple[Any, ...]],
     places: list[Executor],
     done: Callable[[T], object],
@@ -146,12 +193,22 @@ def _spread(
     while running or (todo and not errors):
         while places and todo and not errors:
             place, (n, these) = places.pop(0), todo.pop()
-            running[place.submit(call, *these)] = n, place
+            running[place.submit(call.elsewhere, these)] = n, place
         for future in wait(running, return_when=FIRST_COMPLETED).done:
             n, place = running.pop(future)
             places.append(place)
             try:
                 results[n] = future.result()
+            except BrokenProcessPool as error:
+                codes = ", ".join(re.findall(r"[A-Z]+\(-?\d+\)", str(error)))
+                what = f"a process of {call.name} died, {codes}: it crashed, or was killed, as "
+                what += "where memory runs out; workers=1 runs without processes"
+                errors.append(BrokenProcessPool(what))
+            except pickle.PicklingError as error:  # its cause is a traceback
+                reason = str(error.__cause__ or error).strip('"\n').splitlines()[-1]
+                errors.append(
+                    ParameterError(f"{call.name} cannot be called in other processes: {reason}")
+                )
             except Exception as error:
                 errors.append(error)
             else:
@@ -178,17 +235,3 @@ def call_once(folder: Path, function: Callable[..., T], /, *arguments: Any, **ke
     memory = Memory(str(make_folder(folder) / core.version), verbose=0)
     result: T = memory.cache(function)(*arguments, **keywords)
     return result
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """Let new processes use one OpenMP thread each: OpenMP reads the variable when it is loaded."""
-    before = os.environ.get("OMP_NUM_THREADS")
-    os.environ["OMP_NUM_THREADS"] = "1"
-    try:
-        yield
-    finally:
-        if before is None:
-            del os.environ["OMP_NUM_THREADS"]
-        else:
-            os.environ["OMP_NUM_THREADS"] = before

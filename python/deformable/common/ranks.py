@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 import sys
 from collections.abc import Callable, Iterator
@@ -111,11 +110,6 @@ def independently(function: Callable[..., T], /, *arguments: Any) -> T:
         return function(*arguments)
     finally:
         _independent.reset(before)
-
-
-def launched() -> bool:
-    """Whether mpiexec started this process: processes that it starts would inherit its rank."""
-    return MPI.COMM_WORLD.size > 1 or any(name.startswith("PMI") for name in os.environ)
 
 
 def _served() -> bool:

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from typing import Any, TypeVar
 
+from .ranks import world
+
 T = TypeVar("T")
 
 
@@ -52,6 +54,14 @@ class Steps(Iterator[T]):
                 RuntimeWarning,
                 stacklevel=2,
             )
+
+
+def waits_for_all(results: Iterable[object]) -> bool:
+    """Whether no rank has a result before all of them have asked for it, as in protocols.
+
+    Only then do all find the same files beforehand: else one may have written its result already.
+    """
+    return isinstance(results, Steps) or world().size == 1
 
 
 def start_of(results: Iterable[T]) -> Callable[[], T | None]:

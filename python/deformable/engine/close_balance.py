@@ -21,6 +21,9 @@ from .simulation import Simulation
 # The default of the pair style, and what rounding leaves.
 _USUAL, _CLOSE = 1e-8, 1e-13
 
+# Imbalance over a strain at which contacts still follow it: forces change by about the strain.
+_OF_STRAIN = 1e-4
+
 
 def closely_balanced(packing: Packing, law: Law | None) -> Disks | Simulation:
     """A simulation on this rank alone, whose contacts are balanced to rounding; None: disks."""
@@ -31,16 +34,21 @@ def closely_balanced(packing: Packing, law: Law | None) -> Disks | Simulation:
     return sim
 
 
+def imbalance_under(strain: float) -> float:
+    """Imbalance with which contacts follow a strain from a state to the next one."""
+    return min(_USUAL, max(_CLOSE, _OF_STRAIN * strain))
+
+
 @contextmanager
 def balanced_to(sim: Deforming[Any], packing: Packing, tolerance: float | None) -> Iterator[None]:
     """Leave this imbalance to the contacts of a simulation meanwhile; None: the usual one."""
-    lmp = sim.lmp
-    if tolerance is not None:
+    lmp, other = sim.lmp, tolerance not in (None, _USUAL)
+    if tolerance is not None and other:
         _balance(sim, packing, tolerance)
     try:
         yield
     finally:
-        if tolerance is not None and not sim.closed and sim.lmp is lmp:
+        if other and not sim.closed and sim.lmp is lmp:
             _balance(sim, packing, _USUAL)
 
 

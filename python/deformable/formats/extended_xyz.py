@@ -5,7 +5,7 @@ Source: https://github.com/libAtoms/extxyz, the specification.
 
 from __future__ import annotations
 
-import shlex
+import re
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import Any, TextIO
@@ -17,6 +17,12 @@ from .particles import Particles, as_types, columns_of
 
 # Columns of a file that does not tell.
 _PLAIN = "species:S:1:pos:R:3"
+
+# A pair of the second line. All else there is a comment, in which a quote is an apostrophe.
+_PAIR = re.compile(r"""([\w-]+)=(?:"([^"]*)"|'([^']*)'|(\S*))""")
+
+# What is read of it.
+_KEYS = ("lattice", "properties", "origin", "pbc")
 
 # Of the columns of types, the first that there is.
 _TYPES = ("species", "type", "element")
@@ -67,13 +73,19 @@ def read_xyz_frame(count: int, head: str, rows: list[str]) -> Particles:
     """
     if len(rows) < count:
         raise ValueError(f"the frame has {len(rows)} of {count} atoms")
-    words = dict(word.partition("=")[::2] for word in shlex.split(head) if "=" in word)
-    said = {key.lower(): value for key, value in words.items()}
+    said = {key.lower(): "".join(value) for key, *value in _PAIR.findall(head)}
+    for key in _KEYS:
+        if said.get(key, "").startswith(('"', "'")):
+            raise ValueError(f"{key}={said[key]} has no closing quotation mark")
     properties = said.get("properties", _PLAIN).split(":")
     names: list[str] = []
-    for name, size in zip(properties[::3], properties[2::3], strict=True):
-        names += [name.lower()] if size == "1" else [f"{name.lower()}{n}" for n in range(int(size))]
-    columns = columns_of(rows, names)
+    texts: set[str] = set()
+    for word, form, size in zip(properties[::3], properties[1::3], properties[2::3], strict=True):
+        name = word.lower()
+        these = [name] if size == "1" else [f"{name}{n}" for n in range(int(size))]
+        names += these
+        texts |= set(these) if form == "S" else set()
+    columns = columns_of(rows, names, texts)
     if not all(f"pos{n}" in columns for n in range(3)):
         raise ValueError(f"it has no pos:R:3 among its columns {' '.join(names)}")
     positions = np.column_stack([columns.pop(f"pos{n}") for n in range(3)])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Context, Decimal
 from typing import Any
@@ -199,8 +199,15 @@ def by_ids(ids: NDArray[Any]) -> NDArray[np.int64]:
     return order.astype(np.int64)
 
 
-def columns_of(rows: Sequence[str], names: Sequence[str]) -> dict[str, NDArray[Any]]:
+def columns_of(
+    rows: Sequence[str], names: Sequence[str], texts: Collection[str] = ()
+) -> dict[str, NDArray[Any]]:
     """Columns of a table: numbers where its first row has numbers, else words.
+
+    Args:
+        rows: of the table.
+        names: of its columns.
+        texts: those of them that hold words, also where these look like numbers.
 
     Raises:
         ValueError: there are no rows, or one lacks a value, or has a word in place of a number.
@@ -211,7 +218,7 @@ def columns_of(rows: Sequence[str], names: Sequence[str]) -> dict[str, NDArray[A
     if len(first) < len(names):
         raise ValueError(f"a row has {len(first)} values for the columns {' '.join(names)}")
     kept = range(len(names))
-    numeric = [k for k in kept if is_number(first[k])]
+    numeric = [k for k in kept if names[k] not in texts and is_number(first[k])]
     values = np.loadtxt(rows, usecols=numeric, ndmin=2).T if numeric else np.empty((0, 0))
     found: dict[int, NDArray[Any]] = dict(zip(numeric, values, strict=True))
     if words := [k for k in kept if k not in found]:

@@ -87,6 +87,11 @@ def clock_of(folder: Path) -> list[tuple[float, float | None]]:
     return [(float(time), None if strain is None else float(strain)) for time, strain in given]
 
 
+def stalled_in(folder: Path) -> list[bool]:
+    """Whether the relaxation of each frame in the series had stalled."""
+    return [row.get("stalled") == str(True) for row in series_in(folder)]
+
+
 def keep_frames(folder: Path, first: int) -> None:
     """Cut series, trajectory and setups after their first frames: a killed run may have more."""
     series.keep(folder / TRAJECTORY, first, r"(?=ITEM: TIMESTEP\n)")
@@ -97,9 +102,15 @@ def keep_frames(folder: Path, first: int) -> None:
         write_whole(folder / SETUPS, text)
 
 
+def drop_frames(folder: Path) -> None:
+    """Make place for another run: without its packing first, so that a half is never a whole."""
+    for name in (DATA, SERIES, TRAJECTORY, SETUPS):
+        (folder / name).unlink(missing_ok=True)
+
+
 def append_setup(folder: Path, number: int, setup: Mapping[str, Any]) -> None:
     """Append what a frame is made of besides its particles, if the frame before had another."""
-    line = json.dumps({"frame": number} | dict(setup)) + "\n"
+    line = json.dumps({"frame": number} | dict(setup), allow_nan=False) + "\n"
     # the last one is that of the frame before, as `keep_frames` has cut what came later
     last = _last_line(folder / SETUPS)
     with reading(folder / SETUPS):

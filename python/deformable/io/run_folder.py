@@ -1,4 +1,4 @@
-"""The files of a folder of results, and a check so that no command overwrites those of another."""
+"""The files of a folder of results, and checks so that nothing is replaced unasked."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from ..common.errors import FileError, ParameterError
-from ..common.files import writing
+from ..common.files import refuse_present, writing
 from ..common.validate import expect
 
 # Files of a run, see `runs.record`.
@@ -75,3 +75,25 @@ def refuse(folder: str | Path, but: Kind | None = None, ways: tuple[str, ...] = 
         ways_out = (*(ways if found == "compression" else ()), "name another folder")
         raise FileError(f"'{folder}' holds {_SHOWN[found]}: {', or '.join(ways_out)}")
     return folder
+
+
+def refuse_run(folder: str | Path, overwrite: bool, ways: tuple[str, ...] = ()) -> Path:
+    """Raise an error unless a folder is free for a new run.
+
+    Args:
+        folder: may be missing.
+        overwrite: replace a run in it.
+        ways: further ways out to name in the error if it holds one.
+
+    Returns:
+        The folder.
+
+    Raises:
+        FileError: as `refuse`, or it has a file of the name of one of a run.
+    """
+    expect("overwrite", overwrite, bool)
+    ways = (*ways, "replace it with overwrite=True")
+    place = refuse(folder, "compression" if overwrite else None, ways)
+    for name in (SUMMARY, SPECIES, SCRIPT, SETUPS):
+        refuse_present(place / name, overwrite)
+    return place

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any, NamedTuple
 
 from ..common.errors import FileError
 from ..common.files import make_folder, reading, write_whole
+from ..common.strict_json import as_json, from_json
 from ..common.versions import versions
 from ..model.droplet import ALL_LAWS, AnyLaw
 from ..model.friction import Friction
@@ -37,26 +37,26 @@ def save(
     """Write a state. Only one rank may call this.
 
     Args:
-        folder: made if missing; an older state there is replaced.
+        folder: made if missing; a state there is replaced.
         packing: of the state.
         law: its contact law.
         timesteps: of the LAMMPS script, see there [time].
         numbers: the state in numbers, for the summary.
         motion: of its particles.
-        parameters: anything JSON for the summary.
+        parameters: for the summary, what JSON can hold.
         frames: number of recorded frames up to this state, if any.
         friction: of its contacts, if they rub.
     """
     folder = make_folder(folder)
     summary = {
-        "state": dict(numbers),
+        "state": as_json("state", numbers),
         **setup(packing, law, friction),
-        "parameters": {name: _strict(value) for name, value in (parameters or {}).items()},
+        "parameters": as_json("parameters", parameters or {}),
         "versions": versions(),
     }
     write_whole(folder / SPECIES, species_file(law, packing.radii))
     write_whole(folder / SCRIPT, script(packing, law, *timesteps, motion, friction))
-    write_whole(folder / SUMMARY, json.dumps(summary, indent=2, default=str) + "\n")
+    write_whole(folder / SUMMARY, json.dumps(summary, indent=2, allow_nan=False) + "\n")
     # last: it completes the state
     write_whole(folder / DATA, packing_file(packing, motion, frames))
 
@@ -72,12 +72,12 @@ class Setup(NamedTuple):
 
 def setup(packing: Packing, law: AnyLaw, friction: Friction | None) -> dict[str, Any]:
     """Law, radii of species, walls, and friction if contacts rub, as JSON."""
-    settings = {name: _strict(value) for name, value in asdict(law).items() if name != "contact"}
+    settings = {name: value for name, value in asdict(law).items() if name != "contact"}
     return {
-        "law": {"name": law.name} | settings,
+        "law": {"name": law.name} | as_json("law", settings),
         "radii": packing.radii.tolist(),
         "walls": [{"shape": wall.kind, **asdict(wall)} for wall in packing.walls],
-        **({} if friction is None else {"friction": _strict(asdict(friction))}),
+        **({} if friction is None else {"friction": as_json("friction", asdict(friction))}),
     }
 
 
@@ -97,19 +97,10 @@ def read_setup(saved: Mapping[str, Any]) -> Setup:
     name: str = settings.pop("name")
     if name not in ALL_LAWS:
         raise ValueError(f"there is no law {name!r}")
-    law = replace(ALL_LAWS[name], **{key: _setting(value) for key, value in settings.items()})
+    law = replace(ALL_LAWS[name], **from_json(settings))
     walls = tuple(_wall(**each) for each in saved.get("walls", []))
     friction = _friction(saved["friction"]) if "friction" in saved else None
     return Setup(law, saved["radii"], walls, friction)
-
-
-def _strict(value: Any) -> Any:
-    """Infinity as a string, because JSON has none."""
-    if isinstance(value, tuple):
-        return [_strict(each) for each in value]
-    if isinstance(value, dict):
-        return {name: _strict(each) for name, each in value.items()}
-    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def summary_in(folder: Path) -> dict[str, Any]:
@@ -136,20 +127,9 @@ def _text(path: Path, folder: Path) -> str:
         raise FileError(f"{path} cannot be read: {error.strerror}") from None
 
 
-def _setting(value: Any) -> Any:
-    """Inverse of `_strict`: numbers as floats, words unchanged."""
-    if isinstance(value, list):
-        return [_setting(each) for each in value]
-    try:
-        return float(value)
-    except ValueError:
-        return value
-
-
 def _friction(saved: Mapping[str, Any]) -> Friction:
-    settings = {name: _setting(value) for name, value in saved.items() if name != "walls"}
-    walls = saved["walls"]
-    return Friction(**settings, walls=None if walls is None else _friction(walls))
+    settings, walls = from_json(saved), saved["walls"]
+    return Friction(**settings | {"walls": None if walls is None else _friction(walls)})
 
 
 def _wall(shape: str, **values: Any) -> Wall:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.errors import ParameterError
+from ..common.errors import AbsentError, ParameterError
 from ..common.optional import optional
 from ..common.validate import expect, numbers, positive, shown, whole
 from . import free_room, places, room
@@ -42,7 +42,8 @@ class Packing(PackingFiles):
     Attributes:
         positions: centers, shape (N, 2), of spheres (N, 3) [length].
         species: species of each particle, counted from 0, shape (N,).
-        radii: undeformed radius of each species, shape (number of species,) [length].
+        radii: undeformed radius of each species, shape (number of species,) [length]. Those of
+            particles make a packing by `Packing.from_arrays`.
         box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length]; (lx, ly) may be
             given for a rectangle. Of spheres ((lx, 0, 0), (xy, ly, 0), (xz, yz, lz)), or
             (lx, ly, lz).
@@ -55,8 +56,9 @@ class Packing(PackingFiles):
 
     Raises:
         ParameterError: shapes disagree, walls have another dimension, a number is not finite, a
-            radius or box length is not positive, a species has no radius, or a particle is larger
-            than its species allows.
+            radius or box length is not positive, a species has no radius, as many radii as
+            particles are given and some species have none, or a particle is larger than its
+            species allows.
     """
 
     positions: NDArray[np.float64]
@@ -108,6 +110,18 @@ class Packing(PackingFiles):
             )
         if self.particle_radii is not None:
             self._check_particle_radii(self.particle_radii)
+        elif len(self.radii) == n > 2:  # two particles of one of two species are usual
+            self._refuse_unused_radii()
+
+    def _refuse_unused_radii(self) -> None:
+        """Refuse as many radii as particles, of which some would be left out."""
+        used = np.unique(self.species)
+        if len(used) < len(self.radii) and np.ptp(self.radii) > 0.0:
+            raise ParameterError(
+                f"radii are those of species, and the {len(self.radii)} particles are of "
+                f"{len(used)} of them: give radii of particles to Packing.from_arrays(positions, "
+                "radii, box, species), or species that all have particles"
+            )
 
     def _check_particle_radii(self, particle_radii: NDArray[np.float64]) -> None:
         if particle_radii.shape != self.species.shape:
@@ -144,14 +158,14 @@ class Packing(PackingFiles):
     @property
     def area(self) -> float:
         """Area that is free to particles: of the box, or the container, without obstacles."""
-        refuse_space("area", self.dimension, "take the volume")
+        refuse_space("area", self.dimension, "take the volume", attribute=True)
         return self._room
 
     @property
     def volume(self) -> float:
         """Volume that is free to spheres: of the box, or the container, without obstacles."""
         if self.dimension == 2:
-            raise ParameterError("a packing in the plane has no volume: take the area")
+            raise AbsentError("a packing in the plane has no volume: take the area")
         return self._room
 
     @cached_property
@@ -174,7 +188,7 @@ class Packing(PackingFiles):
     @property
     def outlines(self) -> list[NDArray[np.float64]]:
         """Circles of the undeformed disks, closed polygons of shape (m, 2) [length]."""
-        refuse_space("outlines", self.dimension, "take positions and radius")
+        refuse_space("outlines", self.dimension, "take positions and radius", attribute=True)
         turn = np.linspace(0.0, 2.0 * np.pi, _POINTS)
         circle = np.column_stack([np.cos(turn), np.sin(turn)])
         return list(self.positions[:, None] + self.radius[:, None, None] * circle)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import ParameterError, UnsavedWarning
-from ..common.files import reading
+from ..common.files import reading, refuse_present
 from ..common.validate import expect, numbers, shown
 from ..formats.files import read_particles, write_particles
 from ..formats.particles import RADII, check_radii
@@ -161,7 +161,7 @@ class PackingFiles:
             species = found.species
         return _of(cls, places, radius, given, species, walls, found.count)
 
-    def to_file(self: _Packing, path: str | Path) -> None:
+    def to_file(self: _Packing, path: str | Path, overwrite: bool = False) -> None:
         """Write the packing for other programs; `from_file` reads it again.
 
         Positions, radii, species and box come back to the last bit, from GSD in single precision.
@@ -169,18 +169,19 @@ class PackingFiles:
 
         Args:
             path: `.data` is a LAMMPS data file of atom_style sphere, `.lammpstrj` or `.dump` a
-                LAMMPS dump, `.xyz` or `.extxyz` extended XYZ, `.gsd` a file of HOOMD-blue. An older
-                file is replaced.
+                LAMMPS dump, `.xyz` or `.extxyz` extended XYZ, `.gsd` a file of HOOMD-blue.
+            overwrite: replace a file that is there.
 
         Raises:
             ParameterError: the suffix is another.
-            FileError: the file cannot be written.
+            FileError: there is a file and `overwrite` is not given, or it cannot be written.
             ImportError: gsd is missing (`pip install 'lammps-deformable[gsd]'`).
 
         Warns:
             UnsavedWarning: the packing has walls.
         """
         expect("path", path, str, Path)
+        refuse_present(Path(path), overwrite)
         write_particles(
             Path(path),
             self.box,
@@ -226,6 +227,10 @@ def _of(
     """
     largest = np.zeros(max(count, int(species.max(initial=0)) + 1))
     np.maximum.at(largest, species, radius)
-    largest[np.bincount(species, minlength=len(largest)) == 0] = radius.max(initial=0.0)
-    own = bool((radius != largest[species]).any())
+    empty = np.bincount(species, minlength=len(largest)) == 0
+    largest[empty] = radius.max(initial=0.0)
+    # as many radii as particles would be taken for theirs
+    own = bool((radius != largest[species]).any()) or (
+        len(largest) == len(species) and bool(empty.any())
+    )
     return kind(positions, species, largest, box, radius if own else None, walls)

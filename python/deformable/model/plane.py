@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from ..common.errors import ParameterError
+from ..common.errors import AbsentError, ParameterError
 from ..common.validate import shown, whole
 
 
-def refuse_space(what: str, dimension: int, way_out: str) -> None:
+def refuse_space(what: str, dimension: int, way_out: str, attribute: bool = False) -> None:
     """Refuse three dimensions.
 
     Args:
         what: name of what is defined in the plane only.
         dimension: of the packing.
         way_out: what to do in three dimensions.
+        attribute: it is one of a packing, which `hasattr` may ask for.
 
     Raises:
         ParameterError: there are three dimensions.
     """
     if dimension == 3:
-        raise ParameterError(
+        raise (AbsentError if attribute else ParameterError)(
             f"{what} is for packings in the plane, and this one has three dimensions: {way_out}"
         )
 

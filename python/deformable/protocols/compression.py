@@ -15,7 +15,7 @@ from ..common.progress import progress
 from ..common.ranks import world
 from ..common.steps import Steps
 from ..common.validate import count, expect, finite, positive
-from ..engine.box_search import REACHED, Relaxed, UnreachedError, reach, told_at_the_end
+from ..engine.box_search import Relaxed, UnreachedError, reach, told_at_the_end
 from ..engine.disks import Disks
 from ..engine.droplet_simulation import DropletSimulation
 from ..engine.polygon_simulation import PolygonSimulation
@@ -53,8 +53,8 @@ def compress(
     Give one of strain, phi and pressure. After step n of a strain the box lengths are those at the
     call times 1 - strain n / steps. With a phi or a pressure its value after step n lies n / steps
     of the way from that of the relaxed start to the target; a packing that is loose has none, and
-    is compressed until it has. Such a step takes some four relaxations. Walls are scaled with the
-    box.
+    is compressed until it has. Such a step takes some four relaxations. Where the start has the
+    target already, the packing stays as it is in all steps. Walls are scaled with the box.
 
     Args:
         sim: a `Simulation`, `Disks`, `Spheres` or a `PolygonSimulation`; it ends in the last state.
@@ -69,8 +69,8 @@ def compress(
         The relaxed state after each step. A step is done when its state is asked for.
 
     Raises:
-        ParameterError: a value is out of range, or the start has the target already; or it cannot
-            be reached, and the message has what was.
+        ParameterError: a value is out of range, or a target cannot be reached, and the message has
+            what was.
 
     Warns:
         UnjammedWarning: an expansion has taken the packing apart; once, after the first such step.
@@ -167,13 +167,8 @@ def steps_towards(
     done: int,
     tolerance: float | None,
 ) -> Iterator[S]:
-    """The remaining steps from a phi or pressure to a target, after the steps done.
-
-    Raises:
-        ParameterError: both are the same.
-    """
+    """The remaining steps from a phi or pressure to a target, after the steps done."""
     start = max(start, 0.0)
-    refuse_present(name, start, target)
     given = _given(tolerance)
 
     def reached(goal: float) -> S:
@@ -194,14 +189,6 @@ def steps_towards(
             ) from None
 
     return _stepped(step, steps, done, expands=target < start)
-
-
-def refuse_present(name: str, start: float, target: float) -> None:
-    """Refuse a target that the start has already."""
-    if abs(target - start) <= REACHED[name] * target:
-        raise ParameterError(
-            f"{name} = {target:.10g} is that of the packing already: relax the simulation instead"
-        )
 
 
 def _stepped(step: Callable[[int], S], steps: int, done: int, expands: bool) -> Iterator[S]:

@@ -10,6 +10,7 @@ from typing import Any
 from ..common.errors import ParameterError
 from ..common.progress import progress
 from ..common.validate import count
+from ..engine.close_balance import balanced_to, imbalance_under
 from ..engine.deforming import Deforming, S
 from ..engine.droplet_simulation import DropletSimulation
 from ..engine.lammps import run
@@ -81,10 +82,12 @@ def flow(
             `flow_command`.
         seed: of the noise.
     """
-    lmp = sim.lmp
+    lmp, state = sim.lmp, sim.state()
     _, of_noise = seeds(sim, seed)
-    with moving(sim, dynamics, of_noise):
-        state = sim.state()
+    with (
+        balanced_to(sim, state.packing, imbalance_under(rate * duration)),
+        moving(sim, dynamics, of_noise),
+    ):
         drag = dynamics.friction * rate * 2.0 * float(state.packing.radius.max())
         limit = min(dynamics.limit, _OF_A_STEP / rate)
         dynamics = replace(dynamics, drive=drag, limit=limit)

@@ -71,7 +71,8 @@ def shear_modulus(
         onset.
 
     Raises:
-        ParameterError: a value is out of range.
+        ParameterError: a value is out of range, or the state is not at rest (`residual` above
+            1e-3).
     """
     expect("state", state, State, DropletState, DiskState, SphereState)
     if pure:
@@ -114,6 +115,7 @@ def _modulus(
 ) -> Modulus:
     """Half the difference of a component of stress at two opposite strains, over the strain."""
     positive("strain", strain)
+    state.check_at_rest()
     before, zero = np.inf, _AGREEMENT * abs(state.pressure)
     for halving in range(_HALVINGS + 1):
         stresses, stalled = [], False

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -13,8 +14,11 @@ from ..common.errors import ParameterError
 from ..common.progress import progress
 from ..common.steps import Steps
 from ..common.validate import count, expect, number_or_nan, positive, whole
+from ..engine.close_balance import balanced_to, imbalance_under
+from ..engine.deforming import Deforming
 from ..engine.disks import Disks
 from ..engine.droplet_simulation import DropletSimulation
+from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
 from ..engine.spheres import Spheres
 from ..state.disk_state import DiskState
@@ -27,6 +31,10 @@ from .starts import simulate
 
 # States of a cycle at least: with three, the first harmonic is not told from a constant and others.
 _FEWEST = 8
+
+# Tolerance of relaxations over the strain, and the closest one: forces that remain are an error of
+# the stress.
+_OF_STRAIN, _CLOSEST = 1e-4, 1e-11
 
 # Time steps of a cycle at least: the stress lags behind the strain by half a step.
 _STEPS = 4000
@@ -65,7 +73,8 @@ def oscillate(
         period: of a cycle [time]; None or infinite: quasistatic.
         cycles: number of cycles.
         steps: states of a cycle, 8 or more, after equal parts of it.
-        tolerance: of the relaxations without a period.
+        tolerance: of the relaxations without a period; by default 1e-4 of the strain, at most
+            1e-6.
         friction: as in `shear`, with a period.
         temperature: as in `shear`.
         timestep: as in `shear`.
@@ -90,7 +99,9 @@ def oscillate(
     states: Iterator[S]
     if period is None or number_or_nan(period) == math.inf:
         refuse_without_flow("period", **flowing, seed=seed)
-        states = _relaxed(sim, before, strains, tolerance)
+        if tolerance is None:
+            tolerance = min(TOLERANCE, max(_CLOSEST, _OF_STRAIN * strain))
+        states = _relaxed(sim, before, strains, tolerance, _step(strain, steps))
     else:
         period = positive("period", period)
         flows, dynamics = flow_dynamics(sim, **flowing, tolerance=tolerance, seed=seed)
@@ -101,6 +112,11 @@ def oscillate(
         flowed = flow(flows, dynamics, strain * omega, period / steps, strains, course, seed)
         states = cast(Iterator[S], flowed)
     return Steps("oscillate", states, lambda: replace(sim.state(), strain=before))
+
+
+def _step(strain: float, steps: int) -> float:
+    """Strain from a state to the next one at most, of so many in a cycle of this amplitude."""
+    return 2.0 * math.pi * strain / steps
 
 
 def _course(omega: float, width: float, part: float) -> Callable[[float], str]:
@@ -122,10 +138,13 @@ def _course(omega: float, width: float, part: float) -> Callable[[float], str]:
 
 
 def _relaxed(
-    sim: Shearable[S], before: float, strains: Sequence[float], tolerance: float | None
+    sim: Shearable[S], before: float, strains: Sequence[float], tolerance: float, step: float
 ) -> Iterator[S]:
-    """The relaxed states at these strains."""
-    with progress("shearing", unit="state", total=len(strains)) as bar:
+    """The relaxed states at these strains, which differ by this step at most."""
+    balanced: AbstractContextManager[None] = nullcontext()
+    if isinstance(sim, Deforming):
+        balanced = balanced_to(sim, sim.state().packing, imbalance_under(step))
+    with balanced, progress("shearing", unit="state", total=len(strains)) as bar:
         for strain in strains:
             state = sheared_state(sim, strain - before, strain, tolerance)
             bar.set_postfix(stress=f"{state.shear_stress:.3g}")
@@ -141,7 +160,8 @@ class DynamicModulus:
     Attributes:
         storage: G', in phase with the strain [energy/length^d].
         loss: G'', in phase with the rate [energy/length^d].
-        storage_error: standard error of the mean of G' over cycles [energy/length^d].
+        storage_error: standard error of the mean of G' over cycles, and what forces that are not
+            balanced may add [energy/length^d].
         loss_error: the same of G'' [energy/length^d].
         harmonics: amplitude of the stress that is none of this, over that which is: noise, and
             higher harmonics where the response is not linear.
@@ -170,7 +190,12 @@ def dynamic_modulus(
     """G' and G'' of a state, which does not change, from the stress of `oscillate`.
 
     The stress sigma of a cycle of n states gives G' = 2/(n strain) sum sigma sin(omega t), and G''
-    with the cosine. A slow flow has the G' of `shear_modulus`.
+    with the cosine. A slow flow has the G' of `shear_modulus`. Linear response is
+    `state.complex_modulus`, without an amplitude and without noise.
+
+    Contacts and, without a period, relaxed forces are balanced up to a part epsilon of the largest
+    or mean contact force. With |F_c| and d_c of the contacts and the room V the error of the stress
+    is about epsilon sum |F_c| d_c/(d V), in errors divided by the strain.
 
     Args:
         state: of a `Simulation` or, without a period, of `Disks`.
@@ -207,7 +232,10 @@ def dynamic_modulus(
             timestep,
             seed,
         )
-        stress = np.array([each.shear_stress for each in states])
+        stress, left = np.array([(each.shear_stress, each.residual) for each in states]).T
+    quasistatic = period is None or number_or_nan(period) == math.inf
+    unbalanced = float(left.max()) if quasistatic else imbalance_under(_step(strain, steps))
+    bound = unbalanced * _pressed(state) / strain
     phase = 2.0 * np.pi * np.arange(1, steps + 1) / steps
     cycle = stress.reshape(-1, steps)[discarded:]
     storage, loss = (
@@ -217,11 +245,20 @@ def dynamic_modulus(
     rest = cycle - cycle.mean(axis=1, keepdims=True)
     rest -= strain * (np.outer(storage, np.sin(phase)) + np.outer(loss, np.cos(phase)))
     size = strain * np.sqrt(np.mean(storage**2 + loss**2) / 2.0)
-    storage_error, loss_error = np.std([storage, loss], axis=1, ddof=1) / np.sqrt(cycles)
+    scatter = np.std([storage, loss], axis=1, ddof=1) / np.sqrt(cycles)
+    storage_error, loss_error = np.hypot(scatter, bound)
     return DynamicModulus(
         float(storage.mean()),
         float(loss.mean()),
         float(storage_error),
         float(loss_error),
         float(np.sqrt(np.mean(rest**2)) / size) if size else 0.0,
+    )
+
+
+def _pressed(state: State | DropletState | DiskState | SphereState) -> float:
+    """sum |F_c| d_c / (d V): the pressure if all contacts pushed [energy/length^d]."""
+    contacts, box = state._contact_forces, state.packing.box
+    return float(
+        np.sum(np.abs(contacts.push) * contacts.distance) / (len(box) * np.linalg.det(box))
     )

@@ -66,7 +66,8 @@ def settle(
         inertial_number: I; the smaller, the slower is the compression. Packings of 64 at 0.01 were
             those at 0.002 within errors, see examples/frictional_jamming.
         steps: number of time steps at most.
-        timestep: length of a step; if not given half of the longest stable one [time].
+        timestep: length of a step; if not given half of the longest stable one of contacts that
+            bear the pressure [time].
 
     Returns:
         The state at rest; its `stalled` is true if it did not come to rest.
@@ -96,6 +97,9 @@ def settle(
     rate = math.sqrt(pressure)
     drag = rate * min(_DRAG, 8.0 * _BORNE / (inertial_number * sim.lmp.get_natoms()))
     dynamics = dynamics_of(sim, None, drag, True, timestep, None)
+    # a loose packing does not tell how stiff contacts become
+    contact = 2.0 * pressure * float(sim.state().packing.radius.max())
+    dynamics = replace(dynamics, drive=contact)
     box = _BOX.format(pressure=pressure, gain=inertial_number / rate).strip()
     state, at_rest = sim.state(), False
     with (
@@ -110,6 +114,11 @@ def settle(
                     longest = min(longest, sim.friction.longest_step)
                 dt = dynamics.timestep or _OF_LONGEST * longest
                 dynamics.check(state, dt)
+                if dt > longest:
+                    raise ParameterError(
+                        f"timestep = {dt:g} is too long for contacts at the pressure {pressure:g}: "
+                        f"take at most {longest:.2g}, or leave it out"
+                    )
                 advance(sim, dynamics, min(_LOOK, steps - done), dt)
                 state = sim.state()
                 error = max(abs(state.pressure / pressure - 1.0), _residual(sim, state))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..common.errors import FileError, ParameterError
-from ..common.files import write_whole
+from ..common.files import refuse_present, write_whole
 from ..common.optional import optional
 from ..common.validate import expect
 from ..io.frames import check_frames, clock_of, frames_in, recorded, series_in
@@ -87,7 +87,9 @@ def table(folder: Path, states: Iterable[DeformedState], columns: Mapping[str, C
     return found.assign(**pandas.DataFrame(rows, index=found.index, columns=list(columns)))
 
 
-def export(states: Iterable[Exports], path: str | Path, forces: bool = False) -> None:
+def export(
+    states: Iterable[Exports], path: str | Path, forces: bool = False, overwrite: bool = False
+) -> None:
     """Write the shapes of several states for ParaView and OVITO, see `State.export`.
 
     Args:
@@ -95,10 +97,11 @@ def export(states: Iterable[Exports], path: str | Path, forces: bool = False) ->
         path: `NAME.pvd`, which lists the files NAME_0000.vtp, NAME_0001.vtp, ... beside it, with
             the times of a motion, or with their numbers.
         forces: write the networks of forces in the place of shapes.
+        overwrite: replace files that are there.
 
     Raises:
         ParameterError: the suffix is another, or there are no states.
-        FileError: a file cannot be written.
+        FileError: there is a file and `overwrite` is not given, or it cannot be written.
     """
     expect("states", states, Iterable)
     expect("path", path, str, Path)
@@ -110,7 +113,9 @@ def export(states: Iterable[Exports], path: str | Path, forces: bool = False) ->
         expect("a state that is exported", state, Exports)
         names.append(f"{path.stem}_{number:04d}.vtp")
         times.append(state.time)
-        state.export(path.with_name(names[-1]), forces)
+        if state.root and number == 0:
+            refuse_present(path, overwrite)
+        state.export(path.with_name(names[-1]), forces, overwrite)
         if state.root:
             write_whole(path, collection(names, times))
     if not names:

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TypeVar
 
 from ..common.errors import FileError, ParameterError
-from ..common.files import make_folder
+from ..common.files import make_folder, refuse_present
 from ..common.ranks import world
-from ..common.steps import Steps, start_of
+from ..common.steps import Steps, start_of, waits_for_all
 from ..common.validate import expect
 from ..io.series import append_row, columns_in, keep_rows, refuse_foreign, rows_in
 from ..state.disk_state import DiskState
@@ -19,11 +19,17 @@ from ..state.sphere_state import SphereState
 from ..state.state import State
 from .columns import Column, check_columns
 
+_APPEND = "go on with append=True"
+
 S = TypeVar("S", bound=State | DropletState | DiskState | SphereState)
 
 
 def log(
-    states: Iterable[S], path: str | Path, append: bool = False, **columns: Column
+    states: Iterable[S],
+    path: str | Path,
+    append: bool = False,
+    overwrite: bool = False,
+    **columns: Column,
 ) -> Iterator[S]:
     """Write a row of numbers for each state as it comes, into a CSV file.
 
@@ -38,28 +44,35 @@ def log(
     Args:
         states: of `Simulation`, `Disks` or `Spheres`, e.g. from `compress`; what knows a state
             before is told at `record`.
-        path: of the file; folders are made if missing. A log there is replaced.
+        path: of the file; folders are made if missing.
         append: go on with the log that is there, if any: frames are counted on, and half a row at
             its end is removed.
+        overwrite: replace the log that is there, when the first state comes.
         columns: further ones: functions that return a number for a state.
 
     Yields:
         The states, unchanged; without the one before the first step.
 
     Raises:
-        ParameterError: these are no states, or a column is no function or has the name of another.
-        FileError: the file cannot be written, is no log, or has other columns.
+        ParameterError: these are no states, or a column is no function or has the name of another,
+            or `append` and `overwrite` are given.
+        FileError: there is a log, and neither `append` nor `overwrite` is given; or the file cannot
+            be written, is no log, or has other columns.
     """
     expect("states", states, Iterable)
     expect("path", path, str, Path)
     expect("append", append, bool)
+    if append and overwrite:
+        raise ParameterError("give one of append and overwrite")
     path = Path(path)
     if not path.name:
         raise ParameterError(f"path must name a file, such as log.csv, not {str(path)!r}")
     check_columns(columns, ())
     refuse_foreign(path)
+    if waits_for_all(states):
+        refuse_present(path, append or overwrite, _APPEND)
     start = start_of(states)
-    return Steps("log", _logged(states, start, path, append, columns), start)
+    return Steps("log", _logged(states, start, path, append, overwrite, columns), start)
 
 
 def _whole_rows(path: Path) -> int:
@@ -73,6 +86,7 @@ def _logged(
     start: Callable[[], S | None],
     path: Path,
     append: bool,
+    overwrite: bool,
     columns: Mapping[str, Column],
 ) -> Iterator[S]:
     """Write the rows. Only the rank that writes knows how many there are already."""
@@ -84,6 +98,7 @@ def _logged(
         row = numbers | {name: column(state) for name, column in columns.items()}
         if getattr(state, "root", world().rank == 0):
             if number < 0:
+                refuse_present(path, append or overwrite, _APPEND)
                 number = _begin(path, append, ["frame", *row])
             if number == 0 or state is not before:
                 append_row(path, number, row)

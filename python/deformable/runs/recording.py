@@ -18,7 +18,8 @@ import numpy as np
 
 from ..common.errors import ParameterError
 from ..common.files import make_folder
-from ..common.steps import Steps, start_of
+from ..common.steps import Steps, start_of, waits_for_all
+from ..common.strict_json import check_parameters
 from ..common.validate import expect, positive
 from ..engine.deforming import Deforming, S
 from ..engine.droplet_simulation import DropletSimulation
@@ -27,11 +28,11 @@ from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
 from ..io import frames
 from ..io.data_file import Motion
-from ..io.run_folder import DATA, SERIES, refuse
+from ..io.run_folder import SERIES, refuse_run
 from ..io.series import refuse_foreign
 from ..io.store import memory, setup
 from ..model.packing import Packing
-from ..protocols.compression import check_target, refuse_present, remaining_steps, steps_towards
+from ..protocols.compression import check_target, remaining_steps, steps_towards
 from ..protocols.shear import check_shear, shear_steps
 from ..state.droplet_state import DropletState
 from ..state.state import State
@@ -42,12 +43,15 @@ LARGEST_TOLERANCE = 1e-2
 _WAYS = (
     "finish it with Run.resume",
     "go on with Run.compress or Run.shear",
-    "replace it with overwrite=True",
 )
+_APPEND = ("go on with Run.append",)
 
 
 def record(
-    states: Iterable[S], folder: str | Path, parameters: Mapping[str, Any] | None = None
+    states: Iterable[S],
+    folder: str | Path,
+    parameters: Mapping[str, Any] | None = None,
+    overwrite: bool = False,
 ) -> Iterator[S]:
     """Write each state into a folder as it comes: an interrupted run loses nothing.
 
@@ -59,21 +63,26 @@ def record(
     Args:
         states: e.g. from `compress`. What protocols, `log` and `record` return knows the state
             before, until its first step is asked for. Frame 0 of all other states is the first one.
-        folder: made if missing; a run in it is replaced. `Run.append` goes on with it.
+        folder: made if missing. `Run.append` goes on with a run in it.
         parameters: anything that JSON can hold, for the summary.
+        overwrite: replace a run in the folder, when the first state comes.
 
     Yields:
         The states, unchanged; without the one before the first step.
 
     Raises:
         ParameterError: these are no states, of a `Simulation`, or no parameters.
-        FileError: a file cannot be written, or `series.csv` is that of another program.
+        FileError: the folder holds a run and `overwrite` is not given, or it holds something else,
+            or a file cannot be written, or `series.csv` is that of another program.
     """
     expect("folder", folder, str, Path)
     expect_states(states, parameters)
     refuse_foreign(Path(folder) / SERIES)
+    if waits_for_all(states):
+        refuse_run(folder, overwrite, _APPEND)
     start = start_of(states)
-    return Steps("record", write(states, Path(folder), parameters or {}, 0, start), start)
+    written = write(states, Path(folder), parameters or {}, 0, start, overwrite)
+    return Steps("record", written, start)
 
 
 def compress_in(
@@ -108,7 +117,7 @@ def compress_in(
 
     Raises:
         ParameterError: as for `compress`, or the tolerance is too large.
-        FileError: the folder holds a run and `overwrite` is not given, or it holds something else.
+        FileError: as for `record`.
     """
     protocol = compression(steps, tolerance, strain=strain, phi=phi, pressure=pressure)
     return _begin_in("compress_in", sim, folder, protocol, parameters, overwrite)
@@ -147,7 +156,7 @@ def shear_in(
 def expect_states(states: Any, parameters: Any) -> None:
     """Refuse objects of another kind."""
     expect("states", states, Iterable)
-    expect("parameters", parameters, Mapping, type(None))
+    check_parameters(parameters)
 
 
 def compression(steps: int, tolerance: float, **targets: float | None) -> dict[str, Any]:
@@ -188,7 +197,7 @@ def _begin_in(
     expect("sim", sim, Simulation, DropletSimulation)
     sim.comm.barrier()  # rank 0 may still be writing
     _ = sim.lmp  # or say that it is closed
-    place = refuse(folder, "compression" if overwrite else None, _WAYS)
+    place = refuse_run(folder, overwrite, _WAYS)
     refuse_foreign(place / SERIES)
     return begin(name, sim, place, protocol, parameters)
 
@@ -209,7 +218,7 @@ def begin(
         before: parameters of the run that it goes on with, if any.
         first: number of the frames before.
     """
-    expect("parameters", parameters, Mapping, type(None))
+    check_parameters(parameters)
     return Steps(name, _begun(sim, folder, protocol, parameters, before, first))
 
 
@@ -225,21 +234,18 @@ def _begun(
     shears, new = protocol.get("protocol") == "shear", before is None
     sim.strain = (sim.strain or 0.0) if shears else sim.strain
     start = sim.state()  # all ranks have read the folder by then
-    target, goal = _target(protocol)
+    target, _ = _target(protocol)
     if target != "strain":
         start = sim.relax(protocol["tolerance"])
-        refuse_present(target, getattr(start, target), goal)
     began = {"frame": max(first, 1), "box": start.packing.box.tolist()}
     began["strain"] = sim.strain
     began |= {} if target == "strain" else {target: getattr(start, target)}
     parameters = {**(parameters or {}), **protocol, "start": began, **(before or {})}
-    if start.root and new:
-        (folder / DATA).unlink(missing_ok=True)  # no run is here until the new one is complete
     if first == 0:
-        for _ in write([start], folder, parameters, first):
+        for _ in write([start], folder, parameters, first, overwrite=True if new else None):
             pass
     elif start.root:
-        start.save(folder, parameters, frames=first)
+        start._write(folder, parameters, frames=first)
     yield from steps_of(sim, start.packing, start.motion, folder, parameters, done=0)
 
 
@@ -278,20 +284,27 @@ def write(
     parameters: Mapping[str, Any],
     first: int,
     start: Callable[[], S | None] = lambda: None,
+    overwrite: bool | None = None,
 ) -> Iterator[S]:
     """Write each state after the first frames of a folder; later frames are removed.
 
-    The state before the first step, if `start` returns it, becomes frame 0, and is not yielded.
+    Args:
+        states: to write.
+        folder: of the run.
+        parameters: of the run.
+        first: number of the frames before.
+        start: returns the state before the first step, which becomes frame 0 and is not yielded.
+        overwrite: begin a new run, and may it replace another? None goes on with the run.
     """
     before = start() if first == 0 else None
     for number, state in enumerate(chain([before] if before else [], states), start=first):
         expect("a state that is recorded", state, State, DropletState)
         if state.root:
             if number == first:
-                make_folder(folder)
-                if frames.frames_in(folder) > 0 == first:  # another run is replaced
-                    (folder / DATA).unlink(missing_ok=True)
-                frames.keep_frames(folder, first)
+                if overwrite is None:
+                    frames.keep_frames(folder, first)
+                else:
+                    frames.drop_frames(make_folder(refuse_run(folder, overwrite, _APPEND)))
             frames.append_setup(
                 folder,
                 number,
@@ -299,6 +312,6 @@ def write(
             )
             values, numbers = state.particle_values(), state.numbers()
             frames.append_frame(folder, number, state.packing, values, numbers)
-            state.save(folder, parameters, frames=number + 1)
+            state._write(folder, parameters, frames=number + 1)
         if state is not before:
             yield state

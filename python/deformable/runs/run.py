@@ -15,6 +15,7 @@ frames. Frames beyond it are removed when the run goes on.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -23,10 +24,12 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from mpi4py import MPI
 
-from ..common.errors import FileError
+from ..common.errors import FileError, StalledWarning
 from ..common.files import reading
 from ..common.progress import progress
+from ..common.ranks import world
 from ..common.steps import Steps, start_of
+from ..common.strict_json import from_json
 from ..common.validate import expect
 from ..engine.deforming import Deforming
 from ..engine.lammps import communicator
@@ -56,26 +59,33 @@ class Run:
 
     `len(run)` is the number of recorded states, `run[3]` and `run[-1]` are states, `run[0]` is the
     one before the first step, and `run[2:5]` is a list of them. States are evaluated again from the
-    recorded positions, with the law, radii and walls that they had, and are never `stalled`. The
-    files are read when they are needed. All MPI ranks must ask for the same.
+    recorded positions, with the law, radii and walls that they had, and are `stalled` if they were.
+    The files are read when they are needed. All MPI ranks must ask for the same.
 
     Attributes:
         folder: of the run.
 
     Raises:
-        FileError: when files are needed: one is missing or cannot be read.
+        FileError: the folder has no run, or a file is missing or cannot be read. On several ranks,
+            of which one may still be writing, this is told when files are needed.
         IndexError: there is no such state.
     """
 
     def __init__(self, folder: str | Path) -> None:
         expect("folder", folder, str, Path)
         self.folder = Path(folder)
+        if world().size == 1:
+            self._check()
 
     def __repr__(self) -> str:
         return f"Run({str(self.folder)!r})"
 
+    def _check(self) -> None:
+        """Say what is missing."""
+        summary_in(refuse(self.folder, but="compression"))
+
     def __len__(self) -> int:
-        summary_in(refuse(self.folder, but="compression"))  # or say what is missing
+        self._check()
         return frames.frames_in(self.folder)
 
     def __iter__(self) -> Iterator[DeformedState]:
@@ -114,7 +124,7 @@ class Run:
         if not numbers:
             return
         texts, setups = frames.texts_of(self.folder), frames.setups_in(self.folder)
-        clock = frames.clock_of(self.folder)
+        clock, stalled = frames.clock_of(self.folder), frames.stalled_in(self.folder)
         with progress("replaying", unit="state", total=len(numbers)) as bar:
             for number in numbers:
                 with reading(f"frame {number} of {self.folder / frames.TRAJECTORY}"):
@@ -130,14 +140,15 @@ class Run:
                 with Simulation(packing, law, friction=friction) as sim:
                     go_on(sim, motion)
                     state = sim.state()
-                directed = motion.directions is not None and isinstance(state, State)
-                yield replace(state, directions=motion.directions) if directed else state
+                if motion.directions is not None and isinstance(state, State):
+                    state = replace(state, directions=motion.directions)
+                yield replace(state, stalled=number < len(stalled) and stalled[number])
                 bar.update()
 
     @property
     def parameters(self) -> dict[str, Any]:
         """The parameters in the summary; those of what was done before have the key `before`."""
-        return summary_in(self.folder).get("parameters") or {}
+        return dict(from_json(summary_in(self.folder).get("parameters") or {}))
 
     def simulation(self, comm: MPI.Comm | None = None) -> Deforming[Any]:
         """A simulation of the last state: the same particles, box and law.
@@ -147,8 +158,22 @@ class Run:
 
         Args:
             comm: as for `Simulation`.
+
+        Warns:
+            StalledWarning: the relaxation of that state had stalled.
         """
         communicator(comm).barrier()  # rank 0 may still be writing
+        last = summary_in(self.folder).get("state") or {}
+        if last.get("stalled"):
+            warnings.warn(
+                f"the relaxation of the state in '{self.folder}' had stalled, at a residual of "
+                f"{last.get('residual')}: relax the simulation before you measure",
+                StalledWarning,
+                stacklevel=2,
+            )
+        return self._simulation(comm)
+
+    def _simulation(self, comm: MPI.Comm | None) -> Deforming[Any]:
         packing, law, friction = read(self.folder)
         motion = read_motion(self.folder, packing)
         sim = Simulation(packing, law, comm, friction=friction)
@@ -226,7 +251,7 @@ class Run:
         if done >= parameters["steps"]:
             return iter(())
         frames.check_frames(self.folder)
-        sim = self.simulation(comm)
+        sim = self._simulation(comm)
         if done > 0:
             sim.relax(np.finfo(float).max)  # relaxed already: this only finds whether it is rigid
         return Steps("Run.resume", steps_of(sim, packing, motion, self.folder, parameters, done))
@@ -241,9 +266,9 @@ class Run:
         """Draw the states as a movie, see `deformable.movie`."""
         movie.movie(self, path, **settings)
 
-    def export(self, path: str | Path, forces: bool = False) -> None:
+    def export(self, path: str | Path, forces: bool = False, overwrite: bool = False) -> None:
         """Write the shapes of the states for ParaView and OVITO, see `deformable.export`."""
-        analysis.export(self, path, forces)
+        analysis.export(self, path, forces, overwrite)
 
     def table(self, **columns: Callable[[DeformedState], Any]) -> Any:
         """The numbers of the states as a DataFrame of pandas, with the frames as index.
@@ -283,7 +308,7 @@ class Run:
     def _before(self) -> dict[str, Any]:
         """The parameters of the run, for the summary of the next one."""
         frames.check_frames(self.folder)
-        return {"before": summary_in(self.folder).get("parameters")}
+        return {"before": self.parameters}
 
     def _go_on(
         self,

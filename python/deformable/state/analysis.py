@@ -157,7 +157,7 @@ class Analysis(ABC):
         return local_strain.local_strain(before, self, r_max)
 
     def structure_factor(
-        self, k_max: float, bins: int = 100
+        self, k_max: float, *, bins: int = 100
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The static structure factor S(k) of the centers.
 
@@ -167,7 +167,7 @@ class Analysis(ABC):
 
         Args:
             k_max: largest wave number [1/length].
-            bins: number of intervals of the wave number.
+            bins: number of intervals of the wave number; by name, as freud has it first.
 
         Returns:
             Wave numbers k, the middles of the intervals [1/length], and S, both of shape (bins,);
@@ -226,7 +226,7 @@ class Analysis(ABC):
         return for_freud.neighbors(freud, len(self.packing), self._contact_forces)
 
     def radial_distribution(
-        self, r_max: float, bins: int = 100
+        self, r_max: float, *, bins: int = 100
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The radial distribution function g(r) of the centers, by freud.
 
@@ -236,7 +236,7 @@ class Analysis(ABC):
         Args:
             r_max: largest distance, below half of the box; between walls below their distance
                 [length].
-            bins: number of intervals of the distance.
+            bins: number of intervals of the distance; by name, as freud has it first.
 
         Returns:
             Distances r, the middles of the intervals [length], and g, both of shape (bins,).

@@ -35,18 +35,29 @@ def packing_of(name: str, given: Any) -> Packing:
 def affine(before: Snapshot | Packing, now: Snapshot, points: Floats) -> Floats:
     """Points that follow the box from a state to a later one, shape (n, d) [length].
 
-    Boxes whose tilts differ by their width have the same images. Of the boxes that are equivalent
+    Boxes whose tilts differ by their widths have the same images. Of the boxes that are equivalent
     to that of the later state it is the one that its `strain` leads to or, if that is None, the
-    one whose tilt is nearest.
+    one whose tilts are nearest.
     """
     old, new = packing_of("before", before).box, packing_of("now", now).box
     strain = getattr(now, "strain", None)
     added = 0.0 if strain is None else strain - (getattr(before, "strain", None) or 0.0)
-    lx, xy, ly = new[0, 0], new[1, 0], new[1, 1]
-    expected = (old[1, 0] / old[1, 1] + added) * ly
-    box = np.array(new)
-    box[1, 0] = xy + np.rint((expected - xy) / lx) * lx
-    return cartesian(fractional(points, old), box)
+    return cartesian(fractional(points, old), _unflipped(old, np.array(new), added))
+
+
+def _unflipped(old: Floats, box: Floats, added: float) -> Floats:
+    """The box that is equivalent to a later one and comes from this one by a shear, shape (d, d).
+
+    Without flips a lattice vector keeps its tilts over its side, but for the shear, which moves it
+    along x by the added strain times its part along y.
+    """
+    for row in range(1, len(box)):
+        expected = old[row] * (box[row, row] / old[row, row])
+        for axis in reversed(range(row)):
+            if axis == 0:
+                expected[0] += added * box[row, 1]
+            box[row] += np.rint((expected[axis] - box[row, axis]) / box[axis, axis]) * box[axis]
+    return box
 
 
 def nonaffine(before: Snapshot | Packing, now: Snapshot) -> Floats:

@@ -83,10 +83,7 @@ def moduli_of(hessian: Hessian) -> ElasticModuli:
 
         C_abcd = E''_ab,cd / V + sigma_ad delta_bc - sigma_ab delta_cd,    sigma = -stress
     """
-    if hessian.packing.walls:
-        raise ParameterError(
-            "elastic moduli need a periodic box without walls: `bulk_modulus` strains walls too"
-        )
+    refuse_walls(hessian)
     n, sigma = hessian.size, -hessian.stress
     coupled = hessian.by_strain
     lines = coupled[n:].T @ hessian.line_response(coupled[n:])
@@ -98,3 +95,15 @@ def moduli_of(hessian: Hessian) -> ElasticModuli:
         for part in (lines, relaxed)
     )
     return ElasticModuli(tensor, affine, affine - tensor)
+
+
+def refuse_walls(hessian: Hessian) -> None:
+    """Refuse walls, which a strain would have to move.
+
+    Raises:
+        ParameterError: there are some.
+    """
+    if hessian.packing.walls:
+        raise ParameterError(
+            "elastic moduli need a periodic box without walls: `bulk_modulus` strains walls too"
+        )

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import ParameterError
+from ..common.files import refuse_present
 from ..common.optional import optional
 from ..common.validate import expect, shown
 from ..formats.universes import in_space
@@ -105,7 +106,7 @@ class Exports(ABC):
             columns |= zip(names, np.atleast_2d(column.T), strict=False)
         return pandas.DataFrame(columns)
 
-    def export(self, path: str | Path, forces: bool = False) -> None:
+    def export(self, path: str | Path, forces: bool = False, overwrite: bool = False) -> None:
         """Write the shapes of the particles, with their values, or the network of forces.
 
             state.export("outlines.vtp")
@@ -124,15 +125,17 @@ class Exports(ABC):
             forces: write lines between centers in the place of shapes: the contacts, with their
                 `force` along the line, positive where it pushes, the `distance`, and the ids `i`
                 and `j`, of which -1 is a wall.
+            overwrite: replace a file that is there.
 
         Raises:
             ParameterError: the suffix is another.
-            FileError: the file cannot be written.
+            FileError: there is a file and `overwrite` is not given, or it cannot be written.
         """
         expect("path", path, str, Path)
         expect("forces", forces, bool)
         if not self.root:
             return
+        refuse_present(Path(path), overwrite)
         packing = self.packing
         numbers = {"box": packing.box, "phi": self.phi, "pressure": self.pressure}
         if forces:

@@ -55,7 +55,7 @@ class PlaneAnalysis(Analysis):
         return np.divide(order, total, out=np.full(number, np.nan + 0j), where=total > 0.0)
 
     def hexatic_correlation(
-        self, r_max: float, bins: int = 100, k: int = 6
+        self, r_max: float, *, bins: int = 100, k: int = 6
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Correlation of the bond-orientational order over the distance, by freud.
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core import angles
+from ..model.filled import filled_area
 from ..model.packing import Packing
 from ..model.polygons import PolygonModel, Polygons
 from .stressed import Stressed
@@ -85,7 +86,7 @@ class PolygonState(Stressed):
         model: the settings.
         polygons: the undeformed polygons.
         outlines: beads of each polygon, unwrapped around its center, arrays (N_v, 2) [length].
-        area: of the polygons, shape (N,) [length^2].
+        area: of the polygons through their vertices, shape (N,) [length^2].
         perimeter: of the polygons, shape (N,) [length].
         contact_table: pairs of polygons in contact, with their forces.
         energy: of all polygons [energy].
@@ -115,8 +116,18 @@ class PolygonState(Stressed):
 
     @property
     def phi(self) -> float:
-        """Packing fraction, sum of the polygons' areas over the area of the box."""
-        return float(np.sum(self.area) / np.prod(self.packing.box.diagonal()))
+        """Packing fraction, sum of `filled_area` over the area of the box, as that of a law."""
+        return float(np.sum(self.filled_area) / np.prod(self.packing.box.diagonal()))
+
+    @property
+    def filled_area(self) -> NDArray[np.float64]:
+        """Area of each polygon with the radius p of its vertices around it, shape (N,) [length^2].
+
+        Beads of other polygons interlock with those of a bead polygon: it is filled up to its
+        `effective_radius`, see `Polygons`.
+        """
+        skin = self.polygons.skin[self.packing.species]
+        return filled_area(self.area, self.perimeter, skin)
 
     @property
     def area_deficit(self) -> NDArray[np.float64]:

@@ -12,9 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import UnsavedWarning
-from ..common.validate import expect, whole
+from ..common.strict_json import check_parameters
 from ..io.data_file import Motion
+from ..io.frames import drop_frames, frames_in
 from ..io.lammps_script import TEMPERATURE
+from ..io.run_folder import refuse_run
 from ..io.store import save
 from ..model.droplet import AnyLaw
 from ..model.friction import Friction
@@ -71,41 +73,47 @@ class Saved(ABC):
         self,
         folder: str | Path,
         parameters: Mapping[str, Any] | None = None,
-        frames: int | None = None,
+        overwrite: bool = False,
     ) -> None:
         """Write the state for `deformable.Run`, and for LAMMPS with the script `in.lammps`.
 
         Args:
-            folder: made if missing; an older state there is replaced.
-            parameters: anything JSON for the summary, e.g. seed and protocol.
-            frames: number of recorded frames up to this state, see `record`.
+            folder: made if missing.
+            parameters: for the summary, e.g. seed and protocol: what JSON can hold.
+            overwrite: replace a state or a run that is there.
 
         Raises:
             ParameterError: an argument is of another kind.
-            FileError: a file cannot be written.
+            FileError: the folder has a state or a run and `overwrite` is not given, or it holds
+                something else, or a file cannot be written.
 
         Warns:
             UnsavedWarning: the files lack what `unsaved` names.
         """
-        expect("folder", folder, str, Path)
-        expect("parameters", parameters, Mapping, type(None))
-        if frames is not None:
-            whole("frames", frames)
-        if self.root and self.unsaved:
+        check_parameters(parameters)
+        if not self.root:
+            return
+        place = refuse_run(folder, overwrite)
+        if frames_in(place):
+            drop_frames(place)
+        if self.unsaved:
             warnings.warn(
                 f"'{folder}' has the particles and the law, but not the {self.unsaved} that were "
                 "given to lmp",
                 UnsavedWarning,
                 stacklevel=2,
             )
-        if self.root:
-            packing, law, squeeze, now = self.step_limits()
-            longest = self.friction.accurate_step if self.friction else np.inf
-            steps = (
-                min(accurate_step(packing, law, squeeze, now), longest),
-                min(accurate_step(packing, law, squeeze, max(now, TEMPERATURE)), longest),
-            )
-            numbers = self.numbers()
-            save(
-                folder, packing, law, steps, numbers, self.motion, parameters, frames, self.friction
-            )
+        self._write(place, parameters)
+
+    def _write(
+        self, folder: Path, parameters: Mapping[str, Any] | None, frames: int | None = None
+    ) -> None:
+        """Write the state behind so many recorded frames up to it, if any."""
+        packing, law, squeeze, now = self.step_limits()
+        longest = self.friction.accurate_step if self.friction else np.inf
+        steps = (
+            min(accurate_step(packing, law, squeeze, now), longest),
+            min(accurate_step(packing, law, squeeze, max(now, TEMPERATURE)), longest),
+        )
+        numbers = self.numbers()
+        save(folder, packing, law, steps, numbers, self.motion, parameters, frames, self.friction)

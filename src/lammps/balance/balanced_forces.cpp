@@ -22,8 +22,8 @@ void BalancedForces::stick()
 
 // Outlines may bulge so far that the list of near pairs is not sufficient: then they are found again. Films that come or go
 // change the forces of others, which may let others come or go.
-int BalancedForces::solve(const DeformableParticles &p, bool new_list,
-                          const std::function<void()> &before_change)
+bool BalancedForces::solve(const DeformableParticles &p, bool new_list,
+                           const std::function<void()> &before_change)
 {
   constexpr int MOST_LISTS = 10, MOST_CHANGES = 100;
   const bool begins_to_stick = p.films && !near.pairs.sticks;    // an adhesion has grown from 0
@@ -36,13 +36,20 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list,
   } else if (p.radii_vary || p.new_material || p.materials->vary()) {
     set_material(p);
   }
-  int wrong = near.locate(p);
-  if (wrong < 0 && !new_list && !near.is_sufficient(p)) {
+  const auto locate = [&] {
+    wrong = near.locate(p);
+    return wrong >= 0 || p.refusals->any_here();
+  };
+  const auto on_any_rank = [&](bool refused) { return near.remote_sides.largest(refused) > 0.0; };
+  bool refused = locate();
+  if (new_list) {
+    refused = on_any_rank(refused);
+  } else if (!near.is_sufficient(p, refused) && !refused) {
     near.build(p, false);
     arrange(p, false);
-    wrong = near.locate(p);
+    refused = on_any_rank(locate());
   }
-  if (wrong >= 0) return wrong;
+  if (refused) return false;
   solver.begin_call();
   if (films) films->begin_call();
   double before = 0.0;
@@ -76,7 +83,7 @@ int BalancedForces::solve(const DeformableParticles &p, bool new_list,
   if (near.pairs.curved && new_list && !warned_limited) warn_limited();
   lost = changes > 0 ? before - total_energy() : 0.0;
   if (films && (new_list || begins_to_stick)) near.store_films(p);
-  return -1;
+  return true;
 }
 
 double BalancedForces::total_energy() const

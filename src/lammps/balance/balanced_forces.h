@@ -34,12 +34,15 @@ class BalancedForces : protected Pointers {
   // Some contacts may stick: with curved lines only.
   void stick();
 
-  // Returns -1, or a pair whose contact line cannot lie between the centers. Where pairs attach or let go, calls
-  // before_change() once, while forces are those before.
-  int solve(const DeformableParticles &, bool new_list, const std::function<void()> &before_change);
+  // Returns false on all ranks if one goes no further: a wall has refused a center, or this pair has a contact line that cannot
+  // lie between the centers. Where pairs attach or let go, calls before_change() once, while forces are those before.
+  bool solve(const DeformableParticles &, bool new_list,
+             const std::function<void()> &before_change);
 
   // After solve: calls act(begin, end) for all pairs, which then also know the slopes of outlines.
   template <class Act> void finish(Act &&act) { solver.finish(act); }
+
+  int refused_pair() const { return wrong; }    // or -1
 
   const NearPairs &pairs() const { return near.pairs; }
   int evaluations() const { return solver.evaluations(); }
@@ -109,7 +112,7 @@ class BalancedForces : protected Pointers {
   std::unique_ptr<Films> films;    // null: no contact sticks
   double lost = 0.0;
   std::vector<int> crowded;
-  int crushed = -1;
+  int crushed = -1, wrong = -1;
   bool lacking = false;
   void find_crushed();
   int find_crushed_here() const;

@@ -30,6 +30,7 @@ void NearList::build(const DeformableParticles &p, bool new_list)
   find_softness(p);
   pairs.sticks = p.films != nullptr;
   if (pairs.sticks) {
+    if (new_list) p.films->follow();
     p.films->who_knows(knows_films);
     remote_sides.to_ghosts(knows_films);
   }
@@ -81,7 +82,10 @@ void NearList::build(const DeformableParticles &p, bool new_list)
     remote_tags.push_back(atom->tag[c.j]);
   }
   pairs.wall = pairs.size;
-  if (!p.walls->empty()) add_walls(p, new_list, old);
+  if (!p.walls->empty()) {
+    p.refusals->collect([&] { add_walls(p, new_list, old); });
+    first_wall = first_of(pairs, pairs.wall, pairs.size);
+  }
   pairs.make_room();
   set_constants(p);
   if (pairs.sticks) recall_films(p);
@@ -193,8 +197,8 @@ void NearList::add_walls(const DeformableParticles &p, bool new_list, const Know
     const int own = order(*p.list)[ii];
     visit_walls(*p.walls, own, p.radius[own], p.reach, [&](int code, const auto &point) {
       const bool is_attached =
-          pairs.sticks && (knows_films[own] != 0.0 ? p.films->is_attached(own, code)
-                                                   : point.height < p.radius[own]);
+          pairs.sticks && (p.films->is_attached(own, code) ||
+                           (knows_films[own] == 0.0 && point.height < p.radius[own]));
       if (point.height > p.radius[own] + bulge[own] + margin && !is_attached) return;
       at_walls.push_back(is_attached);
       PastForces past;
@@ -207,7 +211,6 @@ void NearList::add_walls(const DeformableParticles &p, bool new_list, const Know
       pairs.add(own, code, past);
     });
   }
-  first_wall = first_of(pairs, pairs.wall, pairs.size);
 }
 
 // A pair alone bears o^3/2 G(0)^2 (k_i^(-1/3) + k_j^(-1/3))^3 with the stiffnesses k of small loads. With a tension,
@@ -279,6 +282,12 @@ int NearList::locate(const DeformableParticles &p)
     pairs.nx[k] = 1.0;
     pairs.ny[k] = pairs.angle[k] = pairs.per_distance[k] = 0.0;
   }
+  p.refusals->collect([&] { locate_walls(p); });
+  return -1;
+}
+
+void NearList::locate_walls(const DeformableParticles &p)
+{
   for (int ii = 0; ii < p.list->inum; ++ii) {
     const int i = p.list->ilist[ii];
     visit_walls(*p.walls, i, p.radius[i], p.reach, [&](int code, const auto &point) {
@@ -295,7 +304,6 @@ int NearList::locate(const DeformableParticles &p)
       pairs.per_distance[k] = point.per_lever;
     });
   }
-  return -1;
 }
 
 /* ---------------------------------------------------------------------- */

@@ -10,10 +10,11 @@
 #include "pointers.h"
 
 #include "adhesions.h"
-#include "fix_deformable_films.h"
 #include "force_history.h"
 #include "materials.h"
+#include "memory/fix_deformable_films.h"
 #include "near_pairs.h"
+#include "refusals.h"
 #include "remote_sides.h"
 #include "walls/fix_deformable_wall.h"
 
@@ -36,6 +37,7 @@ struct DeformableParticles {
   bool new_material;         // a species has changed since the last call
   const Adhesions *adhesions;
   FixDeformableFilms *films;    // null: no contact sticks
+  Refusals *refusals;
 };
 
 class NearList : protected Pointers {
@@ -62,8 +64,9 @@ class NearList : protected Pointers {
   // Overlaps and directions of all pairs. Returns -1, or a pair whose contact line cannot lie between the centers.
   int locate(const DeformableParticles &);
 
-  // Whether the list is sufficient, on all ranks, for the present positions and bulges.
-  bool is_sufficient(const DeformableParticles &);
+  // Whether the list is sufficient, on all ranks, for the present positions and bulges. `refused`: whether this rank goes no
+  // further; then whether any does.
+  bool is_sufficient(const DeformableParticles &, bool &refused);
   // The same after bulges have changed.
   bool is_sufficient_after(const DeformableParticles &);
 
@@ -92,7 +95,7 @@ class NearList : protected Pointers {
   double farthest = 0.0, grown = 0.0, grown_now = 0.0;
   double move_of(int i, const double *x) const;
   bool is_within_margin(const DeformableParticles &, double growth) const;
-  bool none_on_all_ranks(int here) const;
+  int largest_of_all_ranks(int here) const;
 
   // as of the last build
   std::vector<double> x_then, radius_then;
@@ -117,6 +120,7 @@ class NearList : protected Pointers {
   std::vector<int> first_of(const KnownPairs &, int begin, int end) const;
   void guess_bulges(const DeformableParticles &);
   void add_walls(const DeformableParticles &, bool new_list, const KnownPairs &old);
+  void locate_walls(const DeformableParticles &);
   std::vector<double> softness;    // by type; of particles and ghosts, if these vary
   void find_softness(const DeformableParticles &);
   void set_constants(const DeformableParticles &);

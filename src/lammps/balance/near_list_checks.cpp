@@ -28,11 +28,11 @@ double NearList::box_change() const
   return edges * change;
 }
 
-bool NearList::none_on_all_ranks(int here) const
+int NearList::largest_of_all_ranks(int here) const
 {
-  int any = here;
-  if (comm->nprocs > 1) MPI_Allreduce(&here, &any, 1, MPI_INT, MPI_MAX, world);
-  return any == 0;
+  int largest = here;
+  if (comm->nprocs > 1) MPI_Allreduce(&here, &largest, 1, MPI_INT, MPI_MAX, world);
+  return largest;
 }
 
 // Since the last build, squared.
@@ -44,7 +44,7 @@ double NearList::move_of(int i, const double *x) const
 
 // Bulges may grow in the solution that follows, about as much as in the last one. A list that is too small for that is
 // found again now: afterwards it would cost a second solution.
-bool NearList::is_sufficient(const DeformableParticles &p)
+bool NearList::is_sufficient(const DeformableParticles &p, bool &refused)
 {
   constexpr double MOST = 0.1;    // of the margin, as the last growth may have been a jump
   const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
@@ -59,12 +59,18 @@ bool NearList::is_sufficient(const DeformableParticles &p)
   farthest = are_finite ? std::sqrt(farthest2) : INFINITE;
   const double expected = std::min(grown_now, MOST * margin);
   grown_now = 0.0;
-  return none_on_all_ranks(missed_wall || !is_within_margin(p, expected));
+  enum { SUFFICIENT, INSUFFICIENT, REFUSED };
+  const int here = refused                                         ? REFUSED
+                   : missed_wall || !is_within_margin(p, expected) ? INSUFFICIENT
+                                                                   : SUFFICIENT;
+  const int worst = largest_of_all_ranks(here);
+  refused = worst == REFUSED;
+  return worst == SUFFICIENT;
 }
 
 bool NearList::is_sufficient_after(const DeformableParticles &p)
 {
-  return none_on_all_ranks(missed_wall || !is_within_margin(p, 0.0));
+  return largest_of_all_ranks(missed_wall || !is_within_margin(p, 0.0)) == 0;
 }
 
 // Whether each bulge may still grow by so much. Mostly the longest move and the largest growth of a bulge are together below

@@ -26,8 +26,8 @@ void NearList::set_sticking(const DeformableParticles &p)
 bool NearList::is_attached(const DeformableParticles &p, int i, int j, double x, double y) const
 {
   if (!(p.adhesions->between(atom->type[i], atom->type[j]) > 0.0)) return false;
-  if (knows_films[i] != 0.0 && knows_films[j] != 0.0)
-    return p.films->is_attached(i, atom->tag[j], x, y);
+  if (p.films->is_attached(i, atom->tag[j], x, y)) return true;
+  if (knows_films[i] != 0.0 && knows_films[j] != 0.0) return false;
   const double touch = p.radius[i] + p.radius[j];
   return x * x + y * y < touch * touch;
 }

@@ -73,7 +73,8 @@ void DropletList::build(const DropletScene &scene, bool new_list)
     remote_tags.push_back(atom->tag[c.j]);
   }
   pairs.wall = pairs.size;
-  if (!scene.walls->empty()) add_walls(scene, new_list, old);
+  if (!scene.walls->empty()) scene.refusals->collect([&] { add_walls(scene, new_list, old); });
+  first_wall = first_of(pairs, pairs.wall, pairs.size);
   pairs.make_room();
   history = ForceHistory();    // gives its memory back
 
@@ -81,7 +82,7 @@ void DropletList::build(const DropletScene &scene, bool new_list)
   bulge_then.assign(bulge.begin(), bulge.begin() + nlocal);
   radius_then.assign(scene.radius, scene.radius + nlocal);
   box_then = box_now();
-  locate_walls(scene);
+  scene.refusals->collect([&] { locate_walls(scene); });
 }
 
 void DropletList::add_walls(const DropletScene &scene, bool new_list, const DropletPairs &old)
@@ -103,7 +104,6 @@ void DropletList::add_walls(const DropletScene &scene, bool new_list, const Drop
                            pairs.add(i, code, past);
                          });
   }
-  first_wall = first_of(pairs, pairs.wall, pairs.size);
 }
 
 // A wall that is out of reach counts as far away.
@@ -168,9 +168,11 @@ std::vector<int> DropletList::first_of(const DropletPairs &pairs, int begin, int
 
 // Bulges of the last solution. For a droplet that this rank has not seen before: as of facets with four times half of the
 // overlap as their force.
+static constexpr double BULGE_PER_OVERLAP =
+    deformable::BULGE_PER_LOAD * 2.0 / (8.0 * deformable::PI);
+
 void DropletList::guess_bulges(const DropletScene &scene)
 {
-  const double per_overlap = deformable::BULGE_PER_LOAD * 2.0 / (8.0 * deformable::PI);
   const double *const *const x = atom->x;
   bulge.resize(atom->nlocal);
   std::vector<char> unknown(atom->nlocal);
@@ -188,19 +190,24 @@ void DropletList::guess_bulges(const DropletScene &scene)
       const double overlap =
           scene.radius[i] + scene.radius[j] - std::sqrt(dx * dx + dy * dy + dz * dz);
       if (!(overlap > 0.0)) continue;
-      if (unknown[i]) bulge[i] += per_overlap * overlap;
-      if (j < atom->nlocal && unknown[j]) bulge[j] += per_overlap * overlap;
+      if (unknown[i]) bulge[i] += BULGE_PER_OVERLAP * overlap;
+      if (j < atom->nlocal && unknown[j]) bulge[j] += BULGE_PER_OVERLAP * overlap;
     }
   }
-  for (int ii = 0; ii < scene.list->inum && !scene.walls->empty(); ++ii) {
+  if (!scene.walls->empty()) scene.refusals->collect([&] { add_bulges_at_walls(scene, unknown); });
+  for (int i = 0; i < atom->nlocal; ++i)
+    bulge[i] = std::min(bulge[i], deformable::LARGEST_BULGE * scene.radius[i]);
+}
+
+void DropletList::add_bulges_at_walls(const DropletScene &scene, const std::vector<char> &unknown)
+{
+  for (int ii = 0; ii < scene.list->inum; ++ii) {
     const int i = scene.list->ilist[ii];
     if (!unknown[i]) continue;
     visit_walls_in_space(*scene.walls, i, scene.radius[i], 0.0, [&](int, const auto &point) {
-      bulge[i] += 2.0 * per_overlap * (scene.radius[i] - point.height);
+      bulge[i] += 2.0 * BULGE_PER_OVERLAP * (scene.radius[i] - point.height);
     });
   }
-  for (int i = 0; i < atom->nlocal; ++i)
-    bulge[i] = std::min(bulge[i], deformable::LARGEST_BULGE * scene.radius[i]);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -221,7 +228,7 @@ double DropletList::box_change() const
   return change == 0.0 ? 0.0 : edges * change;
 }
 
-bool DropletList::is_sufficient(const DropletScene &scene, bool before)
+bool DropletList::is_sufficient(const DropletScene &scene, bool before, bool &refused)
 {
   constexpr double GROWTH = 0.02;    // of the margin, of a bulge in a solution
   const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
@@ -235,9 +242,12 @@ bool DropletList::is_sufficient(const DropletScene &scene, bool before)
                         std::fabs(scene.radius[i] - radius_then[i]);
     leaves |= !(rest * std::fabs(rest) >= dx * dx + dy * dy + dz * dz);
   }
-  int any = leaves;
-  if (comm->nprocs > 1) MPI_Allreduce(&leaves, &any, 1, MPI_INT, MPI_MAX, world);
-  return any == 0;
+  enum { SUFFICIENT, INSUFFICIENT, REFUSED };
+  const int here = refused ? REFUSED : leaves ? INSUFFICIENT : SUFFICIENT;
+  int worst = here;
+  if (comm->nprocs > 1) MPI_Allreduce(&here, &worst, 1, MPI_INT, MPI_MAX, world);
+  refused = worst == REFUSED;
+  return worst == SUFFICIENT;
 }
 
 double DropletList::memory_usage() const

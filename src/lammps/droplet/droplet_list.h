@@ -13,6 +13,7 @@
 #include "balance/remote_sides.h"
 #include "droplet_pairs.h"
 #include "materials.h"
+#include "refusals.h"
 
 #include "neigh_list.h"
 
@@ -29,6 +30,7 @@ struct DropletScene {
   double smallest;         // of all
   const std::vector<class FixDeformableWall *> *walls;
   double reach;    // up to which walls are looked for, over the radius, minus 1
+  Refusals *refusals;
 };
 
 class DropletList : protected Pointers {
@@ -46,8 +48,8 @@ class DropletList : protected Pointers {
   void locate_walls(const DropletScene &);
 
   // Whether the list is sufficient, on all ranks, for the present positions and bulges. `before` a solution, in which
-  // bulges grow a little.
-  bool is_sufficient(const DropletScene &, bool before);
+  // bulges grow a little. `refused`: whether this rank goes no further; then whether any does.
+  bool is_sufficient(const DropletScene &, bool before, bool &refused);
 
   double memory_usage() const;
 
@@ -71,6 +73,7 @@ class DropletList : protected Pointers {
 
   std::vector<int> first_wall;    // of each droplet: its first pair with a wall, or the end
   bool missed_wall = false;
+  void add_bulges_at_walls(const DropletScene &, const std::vector<char> &unknown);
   void add_walls(const DropletScene &, bool new_list, const DropletPairs &old);
 };
 

@@ -5,6 +5,8 @@
 
 #include "atom.h"
 #include "comm.h"
+#include "domain.h"
+#include "neighbor.h"
 #include "update.h"
 
 #include <algorithm>
@@ -21,11 +23,11 @@ static constexpr double BALANCED = 1e-6;
 /* ---------------------------------------------------------------------- */
 
 FixDeformableFriction::FixDeformableFriction(LAMMPS *lmp, int narg, char **arg)
-    : Fix(lmp, narg, arg),
-      coefficients(lmp, narg, arg)
+    : FixPartnerMemory(lmp, narg, arg, STYLE),
+      words(utils::join_words({arg + std::min(3, narg), arg + narg}, " ")),
+      coefficients(lmp, narg, arg),
+      box_rate(lmp)
 {
-  delete[] style;
-  style = utils::strdup(STYLE);
   scalar_flag = vector_flag = extscalar = extvector = 1;
   size_vector = OUTPUTS;
   global_freq = 1;
@@ -37,23 +39,12 @@ FixDeformableFriction::FixDeformableFriction(LAMMPS *lmp, int narg, char **arg)
   size_local_rows = 0;    // until the first run
   comm_reverse = 6;
   dynamic_group_allow = 1;
-  stores_ids = 1;
-  restart_global = restart_peratom = create_attribute = maxexchange_dynamic = 1;
-  FixDeformableFriction::grow_arrays(atom->nmax);
-  atom->add_callback(Atom::GROW);
-  atom->add_callback(Atom::RESTART);
-}
-
-FixDeformableFriction::~FixDeformableFriction()
-{
-  if (!id) return;
-  atom->delete_callback(id, Atom::GROW);
-  atom->delete_callback(id, Atom::RESTART);
+  begin();
 }
 
 int FixDeformableFriction::setmask()
 {
-  return PRE_REVERSE;
+  return POST_INTEGRATE | PRE_REVERSE;
 }
 
 /* ----------------------------------------------------------------------
@@ -64,14 +55,16 @@ int FixDeformableFriction::setmask()
 void FixDeformableFriction::setup_pre_reverse(int, int vflag)
 {
   if (update->ntimestep != update->firststep)
-    for (int i = 0; i < atom->nlocal; ++i) memory.clear(i);
+    for (int i = 0; i < atom->nlocal; ++i) particles[i].rows.clear();
   dt = 0.0;
+  box_rate.begin_run();
   rub_all(vflag);
 }
 
 void FixDeformableFriction::pre_reverse(int, int vflag)
 {
   dt = update->dt;
+  box_rate.remember();
   rub_all(vflag);
 }
 
@@ -81,6 +74,7 @@ void FixDeformableFriction::rub_all(int vflag)
     coefficients.evaluate();
     check_time_step();
   }
+  if (neighbor->ago == 0) follow();
   v_init(vflag);
   if (vflag_atom)
     for (int i = atom->nlocal; i < atom->nlocal + atom->nghost; ++i) std::fill_n(vatom[i], 6, 0.0);
@@ -116,7 +110,7 @@ bool FixDeformableFriction::find_sides(const LoadedContact &c, Sides &sides,
   place.y = atom->x[c.j][1] - xi[1];
   if (c.one_side || atom->tag[c.i] <= atom->tag[c.j]) return true;
   sides = {c.j, c.i, c.second};
-  place = {-place.x, -place.y, place.bx - place.x, place.by - place.y, -place.nx, -place.ny};
+  place = place.from_partner();
   return c.second >= 0;
 }
 
@@ -179,10 +173,12 @@ void FixDeformableFriction::rub(const LoadedContact &contact)
   c.gt *= part;
   c.gn *= part;
 
-  RememberedContact *remembered = memory.find(i, partner, place, own_image);
+  std::vector<RememberedContact> &contacts = particles[i].rows;
+  RememberedContact *remembered = find_contact(contacts, partner, place, own_image);
   const bool is_new = !remembered;
   if (is_new) {
-    remembered = &memory.add(i, partner, c.kt, place);
+    contacts.push_back({partner, c.kt, place, 0.0, 0.0, 0.0, 0.0, 0.0});
+    remembered = &contacts.back();
     make_room(i);
   }
   RememberedContact &m = *remembered;
@@ -201,7 +197,7 @@ void FixDeformableFriction::rub(const LoadedContact &contact)
     damping = std::min(is_new ? c.gn * now.normal : m.damping, std::max(contact.force, 0.0));
     rubbed.slides = std::fabs(rubbed.force) >= (1.0 - BALANCED) * most;
   }
-  m = {partner, c.kt, place, rubbed.xi, rubbed.force, damping, 1.0};
+  m = {partner, c.kt, place, rubbed.xi, rubbed.force, damping, contact.one_side ? 1.0 : 0.0, 1.0};
   push(sides, place, {rubbed.force, damping});
 
   output[CONTACTS] += part;
@@ -269,7 +265,7 @@ void FixDeformableFriction::sweep()
 {
   double stored = 0.0;
   for (int i = 0; i < atom->nlocal; ++i) {
-    std::vector<RememberedContact> &contacts = memory.of(i);
+    std::vector<RememberedContact> &contacts = particles[i].rows;
     for (std::size_t c = 0; c < contacts.size();) {
       RememberedContact &m = contacts[c];
       if (m.is_here != 0.0) {
@@ -286,11 +282,15 @@ void FixDeformableFriction::sweep()
   output[STORED] = stored;
 }
 
+// Across a sheared boundary images of a partner have velocities of their own.
 void FixDeformableFriction::end(int i, const RememberedContact &m)
 {
-  const int partner =
-      m.partner < 0.0 ? static_cast<int>(m.partner) : atom->map(static_cast<tagint>(m.partner));
-  if (m.partner > 0.0 && partner < 0) return;    // it is gone
+  int partner = static_cast<int>(m.partner);
+  if (m.partner > 0.0) {
+    const double *const x = atom->x[i], there[] = {x[0] + m.place.x, x[1] + m.place.y, x[2]};
+    partner = domain->closest_image(there, atom->map(static_cast<tagint>(m.partner)));
+    if (partner < 0) return;    // it is gone
+  }
   const Sides sides = {i, partner, i};
   const Speeds before = speeds(sides, velocity(sides), m.place, dt);
   lose(sides, m, m.kt, {0.0, 0.0, false}, 0.0, before, before);

@@ -16,10 +16,11 @@ FixStyle(deformable/friction,FixDeformableFriction);
 #ifndef LMP_FIX_DEFORMABLE_FRICTION_H
 #define LMP_FIX_DEFORMABLE_FRICTION_H
 
-#include "fix.h"
+#include "memory/fix_partner_memory.h"
 
-#include "contact_memory.h"
+#include "box_rate.h"
 #include "friction_coefficients.h"
+#include "remembered_contact.h"
 
 #include <array>
 #include <string>
@@ -30,35 +31,33 @@ namespace LAMMPS_NS {
 class PairDeformable;
 struct LoadedContact;
 
-class FixDeformableFriction : public Fix {
+class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
  public:
   FixDeformableFriction(class LAMMPS *, int, char **);
-  ~FixDeformableFriction() override;
   static constexpr const char *STYLE = "contact/friction";    // see FixDeformableWall
+
+  const std::string words;    // that define it
 
   int setmask() override;
   int modify_param(int, char **) override;
   void init() override;
   void reset_dt() override;
   void setup_pre_reverse(int, int) override;
+  void post_integrate() override { box_rate.measure(); }
   void pre_reverse(int, int) override;
+  void post_run() override { box_rate.end_run(); }
   double compute_scalar() override;
   double compute_vector(int) override;
 
   double memory_usage() override;
-  void grow_arrays(int) override;
-  void copy_arrays(int, int, int) override;
-  void set_arrays(int) override;
-  int pack_exchange(int, double *) override;
-  int unpack_exchange(int, double *) override;
-  int pack_restart(int, double *) override;
-  void unpack_restart(int, int) override;
-  int size_restart(int) override;
-  int maxsize_restart() override;
-  void write_restart(FILE *) override;
-  void restart(char *) override;
   int pack_reverse_comm(int, int, double *) override;
   void unpack_reverse_comm(int, int *, double *) override;
+
+ protected:
+  std::vector<double> all_sums() override;
+  void go_on_from(const std::vector<double> &) override;
+  bool belongs_to_partner(int i, const RememberedContact &) const override;
+  RememberedContact from_partner(int i, const RememberedContact &) const override;
 
  private:
   FrictionCoefficients coefficients;
@@ -66,13 +65,10 @@ class FixDeformableFriction : public Fix {
   bool told = false;                      // of spins
   void check_spins();
   void find_partners();
-  std::vector<std::string> wall_ids;    // at the last run
-  void follow_walls();
   double lightest = 0.0;    // mass of a particle of all ranks
   void find_lightest();
   void check_time_step() const;
 
-  ContactMemory memory;
   enum { STORED, SLIDING, DASHPOTS, DAMPING, CONTACTS, SLIDES, OUTPUTS };
   // Of this rank; losses of all runs so far, others of the last call.
   double output[OUTPUTS] = {};
@@ -96,6 +92,7 @@ class FixDeformableFriction : public Fix {
   struct Speeds {
     double along, normal, wall_along, wall_normal;
   };
+  BoxRate box_rate;
   double dt = 0.0;    // 0: before the first step of a run
   void rub_all(int vflag);
   void rub(const LoadedContact &);
@@ -107,8 +104,7 @@ class FixDeformableFriction : public Fix {
   void push(const Sides &, const ContactPlace &, const Pushes &);
   void sweep();
   void end(int i, const RememberedContact &);
-  void make_room(int i);
-  void give_spring(const double *words);
+  void give_spring(int i, const double *words);
   double total(int n) const;
 };
 

@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <utility>
 
 using namespace LAMMPS_NS;
 
@@ -41,7 +40,6 @@ void FixDeformableFriction::init()
     error->all(FLERR, "Fix {} deformable/friction needs atom IDs: use 'atom_modify id yes'", id);
   comm->ghost_velocity = 1;
   find_partners();
-  follow_walls();
   check_spins();
   coefficients.find_variables();
   find_lightest();
@@ -57,30 +55,6 @@ void FixDeformableFriction::find_partners()
   if (atom->map_style != Atom::MAP_NONE) return;
   atom->map_init();
   atom->map_set();
-}
-
-/* ----------------------------------------------------------------------
-   The code of a wall depends on the number of walls, which may have changed
-   since the last run.
-------------------------------------------------------------------------- */
-
-void FixDeformableFriction::follow_walls()
-{
-  std::vector<std::string> now;
-  for (int w = 0; w < pairs.front()->wall_count(); ++w)
-    now.push_back(pairs.front()->wall(-1 - w).id);
-  const std::vector<std::string> before = std::exchange(wall_ids, now);
-  if (before.empty() || before == now) return;
-  const int count = static_cast<int>(before.size());
-  for (int i = 0; i < atom->nlocal; ++i)
-    for (RememberedContact &contact : memory.of(i)) {
-      if (contact.partner >= 0.0) continue;
-      const int code = -1 - static_cast<int>(contact.partner);
-      const auto same = std::find(now.begin(), now.end(), before[code % count]);
-      const int wall = static_cast<int>(same - now.begin());
-      contact.partner =
-          same == now.end() ? 0.0 : -1.0 - wall - code / count * static_cast<int>(now.size());
-    }
 }
 
 /* ----------------------------------------------------------------------

@@ -1,103 +1,51 @@
-// What fix deformable/friction takes along: to other indices and ranks, into restart files, and from ghosts back.
+// What fix deformable/friction takes along: into restart files, to the other particle of a contact, and from ghosts back.
 
 #include "fix_deformable_friction.h"
-
-#include "vector_bytes.h"
 
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <string>
 
 using namespace LAMMPS_NS;
 
 double FixDeformableFriction::memory_usage()
 {
-  return memory.bytes() + bytes_of(values, rows);
-}
-
-void FixDeformableFriction::grow_arrays(int size)
-{
-  memory.resize(size);
-}
-
-void FixDeformableFriction::copy_arrays(int from, int to, int /*delflag*/)
-{
-  memory.copy(from, to);
-}
-
-void FixDeformableFriction::set_arrays(int i)
-{
-  memory.clear(i);
-}
-
-void FixDeformableFriction::make_room(int i)
-{
-  maxexchange = std::max(maxexchange, memory.size(i));
-}
-
-/* ---------------------------------------------------------------------- */
-
-int FixDeformableFriction::pack_exchange(int i, double *buffer)
-{
-  return memory.pack(i, buffer);
-}
-
-int FixDeformableFriction::unpack_exchange(int i, double *buffer)
-{
-  const int size = memory.unpack(i, buffer);
-  make_room(i);
-  return size;
-}
-
-int FixDeformableFriction::pack_restart(int i, double *buffer)
-{
-  return memory.pack(i, buffer);
-}
-
-// Atom::extra has the numbers of all fixes, one after the other; each begins with its size.
-void FixDeformableFriction::unpack_restart(int i, int fix)
-{
-  const double *numbers = atom->extra[i];
-  for (int n = 0; n < fix; ++n) numbers += static_cast<int>(numbers[0]);
-  memory.unpack(i, numbers);
-  make_room(i);
-}
-
-int FixDeformableFriction::size_restart(int i)
-{
-  return memory.size(i);
-}
-
-// Of all ranks: the first one tells those that read the file how much room they need.
-int FixDeformableFriction::maxsize_restart()
-{
-  int most = 1, of_all;
-  for (int i = 0; i < atom->nlocal; ++i) most = std::max(most, memory.size(i));
-  MPI_Allreduce(&most, &of_all, 1, MPI_INT, MPI_MAX, world);
-  return of_all;
+  return FixPartnerMemory::memory_usage() + bytes_of(values, rows);
 }
 
 /* ----------------------------------------------------------------------
    What was lost so far goes on with rank 0.
 ------------------------------------------------------------------------- */
 
-void FixDeformableFriction::write_restart(FILE *file)
+std::vector<double> FixDeformableFriction::all_sums()
 {
-  double sums[OUTPUTS];
-  MPI_Allreduce(output, sums, OUTPUTS, MPI_DOUBLE, MPI_SUM, world);
-  if (comm->me != 0) return;
-  const int bytes = sizeof sums;
-  std::fwrite(&bytes, sizeof bytes, 1, file);
-  std::fwrite(sums, sizeof(double), OUTPUTS, file);
+  std::vector<double> sums(OUTPUTS);
+  MPI_Allreduce(output, sums.data(), OUTPUTS, MPI_DOUBLE, MPI_SUM, world);
+  return sums;
 }
 
-void FixDeformableFriction::restart(char *buffer)
+void FixDeformableFriction::go_on_from(const std::vector<double> &sums)
 {
-  if (comm->me == 0) std::copy_n(reinterpret_cast<const double *>(buffer), OUTPUTS, output);
+  if (comm->me == 0) std::copy(sums.begin(), sums.end(), output);
+}
+
+/* ---------------------------------------------------------------------- */
+
+bool FixDeformableFriction::belongs_to_partner(int i, const RememberedContact &contact) const
+{
+  return contact.one_side == 0.0 && contact.partner > 0.0 &&
+         contact.partner < static_cast<double>(atom->tag[i]);
+}
+
+RememberedContact FixDeformableFriction::from_partner(int i, const RememberedContact &contact) const
+{
+  RememberedContact seen = contact;
+  seen.partner = static_cast<double>(atom->tag[i]);
+  seen.place = contact.place.from_partner();
+  return seen;
 }
 
 /* ----------------------------------------------------------------------
@@ -115,35 +63,40 @@ int FixDeformableFriction::modify_param(int narg, char **arg)
     return 1 + LOSSES;
   }
   if (word != "springs" || narg < 2) return 0;
+  follow();
   if (narg == 2 && std::string(arg[1]) == "none") {
-    for (int i = 0; i < atom->nlocal; ++i) memory.clear(i);
+    for (int i = 0; i < atom->nlocal; ++i) particles[i].rows.clear();
     return narg;
   }
+  const std::string command = fmt::format("fix_modify {} springs", id);
   if ((narg - 1) % WORDS)
-    error->all(FLERR,
-               "fix_modify {} springs: expected 'none', or {} numbers for each contact, not {} "
-               "words",
-               id, WORDS, narg - 1);
-  find_partners();
-  for (int n = 1; n < narg; n += WORDS) {
-    double words[WORDS];
-    for (int k = 0; k < WORDS; ++k) words[k] = number(n + k);
-    give_spring(words);
+    error->all(FLERR, "{}: expected 'none', or {} numbers for each contact, not {} words", command,
+               WORDS, narg - 1);
+  std::vector<double> words, partners;
+  for (int n = 1; n < narg; ++n) words.push_back(number(n));
+  for (std::size_t n = 0; n < words.size(); n += WORDS)
+    partners.insert(partners.end(), {words[n], words[n + 1]});
+  require_partners(partners, command);
+  const std::unordered_map<double, int> here = local_indices();
+  for (std::size_t n = 0; n < words.size(); n += WORDS) {
+    const auto found = here.find(words[n]);    // or another rank has it
+    if (found != here.end()) give_spring(found->second, &words[n]);
   }
   return narg;
 }
 
-void FixDeformableFriction::give_spring(const double *words)
+// With contact radical both particles of a pair have a spring: a row of the larger ID is one of those.
+void FixDeformableFriction::give_spring(int i, const double *words)
 {
-  const int i = atom->map(static_cast<tagint>(words[0]));
-  if (i < 0 || i >= atom->nlocal) return;    // another rank has it
-  ContactPlace place = {};
-  place.x = words[2];
-  place.y = words[3];
-  RememberedContact &m = memory.add(i, words[1], 0.0, place);
+  RememberedContact m = {};
+  m.partner = words[1];
+  m.place.x = words[2];
+  m.place.y = words[3];
   m.xi = words[4];
   m.force = words[5];
   m.damping = words[6];
+  m.one_side = m.partner > 0.0 && m.partner < words[0] ? 1.0 : 0.0;
+  particles[i].rows.push_back(m);
   make_room(i);
 }
 

@@ -4,6 +4,8 @@
 #include "friction/fix_deformable_friction.h"
 #include "input_checks.h"
 #include "lammps_release.h"
+#include "memory/fix_deformable_restart.h"
+#include "refusals.h"
 
 #include "parameter_rules.h"
 #include "trigonometry.h"
@@ -27,6 +29,7 @@ using deformable::unstable_radius;
 
 PairDeformable::PairDeformable(LAMMPS *lmp, int outputs, int dimension)
     : Pair(lmp),
+      refusals(lmp),
       results(dimension),
       beyond_model(0),
       bulge_over_reach(0.0),
@@ -107,6 +110,7 @@ void PairDeformable::coeff(int narg, char **arg)
     radius[type] = species[type].radius;
   }
   adhesions.assign(species, known.adhesions);
+  describe_species();
   check_lines_bend("Species", adhesions.any());
 }
 
@@ -148,6 +152,9 @@ void PairDeformable::init_style()
   recording = !modify->get_compute_by_style(ComputeDeformableContact::STYLE).empty();
   rubbing = !modify->get_fix_by_style(FixDeformableFriction::STYLE).empty();
 
+  const char *const id = FixDeformableRestart::ID;
+  if (!modify->get_fix_by_id(id)) modify->add_fix(fmt::format("{} all deformable/restart", id));
+
   walls.clear();
   for (Fix *fix : modify->get_fix_by_style(FixDeformableWall::STYLE))
     walls.push_back(static_cast<FixDeformableWall *>(fix));
@@ -175,7 +182,7 @@ void PairDeformable::begin_call(int eflag, int vflag)
   materials.type = atom->type;
   loaded.clear();
   if (neighbor->ago == 0) {
-    check_contacts(lmp, *list, species);
+    refusals.collect([this] { check_contacts(lmp, *list, species); });
     if (atom->radius_flag && !radius_by_atom && !warned_unused_radii)
       warned_unused_radii = warn_unused_radii(lmp, *list, species);
     bulge_over_reach = 0.0;
@@ -185,7 +192,8 @@ void PairDeformable::begin_call(int eflag, int vflag)
     for (std::size_t i = 0; i < radii.size(); ++i)
       radii[i] = radius_by_atom ? atom->radius[i] : radius[atom->type[i]];
   }
-  if (radius_by_atom) check_radii();
+  if (radius_by_atom) refusals.collect([this] { check_radii(); });
+  if (neighbor->ago == 0 || radius_by_atom) refusals.agree();
   for (FixDeformableWall *wall : walls) wall->begin_call(this);
 
   if (!results.requested) return;
@@ -200,6 +208,8 @@ void PairDeformable::begin_call(int eflag, int vflag)
 
 void PairDeformable::end_call()
 {
+  // laws whose ranks do not share forces have not agreed on anything yet
+  if (whole_list || eflag_global || neighbor->ago == 0) refusals.agree();
   if (vflag_fdotr) virial_fdotr_compute();
 
   // also at the end of each run, after which particles may be written to a file
@@ -229,10 +239,9 @@ void PairDeformable::end_call()
 void PairDeformable::check_own_image(int i, int j)
 {
   if (atom->tag[j] != atom->tag[i] || atom->tag[i] == 0) return;
-  error->one(FLERR,
-             "Atom {} of radius {:.6g} has no area left between its own images: the box, {:.6g} "
-             "x {:.6g}, is too small for it",
-             atom->tag[i], radii[i], domain->xprd, domain->yprd);
+  refuse("Atom {} of radius {:.6g} has no area left between its own images: the box, {:.6g} "
+         "x {:.6g}, is too small for it",
+         atom->tag[i], radii[i], domain->xprd, domain->yprd);
 }
 
 /* ----------------------------------------------------------------------
@@ -302,23 +311,20 @@ void PairDeformable::check_radii()
     if (r > s.skin && r <= s.radius * ROUNDING) {
       const std::string unstable = unstable_radius(r - s.skin, stiffness_of(i));
       if (unstable.empty()) continue;
-      error->one(FLERR, "Atom {} of species {}: {}", atom->tag[i], s.name, unstable);
+      refuse("Atom {} of species {}: {}", atom->tag[i], s.name, unstable);
     }
-    if (!(r > 0.0))
-      error->one(FLERR, "Atom {} has a radius of {:.6g}: it must be positive", atom->tag[i], r);
+    if (!(r > 0.0)) refuse("Atom {} has a radius of {:.6g}: it must be positive", atom->tag[i], r);
     if (r <= s.skin)
-      error->one(FLERR,
-                 "Atom {} has a radius of {:.6g}: it must be larger than the skin of species {}, "
-                 "which is {}",
-                 atom->tag[i], r, s.name, s.skin);
+      refuse("Atom {} has a radius of {:.6g}: it must be larger than the skin of species {}, "
+             "which is {}",
+             atom->tag[i], r, s.name, s.skin);
     if (largest < 0 || r > radii[largest]) largest = i;
   }
   if (largest < 0) return;
   const Species &s = species[atom->type[largest]];
-  error->one(FLERR,
-             "Atom {} has a radius of {:.6g}, but species {} allows {} at most: set the radius in "
-             "the species file to the largest one of its atoms",
-             atom->tag[largest], radii[largest], s.name, s.radius);
+  refuse("Atom {} has a radius of {:.6g}, but species {} allows {} at most: set the radius in "
+         "the species file to the largest one of its atoms",
+         atom->tag[largest], radii[largest], s.name, s.radius);
 }
 
 /* ---------------------------------------------------------------------- */

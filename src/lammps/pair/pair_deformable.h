@@ -10,6 +10,7 @@
 #include "block_walk.h"
 #include "materials.h"
 #include "particle_results.h"
+#include "refusals.h"
 #include "shape.h"
 #include "species.h"
 #include "stiffness.h"
@@ -22,6 +23,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -71,6 +74,10 @@ class PairDeformable : public Pair {
   std::vector<LoadedContact> loaded;
   virtual bool slips() const { return true; }    // along its contacts
 
+  // What a restart file must be continued with, by what it belongs to: the law, and the species of each type.
+  virtual std::string law() const = 0;
+  std::map<std::string, std::string> description() const;
+
   int wall_count() const { return static_cast<int>(walls.size()); }
   bool has_wall(int code) const { return code < 0 && !walls.empty(); }
   // Of a wall's code.
@@ -114,6 +121,8 @@ class PairDeformable : public Pair {
       species;            // by atom type; without a name if the type belongs to another style
   Materials materials;    // as of this call
   Adhesions adhesions;    // of all pairs of types
+  std::map<std::string, std::string> defined;    // by pair_coeff
+  void describe_species();
   std::vector<FixDeformableWall *> walls;
 
   // The force of a wall on particle i at this contact, at `shift` beside the point nearest to the center.
@@ -165,6 +174,7 @@ class PairDeformable : public Pair {
   std::vector<WallContact> wall_contacts;    // of the block; a place has -1 minus the index
 
   void end_call();
+  Refusals refusals;
 
   ParticleResults results;
   bool recording = false;    // for compute deformable/contact

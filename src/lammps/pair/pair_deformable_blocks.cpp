@@ -2,7 +2,7 @@
 
 #include "pair_deformable.h"
 
-#include "error.h"
+#include "refusals.h"
 
 using namespace LAMMPS_NS;
 using namespace deformable;
@@ -253,18 +253,14 @@ void PairDeformable::check_lines(const BlockParticle &p)
 void PairDeformable::refuse_behind_center(int i, int j, double dx, double dy)
 {
   if (!std::isfinite(dx + dy))
-    error->one(
-        FLERR,
-        "The positions of atoms {} and {} are no numbers any more: the motion before was too "
-        "fast for its timestep, or beyond the model. Use a smaller timestep",
-        atom->tag[i], atom->tag[j]);
-  error->one(
-      FLERR,
-      "The contact line of atoms {} and {} does not lie well in front of the center of atom {}: "
-      "their "
-      "distance is {:.6g}, their radii are {:.6g} and {:.6g}. Separate particles that overlap "
-      "first, start from a less compressed state, or take smaller steps or a smaller timestep",
-      atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(dx, dy), radii[i], radii[j]);
+    refuse("The positions of atoms {} and {} are no numbers any more: the motion before was too "
+           "fast for its timestep, or beyond the model. Use a smaller timestep",
+           atom->tag[i], atom->tag[j]);
+  refuse("The contact line of atoms {} and {} does not lie well in front of the center of atom {}: "
+         "their "
+         "distance is {:.6g}, their radii are {:.6g} and {:.6g}. Separate particles that overlap "
+         "first, start from a less compressed state, or take smaller steps or a smaller timestep",
+         atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(dx, dy), radii[i], radii[j]);
 }
 
 /* ----------------------------------------------------------------------

@@ -1,6 +1,7 @@
 #include "pair_deformable_droplet.h"
 
 #include "lammps_release.h"
+#include "refusals.h"
 
 #include "droplet.h"
 #include "parameter_rules.h"
@@ -135,7 +136,7 @@ void PairDeformableDroplet::compute(int eflag, int vflag)
     smallest = smallest_radius();
     check_room();
   }
-  const DropletScene scene = {list, &materials, radii.data(), smallest, &walls, reach};
+  const DropletScene scene = {list, &materials, radii.data(), smallest, &walls, reach, &refusals};
   if (!new_list && (new_material || radius_by_atom)) solver->set_material(scene);
   solve(scene, new_list);
   push_pairs();
@@ -188,25 +189,38 @@ void PairDeformableDroplet::check_room()
 void PairDeformableDroplet::solve(const DropletScene &scene, bool new_list)
 {
   constexpr int MOST = 20;
-  if (!new_list) near->locate_walls(scene);
-  if (new_list || !near->is_sufficient(scene, true)) {
+  bool sufficient = false;
+  if (!new_list) {
+    refusals.collect([&] { near->locate_walls(scene); });
+    refusals.collect([&] { locate(scene); });
+    bool refused = refusals.any_here();
+    sufficient = near->is_sufficient(scene, true, refused);
+    if (refused) refusals.stop();
+  }
+  if (!sufficient) {
     near->build(scene, new_list);
     solver->arrange(scene, *near);
+    refusals.collect([&] { locate(scene); });
+    refusals.agree();
   }
-  locate(scene);
   solver->begin_call();
   bool balanced = solver->solve();
-  find_bulges(scene);
-  for (int n = 0; n < MOST && !near->is_sufficient(scene, false); ++n) {
+  const auto covers_bulges = [&] {
+    refusals.collect([&] { find_bulges(scene); });
+    bool refused = refusals.any_here();
+    const bool enough = near->is_sufficient(scene, false, refused);
+    if (refused) refusals.stop();
+    return enough;
+  };
+  for (int n = 0; !covers_bulges() && n < MOST; ++n) {
     near->pairs.past = near->pairs.force;
     near->pairs.past.resize(near->pairs.size);
     near->build(scene, false);
     solver->arrange(scene, *near);
-    locate(scene);
+    refusals.collect([&] { locate(scene); });
     solver->take_past();
     solver->forget();
     balanced = solver->solve();
-    find_bulges(scene);
   }
   solver->remember();
   if (balanced || warned_unbalanced) return;
@@ -239,12 +253,11 @@ void PairDeformableDroplet::find_bulges(const DropletScene &scene)
     beyond_model += load > LARGEST_LOAD || solver->facet(i) > LARGEST_FACET;
     most = std::max(most, near->bulge[i] / scene.radius[i]);
     if (near->bulge[i] > reach * scene.radius[i])
-      error->one(FLERR,
-                 "The load of atom {} is {:.4g}, but 'reach {}' covers loads to {:.4g}: separate "
-                 "droplets that overlap first, take smaller steps or a smaller timestep, or use a "
-                 "reach of {:.2g} or more",
-                 atom->tag[i], load, reach, reach / BULGE_PER_LOAD,
-                 std::min(1.2 * BULGE_PER_LOAD * load, LARGEST_BULGE));
+      refuse("The load of atom {} is {:.4g}, but 'reach {}' covers loads to {:.4g}: separate "
+             "droplets that overlap first, take smaller steps or a smaller timestep, or use a "
+             "reach of {:.2g} or more",
+             atom->tag[i], load, reach, reach / BULGE_PER_LOAD,
+             std::min(1.2 * BULGE_PER_LOAD * load, LARGEST_BULGE));
   }
   if (neighbor->ago == 0) bulge_over_reach = std::max(bulge_over_reach, most / reach);
 }

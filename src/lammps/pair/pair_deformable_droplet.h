@@ -22,6 +22,7 @@ class PairDeformableDroplet : public PairDeformable {
  public:
   PairDeformableDroplet(class LAMMPS *lmp) : PairDeformable(lmp, 4, 3) {}
   void settings(int, char **) override;
+  std::string law() const override { return "deformable/droplet"; }
   void coeff(int, char **) override;
   void init_style() override;
   void *extract(const char *, int &) override;

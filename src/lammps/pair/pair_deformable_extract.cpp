@@ -1,5 +1,5 @@
 // What another program, such as the Python package, asks of a pair style to know whether it still is the one that it
-// defined, and what else acts on its contacts. LAMMPS' library passes it on (extract_pair).
+// defined, and what else acts on its contacts. LAMMPS' library passes it on (extract_pair). And what a restart file tells.
 
 #include "pair_deformable.h"
 
@@ -69,4 +69,33 @@ void *PairDeformable::extract(const char *name, int &dim)
     return asked.by_type.data();
   }
   return nullptr;
+}
+
+/* ----------------------------------------------------------------------
+   Values of pair_coeff, which fix adapt may change later.
+------------------------------------------------------------------------- */
+
+void PairDeformable::describe_species()
+{
+  defined.clear();
+  for (std::size_t type = 1; type < species.size(); ++type) {
+    const Species &s = species[type];
+    if (s.name.empty()) continue;
+    const deformable::Stiffness &k = s.stiffness;
+    defined[fmt::format("type {}", type)] =
+        fmt::format("{} radius {} kA {} kP {} skin {} tension {}", s.name, s.radius, k.kA, k.kP,
+                    s.skin, k.tension);
+    for (std::size_t other = type; other < species.size(); ++other)
+      if (const double w = adhesions.between(static_cast<int>(type), static_cast<int>(other)))
+        defined[fmt::format("adhesion of types {} and {}", type, other)] = fmt::format("{}", w);
+  }
+}
+
+std::map<std::string, std::string> PairDeformable::description() const
+{
+  std::map<std::string, std::string> all = defined;
+  const std::string of_atoms = radius_by_atom ? " radius atom" : "";
+  for (std::size_t type = 1; type < species.size(); ++type)
+    if (!species[type].name.empty()) all[fmt::format("law of type {}", type)] = law() + of_atoms;
+  return all;
 }

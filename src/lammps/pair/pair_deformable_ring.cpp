@@ -1,6 +1,7 @@
 #include "pair_deformable_ring.h"
 
 #include "lammps_release.h"
+#include "refusals.h"
 
 #include "contact.h"
 #include "parameter_rules.h"
@@ -8,6 +9,7 @@
 
 #include "comm.h"
 #include "error.h"
+#include "force.h"
 #include "modify.h"
 #include "neighbor.h"
 
@@ -97,6 +99,15 @@ void PairDeformableRing::settings(int narg, char **arg)
 
 /* ---------------------------------------------------------------------- */
 
+std::string PairDeformableRing::law() const
+{
+  const char *const contact = !balanced                  ? "radical"
+                              : balanced->pairs().curved ? "curved"
+                                                         : "balanced";
+  return fmt::format("deformable/ring contact {}{}{}", contact, kA_by_atom ? " kA atom" : "",
+                     tension_by_atom ? " tension atom" : "");
+}
+
 void PairDeformableRing::init_style()
 {
   PairDeformable::init_style();
@@ -108,17 +119,35 @@ void PairDeformableRing::init_style()
   stick();
 }
 
-// Which pairs are attached outlives this pair style, for one that continues its run.
+// Which pairs are attached outlives this pair style, for one that continues its run. Styles of a hybrid one do not share it.
 void PairDeformableRing::stick()
 {
   bool sticks = adhesions.any();
   for (const FixDeformableWall *wall : walls) sticks |= wall->adhesion() > 0.0;
-  if (!sticks || films) return;
-  Fix *fix = modify->get_fix_by_id(FixDeformableFilms::ID);
-  if (!fix) fix = modify->add_fix(fmt::format("{} all deformable/films", FixDeformableFilms::ID));
+  if (!sticks && !films) return;
+  std::string name = FixDeformableFilms::ID;
+  const int number = number_in_hybrid();
+  if (number > 1) name += fmt::format("_{}", number);
+  Fix *fix = modify->get_fix_by_id(name);
+  if (!fix && films)
+    error->all(FLERR,
+               "Fix {} was deleted, which knew the attached pairs: define pair_style "
+               "deformable/ring again. "
+               "'fix_modify {} attached none' lets them go",
+               name, name);
+  if (!fix) fix = modify->add_fix(fmt::format("{} all deformable/films", name));
+  if (!films) balanced->stick();
   films = dynamic_cast<FixDeformableFilms *>(fix);
-  if (!films) error->all(FLERR, "A fix has the ID {}, which contacts that stick need", fix->id);
-  balanced->stick();
+  if (!films) error->all(FLERR, "A fix has the ID {}, which contacts that stick need", name);
+}
+
+// Of the styles deformable/ring in a hybrid one, from 1 on.
+int PairDeformableRing::number_in_hybrid() const
+{
+  for (int n = 1;; ++n) {
+    const Pair *const other = force->pair_match("deformable/ring", 1, n);
+    if (!other || other == this) return other ? n : 1;
+  }
 }
 
 /* ---------------------------------------------------------------------- */
@@ -186,8 +215,8 @@ void PairDeformableRing::check_sticky_walls()
       const Species &s = species[atom->type[i]];
       const std::string wrong = invalid_for_adhesion(wall->adhesion(), stiffness_of(i), s.skin);
       if (!wrong.empty())
-        error->one(FLERR, "Fix {} deformable/wall: atom {} of species {}: {}", wall->id,
-                   atom->tag[i], s.name, wrong);
+        refuse("Fix {} deformable/wall: atom {} of species {}: {}", wall->id, atom->tag[i], s.name,
+               wrong);
     }
   }
 }
@@ -200,13 +229,14 @@ void PairDeformableRing::compute(int eflag, int vflag)
   materials.kA = kA_by_atom ? atom->dvector[kA_of_atoms] : nullptr;
   materials.tension = tension_by_atom ? atom->dvector[tension_of_atoms] : nullptr;
   begin_call(eflag, vflag);
-  if (materials.vary()) check_properties();
-  if (neighbor->ago == 0 || new_material || materials.vary()) check_sticky_walls();
+  if (materials.vary()) refusals.check([this] { check_properties(); });
+  if (films && (neighbor->ago == 0 || new_material || materials.vary()))
+    refusals.check([this] { check_sticky_walls(); });
   if (neighbor->ago == 0) smallest = smallest_radius();
   if (balanced)
     evaluate_balanced(new_material);
   else
-    evaluate_radical();
+    refusals.collect([this] { evaluate_radical(); });
   end_call();
   tell_room();
 }
@@ -295,10 +325,9 @@ void PairDeformableRing::refuse_bulge(int i, const Contacts &contacts, int partn
   const double enough = 1.2 * ratio * reach;
   const std::string larger =
       enough <= LARGEST_REACH ? fmt::format(" or use a reach of {:.2g} or more", enough) : "";
-  error->one(FLERR,
-             "The outline of atom {} bulges by {:.6g}, but 'reach {}' covers {:.6g}: {}, take "
-             "smaller steps or a smaller timestep{}{}",
-             atom->tag[i], ratio * depth, reach, depth, cause, larger.empty() ? "" : ",", larger);
+  refuse("The outline of atom {} bulges by {:.6g}, but 'reach {}' covers {:.6g}: {}, take "
+         "smaller steps or a smaller timestep{}{}",
+         atom->tag[i], ratio * depth, reach, depth, cause, larger.empty() ? "" : ",", larger);
 }
 
 /* ---------------------------------------------------------------------- */

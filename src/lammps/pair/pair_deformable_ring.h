@@ -25,6 +25,7 @@ class PairDeformableRing : public PairDeformable {
  public:
   PairDeformableRing(class LAMMPS *lmp) : PairDeformable(lmp, 7) {}
   void settings(int, char **) override;
+  std::string law() const override;
   void coeff(int, char **) override;
   void *extract(const char *, int &) override;
   void init_style() override;
@@ -67,6 +68,7 @@ class PairDeformableRing : public PairDeformable {
   std::vector<char> is_active;    // of one ring
 
   void stick();
+  int number_in_hybrid() const;
   void evaluate_radical();
   deformable::Energy shape_ring(int i, const deformable::Contacts &, const deformable::Stiffness &);
 
@@ -74,9 +76,9 @@ class PairDeformableRing : public PairDeformable {
   std::vector<int> seats;
   void evaluate_balanced(bool new_material);
   double push_part = 1.0;    // where films change, forces are the mean of those before and after
-  double lost_energy = 0.0;
   Push push_of(int k, const NearPairs::Centers &, double share, double slope) const;
   void push_pairs(int begin, int end);
+  void refuse_pair(int k);
   void finish_balanced(int i);
   void load_contacts_of_pairs();
 

@@ -13,8 +13,9 @@ using namespace deformable;
 
 void PairDeformableRing::evaluate_balanced(bool new_material)
 {
-  DeformableParticles particles = {list,  &materials, radii.data(), radius_by_atom, &walls,
-                                   reach, smallest,   new_material, &adhesions,     films};
+  DeformableParticles particles = {list,       &materials, radii.data(), radius_by_atom,
+                                   &walls,     reach,      smallest,     new_material,
+                                   &adhesions, films,      &refusals};
   // In motion: then the energy, with what is lost, is constant to second order in the time step.
   push_part = 1.0;
   const bool moves = update->whichflag == 1 && !update->setupflag;
@@ -27,24 +28,26 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
     eflag_global = eflags[0];
     eflag_atom = eflags[1];
   };
-  int wrong = balanced->solve(particles, neighbor->ago == 0, before_change);
-  if (wrong < 0 && balanced->lacks_room() && materials.yield == 0.0 && may_give_way()) {
+  bool goes_on = balanced->solve(particles, neighbor->ago == 0, before_change);
+  if (goes_on && balanced->lacks_room() && materials.yield == 0.0 && may_give_way()) {
     begin_to_give_way();
     balanced->forget();
     particles.new_material = true;
-    wrong = balanced->solve(particles, false, before_change);
+    goes_on = balanced->solve(particles, false, before_change);
   }
-  if (moves) lost_energy += balanced->lost_energy();
-  if (wrong >= 0) {
-    int i = balanced->pairs().i[wrong], j = balanced->pairs().j[wrong];
-    if (radii[i] > radii[j]) std::swap(i, j);    // the line lies behind the smaller one
-    const double *const *const x = atom->x;
-    refuse_behind_center(i, j, x[j][0] - x[i][0], x[j][1] - x[i][1]);
+  if (!goes_on) {
+    refusals.collect([this] { refuse_pair(balanced->refused_pair()); });
+    refusals.stop();
   }
-  const int crushed = balanced->without_room();
-  if (crushed >= 0) {
+  if (moves && films) films->lose(balanced->lost_energy());
+  if (balanced->lacks_room()) {
+    const int crushed = balanced->without_room();
+    const int contacts_of_it = crushed < 0 ? 0 : balanced->ring(crushed).contacts;
     balanced->forget();
-    no_shape(crushed, balanced->ring(crushed).contacts);
+    refusals.collect([&] {
+      if (crushed >= 0) no_shape(crushed, contacts_of_it);
+    });
+    refusals.stop();
   }
   balanced->finish([this](int begin, int end) { push_pairs(begin, end); });
   push_part = 1.0;
@@ -52,14 +55,26 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
   pvector[4] = balanced->limited_lines();
   giving_way = balanced->giving_way();
   if (eflag_global) eng_vdwl += balanced->energy();
-  if (eflag_atom || needs_shapes() || neighbor->ago == 0)
-    for (int ii = 0; ii < list->inum; ++ii) finish_balanced(list->ilist[ii]);
-  else
-    for (const int i : balanced->crowded_rings()) finish_balanced(i);
+  refusals.collect([this] {
+    if (eflag_atom || needs_shapes() || neighbor->ago == 0)
+      for (int ii = 0; ii < list->inum; ++ii) finish_balanced(list->ilist[ii]);
+    else
+      for (const int i : balanced->crowded_rings()) finish_balanced(i);
+  });
   if (comm->me != 0) return;    // compute pair sums over ranks
-  pvector[5] = lost_energy;
+  pvector[5] = films ? films->compute_scalar() : 0.0;
   pvector[2] = balanced->evaluations();
   pvector[3] = balanced->imbalance();
+}
+
+// The line lies behind the smaller one.
+void PairDeformableRing::refuse_pair(int k)
+{
+  if (k < 0) return;
+  int i = balanced->pairs().i[k], j = balanced->pairs().j[k];
+  if (radii[i] > radii[j]) std::swap(i, j);
+  const double *const *const x = atom->x;
+  refuse_behind_center(i, j, x[j][0] - x[i][0], x[j][1] - x[i][1]);
 }
 
 /* ----------------------------------------------------------------------

@@ -3,6 +3,7 @@
 #include "pair_deformable_ring.h"
 
 #include "lammps_release.h"
+#include "refusals.h"
 
 #include "parameter_rules.h"
 
@@ -54,7 +55,7 @@ void PairDeformableRing::check_properties()
     if (wrong.empty()) wrong = unstable_radius(ring_radius_of(i), k);
     if (wrong.empty()) wrong = invalid_for_adhesion(adhesion[atom->type[i]], k, s.skin);
     if (wrong.empty()) continue;
-    error->one(FLERR, "Atom {} of species {}: {} ({} of fix property/atom)", atom->tag[i], s.name,
-               wrong, kA_by_atom ? tension_by_atom ? "d_kA and d_tension" : "d_kA" : "d_tension");
+    refuse("Atom {} of species {}: {} ({} of fix property/atom)", atom->tag[i], s.name, wrong,
+           kA_by_atom ? tension_by_atom ? "d_kA and d_tension" : "d_kA" : "d_tension");
   }
 }

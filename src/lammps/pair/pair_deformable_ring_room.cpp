@@ -2,6 +2,8 @@
 
 #include "pair_deformable_ring.h"
 
+#include "refusals.h"
+
 #include "comm.h"
 #include "error.h"
 #include "update.h"
@@ -77,14 +79,13 @@ void PairDeformableRing::no_shape(int i, int contacts)
 {
   const bool keeps_area = std::isinf(stiffness_of(i).kA);
   const double adhesion = largest_adhesion(i);
-  error->one(FLERR,
-             "Atom {} has no {}: its {} contacts{} leave no room. Compress less, {}or give "
-             "{} a {} kA",
-             atom->tag[i], keeps_area ? "shape that keeps its area" : "stable shape", contacts,
-             adhesion > 0.0 ? fmt::format(" of adhesion {:g}", adhesion) : "",
-             adhesion > 0.0 ? "take a smaller adhesion, " : "",
-             kA_by_atom ? "it" : "species " + materials.species_of(i).name,
-             keeps_area ? "finite" : "larger");
+  refuse("Atom {} has no {}: its {} contacts{} leave no room. Compress less, {}or give "
+         "{} a {} kA",
+         atom->tag[i], keeps_area ? "shape that keeps its area" : "stable shape", contacts,
+         adhesion > 0.0 ? fmt::format(" of adhesion {:g}", adhesion) : "",
+         adhesion > 0.0 ? "take a smaller adhesion, " : "",
+         kA_by_atom ? "it" : "species " + materials.species_of(i).name,
+         keeps_area ? "finite" : "larger");
 }
 
 int PairDeformableRing::all_giving_way() const

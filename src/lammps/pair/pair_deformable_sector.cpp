@@ -1,6 +1,7 @@
 #include "pair_deformable_sector.h"
 
 #include "lammps_release.h"
+#include "refusals.h"
 
 #include "parameter_rules.h"
 
@@ -91,15 +92,17 @@ void PairDeformableSector::compute(int eflag, int vflag)
   if (list->inum < atom->nlocal)    // particles of other pair styles have none
     std::fill_n(ncontacts, atom->nlocal, 0.0);
   singles.clear();
-  for_each_block(
-      kernels->sector,
-      [this](BlockParticle &p) {
-        ncontacts[p.name] = p.active;
-        if (p.active == 1) set_aside(p);
-      },
-      sector_group,
-      [this](BlockParticle &p, const Contacts &contacts) { return deform(p, contacts); },
-      [](const BlockParticle &) {});
+  refusals.collect([this] {
+    for_each_block(
+        kernels->sector,
+        [this](BlockParticle &p) {
+          ncontacts[p.name] = p.active;
+          if (p.active == 1) set_aside(p);
+        },
+        sector_group,
+        [this](BlockParticle &p, const Contacts &contacts) { return deform(p, contacts); },
+        [](const BlockParticle &) {});
+  });
 
   comm->forward_comm(this);
   for (const SingleContact &single : singles) repel(single);
@@ -133,16 +136,14 @@ Energy PairDeformableSector::deform(BlockParticle &p, const Contacts &contacts)
   if (conserves_perimeter)
     sector_shape(p.radius, contacts, by_angle.data(), shape);
   else if (!area_sector_shape(p.radius, contacts, by_angle.data(), shape))
-    error->one(FLERR,
-               "Atom {} has no shape that keeps the area of each of its sectors: its {} contacts "
-               "leave no room. Compress less, or conserve the perimeter (kP = inf)",
-               atom->tag[p.name], contacts.size);
+    refuse("Atom {} has no shape that keeps the area of each of its sectors: its {} contacts "
+           "leave no room. Compress less, or conserve the perimeter (kP = inf)",
+           atom->tag[p.name], contacts.size);
   const double change = conserves_perimeter ? shape.area_deficit : shape.perimeter_excess;
   if (!std::isfinite(change))
-    error->one(FLERR,
-               "Atom {} has two contacts in the same direction, which leaves no sector between "
-               "them: use pair_style deformable/ring",
-               atom->tag[p.name]);
+    refuse("Atom {} has two contacts in the same direction, which leaves no sector between "
+           "them: use pair_style deformable/ring",
+           atom->tag[p.name]);
 
   const Energy energy = harmonic(conserves_perimeter ? p.kA : p.kP, change);
   p.pressure = energy.derivative;

@@ -19,6 +19,7 @@ class PairDeformableSector : public PairDeformable {
   PairDeformableSector(class LAMMPS *);
   ~PairDeformableSector() override;
   void settings(int, char **) override;
+  std::string law() const override { return "deformable/sector"; }
   void init_style() override;
   void compute(int, int) override;
   double memory_usage() override;

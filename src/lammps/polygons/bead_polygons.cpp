@@ -1,6 +1,7 @@
 #include "bead_polygons.h"
 
 #include "lammps_release.h"
+#include "refusals.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -118,15 +119,17 @@ std::vector<BeadPolygon> LAMMPS_NS::find_bead_polygons(LAMMPS *lmp, const BeadSe
                      first.y + sum_y / count});
   }
 
-  for (int i = 0; i < atom->nlocal; ++i) {
-    if (selection.has(i)) continue;
-    const tagint molecule = atom->molecule[i];
-    const auto polygon =
-        std::lower_bound(found.begin(), found.end(), molecule,
-                         [](const BeadPolygon &a, tagint sought) { return a.molecule < sought; });
-    if (polygon != found.end() && polygon->molecule == molecule)
-      error->one(FLERR, "{}: atom {} belongs to polygon {} but not to {}", style, atom->tag[i],
-                 molecule, selection.name);
-  }
+  Refusals(lmp).check([&] {
+    for (int i = 0; i < atom->nlocal; ++i) {
+      if (selection.has(i)) continue;
+      const tagint molecule = atom->molecule[i];
+      const auto polygon =
+          std::lower_bound(found.begin(), found.end(), molecule,
+                           [](const BeadPolygon &a, tagint sought) { return a.molecule < sought; });
+      if (polygon != found.end() && polygon->molecule == molecule)
+        refuse("{}: atom {} belongs to polygon {} but not to {}", style, atom->tag[i], molecule,
+               selection.name);
+    }
+  });
   return found;
 }

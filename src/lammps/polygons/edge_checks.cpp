@@ -1,7 +1,8 @@
 #include "edge_checks.h"
 
+#include "refusals.h"
+
 #include "atom.h"
-#include "error.h"
 #include "force.h"
 #include "group.h"
 #include "lammps.h"
@@ -30,12 +31,10 @@ void check_special_bonds(LAMMPS *lmp, const PolygonEdges &edges, const std::stri
         const tagint partner = atom->special[i][n];
         const int other = edges.polygon_of(partner, polygon);
         if (other >= 0 && other != polygon)
-          lmp->error->one(
-              FLERR,
-              "{}: special_bonds gives atoms {} and {} of polygons {} and {} the factor "
-              "{:.6g}, but contacts are not scaled: use 'special_bonds lj/coul 1 1 1'",
-              style, atom->tag[i], partner, edges.molecule(polygon), edges.molecule(other),
-              factors[k]);
+          refuse("{}: special_bonds gives atoms {} and {} of polygons {} and {} the factor "
+                 "{:.6g}, but contacts are not scaled: use 'special_bonds lj/coul 1 1 1'",
+                 style, atom->tag[i], partner, edges.molecule(polygon), edges.molecule(other),
+                 factors[k]);
       }
   }
 }
@@ -61,11 +60,10 @@ void check_groups(LAMMPS *lmp, const PolygonEdges &edges, const std::string &sty
     if (split == 0) continue;
     int which = 0;
     while (!(split & group->bitmask[which])) ++which;
-    lmp->error->one(FLERR,
-                    "{}: group {} of neigh_modify has a part of polygon {} only, not both atoms {} "
-                    "and {}: put polygons into groups as a whole",
-                    style, group->names[which], edges.molecule(edge.polygon), atom->tag[i],
-                    atom->tag[edge.next]);
+    refuse("{}: group {} of neigh_modify has a part of polygon {} only, not both atoms {} "
+           "and {}: put polygons into groups as a whole",
+           style, group->names[which], edges.molecule(edge.polygon), atom->tag[i],
+           atom->tag[edge.next]);
   }
 }
 

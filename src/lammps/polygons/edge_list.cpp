@@ -1,7 +1,8 @@
 #include "edge_list.h"
 
+#include "refusals.h"
+
 #include "atom.h"
-#include "error.h"
 #include "lammps.h"
 #include "neigh_list.h"
 #include "neighbor.h"
@@ -80,8 +81,7 @@ void LAMMPS_NS::list_edge_contacts(LAMMPS *lmp, const NeighList &list, const Pol
   for (int ii = 0; ii < list.inum; ++ii) {
     const int i = list.ilist[ii];
     if (edges[i].polygon < 0)
-      lmp->error->one(FLERR, "{}: atom {} is in no polygon that was there when the run began",
-                      style, tag[i]);
+      refuse("{}: atom {} is in no polygon that was there when the run began", style, tag[i]);
     const Vector ei = difference(x[edges[i].next], x[i]);
     for (int jj = 0; jj < list.numneigh[i]; ++jj) {
       const int j = list.firstneigh[i][jj] & NEIGHMASK;
@@ -90,19 +90,16 @@ void LAMMPS_NS::list_edge_contacts(LAMMPS *lmp, const NeighList &list, const Pol
       const Vector p = difference(x[i], x[j]);
       if (dot(p, p) >= cutoff * cutoff) continue;
       if (edges[j].next < 0)
-        lmp->error->one(FLERR,
-                        "{}: the atom that follows atom {} in its polygon is not found beside it: "
-                        "lost, or farther away than l, the longest edge allowed, {:.6g}",
-                        style, tag[j], longest);
+        refuse("{}: the atom that follows atom {} in its polygon is not found beside it: "
+               "lost, or farther away than l, the longest edge allowed, {:.6g}",
+               style, tag[j], longest);
       const Vector ej = difference(x[edges[j].next], x[j]);
       if (edges_cross(p, ei, ej))
-        lmp->error->one(
-            FLERR,
-            "{}: polygons {} and {} have crossed: the edge from atom {} to atom {} and "
-            "that from atom {} to atom {}. Start from polygons that do not overlap, and "
-            "take smaller steps (timestep, min_modify dmax), or a larger c or kr",
-            style, edges.molecule(edges[i].polygon), edges.molecule(edges[j].polygon), tag[i],
-            tag[edges[i].next], tag[j], tag[edges[j].next]);
+        refuse("{}: polygons {} and {} have crossed: the edge from atom {} to atom {} and "
+               "that from atom {} to atom {}. Start from polygons that do not overlap, and "
+               "take smaller steps (timestep, min_modify dmax), or a larger c or kr",
+               style, edges.molecule(edges[i].polygon), edges.molecule(edges[j].polygon), tag[i],
+               tag[edges[i].next], tag[j], tag[edges[j].next]);
       const int types = atom->ntypes + 1;
       if (may_touch(p, ej, range, skin))
         found.push_back({i, j, edges[j].next, type[i] * types + type[j]});

@@ -1,6 +1,7 @@
 #include "fix_deformable_polygon.h"
 
 #include "lammps_release.h"
+#include "refusals.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -153,11 +154,9 @@ int FixDeformablePolygon::neighbor_of(int i, const Polygon &polygon, tagint tag)
   const int j = domain->closest_image(i, atom->map(tag));
   const double *const *const x = atom->x;
   if (j < 0 || !is_nearest_image(domain, x[j][0] - x[i][0], x[j][1] - x[i][1]))
-    error->one(
-        FLERR,
-        "Fix {} deformable/polygon: atom {} of polygon {} is not found beside atom {}: lost, "
-        "or beyond the ghost cutoff (see comm_modify cutoff)",
-        id, tag, polygon.molecule, atom->tag[i]);
+    refuse("Fix {} deformable/polygon: atom {} of polygon {} is not found beside atom {}: lost, "
+           "or beyond the ghost cutoff (see comm_modify cutoff)",
+           id, tag, polygon.molecule, atom->tag[i]);
   return j;
 }
 
@@ -232,7 +231,7 @@ void FixDeformablePolygon::measure_perimeters()
 void FixDeformablePolygon::post_force(int vflag)
 {
   v_init(vflag);
-  if (links_of_build != neighbor->ncalls) link_beads();
+  if (links_of_build != neighbor->ncalls) Refusals(lmp).check([this] { link_beads(); });
   measure_areas();
 
   const double *const *const x = atom->x;

@@ -1,6 +1,7 @@
 #include "fix_deformable_stick.h"
 
 #include "lammps_release.h"
+#include "refusals.h"
 
 #include "atom.h"
 #include "domain.h"
@@ -119,8 +120,10 @@ void FixDeformableStick::post_force(int vflag)
   v_init(vflag);
   energy = on_wall[0] = on_wall[1] = 0.0;
   region->prematch();
-  for (int i = 0; i < atom->nlocal; ++i)
-    anchors[i] = atom->mask[i] & groupbit ? find_anchors(i) : Anchors{};
+  Refusals(lmp).check([this] {
+    for (int i = 0; i < atom->nlocal; ++i)
+      anchors[i] = atom->mask[i] & groupbit ? find_anchors(i) : Anchors{};
+  });
 }
 
 void FixDeformableStick::min_post_force(int vflag)
@@ -207,8 +210,8 @@ void FixDeformableStick::add_springs(int i, double radius, const Region::Contact
 void FixDeformableStick::refuse(int i, const std::string &problem)
 {
   const double *x = atom->x[i];
-  error->one(FLERR, "Fix {} deformable/stick: atom {} at ({:.6g}, {:.6g}) {}", id, atom->tag[i],
-             x[0], x[1], problem);
+  LAMMPS_NS::refuse("Fix {} deformable/stick: atom {} at ({:.6g}, {:.6g}) {}", id, atom->tag[i],
+                    x[0], x[1], problem);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -3,6 +3,7 @@
 #include "edge_checks.h"
 #include "input_checks.h"
 #include "lammps_release.h"
+#include "refusals.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -34,7 +35,8 @@ PairDeformableEdge::PairDeformableEdge(LAMMPS *lmp)
       kr(nullptr),
       c(nullptr),
       greatest_c(0.0),
-      edges(lmp, STYLE)
+      edges(lmp, STYLE),
+      refusals(lmp)
 {
   single_enable = 0;    // the energy of a pair needs the successors of both
   writedata = 1;
@@ -175,7 +177,7 @@ void PairDeformableEdge::take_list()
 {
   const bool new_polygons = polygons_unknown || atom->natoms != atoms_known;
   if (new_polygons) {
-    check_ghosts(lmp, *list);
+    refusals.check([this] { check_ghosts(lmp, *list); });
     const auto has = [this](int i) {
       const int type = atom->type[i];
       for (int other = 1; other <= atom->ntypes; ++other)
@@ -185,8 +187,10 @@ void PairDeformableEdge::take_list()
     edges.find({STYLE, "the atom types of this style", has});
   }
   edges.link(longest, greatest_c + neighbor->skin);
-  if (new_polygons) check_removed_contacts(lmp, edges, STYLE);
-  list_edge_contacts(lmp, *list, edges, c, longest, STYLE, contacts);
+  refusals.check([&] {
+    if (new_polygons) check_removed_contacts(lmp, edges, STYLE);
+    list_edge_contacts(lmp, *list, edges, c, longest, STYLE, contacts);
+  });
   polygons_unknown = false;
   atoms_known = atom->natoms;
   builds_known = neighbor->ncalls;
@@ -236,8 +240,11 @@ template <bool TALLY> void PairDeformableEdge::add_contacts()
     if (TALLY) tally(at, px, py, ex, ey, contact);
   }
   if (!std::isfinite(energy))
-    error->one(FLERR, "{}: the energy of the contacts is not finite: use a smaller kr", STYLE);
-  if (eflag_global) eng_vdwl += energy;
+    refusals.collect(
+        [] { refuse("{}: the energy of the contacts is not finite: use a smaller kr", STYLE); });
+  if (!eflag_global) return;    // ranks agree with the next list
+  refusals.agree();
+  eng_vdwl += energy;
 }
 
 /* ----------------------------------------------------------------------

@@ -43,6 +43,7 @@ class PairDeformableEdge : public Pair {
   double **kr, **c;     // of each pair of types
   double greatest_c;    // of all of them
   PolygonEdges edges;
+  Refusals refusals;
 
   std::vector<VertexAndEdge> contacts;             // that may act before the next neighbor list
   std::vector<deformable::Repulsion> repulsion;    // by VertexAndEdge::types

@@ -1,5 +1,7 @@
 #include "polygon_edges.h"
 
+#include "refusals.h"
+
 #include "atom.h"
 #include "domain.h"
 #include "error.h"
@@ -45,12 +47,14 @@ int PolygonEdges::polygon_of(tagint tag, int guess) const
 void PolygonEdges::link(double longest, double range)
 {
   edges.assign(atom->nlocal + atom->nghost, {-1, -1});
-  int polygon = -1;
-  for (int i = 0; i < static_cast<int>(edges.size()); ++i) {
-    polygon = polygon_of(atom->tag[i], polygon);
-    edges[i].polygon = polygon;
-    if (polygon >= 0) link_successor(i, longest);
-  }
+  Refusals(lmp).check([&] {
+    int polygon = -1;
+    for (int i = 0; i < static_cast<int>(edges.size()); ++i) {
+      polygon = polygon_of(atom->tag[i], polygon);
+      edges[i].polygon = polygon;
+      if (polygon >= 0) link_successor(i, longest);
+    }
+  });
   const double least = refuse_small_box(longest, range);
   // no polygon is wider than half its perimeter
   if (0.5 * most_vertices * longest + range > least) refuse_own_images(range);
@@ -82,20 +86,16 @@ void PolygonEdges::link_successor(int i, double longest)
   else if (!local)
     return;
   else if (next < 0)
-    error->one(
-        FLERR,
-        "{}: atom {} of polygon {} is not found beside atom {}: lost, or farther away than l, "
-        "the longest edge allowed, {:.6g}",
-        style, successor, polygon.molecule, atom->tag[i], longest);
+    refuse("{}: atom {} of polygon {} is not found beside atom {}: lost, or farther away than l, "
+           "the longest edge allowed, {:.6g}",
+           style, successor, polygon.molecule, atom->tag[i], longest);
   else
-    error->one(
-        FLERR,
-        "{}: the edge of polygon {} from atom {} to atom {} is {:.6g} long, but l, the longest "
-        "edge allowed, is {:.6g}: use a larger l",
-        style, polygon.molecule, atom->tag[i], successor, std::sqrt(square(next)), longest);
+    refuse("{}: the edge of polygon {} from atom {} to atom {} is {:.6g} long, but l, the longest "
+           "edge allowed, is {:.6g}: use a larger l",
+           style, polygon.molecule, atom->tag[i], successor, std::sqrt(square(next)), longest);
   if (local && atom->type[next] != atom->type[i])
-    error->one(FLERR, "{}: the atoms of polygon {} are of types {} and {}, they must have one",
-               style, polygon.molecule, atom->type[i], atom->type[next]);
+    refuse("{}: the atoms of polygon {} are of types {} and {}, they must have one", style,
+           polygon.molecule, atom->type[i], atom->type[next]);
 }
 
 /* ----------------------------------------------------------------------

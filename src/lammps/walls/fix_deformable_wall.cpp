@@ -1,17 +1,16 @@
 #include "fix_deformable_wall.h"
 
+#include "friction/fix_deformable_friction.h"
 #include "lammps_release.h"
 #include "pair/deformable_pairs.h"
-
-#include "parameter_rules.h"
 
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
+#include "modify.h"
 #include "update.h"
 
 #include <cmath>
-#include <cstring>
 #include <utility>
 
 using namespace LAMMPS_NS;
@@ -23,14 +22,16 @@ using deformable::Vector3;
 
 FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg)
     : Fix(lmp, narg, arg),
+      words(utils::join_words({arg + std::min(3, narg), arg + narg}, " ")),
       dimension(domain->dimension)
 {
   if (narg < 4) utils::missing_cmd_args(FLERR, "fix deformable/wall", error);
-  narg = read_adhesion(narg, arg);
+  narg = read_keywords(narg, arg);
   if (narg > 4 && WallSources::is_word(arg[3])) {
     WallSources sources;
     sources.dimension = dimension;
     require(sources.read_words(narg - 3, arg + 3, lmp));
+    check_keywords(sources);
     take(std::move(sources));
   } else {
     region_id = arg[3];
@@ -53,36 +54,12 @@ FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg)
   extscalar = 1;
   ecouple_flag = 1;
   vector_flag = 1;
-  size_vector = 3;
+  size_vector = load.mass > 0.0 ? 5 : 3;
   extvector = 1;
-  global_freq = 1;
+  global_freq = nevery = 1;
+  restart_global = load.mass > 0.0;
   virial_global_flag = virial_peratom_flag = 1;
   dynamic_group_allow = 1;
-}
-
-/* ----------------------------------------------------------------------
-   The keyword comes last. Returns the number of words before it.
-------------------------------------------------------------------------- */
-
-int FixDeformableWall::read_adhesion(int narg, char **arg)
-{
-  int words = 4;    // a region may be called adhesion
-  while (words < narg && std::strcmp(arg[words], "adhesion") != 0) ++words;
-  if (words == narg) return narg;
-  if (words + 1 == narg) utils::missing_cmd_args(FLERR, "fix deformable/wall adhesion", error);
-  if (words + 2 < narg)
-    error->all(FLERR_WORD(words + 2),
-               "Fix {} deformable/wall: unknown word '{}' after adhesion, which takes one number "
-               "and comes last",
-               id, arg[words + 2]);
-  stickiness = utils::numeric(FLERR, arg[words + 1], false, lmp);
-  require(deformable::invalid_adhesion(stickiness));
-  if (dimension == 3 && stickiness > 0.0)
-    error->all(FLERR_WORD(words + 1),
-               "Fix {} deformable/wall: droplets in three dimensions do not stick to walls: use "
-               "adhesion 0, not {}",
-               id, arg[words + 1]);
-  return words;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -97,7 +74,10 @@ FixDeformableWall::~FixDeformableWall()
 
 int FixDeformableWall::setmask()
 {
-  return PRE_FORCE | MIN_PRE_FORCE | POST_FORCE | MIN_POST_FORCE;
+  int mask = PRE_FORCE | MIN_PRE_FORCE | POST_FORCE | MIN_POST_FORCE;
+  if (load.mass > 0.0) mask |= INITIAL_INTEGRATE | FINAL_INTEGRATE;
+  if (!variables().empty()) mask |= END_OF_STEP;
+  return mask;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -117,7 +97,11 @@ void FixDeformableWall::init()
                "compress is the energy of the particles, part of the pair energy. Use 'energy no'",
                id, id);
   if (!region_id.empty()) read_region();
-  if (comm->me == 0) warn_of_box();
+  for (WallVariable *variable : variables()) require(variable->init(lmp));
+  if (shear.axis >= 0 && comm->me == 0 &&
+      modify->get_fix_by_style(FixDeformableFriction::STYLE).empty())
+    error->warning(
+        FLERR, "Fix {} deformable/wall: shear moves nothing without fix deformable/friction", id);
 }
 
 void FixDeformableWall::read_region()
@@ -129,13 +113,13 @@ void FixDeformableWall::read_region()
   sources.dimension = dimension;
   require(sources.read_region(region, 0.5 * (domain->boxlo[0] + domain->boxhi[0]),
                               0.5 * (domain->boxlo[1] + domain->boxhi[1])));
+  check_keywords(sources);
   take(std::move(sources));
 }
 
 void FixDeformableWall::take(WallSources &&sources)
 {
-  require(dimension == 2 ? scene.assign(std::move(sources))
-                         : space.assign(std::move(sources), lmp));
+  require(dimension == 2 ? scene.assign(std::move(sources)) : space.assign(std::move(sources)));
 }
 
 // A shrink-wrapped boundary follows the particles; others hold them up before they meet the wall.
@@ -173,6 +157,8 @@ void FixDeformableWall::require(const std::string &problem)
 void FixDeformableWall::setup(int vflag)
 {
   post_force(vflag);
+  evaluate_at_the_end();
+  require(load.force.begin_step(lmp, false));
 }
 
 void FixDeformableWall::min_setup(int vflag)
@@ -188,6 +174,7 @@ void FixDeformableWall::min_setup(int vflag)
 void FixDeformableWall::setup_pre_force(int)
 {
   place(false);
+  if (comm->me == 0) warn_of_box();
 }
 
 void FixDeformableWall::pre_force(int)
@@ -212,6 +199,12 @@ void FixDeformableWall::place(bool counts)
   scene.period = {lx, ly, xy};
   space.period = {{{lx, 0.0, 0.0}, {xy, ly, 0.0}, {xz, yz, lz}}};
   if (!moves()) return;
+  require(sources().place_sides(lmp, counts));
+  if (update->whichflag == 2) check_places();
+  require(shear.speed.begin_step(lmp, counts));
+  if (shear.axis >= 0)
+    (shear.axis == 0 ? scene.slide.x : scene.slide.y) = shear.speed.now * update->dt;
+  require(load.force.begin_step(lmp, counts));
   if (region) region->prematch();
   require(dimension == 2 ? scene.update() : space.update());
   dimension == 2 ? scene.begin_step(counts) : space.begin_step(counts);
@@ -272,6 +265,7 @@ void FixDeformableWall::post_force(int vflag)
     }
   }
   if (moves()) dimension == 2 ? scene.end_step() : space.end_step();
+  if (load.mass > 0.0) load.pushed = compute_vector(sources().shapes[0].side.axis);
 }
 
 void FixDeformableWall::min_post_force(int vflag)
@@ -292,11 +286,12 @@ double FixDeformableWall::compute_scalar()
 }
 
 /* ----------------------------------------------------------------------
-   Force on the wall.
+   Force on the wall; place and velocity of one under a load.
 ------------------------------------------------------------------------- */
 
 double FixDeformableWall::compute_vector(int n)
 {
+  if (n >= 3) return n == 3 ? sources().shapes[0].side.place.now : load.v;
   double all;
   MPI_Allreduce(&on_wall[n], &all, 1, MPI_DOUBLE, MPI_SUM, world);
   return all;
@@ -316,19 +311,17 @@ void FixDeformableWall::refuse_center(int i, double radius, const RefusedCenter 
                                ? "region '" + region_id + "'"
                                : "part '" + source.name + "' of region '" + region_id + "'";
   if (refused.room > 0.0)
-    error->one(
-        FLERR,
-        "Atom {} of radius {:.6g} is wider than {} of fix {} deformable/wall, whose radius is "
-        "{:.6g} at its place: it would have one contact there, and none on the axis. Use a "
-        "wider container, or planes",
-        atom->tag[i], radius, name, id, refused.room);
+    refuse("Atom {} of radius {:.6g} is wider than {} of fix {} deformable/wall, whose radius is "
+           "{:.6g} at its place: it would have one contact there, and none on the axis. Use a "
+           "wider container, or planes",
+           atom->tag[i], radius, name, id, refused.room);
   const std::string place = refused.height > 0.0 ? fmt::format("only {:.3g} from", refused.height)
                             : solid              ? "in the obstacle"
                                                  : "outside of";
   const std::string at = dimension == 2 ? fmt::format("({:.6g}, {:.6g})", x[0], x[1])
                                         : fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
-  error->one(FLERR, "The center of atom {} at {} is {} {} of fix {} deformable/wall", atom->tag[i],
-             at, place, name, id);
+  refuse("The center of atom {} at {} is {} {} of fix {} deformable/wall", atom->tag[i], at, place,
+         name, id);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -1,5 +1,5 @@
-// Walls for deformable particles: fix ID group deformable/wall region-ID [adhesion w], or words for shapes at rest in
-// the place of the region.
+// Walls for deformable particles: fix ID group deformable/wall region-ID [adhesion w] [shear dim v], or words for shapes in the
+// place of the region; one side may bear a load: [load F m].
 //
 // The pair style asks this fix for the contacts of a particle with the walls, computes the shape with all
 // contacts of the particle, and returns the forces of the walls. The fix adds them in post_force.
@@ -35,18 +35,25 @@ class FixDeformableWall : public Fix {
   // begins so. The style of this object therefore has another name.
   static constexpr const char *STYLE = "wall/flat";
 
+  const std::string words;    // that define it
+
   int setmask() override;
   void init() override;
   void setup(int) override;
   void min_setup(int) override;
+  void initial_integrate(int) override;
   void setup_pre_force(int) override;
   void pre_force(int) override;
   void min_pre_force(int) override;
   void post_force(int) override;
   void min_post_force(int) override;
+  void final_integrate() override;
+  void end_of_step() override;
   double compute_scalar() override;
   double compute_vector(int) override;
   double memory_usage() override;
+  void write_restart(FILE *) override;
+  void restart(char *) override;
 
   // Energy that a particle gains for each unit of length of its film with the wall.
   double adhesion() const { return stickiness; }
@@ -122,6 +129,7 @@ class FixDeformableWall : public Fix {
   }
   Motion::Way way(int feature, double x, double y) const { return scene.way(feature, x, y); }
   int first_feature(int feature) const { return scene.first_feature(feature); }
+  std::vector<std::string> feature_names() const { return scene.feature_names(); }
   void do_work(double energy) { scene.do_work(energy); }
 
  private:
@@ -131,7 +139,23 @@ class FixDeformableWall : public Fix {
   WallScene scene;     // in two dimensions
   SpaceScene space;    // in three
   bool moves() const { return scene.moves() || space.moves(); }
+  WallSources &sources() { return dimension == 2 ? scene.sources : space.sources; }
+  void restore_energy(double energy)
+  {
+    dimension == 2 ? scene.restore(energy) : space.restore(energy);
+  }
+
   double stickiness = 0.0;
+  struct {
+    int axis = -1;    // none
+    WallVariable speed;
+  } shear;
+  // A wall that moves by Newton's equation.
+  struct {
+    double mass = 0.0;    // none
+    WallVariable force;
+    double v = 0.0, pushed = 0.0;    // along the axis of the side; by the particles
+  } load;
 
   struct WallForce {
     double fx, fy, fz, vxx, vyy, vzz, vxy, vxz, vyz;
@@ -144,7 +168,13 @@ class FixDeformableWall : public Fix {
 
   void place(bool counts);
   void require(const std::string &problem);
-  int read_adhesion(int narg, char **arg);
+  int read_keywords(int narg, char **arg);
+  int read_keyword(int iarg, int narg, char **arg);
+  void check_keywords(WallSources &) const;
+  std::vector<WallVariable *> variables();
+  void evaluate_at_the_end();
+  void check_places();
+  void kick();
   void read_region();
   void take(WallSources &&);
   void warn_of_box() const;

@@ -199,11 +199,15 @@ std::string LAMMPS_NS::read_shape(Region *region, double x, double y, WallShape 
 
 /* ---------------------------------------------------------------------- */
 
-Motion LAMMPS_NS::motion_of(Region *region)
+Motion LAMMPS_NS::motion_of(const WallShape &shape)
 {
   Motion motion;
-  motion.angle = angle_of_rotation(region);
-  move_with(region, motion.x, motion.y);
+  if (shape.region) {
+    motion.angle = angle_of_rotation(shape.region);
+    move_with(shape.region, motion.x, motion.y);
+  } else if (shape.side.sign != 0) {
+    (shape.side.axis == 0 ? motion.x : motion.y) = shape.side.place.now;
+  }
   return motion;
 }
 

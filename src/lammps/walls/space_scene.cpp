@@ -12,9 +12,8 @@ using namespace deformable;
 
 /* ---------------------------------------------------------------------- */
 
-std::string SpaceScene::assign(WallSources &&given_sources, LAMMPS *lammps)
+std::string SpaceScene::assign(WallSources &&given_sources)
 {
-  lmp = lammps;
   sources = std::move(given_sources);
   walls.clear();
   for (std::size_t w = 0; w < sources.walls.size(); ++w) {
@@ -25,9 +24,7 @@ std::string SpaceScene::assign(WallSources &&given_sources, LAMMPS *lammps)
     wall.is_ball = source.sides.empty() && !sources.shapes[source.shape].is_body;
     walls.push_back(wall);
   }
-  moving = false;
-  for (const WallShape &shape : sources.shapes)
-    moving = moving || !shape.side.place.empty() || (shape.region && shape.region->dynamic_check());
+  moving = sources.move();
   const std::string problem = update();
   before = walls;
   return problem;
@@ -86,10 +83,6 @@ void SpaceScene::place_body(const WallShape &shape, Wall &wall) const
 std::string SpaceScene::update()
 {
   for (WallShape &shape : sources.shapes) {
-    if (!shape.side.place.empty()) {
-      const std::string problem = shape.place_side(lmp);
-      if (!problem.empty()) return problem;
-    }
     if (!shape.region || !shape.region->varshape) continue;
     const int faces = shape.faces();
     const std::string problem = read_solid(shape.region, shape);
@@ -143,7 +136,7 @@ int SpaceScene::first_outside(int axis, double low, double high) const
   const auto part = [axis](const Vector3 &v) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; };
   for (const Wall &wall : walls) {
     const double n = part(wall.face.n), center = part(wall.center);
-    if (wall.kind == WallSource::FACE && std::fabs(n) == 1.0 &&
+    if (wall.kind == WallSource::FACE && std::fabs(n) == 1.0 && std::isfinite(wall.face.offset) &&
         (n > 0.0 ? wall.face.offset > high : -wall.face.offset < low))
       return wall.source;
     if (wall.kind == WallSource::RIM && wall.is_ball && !any_face &&
@@ -214,6 +207,9 @@ double SpaceScene::potential() const
 void SpaceScene::begin_step(bool counts)
 {
   counting = counts;
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    if (walls[w].kind == WallSource::FACE && !std::isfinite(before[w].face.offset))
+      before[w] = walls[w];
   if (counting) given -= 0.5 * (potential() - potential_then);
   loads.clear();
 }

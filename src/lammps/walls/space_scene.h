@@ -14,7 +14,7 @@ namespace LAMMPS_NS {
 class SpaceScene {
  public:
   // Takes the walls and computes them at the present time.
-  std::string assign(WallSources &&, class LAMMPS *);
+  std::string assign(WallSources &&);
   bool moves() const { return moving; }
 
   // Computes the walls anew where their regions are now. Returns what is wrong, or nothing.
@@ -57,12 +57,15 @@ class SpaceScene {
   }
   // The energy that droplets have given to moving walls since the scene was made. A wall that moves while droplets stay changes
   // their energy by -F dh - torque.dn: half of it counts with the forces before a step, half of it with those after it, which is
-  // exact to the second order in the step.
+  // exact to the second order in the step. A wall that was infinitely far away does no work.
   void begin_step(bool counts);    // after update()
   void end_step();
   double energy_given() const { return given; }
 
+  void restore(double energy) { given = energy; }
+
   const WallSource &source(int wall) const { return sources.walls[wall]; }
+  WallSources sources;
   double memory_usage() const;
 
  private:
@@ -93,8 +96,6 @@ class SpaceScene {
     double cutoff;
   };
 
-  class LAMMPS *lmp = nullptr;
-  WallSources sources;
   std::vector<Wall> walls, before;
   bool moving = false, counting = false;
   std::vector<Load> loads;

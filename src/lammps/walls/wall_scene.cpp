@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 
 using namespace LAMMPS_NS;
 using deformable::Edge;
@@ -26,9 +27,7 @@ std::string WallScene::assign(WallSources &&given_sources)
   }
   edges.resize(edges_so_far);
   planes.resize(edges_so_far);
-  moving = false;
-  for (const WallShape &shape : sources.shapes)
-    moving = moving || (shape.region && shape.region->dynamic_check());
+  moving = sources.move();
   if (moving) {
     features.resize(features_so_far);
     before.resize(features_so_far);
@@ -68,7 +67,7 @@ int WallScene::first_outside(int axis, double low, double high) const
   for (const Wall &wall : walls) any_face |= wall.kind == WallSource::FACE;
   for (const Wall &wall : walls) {
     const double n = axis == 0 ? wall.line.nx : wall.line.ny, center = axis == 0 ? wall.x : wall.y;
-    if (wall.kind == WallSource::FACE && std::fabs(n) == 1.0 &&
+    if (wall.kind == WallSource::FACE && std::fabs(n) == 1.0 && std::isfinite(wall.line.offset) &&
         (n > 0.0 ? wall.line.offset > high : -wall.line.offset < low))
       return wall.source;
     if (wall.kind == WallSource::RIM && !any_face &&
@@ -111,8 +110,7 @@ std::string WallScene::update()
   }
   if (moving) {
     place_features();
-    for (std::size_t s = 0; s < motions.size(); ++s)
-      if (sources.shapes[s].region) motions[s] = motion_of(sources.shapes[s].region);
+    for (std::size_t s = 0; s < motions.size(); ++s) motions[s] = motion_of(sources.shapes[s]);
   }
   return "";
 }
@@ -188,6 +186,18 @@ const WallScene::Wall &WallScene::wall_of(int feature) const
            1);
 }
 
+std::vector<std::string> WallScene::feature_names() const
+{
+  std::vector<std::string> names;
+  std::map<std::string, int> so_far;    // features of this name
+  for (const Wall &wall : walls)
+    for (int k = 0; k < std::max(1, 3 * wall.edges); ++k) {
+      const std::string &name = sources.walls[wall.source].name;
+      names.push_back(name + ", surface " + std::to_string(++so_far[name]));
+    }
+  return names;
+}
+
 void WallScene::add_force(int feature, double fx, double fy, double x, double y, double dx,
                           double dy, double cutoff)
 {
@@ -236,6 +246,11 @@ void WallScene::give(double sign)
 void WallScene::begin_step(bool counts)
 {
   counting = counts;
+  for (std::size_t f = 0; f < features.size(); ++f)
+    if (!std::isfinite(before[f].x) || !std::isfinite(before[f].y)) before[f] = features[f];
+  for (std::size_t s = 0; s < motions.size(); ++s)
+    if (!std::isfinite(motions_before[s].x) || !std::isfinite(motions_before[s].y))
+      motions_before[s] = motions[s];
   if (counting) give(1.0);
   clear_forces();
 }
@@ -256,8 +271,8 @@ Motion::Way WallScene::way(int feature, double x, double y) const
   const WallSource &source = sources.walls[wall.source];
   const int side = wall.kind == WallSource::POLYGON ? (feature - wall.first_feature) / 3 : 0;
   const int shape = source.sides.empty() ? source.shape : source.sides[side].shape;
-  if (!sources.shapes[shape].region) return {0.0, 0.0};
-  return motions[shape].way_from(motions_before[shape], x, y);
+  const Motion::Way way = motions[shape].way_from(motions_before[shape], x, y);
+  return {way.x + slide.x, way.y + slide.y};
 }
 
 /* ---------------------------------------------------------------------- */

@@ -73,6 +73,7 @@ class WallScene {
                  double cutoff);
   // The energy that particles have given to moving walls since the scene was made: half of it with the forces
   // before a step, half of it with those after it, which is exact to the second order in the step.
+  // A wall that was infinitely far away does no work.
   void clear_forces();
   void begin_step(bool counts);    // after update()
   void end_step();
@@ -80,12 +81,18 @@ class WallScene {
 
   // How far the surface of a feature's wall has moved in this step at (x, y). What only changes its size stays.
   Motion::Way way(int feature, double x, double y) const;
+  Motion::Way slide = {0.0, 0.0};    // of all walls, along themselves
   void do_work(double energy) { given += counting ? energy : 0.0; }
+  void restore(double energy) { given = energy; }
 
   // The first feature of the wall that this one belongs to.
   int first_feature(int feature) const { return wall_of(feature).first_feature; }
 
+  // What a feature is called, for a memory that outlives this scene. None before a region is read.
+  std::vector<std::string> feature_names() const;
+
   const WallSource &source(int wall) const { return sources.walls[wall]; }
+  WallSources sources;
   double memory_usage() const;
 
  private:
@@ -104,7 +111,6 @@ class WallScene {
     double fx, fy, moment, virial;    // about (x, y)
   };
 
-  WallSources sources;
   std::vector<Wall> walls;
   std::vector<deformable::Edge> edges;
   std::vector<deformable::HalfPlane> planes;    // of the wall that is computed

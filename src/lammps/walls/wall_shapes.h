@@ -5,6 +5,7 @@
 
 #include "obstacle.h"
 #include "surface.h"
+#include "wall_variable.h"
 
 #include "region.h"
 
@@ -27,12 +28,18 @@ struct WallShape {
   bool is_body = false;
   deformable::Revolution body{};
 
-  // A side of the box: its axis, which one it is (-1 or 1), and its place if that may change: EDGE or v_name.
+  // A side of the box: its axis, which one it is (-1 or 1), and its place. Before that is known the side is infinitely far away.
   struct {
-    int axis, sign;
-    std::string place;
-  } side = {0, 0, ""};
+    int axis = 0, sign = 0;    // 0: no side
+    bool is_edge = false, is_loaded = false;
+    WallVariable place;
+  } side;
   std::string place_side(class LAMMPS *);    // returns what is wrong, or nothing
+  bool moves() const
+  {
+    return side.is_edge || side.is_loaded || side.place.varies() ||
+           (region && region->dynamic_check());
+  }
 
   int faces() const { return static_cast<int>(planes.size() + spaces.size()); }
   bool is_round() const { return is_body || faces() == 0; }
@@ -51,7 +58,7 @@ void move_with(Region *, double &x, double &y);
 deformable::Vector3 moved_with(Region *, deformable::Vector3);
 double angle_of_rotation(const Region *);
 
-// The same as numbers, which outlive the step.
+// The same as numbers, which outlive the step; also of a side.
 struct Motion {
   double x = 0.0, y = 0.0, angle = 0.0;    // the place of what was at the origin, and the rotation
 
@@ -61,7 +68,7 @@ struct Motion {
   };
   Way way_from(const Motion &before, double px, double py) const;
 };
-Motion motion_of(Region *);
+Motion motion_of(const WallShape &);
 
 // One wall: a face of a container, the rim of a round container, or an obstacle (round, or with faces).
 struct WallSource {
@@ -88,14 +95,17 @@ struct WallSources {
   int dimension = 2;
   std::vector<WallShape> shapes;
   std::vector<WallSource> walls;
+  bool slide = false;    // along themselves
+  bool move() const;
+  std::string place_sides(class LAMMPS *, bool goes_on);    // see WallVariable
 
   // The walls of a region. Returns what is wrong, or nothing.
   std::string read_region(Region *, double x, double y);
 
-  // Walls from words, at rest, in the plane: plane x y nx ny, circle x y radius, disk x y radius, segment x1 y1 x2 y2,
-  // polygon N x1 y1 ... xN yN. In space: xlo place ... zhi place, of which EDGE and v_name may move, plane x y z nx ny nz, sphere
-  // x y z radius, ball x y z radius, cylinder or post x y z ax ay az radius, cone x y z ax ay az radius slope.
-  // Returns what is wrong, or nothing.
+  // Walls from words: xlo place ... zhi place, of which EDGE and v_name may move. At rest, in the plane: plane x y nx ny, circle
+  // x y radius, disk x y radius, segment x1 y1 x2 y2, polygon N x1 y1 ... xN yN. In space: plane x y z nx ny nz, sphere x y z
+  // radius, ball x y z radius, cylinder or post x y z ax ay az radius, cone x y z ax ay az radius slope. Returns what is wrong,
+  // or nothing.
   std::string read_words(int narg, char **arg, class LAMMPS *);
   static bool is_word(const std::string &);    // in the plane or in space
   static const char *known_words(int dimension);

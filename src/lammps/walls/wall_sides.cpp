@@ -3,12 +3,11 @@
 #include "wall_shapes.h"
 
 #include "domain.h"
-#include "input.h"
 #include "lammps.h"
-#include "utils.h"
-#include "variable.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 using namespace LAMMPS_NS;
 
@@ -24,18 +23,17 @@ std::string WallSources::add_side(const std::string &word, const std::string &pl
   shape.name = word;
   shape.side.axis = word[0] - 'x';
   shape.side.sign = word[1] == 'l' ? -1 : 1;
-  const double sign = shape.side.sign;
-  const int axis = shape.side.axis;
-  shape.spaces.push_back(
-      {{axis == 0 ? sign : 0.0, axis == 1 ? sign : 0.0, axis == 2 ? sign : 0.0}, 0.0});
-  if (place == "EDGE" || utils::strmatch(place, "^v_")) {
-    shape.side.place = place;
-    const std::string problem = shape.place_side(lmp);
-    if (!problem.empty()) return problem;
-  } else {
-    shape.spaces[0].offset = sign * utils::numeric(FLERR, place, false, lmp);
-    if (!std::isfinite(shape.spaces[0].offset)) return word + ": '" + place + "' is not finite";
-  }
+  shape.side.is_edge = place == "EDGE";
+  const double n[3] = {shape.side.axis == 0 ? shape.side.sign : 0.0,
+                       shape.side.axis == 1 ? shape.side.sign : 0.0,
+                       shape.side.axis == 2 ? shape.side.sign : 0.0};
+  if (dimension == 2)
+    shape.planes.push_back({n[0], n[1], 0.0});
+  else
+    shape.spaces.push_back({{n[0], n[1], n[2]}, 0.0});
+  std::string problem = shape.side.is_edge ? "" : shape.side.place.read(word, place, lmp);
+  if (problem.empty()) problem = shape.place_side(lmp);
+  if (!problem.empty()) return problem;
   const int index = static_cast<int>(shapes.size());
   walls.push_back({WallSource::FACE, word, {{index, 0, false}}, index});
   shapes.push_back(shape);
@@ -44,20 +42,30 @@ std::string WallSources::add_side(const std::string &word, const std::string &pl
 
 std::string WallShape::place_side(LAMMPS *lmp)
 {
-  double at;
-  if (side.place == "EDGE") {
+  if (side.is_edge) {
     if (lmp->domain->triclinic)
       return name + " EDGE: a side of a tilted box is no plane across an axis, use 'plane'";
-    at = side.sign < 0 ? lmp->domain->boxlo[side.axis] : lmp->domain->boxhi[side.axis];
-  } else {
-    Variable &variables = *lmp->input->variable;
-    const int found = variables.find(side.place.substr(2).c_str());
-    if (found < 0) return name + ": variable '" + side.place.substr(2) + "' does not exist";
-    if (!variables.equalstyle(found))
-      return name + ": variable '" + side.place.substr(2) + "' must be equal-style";
-    at = variables.compute_equal(found);
-    if (!std::isfinite(at)) return fmt::format("{}: its place '{}' is {}", name, side.place, at);
+    side.place.now = side.sign < 0 ? lmp->domain->boxlo[side.axis] : lmp->domain->boxhi[side.axis];
   }
-  spaces[0].offset = side.sign * at;
+  const double offset =
+      side.place.is_known() ? side.sign * side.place.now : std::numeric_limits<double>::infinity();
+  (planes.empty() ? spaces[0].offset : planes[0].offset) = offset;
+  return "";
+}
+
+bool WallSources::move() const
+{
+  return slide || std::any_of(shapes.begin(), shapes.end(),
+                              [](const WallShape &shape) { return shape.moves(); });
+}
+
+std::string WallSources::place_sides(LAMMPS *lmp, bool goes_on)
+{
+  for (WallShape &shape : shapes) {
+    if (shape.side.sign == 0) continue;
+    std::string problem = shape.side.place.begin_step(lmp, goes_on);
+    if (problem.empty()) problem = shape.place_side(lmp);
+    if (!problem.empty()) return problem;
+  }
   return "";
 }

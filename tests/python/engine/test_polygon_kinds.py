@@ -1,5 +1,6 @@
 """Polygons of beads and smooth polygons: what both have in common."""
 
+import dataclasses
 from dataclasses import dataclass
 
 import deformable
@@ -65,6 +66,24 @@ def test_loose_rings_relax_at_once(kind: Kind, change: float, six: deformable.Pa
     assert (state.residual, state.stalled) == (0.0, False)
     assert state.energy < 1e-20
     assert len(state.contact_table.i) == 0
+
+
+@pytest.mark.parametrize("radius", [0.02, 0.05, 0.1])
+@pytest.mark.parametrize("smooth", [True, False])
+def test_phi_has_the_radius_of_vertices(
+    smooth: bool, radius: float, six: deformable.Packing
+) -> None:
+    """Round polygons fill the circles that a law has, whatever the radius of their vertices."""
+    model = deformable.PolygonModel(vertices=120, radius=radius, smooth=smooth)
+    with deformable.PolygonSimulation(six.at(0.5), model) as rings:
+        state = rings.state()
+    circles = np.pi * state.polygons.effective_radius[six.species] ** 2
+    area = np.prod(state.packing.box.diagonal())
+    assert state.phi == pytest.approx(circles.sum() / area, rel=1e-3)  # 1 - pi^2/(3 N_v^2)
+    law = deformable.Ring(skin=state.polygons.skin.tolist())
+    same = dataclasses.replace(state.packing, radii=state.polygons.effective_radius)
+    with deformable.Simulation(same, law) as sim:
+        assert state.phi == pytest.approx(sim.state().phi, rel=1e-3)
 
 
 @kinds

@@ -82,7 +82,10 @@ def test_areas_perimeters_and_centers(crumpled: deformable.PolygonSimulation) ->
     assert max(np.hypot(*side.T).max() for side in sides) < 0.4  # polygons are whole
     centers = [outline.mean(axis=0) for outline in state.outlines]
     assert state.packing.positions == pytest.approx(np.array(centers))
-    assert state.phi == pytest.approx(state.area.sum() / np.prod(state.packing.box.diagonal()))
+    skin = state.polygons.skin[state.packing.species]
+    filled = state.area + state.perimeter * skin + np.pi * skin**2
+    assert state.filled_area == pytest.approx(filled, rel=1e-14)
+    assert state.phi == pytest.approx(filled.sum() / np.prod(state.packing.box.diagonal()))
     rest = state.polygons.area[state.packing.species]
     assert state.area_deficit == pytest.approx(rest - state.area)
 

@@ -87,7 +87,7 @@ BAD = [
     ("xyz", "pos:R:3", "force:R:3", "no pos:R:3 among its columns species force0"),
     ("xyz", 'Lattice="4', 'pbc="T F T" Lattice="4', "not periodic along y"),
     ("xyz", 'Lattice="4', 'pbc="T T" Lattice="4', "pbc must be three letters"),
-    ("xyz", '0 0 0 1" P', "0 0 0 1 P", "No closing quotation"),
+    ("xyz", '0 0 0 1" P', "0 0 0 1 P", 'lattice="4 has no closing quotation mark'),
     ("xyz", "2\n", "two\n", "begins with the number of atoms, not 'two'"),
     ("xyz", "2\n", "3\n", "has 2 of 3 atoms"),
     ("xyz", XYZ, "0\na comment\n", "has no atoms"),

@@ -114,11 +114,55 @@ def test_names_of_types_in_alphabetical_order(tmp_path: Path) -> None:
     assert (by_type.radii.tolist(), by_type.box[0, 0]) == ([0.4, 0.5], 8.0)
 
 
+def test_as_many_types_as_atoms(tmp_path: Path) -> None:
+    """Of which some have no atoms: radii are those of the atoms."""
+    path = tmp_path / "three.data"
+    atoms = "1 1 1.0 1.0 1 1 0\n2 1 1.0 1.0 2 1 0\n3 2 1.4 1.0 3 1 0"
+    head = "a title\n\n3 atoms\n3 atom types\n0 5 xlo xhi\n0 5 ylo yhi\n-0.5 0.5 zlo zhi\n"
+    path.write_text(f"{head}\nAtoms # sphere\n\n{atoms}\n")
+    found = Packing.from_file(path)
+    assert (found.species.tolist(), found.radius.tolist()) == ([0, 0, 1], [0.5, 0.5, 0.7])
+    assert len(found.radii) == 3
+
+
 def test_plain_xyz_takes_a_box(tmp_path: Path) -> None:
     path = tmp_path / "plain.xyz"
     path.write_text("2\na comment\nA 0.1 0.2 0\nB 1.1 0.2 0\n")
     found = Packing.from_file(path, radii=0.5, box=(2, 3))
     assert found.positions.tolist() == [[0.1, 0.2], [1.1, 0.2]]
+
+
+@pytest.mark.parametrize(
+    "comment",
+    ["", "Plateau's foam", "it's a=b", "6'3\" high", "a='b", "half of 'it", "x = 3", "= \"'"],
+)
+def test_any_comment_of_plain_xyz(comment: str, tmp_path: Path) -> None:
+    """Also behind a header of the extended format."""
+    (tmp_path / "a.xyz").write_text(f"1\n{comment}\nA 0.1 0.2 0\n")
+    assert Packing.from_file(tmp_path / "a.xyz", radii=0.5, box=(2, 3)).box[1, 1] == 3.0
+    lattice = 'Lattice="2 0 0 0 3 0 0 0 1" Properties=species:S:1:pos:R:3'
+    (tmp_path / "b.xyz").write_text(f"1\n{lattice} {comment}\nA 0.1 0.2 0\n")
+    assert Packing.from_file(tmp_path / "b.xyz", radii=0.5).box[1, 1] == 3.0
+
+
+@pytest.mark.parametrize("head", ["", "Properties=species:S:1:pos:R:3"])
+@pytest.mark.parametrize(
+    ("names", "species"),
+    [
+        (("1", "A", "1"), [0, 1, 0]),
+        (("nan", "Cu", "inf"), [2, 0, 1]),
+        (("1e0", "01", "2"), [1, 0, 2]),
+        (("2", "1", "2"), [1, 0, 1]),
+    ],
+)
+def test_words_that_look_like_numbers(
+    head: str, names: tuple[str, ...], species: list[int], tmp_path: Path
+) -> None:
+    """`species:S` says that types are words, of which some are numbers."""
+    rows = "".join(f"{name} {n}.1 0.2 0\n" for n, name in enumerate(names))
+    (tmp_path / "a.xyz").write_text(f"3\n{head}\n{rows}")
+    found = Packing.from_file(tmp_path / "a.xyz", radii=0.5, box=(4, 3))
+    assert found.species.tolist() == species
 
 
 def test_gsd_of_hoomd(tmp_path: Path) -> None:

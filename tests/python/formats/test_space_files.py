@@ -22,7 +22,8 @@ def packings(draw: st.DrawFn) -> Packing:
         box[lower, upper] = rng.uniform(-1.0, 1.0) * tilts * box[upper, upper]
     radii = draw(lengths) * rng.uniform(0.5, 1.5, 3)
     species = rng.integers(0, draw(st.integers(1, 3)), number)
-    own = radii[species] * rng.uniform(0.5, 1.0, number) if draw(st.booleans()) else None
+    some = draw(st.booleans()) or number == 3  # three radii would be those of three particles
+    own = radii[species] * rng.uniform(0.5, 1.0, number) if some else None
     return Packing(rng.uniform(-2.0, 3.0, (number, 3)) @ box, species, radii, box, own)
 
 
@@ -36,7 +37,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @given(packing=packings())
 def test_texts_keep_every_bit(suffix: str, folder: Path, packing: Packing) -> None:
     path = folder / f"any{suffix}"
-    packing.to_file(path)
+    packing.to_file(path, overwrite=True)
     check_equal(Packing.from_file(path, dimension=3), packing)
 
 
@@ -45,7 +46,7 @@ def test_texts_keep_every_bit(suffix: str, folder: Path, packing: Packing) -> No
 def test_gsd_keeps_single_precision(folder: Path, packing: Packing) -> None:
     """Of lengths, of tilts over heights, and of positions, up to three boxes away."""
     pytest.importorskip("gsd")
-    packing.to_file(folder / "any.gsd")
+    packing.to_file(folder / "any.gsd", overwrite=True)
     found = Packing.from_file(folder / "any.gsd", dimension=3)
     sizes = np.abs(packing.box).sum(axis=0)
     assert (np.abs(found.box - packing.box) <= 4.0 * SINGLE * sizes).all()

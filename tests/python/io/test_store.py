@@ -27,7 +27,7 @@ def test_missing_and_broken_runs_are_named(state: deformable.State, tmp_path: Pa
     (tmp_path / "summary.json").write_text('{"law": {"name": "Foam"}}')
     with pytest.raises(deformable.FileError, match=r"cannot be read.*Foam"):
         read(tmp_path)
-    state.save(tmp_path)
+    state.save(tmp_path, overwrite=True)
     (tmp_path / "packing.data").unlink()
     with pytest.raises(deformable.FileError, match=r"packing\.data"):
         read(tmp_path)

@@ -232,3 +232,21 @@ def test_radii_grow_in_place_of_a_shrinking_box(walled: bool) -> None:
     scale = grown.box[0, 0] / shrunk.box[0, 0]
     np.testing.assert_allclose(grown.radius, scale * shrunk.radius, rtol=1e-12)
     np.testing.assert_allclose(grown.positions, scale * shrunk.positions, rtol=1e-12)
+
+
+@pytest.mark.parametrize("species", [[0, 0, 0], [0, 0, 1], [2, 2, 0]])
+def test_radii_of_particles_are_not_left_out(species: list[int]) -> None:
+    """As many radii as particles, of which the species do not take all: told how to give them."""
+    places, radii, box = [[1.0, 1.0], [3.0, 1.0], [2.0, 3.0]], [0.5, 0.6, 0.7], (4.0, 4.0)
+    told = r"\Aradii are those of species, and the 3 particles .* Packing\.from_arrays\(positions, "
+    with pytest.raises(deformable.ParameterError, match=told) as error:
+        deformable.Packing(places, species, radii, box)
+    assert "\n" not in str(error.value)
+    packing = deformable.Packing.from_arrays(places, radii, box, species)
+    assert packing.radius.tolist() == radii
+    assert packing.species.tolist() == species
+    with deformable.Disks(packing) as disks:
+        assert disks.state().packing.radius.tolist() == radii
+    # each radius is that of a species, or all are the same
+    assert deformable.Packing(places, [2, 0, 1], radii, box).radius.tolist() == [0.7, 0.5, 0.6]
+    assert deformable.Packing(places, species, [0.5] * 3, box).radius.tolist() == [0.5] * 3

@@ -98,6 +98,37 @@ def test_storage_and_loss_modulus(rest: deformable.State) -> None:
     assert found.harmonics < 0.02
 
 
+@pytest.mark.parametrize("strain", [1e-4, 1e-6, 1e-7, 1e-8])
+def test_small_strains(strain: float) -> None:
+    """Contacts follow any strain, so that G'' is right where it is a hundredth of G'."""
+    jammed = deformable.jam(deformable.bidisperse(32, seed=1))
+    with deformable.Simulation(jammed.at(0.88), deformable.Ring()) as sim:
+        state = deformable.polish(sim.relax())
+    expected = complex(state.complex_modulus(2.0 * math.pi / 20.0, friction=1.0))
+    assert 0.005 < expected.imag / expected.real < 0.02
+    found = dynamic_modulus(state, strain, 20.0, steps=8, friction=1.0)
+    assert found.storage_error < 1e-3 * expected.real
+    assert found.loss_error < 1e-2 * expected.imag
+    assert found.storage == pytest.approx(expected.real, abs=3.0 * found.storage_error)
+    assert found.loss == pytest.approx(expected.imag, abs=3.0 * found.loss_error)
+
+
+@pytest.mark.parametrize("tolerance", [None, 1e-6, 1e-8])
+@pytest.mark.parametrize("strain", [1e-5, 1e-7, 1e-8])
+def test_errors_know_the_forces_that_are_left(
+    rest: deformable.State, strain: float, tolerance: float | None
+) -> None:
+    """Quasistatic moduli are right within their errors, and those are small by default."""
+    exact = rest.elastic_moduli().shear_modulus
+    found = dynamic_modulus(rest, strain, cycles=2, steps=8, tolerance=tolerance)
+    assert found.storage == pytest.approx(exact, abs=3.0 * found.storage_error + 1e-5 * exact)
+    assert found.loss == pytest.approx(0.0, abs=3.0 * found.loss_error + 1e-5 * exact)
+    if tolerance is None:
+        assert found.storage_error < 5e-3 * exact
+    elif tolerance > strain:
+        assert found.storage_error > 0.1 * exact
+
+
 @pytest.mark.parametrize(
     ("values", "message"),
     [

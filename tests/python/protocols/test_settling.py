@@ -70,6 +70,36 @@ def test_contacts_that_slip_are_at_an_energy_minimum() -> None:
     assert relaxed.phi == pytest.approx(state.phi, abs=1e-6)
 
 
+RINGS = {
+    "conserved perimeter": deformable.Ring(),
+    "soft perimeter": deformable.Ring(kA=3.0, kP=0.5),
+    "radical": deformable.Ring(contact="radical"),
+    "droplets": DROPLETS,
+}
+
+
+@pytest.mark.parametrize("law", RINGS.values(), ids=RINGS.keys())
+@pytest.mark.parametrize("pressure", [1e-5, 1e-2])
+def test_the_time_step_knows_the_pressure(law: deformable.Ring, pressure: float) -> None:
+    """Particles without contacts, of any stiffness: the way to rest at the pressure is stable."""
+    loose = deformable.push_off(deformable.bidisperse(32, phi=0.7, seed=1))
+    with deformable.Simulation(loose, law) as sim:
+        assert not sim.state().contacts.any()
+        state = deformable.settle(sim, pressure, inertial_number=0.01)
+        with pytest.raises(deformable.ParameterError, match=r"timestep = 50 is too long [^\n]*"):
+            deformable.settle(sim, pressure, timestep=50.0)
+        relaxed = sim.relax(1e-8)
+    assert not state.stalled
+    assert state.pressure == pytest.approx(pressure, rel=1e-4)
+    assert relaxed.pressure == pytest.approx(pressure, rel=1e-2)
+    with deformable.Simulation(loose, law) as sim:
+        with pytest.raises(
+            deformable.ParameterError, match=r"\Atimestep = 1000 is too long [^\n]* at most"
+        ):
+            deformable.settle(sim, pressure, timestep=1e3)
+        assert sim.time == 0.0
+
+
 def test_it_goes_on_at_other_pressures() -> None:
     """Along the same packing: springs of the contacts stay."""
     with simulation(0.3) as sim:

@@ -139,9 +139,12 @@ def test_refusals(state: deformable.State, tmp_path: Path) -> None:
         ):
             deformable.export(*arguments)
     assert not list(tmp_path.iterdir())
-    nowhere = deformable.Run("nowhere")
-    for read in (nowhere.universe, nowhere.table, nowhere.__iter__, nowhere.__len__):
-        with pytest.raises(deformable.FileError, match="'nowhere'"):
+    (tmp_path / "gone").mkdir()
+    state.save(tmp_path / "gone")
+    gone = deformable.Run(tmp_path / "gone")
+    (tmp_path / "gone" / "summary.json").unlink()
+    for read in (gone.universe, gone.table, gone.__iter__, gone.__len__):
+        with pytest.raises(deformable.FileError, match="gone'"):
             read()
     with pytest.raises(deformable.ParameterError, match=r"folder .* not 3"):
         deformable.Run(3)

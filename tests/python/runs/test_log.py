@@ -46,7 +46,10 @@ def test_is_gone_on_with(sim: deformable.Simulation, tmp_path: Path) -> None:
     list(deformable.log(deformable.compress(sim, 0.002, 1), path, append=True))
     assert [row["frame"] for row in rows(path)] == ["0", "1", "2"]
     assert float(rows(path)[2]["phi"]) > float(rows(path)[1]["phi"])
-    list(deformable.log([sim.state()], path))
+    with pytest.raises(deformable.FileError, match="already: go on with append=True, replace it"):
+        deformable.log([sim.state()], path)
+    assert [row["frame"] for row in rows(path)] == ["0", "1", "2"]
+    list(deformable.log([sim.state()], path, overwrite=True))
     assert [row["frame"] for row in rows(path)] == ["0"]
 
 

@@ -2,6 +2,8 @@
 
 import csv
 import json
+import math
+from dataclasses import replace
 from pathlib import Path
 
 import deformable
@@ -163,3 +165,29 @@ def test_a_foreign_series_is_not_overwritten(tmp_path: Path) -> None:
     with pytest.raises(deformable.FileError, match=r"series\.csv is no series of states"):
         deformable.record([], tmp_path)
     assert "1999" in (tmp_path / "series.csv").read_text()
+
+
+@pytest.mark.filterwarnings("ignore::deformable.StalledWarning")
+def test_a_stalled_state_comes_back_stalled(jammed: deformable.Packing, tmp_path: Path) -> None:
+    with deformable.Simulation(jammed.at(0.87), deformable.Ring()) as sim:
+        good, bad = sim.relax(), replace(sim.state(), stalled=True)
+        list(deformable.record([good, bad, good, bad], tmp_path / "run"))
+        bad.save(tmp_path / "saved")
+    assert [state.stalled for state in deformable.Run(tmp_path / "run")] == [False, True] * 2
+    assert deformable.Run(tmp_path / "run")[-1].stalled
+    for name in ("run", "saved"):
+        with pytest.warns(deformable.StalledWarning, match=f"{name}' had stalled, at a residual"):
+            deformable.Run(tmp_path / name).simulation().close()
+
+
+def test_parameters_come_back(state: deformable.State, tmp_path: Path) -> None:
+    """With their types; `test_strict_json` has more of them."""
+    given = {"seed": np.int64(3), "kP": [math.inf, 1.0], "word": "inf", "none": None, "half": 0.5}
+    state.save(tmp_path / "saved", given)
+    list(deformable.record([state], tmp_path / "run", given))
+    list(deformable.Run(tmp_path / "run").append([state], given))
+    kept = given | {"seed": 3}
+    assert deformable.Run(tmp_path / "saved").parameters == kept
+    assert deformable.Run(tmp_path / "run").parameters == kept | {"before": kept}
+    for name in ("saved/summary.json", "run/summary.json"):
+        json.loads((tmp_path / name).read_text(), parse_constant=lambda word: pytest.fail(word))

@@ -100,7 +100,7 @@ def test_interrupted_runs_are_resumed(run, tmp_path: Path) -> None:
         (tmp_path / file.name).write_bytes(file.read_bytes())
     middle = states[0]
     summary = json.loads((folder / "summary.json").read_text())
-    middle.save(tmp_path, summary["parameters"], frames=2)
+    middle._write(tmp_path, summary["parameters"], frames=2)
     rest = list(deformable.Run(tmp_path).resume())
     assert [state.energy for state in rest] == [state.energy for state in states[1:]]
     for name in ("packing.data", "summary.json", "in.lammps", "trajectory.lammpstrj"):

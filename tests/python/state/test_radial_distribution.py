@@ -70,10 +70,10 @@ def test_hexatic_correlation_of_a_lattice() -> None:
 
 def test_refusals() -> None:
     state = state_of(deformable.bidisperse(10))
-    told = (((0.0,), "r_max"), ((5.0, 0), "bins"), ((1.0, 5, 0), "k must"), ((99.0,), "too large"))
-    for arguments, message in told:
+    told = ((0.0, {}, "r_max"), (5.0, {"bins": 0}, "bins"), (1.0, {"k": 0}, "k must"))
+    for r_max, named, message in (*told, (99.0, {}, "too large")):
         with pytest.raises(deformable.ParameterError, match=message):
-            state.hexatic_correlation(*arguments)
+            state.hexatic_correlation(r_max, **named)
     leaning = deformable.bidisperse(10, aspect=1.5, tilt=0.4)
     (lx, _), (xy, ly) = leaning.box
     most = min(ly, lx * ly / np.hypot(xy, ly)) / 2.0

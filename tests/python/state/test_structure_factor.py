@@ -45,9 +45,12 @@ def test_the_peak_of_a_lattice() -> None:
 
 def test_refusals() -> None:
     state = state_of(deformable.bidisperse(10))
-    for arguments, told in (((0.0,), "k_max"), ((5.0, 0), "bins"), (("far",), "k_max")):
+    for k_max, bins, told in ((0.0, 100, "k_max"), (5.0, 0, "bins"), ("far", 100, "k_max")):
         with pytest.raises(deformable.ParameterError, match=told):
-            state.structure_factor(*arguments)
+            state.structure_factor(k_max, bins=bins)
+    for method in (state.structure_factor, state.radial_distribution, state.hexatic_correlation):
+        with pytest.raises(TypeError, match="2 positional arguments but 3 were given"):
+            method(50, 5)  # the order of freud
     walls = deformable.rectangle(8.0, 8.0)
     for each in (walls, walls[:2]):
         walled = state_of(deformable.bidisperse(10).between(each))
@@ -55,7 +58,7 @@ def test_refusals() -> None:
             walled.structure_factor(5.0)
     post = deformable.Disk((3.0, 3.0), 0.5)
     around = state_of(deformable.bidisperse(20, phi=0.2).between(post))
-    assert np.isfinite(around.structure_factor(5.0, 2)[1]).all()
+    assert np.isfinite(around.structure_factor(5.0, bins=2)[1]).all()
 
 
 @pytest.mark.parametrize("tilt", [0.0, -1.3])

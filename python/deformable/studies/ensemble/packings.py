@@ -127,7 +127,8 @@ def measure(
         with simulate(packing, settings) as sim:
             onset = sim.relax()
             if folder is not None and isinstance(onset, State | DropletState):
-                onset.save(folder / packing_name(law, onset_pressure, number, seed))
+                name = packing_name(law, onset_pressure, number, seed)
+                onset.save(folder / name, overwrite=True)  # of an interrupted measurement
             unit = natural_pressure(onset.packing, settings)
             key = {"law": law, "onset_pressure": onset_pressure, "number": number, "seed": seed}
             compressed = []

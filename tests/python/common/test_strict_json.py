@@ -1,0 +1,67 @@
+"""Values come back from JSON with their types, and every program reads that JSON."""
+
+import json
+import math
+from typing import Any
+
+import deformable
+import numpy as np
+import pytest
+from deformable.common.strict_json import as_json, from_json
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+WORDS = st.text() | st.sampled_from(["inf", "-inf", "nan", "Infinity", "word", "3", "True"])
+LEAVES = st.none() | st.booleans() | st.integers() | st.floats() | WORDS
+VALUES = st.recursive(
+    LEAVES, lambda inner: st.lists(inner) | st.dictionaries(WORDS, inner), max_leaves=20
+)
+
+
+def through(value: Any) -> Any:
+    """To strict JSON and back, where Infinity and NaN are no JSON."""
+    text = json.dumps(as_json("value", value), allow_nan=False)
+    return from_json(json.loads(text, parse_constant=lambda word: pytest.fail(word)))
+
+
+def same(one: Any, other: Any) -> bool:
+    """Equal with all types, nan and the sign of zero."""
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)
+    if isinstance(one, list):
+        return len(one) == len(other) and all(map(same, one, other))
+    return repr(one) == repr(other)
+
+
+@given(VALUES)
+@example({"word": "inf"})
+@example({"word": {"word": math.inf}})
+@example([[math.inf], {"a": [-math.inf, math.nan]}])
+@example(-0.0)
+def test_values_come_back(value: Any) -> None:
+    assert same(through(value), value)
+
+
+@pytest.mark.parametrize(
+    ("value", "back"),
+    [
+        (np.int64(3), 3),
+        (np.float32(0.5), 0.5),
+        (np.float64(math.inf), math.inf),
+        (np.bool_(True), True),
+        (np.str_("inf"), "inf"),
+        (np.array([[1.0, math.inf]]), [[1.0, math.inf]]),
+        ((1, (2.0,)), [1, [2.0]]),
+    ],
+)
+def test_numbers_of_numpy_are_numbers(value: Any, back: Any) -> None:
+    assert same(through({"a": value}), {"a": back})
+
+
+@pytest.mark.parametrize("value", [{1, 2}, 1j, object, deformable.Ring(), {3: 4}, np.array(1j)])
+def test_what_json_cannot_hold_is_refused(value: Any) -> None:
+    for given_value in (value, [value], {"a": {"b": value}}):
+        with pytest.raises(deformable.ParameterError, match=r"^[^\n]*seed[^\n]*$"):
+            as_json("seed", given_value)

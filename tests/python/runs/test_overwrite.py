@@ -1,0 +1,142 @@
+"""No writer replaces what is there unless it is asked to, and then nothing of it stays."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import deformable
+import pytest
+
+S = deformable.State
+Writer = Callable[..., Any]
+
+# In a folder of its own, whose name is also that of the run: what writes there.
+RUNS: dict[str, Callable[[S, Path], Writer]] = {
+    "save": lambda state, folder: lambda **how: state.save(folder, **how),
+    "record": lambda state, folder: lambda **how: list(deformable.record([state], folder, **how)),
+    "record of steps": lambda state, folder: (
+        lambda **how: list(
+            deformable.record(deformable.compress(sim(state), 0.01, 1), folder, **how)
+        )
+    ),
+    "compress_in": lambda state, folder: (
+        lambda **how: list(deformable.compress_in(sim(state), folder, 0.01, 1, **how))
+    ),
+    "shear_in": lambda state, folder: (
+        lambda **how: list(deformable.shear_in(sim(state), folder, 0.01, 1, **how))
+    ),
+}
+FILES: dict[str, Callable[[S, Path], Writer]] = {
+    "log.csv": lambda state, path: lambda **how: list(deformable.log([state], path, **how)),
+    "a.vtp": lambda state, path: lambda **how: state.export(path, **how),
+    "a.geojson": lambda state, path: lambda **how: state.export(path, True, **how),
+    "a.pvd": lambda state, path: lambda **how: deformable.export([state], path, **how),
+    "a.xyz": lambda state, path: lambda **how: state.packing.to_file(path, **how),
+    "a.gsd": lambda state, path: lambda **how: state.packing.to_file(path, **how),
+    "a.data": lambda state, path: lambda **how: state.packing.to_file(path, **how),
+}
+
+
+def sim(state: S) -> Any:
+    return deformable.Simulation(state, state.law)
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(path): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("before", RUNS)
+@pytest.mark.parametrize("name", RUNS)
+def test_a_run_is_replaced_as_a_whole(name: str, before: str, state: S, tmp_path: Path) -> None:
+    RUNS[before](state, tmp_path / "run")()
+    write, kept = RUNS[name](state, tmp_path / "run"), contents(tmp_path)
+    told = (
+        r"\A'[^\n]*run' holds a run: [^\n]*replace it with overwrite=True, or name another folder\Z"
+    )
+    with pytest.raises(deformable.FileError, match=told):
+        write()
+    assert contents(tmp_path) == kept
+    write(overwrite=True)
+    RUNS[name](state, tmp_path / "fresh")()
+    replaced, fresh = (
+        {path.name: path for path in folder.iterdir()}
+        for folder in (tmp_path / "run", tmp_path / "fresh")
+    )
+    assert replaced.keys() == fresh.keys()
+    for file, path in fresh.items():
+        assert replaced[file].read_bytes() == path.read_bytes(), file
+    run = deformable.Run(tmp_path / "run")
+    assert len(run) == {"save": 0, "record": 1}.get(name, 2)
+    if len(run):
+        assert (
+            run[-1].packing.positions.tolist()
+            == run.simulation().state().packing.positions.tolist()
+        )
+
+
+@pytest.mark.parametrize(
+    "file", ["in.lammps", "summary.json", "species.deformable", "setups.jsonl"]
+)
+@pytest.mark.parametrize("name", RUNS)
+def test_a_file_of_the_same_name(name: str, file: str, state: S, tmp_path: Path) -> None:
+    """Such as the user's own script, in a folder without a run."""
+    (tmp_path / file).write_text("mine")
+    write = RUNS[name](state, tmp_path)
+    with pytest.raises(
+        deformable.FileError, match=f"{file}' is there already: [^\n]*overwrite=True"
+    ):
+        write()
+    assert {path.name for path in tmp_path.iterdir()} == {file}
+    assert (tmp_path / file).read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_file_is_not_replaced(name: str, state: S, tmp_path: Path) -> None:
+    write = FILES[name](state, tmp_path / name)
+    write()
+    kept = contents(tmp_path)
+    told = rf"\A'[^\n]*{name}' is there already: [^\n]*replace it with overwrite=True, or give "
+    with pytest.raises(deformable.FileError, match=told):
+        write()
+    assert contents(tmp_path) == kept
+    (tmp_path / name).write_text("frame,phi\n" if name == "log.csv" else "old")
+    write(overwrite=True)
+    assert contents(tmp_path).keys() == kept.keys()
+    assert name == "a.gsd" or contents(tmp_path) == kept
+
+
+def test_a_part_of_a_series_is_not_replaced(state: S, tmp_path: Path) -> None:
+    (tmp_path / "a_0000.vtp").write_text("mine")
+    with pytest.raises(deformable.FileError, match=r"a_0000\.vtp' is there already"):
+        deformable.export([state], tmp_path / "a.pvd")
+    assert (tmp_path / "a_0000.vtp").read_text() == "mine"
+
+
+def test_early_and_late(state: S, tmp_path: Path) -> None:
+    """Steps are refused before their work; a second record that was begun at the same time too."""
+    first, second = (deformable.record([state], tmp_path / "run") for _ in range(2))
+    list(first)
+    with pytest.raises(deformable.FileError, match=r"go on with Run\.append, or replace it with"):
+        list(second)
+    for writer in (deformable.record, deformable.log):
+        path = tmp_path / ("run" if writer is deformable.record else "run/series.csv")
+        with pytest.raises(deformable.FileError, match=r"overwrite=True"):
+            writer(deformable.compress(sim(state), 0.01, 1), path)
+    with pytest.raises(deformable.ParameterError, match="one of append and overwrite"):
+        deformable.log([state], tmp_path / "log.csv", append=True, overwrite=True)
+    with pytest.raises(deformable.ParameterError, match="overwrite must be of the kind bool"):
+        state.save(tmp_path / "run", {}, 3)
+
+
+def test_a_run_goes_on(state: S, tmp_path: Path) -> None:
+    """Without overwrite: append, compress, resume, and a log with append."""
+    state.save(tmp_path / "run")
+    run = deformable.Run(tmp_path / "run")
+    list(run.append([state, state]))
+    list(run.compress(0.01, 1))
+    list(run.shear(0.01, 1))
+    steps = run.shear(0.01, 2)
+    next(steps)
+    steps.close()
+    list(deformable.Run(tmp_path / "run").resume())
+    assert len(run) == 6
