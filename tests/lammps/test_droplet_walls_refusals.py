@@ -106,3 +106,38 @@ def test_other_commands(tmp_path):
     tilted = "change_box all triclinic\nfix walls all deformable/wall xlo EDGE\n"
     with pytest.raises(Exception, match=r"xlo EDGE: a side of a tilted box.*'plane'"):
         walled(ORIGIN, tilted, tmp_path)
+
+
+NARROW = {
+    "cylinder 0 0 0 0 0 1 0.99": ("cylinder 1", "0.99"),
+    "sphere 0 0 0 0.5": ("sphere 1", "0.5"),
+    "cone 0 0 0 0 0 1 1.02 0.75": ("cone 1", "0.816"),  # 1.02 cos of its slope
+    "region": ("region 'tube'", "0.7"),
+}
+
+
+@pytest.mark.parametrize("beside", [0.0, 0.05])
+@pytest.mark.parametrize("words", NARROW)
+def test_containers_narrower_than_a_droplet(words, beside, tmp_path):
+    """On the axis, where it would have no energy, and beside it; one that is as wide holds it."""
+    wall, room = NARROW[words]
+    walls = region("tube cylinder z 0 0 0.7 -3 3") if words == "region" else words
+    message = f"Atom 1 of radius 1 is wider than '?{wall}'? of fix walls .*radius is {room} at"
+    with pytest.raises(Exception, match=message):
+        walled(np.array([[0, beside, 0]]), walls, tmp_path)
+    if words.startswith("cyl"):
+        assert walled(ORIGIN, words.replace("0.99", "1"), tmp_path).energy == 0.0
+
+
+def test_a_tube_that_narrows_in_a_run(tmp_path):
+    """At the step at which it is too narrow; a droplet outside of the group does not matter."""
+    walls = (
+        "group big id 1\nvariable r equal 1.05-0.01*step\n"
+        "region tube cylinder z 0 0 v_r -3 3\nfix walls big deformable/wall tube\n"
+    )
+    scene = walled(np.array([[0, 0, 0], [0, 0, 2.2]]), walls, tmp_path)
+    with pytest.raises(
+        Exception, match=r"Atom 1 of radius 1 is wider than region 'tube' .* is 0\.99"
+    ):
+        scene.run("fix still all move linear 0 0 0\nrun 20")
+    assert scene.lmp.get_thermo("step") == 6

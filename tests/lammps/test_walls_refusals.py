@@ -4,9 +4,9 @@ import re
 
 import numpy as np
 import pytest
-from laws import RADICAL
+from laws import LAWS, RADICAL
 from obstacles import ROOM, scene_of
-from scene import Scene
+from scene import BOX, Scene
 
 FIX = "\nfix walls all deformable/wall walls"
 
@@ -135,6 +135,27 @@ def test_center_on_the_wrong_side(walls, message):
         scene.x = np.array([[-5.0, 5.0], [0.2, 0.25]])
     with pytest.raises(Exception, match=rf"atom 2 at \(0.2, 0.25\) is {message} walls"):
         scene.energy()
+
+
+@pytest.mark.parametrize("beside", [0.0, 0.1])
+@pytest.mark.parametrize("law", ["radical", "curved"])
+@pytest.mark.parametrize(
+    ("walls", "name"),
+    [
+        ("fix w all deformable/wall circle 0 0 {}", "'circle 1'"),
+        ("region w cylinder z 0 0 {} INF INF\nfix w all deformable/wall w", "region 'w'"),
+    ],
+)
+def test_containers_narrower_than_a_particle(walls, name, law, beside):
+    """On the axis, where it would have no energy, and beside it; one that is as wide holds it."""
+    x = [[beside, 0.0]]
+    with pytest.raises(
+        Exception,
+        match=f"Atom 1 of radius 0.5 is wider than {name} of fix w .* whose radius is 0.45",
+    ):
+        Scene(x, ["small"], BOX, LAWS[law], boundary="f f p", commands=walls.format(0.45)).energy()
+    held = Scene(x, ["small"], BOX, LAWS[law], boundary="f f p", commands=walls.format(0.5))
+    assert (held.energy() > 1e-12) == (beside > 0.0)
 
 
 def test_energy_is_of_the_pair_style():

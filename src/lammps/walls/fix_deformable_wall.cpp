@@ -299,7 +299,7 @@ double FixDeformableWall::compute_vector(int n)
 
 /* ---------------------------------------------------------------------- */
 
-void FixDeformableWall::refuse_center(int i, const RefusedCenter &refused)
+void FixDeformableWall::refuse_center(int i, double radius, const RefusedCenter &refused)
 {
   const double *x = atom->x[i];
   const WallSource &source =
@@ -310,6 +310,11 @@ void FixDeformableWall::refuse_center(int i, const RefusedCenter &refused)
                            : source.name == region_id
                                ? "region '" + region_id + "'"
                                : "part '" + source.name + "' of region '" + region_id + "'";
+  if (refused.room > 0.0)
+    refuse("Atom {} of radius {:.6g} is wider than {} of fix {} deformable/wall, whose radius is "
+           "{:.6g} at its place: it would have one contact there, and none on the axis. Use a "
+           "wider container, or planes",
+           atom->tag[i], radius, name, id, refused.room);
   const std::string place = refused.height > 0.0 ? fmt::format("only {:.3g} from", refused.height)
                             : solid              ? "in the obstacle"
                                                  : "outside of";

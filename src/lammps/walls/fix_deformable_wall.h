@@ -66,6 +66,8 @@ class FixDeformableWall : public Fix {
     if (first_call) callers.push_back(caller);
   }
 
+  static constexpr double NARROWEST =
+      1.0 - 1e-9;    // of a radius: a round container, but for the rounding of its region
   // Calls visitor(nearest point) for each wall within (1 + reach) radii of atom i.
   template <class Visitor> void visit(int i, double radius, double reach, Visitor &&visitor)
   {
@@ -73,9 +75,9 @@ class FixDeformableWall : public Fix {
     constexpr double ABOUT =
         1.0 + 1e-12;    // before the line of a wall is refused as that of a pair
     const RefusedCenter refused =
-        scene.visit(atom->x[i][0], atom->x[i][1], ABOUT * deformable::NEAREST_LINE * radius,
-                    (1.0 + reach) * radius, visitor);
-    if (refused.wall >= 0) refuse_center(i, refused);
+        scene.visit(atom->x[i][0], atom->x[i][1], NARROWEST * radius,
+                    ABOUT * deformable::NEAREST_LINE * radius, (1.0 + reach) * radius, visitor);
+    if (refused.wall >= 0) refuse_center(i, radius, refused);
   }
 
   // The same in three dimensions, where a wall has one feature: visitor(feature, nearest point).
@@ -84,9 +86,10 @@ class FixDeformableWall : public Fix {
   {
     if (!(atom->mask[i] & groupbit)) return;
     const double *const x = atom->x[i];
-    const RefusedCenter refused = space.visit({x[0], x[1], x[2]}, deformable::NEAREST_LINE * radius,
-                                              (1.0 + reach) * radius, visitor);
-    if (refused.wall >= 0) refuse_center(i, refused);
+    const RefusedCenter refused =
+        space.visit({x[0], x[1], x[2]}, NARROWEST * radius, deformable::NEAREST_LINE * radius,
+                    (1.0 + reach) * radius, visitor);
+    if (refused.wall >= 0) refuse_center(i, radius, refused);
   }
 
   // A droplet presses with this force at a point of a wall; `torque`: the derivative of its work by the normal. Returns the
@@ -175,7 +178,7 @@ class FixDeformableWall : public Fix {
   void read_region();
   void take(WallSources &&);
   void warn_of_box() const;
-  [[noreturn]] void refuse_center(int i, const RefusedCenter &);
+  [[noreturn]] void refuse_center(int i, double radius, const RefusedCenter &);
 };
 
 // Calls visitor(code, nearest point) for each wall within (1 + reach) radii of atom i. The code of a feature of wall w of n

@@ -27,15 +27,18 @@ class SpaceScene {
   int first_outside(int axis, double low, double high) const;
 
   // Calls visitor(wall, nearest point) for each wall within the cutoff of a center. Returns the first wall that has the center on
-  // its wrong side, or nearer than `nearest`, if any.
+  // its wrong side, or nearer than `nearest`, or that is round and narrower than
+  // `narrowest`, if any.
   template <class Visitor>
-  RefusedCenter visit(const deformable::Vector3 &x, double nearest, double cutoff,
+  RefusedCenter visit(const deformable::Vector3 &x, double narrowest, double nearest, double cutoff,
                       Visitor &&visitor) const
   {
     const int count = static_cast<int>(walls.size());
     for (int w = 0; w < count; ++w) {
       const Wall &wall = walls[w];
       deformable::SurfacePoint point;
+      if (wall.kind == WallSource::RIM && wall.room(x) < narrowest)
+        return {wall.source, 0.0, wall.room(x)};
       if (wall.kind == WallSource::FACE)
         point = nearest_on_plane(wall.face, x);
       else if (!locate(wall, x, cutoff, point))
@@ -77,6 +80,13 @@ class SpaceScene {
     std::vector<deformable::HalfSpace> spaces;    // of a polyhedron
     // of an obstacle: from low to high along x, y and z
     double low[3], high[3];
+
+    // Of a round container: the radius of the ball that fits in at this height, around the axis.
+    double room(const deformable::Vector3 &x) const
+    {
+      if (is_ball) return radius;
+      return body.side.offset - body.side.ny * dot(x - body.center, body.axis);
+    }
   };
   struct Load {
     int wall;

@@ -32,9 +32,11 @@ class WallScene {
   int first_outside(int axis, double low, double high) const;
 
   // Calls visitor(nearest point) for each wall within the cutoff of a center. The feature of the point counts
-  // over all walls. Returns the first wall that has the center on its wrong side, or nearer than `nearest`, if any.
+  // over all walls. Returns the first wall that has the center on its wrong side, or nearer than `nearest`, or that is round and
+  // narrower than `narrowest`, if any.
   template <class Visitor>
-  RefusedCenter visit(double x, double y, double nearest, double cutoff, Visitor &&visitor) const
+  RefusedCenter visit(double x, double y, double narrowest, double nearest, double cutoff,
+                      Visitor &&visitor) const
   {
     for (const Wall &wall : walls) {
       const deformable::HalfPlane &line = wall.line;
@@ -47,6 +49,8 @@ class WallScene {
           wrap(wall, cutoff, dx, dy);
           const double far = wall.bound + cutoff;
           if (dx * dx + dy * dy >= far * far) continue;
+        } else if (wall.radius < narrowest) {
+          return {wall.source, 0.0, wall.radius};
         } else if (dx == 0.0 && dy == 0.0) {
           continue;    // the center of a round container has no nearest point
         }

@@ -83,10 +83,12 @@ struct WallSource {
   int shape;                  // of a rim and of a disk
 };
 
-// A center that a wall refuses.
+// A center that a wall refuses: it is there at this height. Or the wall is a round container, and narrower than the particle: then
+// it would have one contact where there is a ring of them, and none on the axis.
 struct RefusedCenter {
   int wall;    // -1: none
   double height;
+  double room = 0.0;    // if it is too narrow: its radius, where the particle is
 };
 
 struct WallSources {
