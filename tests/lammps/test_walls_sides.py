@@ -109,6 +109,26 @@ def test_a_side_at_what_a_run_finds(word, column):
     assert np.ptp(places[1:]) > 1e-8
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_energy_that_a_servo_takes(dimension, tmp_path):
+    """It appears without work, and the total is conserved from then on."""
+    lid = "compute press all pressure NULL pair\nvariable top equal {}-{}*c_press\n"
+    others = "fix others all deformable/wall xlo -{0}5 xhi {0}5 ylo -{0}6 "
+    if dimension == 2:
+        scene = plane(others.format(0.96) + "\n")
+        scene.run(lid.format(0.967, 300) + "fix walls all deformable/wall yhi v_top")
+    else:
+        scene = walled(CUBE, others.format(1.9) + "yhi 1.96 zlo -1.97\n", tmp_path)
+        scene.run(lid.format(1.97, 3) + "fix walls all deformable/wall zhi v_top")
+    scene.run("thermo_style custom step econserve\nthermo_modify norm no\nfix move all nve")
+    scene.run("timestep 0.01\nrun 1")
+    assert given(scene) == 0
+    before = scene.lmp.get_thermo("econserve")
+    scene.run("run 400")
+    assert abs(given(scene)) > 1e-6
+    assert scene.lmp.get_thermo("econserve") == pytest.approx(before, abs=0.01 * abs(given(scene)))
+
+
 def test_a_servo_in_two_runs():
     """The second one goes on with the lid where it was."""
     walls = f"fix walls all deformable/wall {SIDES.replace('0.967', 'v_top')}\n"
