@@ -15,6 +15,11 @@ namespace deformable {
 // No film has a larger adhesion, over the weaker tension: angles are held there.
 constexpr double LARGEST_ADHESION = 1.96;
 
+// A film has no length left where f = -2 T sin theta: for a droplet of constant area and tension at a wall, alone, at
+//   h/R = (cos theta + sin theta/(2 pi)) [1 - (theta + sin theta cos theta + sin^2 theta/(2 pi))/pi]^(-1/2)
+// from the center. This is R at theta = 53.8 degrees, w = 0.41 T: more adhesive droplets, pairs of twice that, have no film at touch.
+constexpr double LARGEST_AT_TOUCH = 0.41;
+
 // A ring sees the film as an arc of half angle b (contact_curve.h) and its free outline goes on to alpha = theta + b. With
 // L = f/p, q = T/p and half the chord s = L/2 + q sin alpha,
 //   A = pi E^2 - L.GL/2 - sum [q^2 (alpha - sin alpha cos alpha) + L q (1 - cos alpha) - 4 s^2 cap],

@@ -1,6 +1,6 @@
 #include "balanced_forces.h"
 
-#include "contact_curve.h"
+#include "contact_film.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -81,6 +81,7 @@ bool BalancedForces::solve(const DeformableParticles &p, bool new_list,
     break;
   }
   if (near.pairs.curved && new_list && !warned_limited) warn_limited();
+  if (changes > 0 && !warned_films) warn_films();
   lost = changes > 0 ? before - total_energy() : 0.0;
   if (films && (new_list || begins_to_stick)) near.store_films(p);
   return true;
@@ -268,6 +269,24 @@ void BalancedForces::warn_limited()
         FLERR, "Contact lines would tilt by more than 0.3 rad or bend by more than 30 degrees, as "
                "between particles beyond the model: they are held there, or straight. "
                "'compute ID all pair' counts them");
+}
+
+// Of all ranks, which know alike that films have come or gone.
+void BalancedForces::warn_films()
+{
+  const int i = films->pressed_without_film();
+  const tagint here = i < 0 ? -1 : atom->tag[i];
+  tagint id;
+  MPI_Allreduce(&here, &id, 1, MPI_LMP_TAGINT, MPI_MAX, world);
+  warned_films = id >= 0;
+  if (warned_films && comm->me == 0)
+    error->warning(
+        FLERR,
+        "Atom {} presses against what it sticks to, but without a film: the law has films "
+        "at large contact angles only where they are pressed further. At touch two equal "
+        "droplets attach up to an adhesion of {:.2f} times their tension, and a droplet "
+        "and a wall up to {:.2f}",
+        id, 2.0 * LARGEST_AT_TOUCH, LARGEST_AT_TOUCH);
 }
 
 /* ---------------------------------------------------------------------- */

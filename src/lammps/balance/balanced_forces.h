@@ -117,7 +117,7 @@ class BalancedForces : protected Pointers {
   void find_crushed();
   int find_crushed_here() const;
   bool fits(int i) const;
-  bool is_balanced = false, warned = false, warned_limited = false;
+  bool is_balanced = false, warned = false, warned_limited = false, warned_films = false;
 
   void arrange(const DeformableParticles &, bool new_list);
   void set_material(const DeformableParticles &);
@@ -137,6 +137,7 @@ class BalancedForces : protected Pointers {
   int most_crowded(int found) const;
   void warn_unbalanced();
   void warn_limited();
+  void warn_films();
 };
 
 }    // namespace LAMMPS_NS

@@ -134,6 +134,13 @@ void Films::change(bool may_attach)
   }
 }
 
+int Films::pressed_without_film() const
+{
+  for (int k = 0; k < pairs->size; ++k)
+    if (has_let_go[k] && pairs->force[k] > 0.0) return pairs->i[k];
+  return -1;
+}
+
 int Films::ring_of(int k, int side) const
 {
   return batches->place[side == 0 ? pairs->i[k] : pairs->second(k)];

@@ -38,6 +38,10 @@ class Films {
   bool would_change(bool may_attach) const;
   void change(bool may_attach);
 
+  // A pair that presses, but whose film had no length: the law has films of so large an angle only where both are pressed
+  // further (contact_film.h). The local index of one of its particles, or -1.
+  int pressed_without_film() const;
+
   // -w times the film of a pair: the part of one ring, by its side; and the length of the film as that ring sees it.
   double energy(int k, int side) const;
   double length(int k, int side) const;
