@@ -219,6 +219,18 @@ def test_restart_without_the_load(wall, tmp_path):
     assert np.loadtxt(tmp_path / "scalars10")[0] == 0
 
 
+def test_thermo_output():
+    """Forces are extensive, place and velocity are not: *norm yes* leaves them."""
+    scene = plane(FLOOR + LID.format(at=2.93, load=0.2, mass=5), x=X)
+    scene.run("thermo_style custom step f_walls[2] f_walls[4] f_walls[5]\nthermo_modify norm yes")
+    scene.run(MOVE.format(dt=0.02) + "run 20")
+    force, place, v, _ = lid(scene)
+    shown = scene.lmp.last_thermo()
+    found = [shown[f"f_walls[{k}]"] for k in (2, 4, 5)]
+    np.testing.assert_allclose(found, [force[1] / len(X), place, v], rtol=1e-12)
+    assert v != 0
+
+
 def test_two_runs_are_one():
     found = []
     for runs in ("run 60", "run 25\nrun 35", "run 25\nrun 35 pre no"):

@@ -55,7 +55,9 @@ FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg)
   ecouple_flag = 1;
   vector_flag = 1;
   size_vector = load.mass > 0.0 ? 5 : 3;
-  extvector = 1;
+  extvector = -1;
+  static int extensive[] = {1, 1, 1, 0, 0};
+  extlist = extensive;
   global_freq = nevery = 1;
   restart_global = moving_places().empty() ? 0 : 1;
   virial_global_flag = virial_peratom_flag = 1;
