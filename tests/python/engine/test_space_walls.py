@@ -250,8 +250,8 @@ def test_walls_in_pictures_and_files(tmp_path: Path) -> None:
         assert len(cut.collections[1].get_paths()) == obstacles
         with pytest.raises(ParameterError, match=r"slice at .* outside of the walls: take"):
             state.plot(slice=low - 1)
-        state.export(tmp_path / "droplets.vtp")
-        state.export(tmp_path / "forces.vtp", forces=True)
+        state.export(tmp_path / "droplets.vtp", overwrite=True)
+        state.export(tmp_path / "forces.vtp", forces=True, overwrite=True)
 
 
 def test_cells_end_at_planes() -> None:
