@@ -7,8 +7,8 @@ import re
 from pathlib import Path
 
 import test_atom_stiffness as values
-import test_restart as files
 import test_films_at_touch as films
+import test_restart as files
 import test_works_with as fresh
 import test_works_with_bonds as bonds
 import test_works_with_hybrid as hybrid

@@ -283,10 +283,10 @@ void BalancedForces::warn_films()
     error->warning(
         FLERR,
         "Atom {} presses against what it sticks to, but without a film: at large contact "
-                   "angles, or beside others, the law has films only where they are pressed further. "
-                   "Alone, two equal droplets attach at touch up to an adhesion of {:.2f} times their "
-                   "tension, and a droplet and a wall up to {:.2f}",
-                   id, 2.0 * LARGEST_AT_TOUCH, LARGEST_AT_TOUCH);
+        "angles, or beside others, the law has films only where they are pressed further. "
+        "Alone, two equal droplets attach at touch up to an adhesion of {:.2f} times their "
+        "tension, and a droplet and a wall up to {:.2f}",
+        id, 2.0 * LARGEST_AT_TOUCH, LARGEST_AT_TOUCH);
 }
 
 /* ---------------------------------------------------------------------- */
