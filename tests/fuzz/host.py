@@ -68,7 +68,7 @@ def told(folder, commands):
         except Exception as error:
             return {"error": f"{type(error).__name__}: {error}"}
         lmp = sim.lmp.get_natoms()
-    state.save("again")
+    state.save("again", overwrite=True)
     with deformable.Run("again").simulation() as sim:
         again = sim.state()
     both = (state, again)

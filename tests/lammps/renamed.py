@@ -116,6 +116,107 @@ def renaming(folder):
         "and is there again": walls(["lid"]),
         "the order of walls": "unfix floor\n" + walls(["floor"]),
         "another file": again(folder),
+        "moved by a period": "displace_atoms all move 13 0 0",
+        "a tilted box and back": "change_box all triclinic\nrun 0 post no\nchange_box all ortho",
+        "balance": "balance 1.0 shift x 5 1.0",
+        "sorted in memory": "atom_modify sort 1 1.0\nrun 0 post no",
+        "a minimization without steps": "minimize 0 0 0 0",
+    }
+
+
+# in a run: particles far from the heap vanish, others appear
+COME_AND_GO = """
+region void block 9 13 6 17 INF INF
+region rain block 2 11 17 17.5 0 0
+group lone region void
+fix gone lone evaporate 10 1 void 4711
+fix come all deposit 3 1 10 4711 region rain near 2.1 id {ids}
+"""
+
+
+# the same for droplets in space, which remember forces only
+IN_SPACE = """units lj
+dimension 3
+boundary p p m
+atom_modify map yes
+processors {grid}
+region box block 0 9 0 7 -0.5 11.5
+create_box 1 box
+{particles}
+mass * 1.0
+"""
+LAW_IN_SPACE = """
+pair_style deformable/droplet balance 1e-11 1000
+pair_coeff * * {folder}/species drop
+neighbor 0.3 bin
+"""
+FLOOR_IN_SPACE = "fix floor all deformable/wall plane 0 0 0 0 0 1\n"
+LID_IN_SPACE = "fix lid all deformable/wall plane 0 0 11 0 0 -1\n"
+MOTION_IN_SPACE = """
+fix move all nve
+timestep 0.02
+thermo_style custom step pe econserve f_floor[3]
+thermo_modify norm no
+"""
+INVARIANTS_IN_SPACE = "pe", "econserve", "f_floor[3]"
+ALONE_IN_SPACE = np.array([(2.0, 2.0, 7.0), (6.0, 5.0, 7.0), (2.0, 5.0, 9.5)])
+PILE = np.array(
+    [(x, y, 0.98) for x in (1.0, 2.97, 4.94) for y in (1.0, 2.96)]
+    + [(x, 1.98, 2.35) for x in (1.98, 3.95)]
+)
+
+
+def start_in_space(folder, grid="* * *"):
+    """Droplets that move on a floor, without those alone."""
+    (folder / "species").write_text("drop 1.0 inf 0 tension 1\n")
+    x = np.concatenate([ALONE_IN_SPACE[:2], PILE, ALONE_IN_SPACE[2:]])
+    particles = "\n".join(f"create_atoms 1 single {a} {b} {c}" for a, b, c in x)
+    return (
+        IN_SPACE.format(grid=grid, particles=particles)
+        + LAW_IN_SPACE.format(folder=folder)
+        + FLOOR_IN_SPACE
+        + LID_IN_SPACE
+        + MOTION_IN_SPACE
+        + "group pile id 3:10\nvelocity pile create 0.002 4711 loop all\nrun 40 post no\n"
+    )
+
+
+def again_in_space(folder):
+    return (
+        f"write_restart {folder}/restart\nclear\nread_restart {folder}/restart\n"
+        + LAW_IN_SPACE.format(folder=folder)
+        + LID_IN_SPACE
+        + FLOOR_IN_SPACE
+        + MOTION_IN_SPACE
+    )
+
+
+def renaming_in_space(folder):
+    """The commands of `renaming`."""
+
+    def delete(x, y, z, words=""):
+        low_high = " ".join(f"{a - 0.5} {a + 0.5}" for a in (x, y, z))
+        return (
+            f"region spot block {low_high}\ngroup gone region spot\n"
+            f"delete_atoms group gone{words}\ngroup gone delete\nregion spot delete"
+        )
+
+    return {
+        "nothing is deleted": delete(6, 2, 9.5),
+        "the first one is deleted": delete(*ALONE_IN_SPACE[0]),
+        "the last one is deleted": delete(*ALONE_IN_SPACE[2], " compress no"),
+        "gaps are closed": "reset_atoms id",
+        "sorted in space": "reset_atoms id sort yes",
+        "another one": "create_atoms 1 single 6 2 9.5",
+        "that one is deleted": delete(6, 2, 9.5),
+        "a wall more": "fix post all deformable/wall ball 6 2 9.5 0.5",
+        "that wall is gone": "unfix post",
+        "a wall far away is gone": "unfix lid",
+        "and is there again": LID_IN_SPACE,
+        "the order of walls": "unfix floor\n" + FLOOR_IN_SPACE,
+        "another file": again_in_space(folder),
+        "moved by a period": "displace_atoms all move 9 7 0",
+        "a tilted box and back": "change_box all triclinic\nrun 0 post no\nchange_box all ortho",
         "balance": "balance 1.0 shift x 5 1.0",
         "sorted in memory": "atom_modify sort 1 1.0\nrun 0 post no",
         "a minimization without steps": "minimize 0 0 0 0",

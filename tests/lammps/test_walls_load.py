@@ -203,6 +203,34 @@ def test_restart(tmp_path):
         np.testing.assert_allclose(two[1][:, 2:], one[1][:, 2:], rtol=1e-8, atol=1e-10)
 
 
+@pytest.mark.parametrize("wall", ["yhi 8.0", "room"])
+def test_restart_without_the_load(wall, tmp_path):
+    """Another wall of this ID is as it is written, and a warning tells."""
+    (tmp_path / "species").write_text("a 1.0 inf 0 tension 1.0\n")
+    more = MORE.format(species="species")
+    start = HEAD + RUN.format(grid="* * *", balance="", atoms=ATOMS, more=more)
+    finished(1, f"{start}run 9\nwrite_restart half\n", tmp_path)
+    more = more.replace("fix lid all deformable/wall yhi 8.0 load 0.4 12", "{}").format(
+        f"region room block INF INF INF 8.0 INF INF\nfix lid all deformable/wall {wall}"
+    )
+    values = report(10, "f_lid f_lid[2]", "x y").replace("run 10", "run 1")
+    out = finished(1, f"atom_modify map yes\nread_restart half\n{more}{values}", tmp_path)
+    assert "the restart file has 1 sides of it that move under a load, here are 0, which" in out
+    assert np.loadtxt(tmp_path / "scalars10")[0] == 0
+
+
+def test_thermo_output():
+    """Forces are extensive, place and velocity are not: *norm yes* leaves them."""
+    scene = plane(FLOOR + LID.format(at=2.93, load=0.2, mass=5), x=X)
+    scene.run("thermo_style custom step f_walls[2] f_walls[4] f_walls[5]\nthermo_modify norm yes")
+    scene.run(MOVE.format(dt=0.02) + "run 20")
+    force, place, v, _ = lid(scene)
+    shown = scene.lmp.last_thermo()
+    found = [shown[f"f_walls[{k}]"] for k in (2, 4, 5)]
+    np.testing.assert_allclose(found, [force[1] / len(X), place, v], rtol=1e-12)
+    assert v != 0
+
+
 def test_two_runs_are_one():
     found = []
     for runs in ("run 60", "run 25\nrun 35", "run 25\nrun 35 pre no"):

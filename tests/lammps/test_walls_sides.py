@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from droplet_walls import CUBE, walled
+from grains import Grains
 from laws import EXACT, LAWS
 from obstacles import kinetic, wall_laws
 from parallel import finished, on_grids
@@ -108,6 +109,26 @@ def test_a_side_at_what_a_run_finds(word, column):
     assert np.ptp(places[1:]) > 1e-8
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_energy_that_a_servo_takes(dimension, tmp_path):
+    """It appears without work, and the total is conserved from then on."""
+    lid = "compute press all pressure NULL pair\nvariable top equal {}-{}*c_press\n"
+    others = "fix others all deformable/wall xlo -{0}5 xhi {0}5 ylo -{0}6 "
+    if dimension == 2:
+        scene = plane(others.format(0.96) + "\n")
+        scene.run(lid.format(0.967, 300) + "fix walls all deformable/wall yhi v_top")
+    else:
+        scene = walled(CUBE, others.format(1.9) + "yhi 1.96 zlo -1.97\n", tmp_path)
+        scene.run(lid.format(1.97, 3) + "fix walls all deformable/wall zhi v_top")
+    scene.run("thermo_style custom step econserve\nthermo_modify norm no\nfix move all nve")
+    scene.run("timestep 0.01\nrun 1")
+    assert given(scene) == 0
+    before = scene.lmp.get_thermo("econserve")
+    scene.run("run 400")
+    assert abs(given(scene)) > 1e-6
+    assert scene.lmp.get_thermo("econserve") == pytest.approx(before, abs=0.01 * abs(given(scene)))
+
+
 def test_a_servo_in_two_runs():
     """The second one goes on with the lid where it was."""
     walls = f"fix walls all deformable/wall {SIDES.replace('0.967', 'v_top')}\n"
@@ -128,12 +149,22 @@ def test_a_servo_in_space(tmp_path):
     )
     scene = walled(CUBE, walls, tmp_path)
     scene.run("fix move all nve\ntimestep 0.05\nthermo 1000\nrun 0")
-    place = 1.97 - 0.1 * scene.lmp.extract_compute("press", 0, 0)
-    scene.run("run 3")
-    here = walled(scene.x, walls.replace("v_top", f"{place:.17g}"), tmp_path)
-    assert abs(force(here)[2]) < 0.1
-    found = np.abs(np.subtract(force(scene), force(here)))
-    assert found.max() < 1e-3  # pressures of droplets that hardly move
+    places = []
+    for _ in range(3):
+        places.append(1.97 - 0.1 * scene.lmp.extract_compute("press", 0, 0))
+        scene.run("run 1")
+        here = walled(scene.x, walls.replace("v_top", f"{places[-1]:.17g}"), tmp_path)
+        np.testing.assert_allclose(force(scene), force(here), rtol=1e-7, atol=1e-10)
+    assert abs(places[2] - places[1]) > 1e-7
+
+
+def test_contacts_with_a_side_that_moves(tmp_path):
+    """A grain at rest is damped by gn times the velocity of the wall."""
+    walls = "variable top equal 1-0.1*step*dt\nfix walls all deformable/wall yhi v_top\n"
+    scene = Grains([[0, 0.05]], 1, "0.5 1 1 damp 0.2", tmp_path, commands=walls, dt=0.001)
+    scene.run("unfix move\nrun 5")
+    assert scene.rows[0, 7] == pytest.approx(-0.2 * 0.1, rel=1e-6)
+    assert scene.terms["damping"] == pytest.approx(0.2 * 0.1**2 * 0.005, rel=0.2)
 
 
 RANKS = """units lj
@@ -158,6 +189,22 @@ thermo_modify norm no
 run 40
 print "$(pe:%.17g) $(f_walls:%.17g) $(f_walls[2]:%.17g) $(v_top:%.17g)" file values
 """
+
+
+def test_a_servo_in_two_runs_from_a_file(tmp_path):
+    """Its place goes on, so that the lid is there from the first force on."""
+    (tmp_path / "species").write_text("a 1.0 inf 0 tension 1.0\n")
+    atoms = "\n".join(f"create_atoms 1 single {2 * i + 0.9} 4.98 0" for i in range(4))
+    start = RANKS.format(grid="* * *", balance="", atoms=atoms, style=EXACT["balanced"])
+    start = start.replace("ylo EDGE", "ylo 4").replace("8-0.5", "5.97-0.5").replace("../", "")
+    head, tail = start.split("run 40")
+    finished(1, f"{head}run 40{tail}", tmp_path)
+    one = np.loadtxt(tmp_path / "values")
+    finished(1, f"{head}run 15\nwrite_restart half\n", tmp_path)
+    fixes = "pair_style" + head.split("pair_style")[1].replace("velocity", "#")
+    finished(1, f"atom_modify map yes\nread_restart half\n{fixes}run 25{tail}", tmp_path)
+    np.testing.assert_allclose(np.loadtxt(tmp_path / "values"), one, rtol=1e-9, atol=1e-12)
+    assert one[1] != 0
 
 
 def test_a_servo_on_ranks(tmp_path):
@@ -195,6 +242,17 @@ run 5
 """
     for ranks in (1, 2):
         finished(ranks, script, tmp_path)
+
+
+@pytest.mark.parametrize("word", ["c_press[2]", "c_both", "pe"])
+@pytest.mark.parametrize("before", ["", "thermo 1\nrun 2\n"])
+def test_a_region_at_what_a_run_finds(word, before):
+    """An error of one line where the walls are placed, in each step and also after a run."""
+    region = "region lid plane 0 0.967 0 0 -1 0 move NULL v_up NULL\n"
+    scene = plane(f"{SERVO}variable up equal -0.1*{word}\n{region}")
+    scene.run(before + "fix walls all deformable/wall lid")
+    with pytest.raises(Exception, match="was not tallied on needed timestep"):
+        scene.run("run 3")
 
 
 def test_minimization_needs_the_place():

@@ -14,7 +14,7 @@ import typer
 from mpi4py import MPI
 from tqdm import tqdm
 
-from ..common.errors import FileError, LammpsError, ParameterError
+from ..common.errors import CallError, FileError, LammpsError, ParameterError
 from ..common.progress import print_once
 from ..common.versions import mpi_of_lammps, mpi_of_python, versions
 from ..engine.lammps import silent_lammps
@@ -85,6 +85,7 @@ def main() -> None:
         ParameterError,
         FileError,
         LammpsError,
+        CallError,
         ImportError,
         OSError,
         BrokenProcessPool,

@@ -35,7 +35,12 @@ def outline_command(
         str,
         typer.Option(metavar="FILE", help="Species file of pair_coeff, or one of the package."),
     ],
-    law: Annotated[str, choice_option(ALL_LAWS, "Contact law.")] = "balanced",
+    law: Annotated[
+        str | None,
+        choice_option(
+            ALL_LAWS, "Contact law; by default that of the run with these files, or balanced."
+        ),
+    ] = None,
     types: Annotated[
         str | None,
         typer.Option(
@@ -85,6 +90,8 @@ def outline_command(
         check_picture(path)
     names = None if types is None else types.split(",")
     state = state_in_file(dump, species, law, names, frame, radii)
+    if law is None:
+        print_once(f"contact law {state.law.name}: give --law for another")
     for path in paths:
         if path in pictures:
             colors = {"vmin": vmin, "vmax": vmax}

@@ -17,6 +17,10 @@ class LammpsError(RuntimeError):
     """LAMMPS refused a command; the message is one line of LAMMPS' error."""
 
 
+class CallError(RuntimeError):
+    """A simulation is called by two threads at a time, or not by all of its ranks."""
+
+
 class StalledWarning(UserWarning):
     """A relaxation stopped before it reached its tolerance."""
 
@@ -27,6 +31,10 @@ class UnjammedWarning(UserWarning):
 
 class BeyondModelWarning(UserWarning):
     """Particles are deformed further than their law describes, e.g. past confluence."""
+
+
+class JumpWarning(UserWarning):
+    """Particles move by about half a box from one state to the next, and cannot be followed."""
 
 
 class UnsavedWarning(UserWarning):

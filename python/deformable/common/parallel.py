@@ -112,7 +112,8 @@ class _Call(Generic[T]):
         """The result of one call; its error notes what was called."""
         function: Any = self._function
         if self._file and function.__code__.co_filename != self._file:
-            function.__code__ = function.__code__.replace(co_filename=self._file)
+            own = getattr(function, "__func__", function)  # of a method
+            own.__code__ = own.__code__.replace(co_filename=self._file)
         if self._keep:
             function = partial(call_once, self._keep, function)
         try:

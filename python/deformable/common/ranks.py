@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 import sys
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -11,13 +12,29 @@ from contextvars import ContextVar
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
+import numpy as np
 from mpi4py import MPI
+
+from .errors import CallError
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
 # On rank 0 in a call that it leads: the other ranks.
 _helpers: ContextVar[Executor | None] = ContextVar("helpers", default=None)
+
+# Letters of the name of a call, and tag of the message of a rank that ends.
+_LETTERS, _ENDED = 60, 7411
+
+# A rank that has waited for so many polls looks less often, at intervals [s].
+_BUSY, _PAUSE = 1000, 1e-3
+
+# What a rank has sent before it ended arrives in this time [s].
+_ON_ITS_WAY = 1.0
+
+_WAY_OUT = (
+    "all ranks make the same calls of a simulation, or it is one rank's own by comm=MPI.COMM_SELF"
+)
 
 # Whether this is one of the independent calls of `parallel_map`.
 _independent: ContextVar[bool] = ContextVar("independent", default=False)
@@ -91,6 +108,63 @@ def _outcome(call: Callable[[], T]) -> tuple[Any, BaseException | None, bytes]:
     except Exception as unfit:
         error = error or unfit
         return None, error, pickle.dumps((None, RuntimeError(f"rank 0 failed: {error}")))
+
+
+def agree(comm: MPI.Comm, call: str) -> None:
+    """Wait until all ranks make the same call: if one does not, the others would wait for ever.
+
+    A rank that ends tells the others so. One that is busy may let them wait.
+
+    Args:
+        comm: the ranks.
+        call: its name.
+
+    Raises:
+        CallError: a rank makes another call, or has ended.
+    """
+    if comm.size == 1:
+        return
+    mine = np.frombuffer(call.encode()[:_LETTERS].ljust(_LETTERS), np.uint8)
+    calls = np.empty((comm.size, _LETTERS), np.uint8)
+    request, polls, ended = comm.Iallgather(mine, calls), 0, 0.0
+    while not request.Test():
+        polls += 1
+        if polls > _BUSY:
+            time.sleep(_PAUSE)
+        ranks = MPI.Group.Translate_ranks(comm.group, None, MPI.COMM_WORLD.group)
+        for rank in ranks:
+            if MPI.COMM_WORLD.Iprobe(rank, _ENDED):
+                ended = ended or time.monotonic()
+                if time.monotonic() > ended + _ON_ITS_WAY:
+                    raise CallError(f"rank {rank} has ended without the call {call}: {_WAY_OUT}")
+    names = [row.tobytes().decode(errors="ignore").strip() for row in calls]
+    for rank, other in enumerate(names):
+        if other != names[0]:
+            raise CallError(f"rank 0 calls {names[0]} and rank {rank} {other}: {_WAY_OUT}")
+
+
+def end() -> None:
+    """Tell all ranks that this one ends; nobody waits for that.
+
+    MPI may fail to end with messages that nobody has taken. So a rank that has told this one is not
+    told, and those that end at the same time are heard.
+    """
+    if not MPI.Is_initialized() or MPI.Is_finalized():
+        return
+    others = set(range(MPI.COMM_WORLD.size)) - {MPI.COMM_WORLD.rank}
+
+    def hear() -> None:
+        for rank in [rank for rank in others if MPI.COMM_WORLD.Iprobe(rank, _ENDED)]:
+            MPI.COMM_WORLD.Recv(bytearray(), rank, _ENDED)
+            others.discard(rank)
+
+    hear()
+    told = [MPI.COMM_WORLD.Isend(b"", rank, _ENDED) for rank in others]
+    until = time.monotonic() + _ON_ITS_WAY
+    while others and time.monotonic() < until:
+        hear()
+        time.sleep(_PAUSE)
+    MPI.Request.Testall(told)
 
 
 def helpers() -> Executor | None:

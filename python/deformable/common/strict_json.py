@@ -48,17 +48,20 @@ def as_json(name: str, value: Any) -> Any:
 
 
 def from_json(value: Any) -> Any:
-    """The inverse of `as_json`, of what `json.loads` returns."""
+    """The inverse of `as_json`, of what `json.loads` returns.
+
+    Raises:
+        TypeError, ValueError: it is damaged.
+    """
     if isinstance(value, str):
         return float(value) if value in _NUMBERS else value
     if isinstance(value, list):
         return [from_json(each) for each in value]
     if isinstance(value, dict):
-        if value.keys() == {_WORD}:
-            value = value[_WORD]
-            if isinstance(value, str):
-                return value
-        return {key: from_json(each) for key, each in value.items()}
+        marked = value[_WORD] if value.keys() == {_WORD} else value
+        if isinstance(marked, str):
+            return marked
+        return {key: from_json(each) for key, each in dict(marked).items()}
     return value
 
 

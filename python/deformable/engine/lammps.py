@@ -8,14 +8,14 @@ from contextlib import contextmanager, nullcontext
 from ctypes import c_double
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import numpy as np
 from mpi4py import MPI  # before lammps, or liblammps does not find its MPI library
 from numpy.typing import NDArray
 
 from ..common.errors import AbsentError, LammpsError, ParameterError
-from ..common.ranks import world
+from ..common.ranks import agree, world
 from ..common.validate import expect
 from ..common.versions import check_lammps
 from ..io.lammps_commands import PLANE, WALL, setup_commands, wall_commands
@@ -24,6 +24,7 @@ from ..model.lattice import lattice_vectors
 from ..model.packing import Packing
 from ..model.walls import Wall
 from ..state.exports import in_space
+from .calls import OneCall, guarded_lammps
 from .interrupts import interruptible
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ _LARGEST_RADIUS = 100.0
 E = TypeVar("E", bound="Engine")
 
 
-class Engine:
+class Engine(OneCall):
     """Owner of a LAMMPS instance, which is closed at the end of a `with` block.
 
     Attributes:
@@ -58,6 +59,7 @@ class Engine:
     strain: float | None = None
     directions: NDArray[np.float64] | None = None
     _walls: tuple[Wall, ...] = ()
+    _lmp: Any
 
     @property
     def lmp(self) -> lammps:
@@ -67,10 +69,13 @@ class Engine:
                 f"this {type(self).__name__} is closed: make a new one, or use it before the end "
                 "of its `with` block"
             )
-        return self._lmp
+        with self._lmp.calls.of_one_thread(f"{type(self).__name__}.lmp"):
+            return self._lmp
 
     @lmp.setter
     def lmp(self, lmp: lammps) -> None:
+        if hasattr(self, "_lmp"):  # a restart is a call too
+            lmp.calls = self._lmp.calls
         self._lmp = lmp
 
     @property
@@ -80,7 +85,14 @@ class Engine:
 
     def close(self) -> None:
         """Free the LAMMPS instance."""
-        close_lammps(self._lmp)
+        with self._lmp.calls.of_one_thread(f"{type(self).__name__}.close"):
+            close_lammps(self._lmp)
+
+    def __reduce__(self) -> NoReturn:
+        kind = type(self).__name__
+        raise ParameterError(
+            f"a {kind} cannot be pickled or copied, as its LAMMPS cannot: copy or save its state()"
+        )
 
     def __enter__(self: E) -> E:
         return self
@@ -168,10 +180,15 @@ def wall_forces(lmp: lammps, walls: tuple[Wall, ...]) -> NDArray[np.float64]:
 
 
 def communicator(comm: MPI.Comm | None) -> MPI.Comm:
-    """The communicator; if not given all ranks, or in a call of `parallel_map` this one."""
+    """The communicator; if not given all ranks, or in a call of `parallel_map` this one.
+
+    Raises:
+        CallError: not all of its ranks ask for it.
+    """
     if comm is None:
-        return world()
+        comm = world()
     expect("comm", comm, MPI.Comm)
+    agree(comm, "a simulation or a Run")
     return comm
 
 
@@ -216,9 +233,7 @@ def silent_lammps(comm: MPI.Comm, setup: str = PLANE) -> lammps:
         LammpsError: the plugin was built for another release.
     """
     check_lammps()
-    from lammps import lammps
-
-    lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"], comm=comm)
+    lmp = guarded_lammps()(comm, ["-log", "none", "-screen", "none", "-nocite"])
     run(lmp, setup)
     return lmp
 

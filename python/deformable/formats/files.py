@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -51,7 +52,7 @@ def read_particles(
         path: LAMMPS data files, dumps and GSD are known by what is in them, XYZ by its suffix; all
             else goes to MDAnalysis.
         number: of the frame, from 0, or from the end if negative.
-        topology: of a trajectory that MDAnalysis reads.
+        topology: of a trajectory that MDAnalysis reads, in any of these formats.
         wanted: attributes of MDAnalysis that become columns.
 
     Raises:
@@ -66,11 +67,18 @@ def read_particles(
             f"a topology is for trajectories that MDAnalysis reads, and '{path}' is {kind}: leave "
             "it out"
         )
+    known = None
+    if topology is not None and _kind(topology) != _OTHER:
+        known = read_particles(topology)  # MDAnalysis takes other columns for its types
     try:
         with reading(f"'{path}'"):
-            if kind == _OTHER:
-                return read_universe(_universe(path, topology), number, wanted)
-            return _READERS[kind](path, number)
+            if kind != _OTHER:
+                return _READERS[kind](path, number)
+            universe = _universe(path, len(known.ids) if known else topology)
+            found = read_universe(universe, number, wanted)
+            if known is None:
+                return found
+            return replace(known, positions=found.positions, box=found.box, origin=found.origin)
     except (RuntimeError, OSError) as error:
         if isinstance(error, FileError):
             raise
@@ -125,7 +133,7 @@ def write_particles(
     write_whole(path, text)
 
 
-def _universe(path: Path, topology: Path | None) -> Universe:
+def _universe(path: Path, topology: Path | int | None) -> Universe:
     try:
         return open_universe(path, topology)
     except Exception as error:  # of many readers

@@ -1,4 +1,8 @@
-"""GSD, the files of HOOMD-blue, by its own package. They have single precision."""
+"""GSD, the files of HOOMD-blue, by its own package. They have single precision.
+
+A file without diameters has the diameter 1 by its schema, and gsd writes none if all of them are 1.
+So radii stand in the log of particles too, and what is read has diameters only if the file does.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +14,9 @@ from numpy.typing import NDArray
 from ..common.optional import optional
 from .particles import Particles, check_frame
 from .universes import in_space
+
+# Name of the radii in the log.
+_RADII = "particles/radius"
 
 
 def write_gsd(
@@ -52,6 +59,7 @@ def write_gsd(
     particles.types = [_letters(n) for n in range(types)]
     particles.typeid = species
     particles.diameter = 2.0 * radius
+    frame.log[_RADII] = radius
     with hoomd.open(path, "w") as file:
         file.append(frame)
 
@@ -70,17 +78,23 @@ def read_gsd(path: Path, number: int) -> Particles:
     hoomd = optional("gsd.hoomd", "gsd")
     with hoomd.open(path, "r") as file:
         check_frame(number, len(file))
-        frame = file[number]
+        frame, places = file[number], {number % len(file), 0}  # defaults are those of the first
+        sized = any(file.file.chunk_exists(n, "particles/diameter") for n in places)
     lx, ly, lz, xy, xz, yz = frame.configuration.box.astype(np.float64).tolist()
     box = np.array([[lx, 0.0, 0.0], [xy * ly, ly, 0.0], [xz * lz, yz * lz, lz]])
     particles, count = frame.particles, frame.particles.N
+    columns = {
+        name: getattr(particles, name) for name in ("diameter",) * sized + ("mass", "charge")
+    }
+    if _RADII in frame.log:
+        columns["radius"] = frame.log[_RADII]
     image = particles.image * [1.0, 1.0, float(frame.configuration.dimensions == 3)]
     return Particles(
         particles.position + image @ box,
         box,
         np.arange(1, count + 1),
         np.array(particles.types)[particles.typeid],
-        {name: getattr(particles, name) for name in ("diameter", "mass", "charge")},
+        columns,
         -0.5 * box.sum(axis=0),
         names=particles.types,
         count=len(particles.types),

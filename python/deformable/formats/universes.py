@@ -44,8 +44,12 @@ def universe_of(
     return universe
 
 
-def open_universe(path: Path, topology: Path | None) -> Universe:
-    """The Universe of a file, or of a trajectory and the file that tells its particles.
+def open_universe(path: Path, topology: Path | int | None) -> Universe:
+    """The Universe of a file, with lengths as they are in it, or of a trajectory.
+
+    Args:
+        path: of the file.
+        topology: file that tells the particles of a trajectory, or their number.
 
     Raises:
         Exception: whatever MDAnalysis and its readers raise.
@@ -54,7 +58,10 @@ def open_universe(path: Path, topology: Path | None) -> Universe:
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # masses that are guessed, and the like, are not used
-        return MDAnalysis.Universe(*map(str, [path] if topology is None else [topology, path]))
+        if isinstance(topology, int):
+            return MDAnalysis.Universe.empty(topology).load_new(str(path), convert_units=False)
+        files = [path] if topology is None else [topology, path]
+        return MDAnalysis.Universe(*map(str, files), convert_units=False)
 
 
 def read_universe(universe: Universe, number: int, wanted: Sequence[str]) -> Particles:

@@ -109,22 +109,24 @@ class PackingFiles:
             Packing.from_file("conf.gro", radii={"A": 0.5, "B": 0.7})
 
         LAMMPS data files and dumps, extended XYZ and GSD are read with all their digits, all other
-        formats by MDAnalysis, in single precision and its units. Particles are in the order of
+        formats by MDAnalysis, in single precision. Particles are in the order of
         their IDs. Species count the types: from 1 if these are numbers, in alphabetical order if
         they are names. Lengths are the numbers of the file, whatever its units: radii, box and
-        walls are in the same. Positions count from the lower left corner of the box, or, if walls
-        are given, as in the file. Particles outside of the box are images. Under mpiexec one rank
-        may call it, or each.
+        walls are in the same. (MDAnalysis itself takes those of XTC, TRR and GRO for nanometers,
+        and writes a tenth of its own there.) Positions count from the lower left corner of the box,
+        or, if walls are given, as in the file. Particles outside of the box are images. Under
+        mpiexec one rank may call it, or each.
 
         Args:
             path: of the file, which must be of one plane if not said else.
             radii: one number [length]; or those of the types, such as `{1: 0.5, 2: 0.7}`; or the
                 name of a column or of an attribute of MDAnalysis' atoms. By default what the file
-                calls radius, diameter or radii; GSD has the diameter 1 where a file has none.
+                calls radius, diameter or radii. (HOOMD writes no diameters that are all 1.)
             frame: number of the frame, from 0, or from the end if negative.
             box: in the place of that of the file, as that of a packing, or (lx, ly) [length].
             walls: of the packing; no file has them. A box that is not periodic needs them.
-            topology: file of the particles of a trajectory of MDAnalysis that has positions only.
+            topology: file of the particles of a trajectory of MDAnalysis that has positions only;
+                in any of these formats.
             dimension: 3 for a packing of spheres.
 
         Raises:

@@ -277,4 +277,6 @@ def _hint(dynamics: Dynamics, timestep: float) -> str:
         return "; or lower the temperature"
     if dynamics.timestep is not None:
         return ""
-    return f"; or give a timestep, the default of {timestep:.3g} is for contacts alone"
+    return (
+        f"; or give a smaller timestep than {timestep:.3g}, which was chosen for the contacts alone"
+    )

@@ -15,12 +15,16 @@ from ..state.disk_state import DiskState
 from ..state.droplet_state import DropletState
 from ..state.sphere_state import SphereState
 from ..state.state import State
+from .small_strains import following, tolerance_under, unbalanced_modulus
 from .starts import simulate
 from .tilt import sheared
 
 # Values at two strains, one twice the other, agree if they differ by at most this part of the
 # modulus or of the pressure. A modulus below this part of the pressure counts as zero.
 _AGREEMENT = 0.01
+
+# Tolerance of relaxations at most.
+_TOLERANCE = 1e-8
 
 # Number of times that the strain is halved before the response counts as not linear.
 _HALVINGS = 6
@@ -33,8 +37,9 @@ class Modulus:
     Attributes:
         value: the modulus at the smallest strain [energy/length^d].
         strain: that strain.
-        error: difference to the value at twice the strain [energy/length^d].
-        linear: whether both values agree to 1 %.
+        error: difference to the value at twice the strain, or what forces that remain may add if
+            that is more [energy/length^d].
+        linear: whether that is at most 1 % of the modulus or of the pressure.
     """
 
     value: float
@@ -46,7 +51,7 @@ class Modulus:
 def shear_modulus(
     state: State | DropletState | DiskState | SphereState,
     strain: float,
-    tolerance: float = 1e-8,
+    tolerance: float | None = None,
     pure: bool = False,
 ) -> Modulus:
     """G = d(shear stress)/d(shear strain) of a relaxed state, which does not change.
@@ -60,8 +65,8 @@ def shear_modulus(
             with films.
         strain: the first one. Contacts change at strains of some part of phi - phi_J, so that a
             hundredth of that is a good start.
-        tolerance: of the relaxations: their largest force over the mean contact force. Forces that
-            remain are an error of the stress.
+        tolerance: of the relaxations: their largest force over the mean contact force; by default
+            1e-4 of the strain, at most 1e-8. Forces that remain are an error of the stress.
         pure: stretch along x and shrink along y, at constant area, instead of simple shear along x.
             A small packing is not isotropic: its modulus varies as the sine of four times the
             direction. The mean of the two moduli is the mean over all directions.
@@ -89,7 +94,9 @@ def shear_modulus(
 
 
 def bulk_modulus(
-    state: State | DropletState | DiskState | SphereState, strain: float, tolerance: float = 1e-8
+    state: State | DropletState | DiskState | SphereState,
+    strain: float,
+    tolerance: float | None = None,
 ) -> Modulus:
     """K = d(pressure)/d(compressive strain of the area) of a relaxed state, as `shear_modulus`.
 
@@ -109,7 +116,7 @@ def bulk_modulus(
 def _modulus(
     state: State | DropletState | DiskState | SphereState,
     strain: float,
-    tolerance: float,
+    tolerance: float | None,
     deformed: Callable[[NDArray[np.float64], float], NDArray[np.float64]],
     component: Callable[[NDArray[np.float64]], float],
 ) -> Modulus:
@@ -118,17 +125,20 @@ def _modulus(
     state.check_at_rest()
     before, zero = np.inf, _AGREEMENT * abs(state.pressure)
     for halving in range(_HALVINGS + 1):
-        stresses, stalled = [], False
+        closely = tolerance_under(strain, _TOLERANCE) if tolerance is None else tolerance
+        stresses, stalled, left = [], False, 0.0
         for sign in (1.0, -1.0):
-            with simulate(state, state.law) as sim:
+            with simulate(state, state.law) as sim, following(sim, state.packing, strain):
                 sim.deform(deformed(sim.box, sign * strain))
-                relaxed = sim.relax(tolerance)
+                relaxed = sim.relax(closely)
             stresses.append(component(relaxed.stress))
             stalled |= relaxed.stalled
+            left = max(left, relaxed.residual)
         value = (stresses[0] - stresses[1]) / (2.0 * strain)
-        error = abs(value - before)
-        linear = error <= max(_AGREEMENT * abs(value), zero) and not stalled
-        if linear or stalled or halving == _HALVINGS:
+        unbalanced = unbalanced_modulus(state, left, strain)
+        error, allowed = abs(value - before), max(_AGREEMENT * abs(value), zero)
+        linear = max(error, unbalanced) <= allowed and not stalled
+        if linear or stalled or unbalanced > allowed or halving == _HALVINGS:
             break
         before, strain = value, strain / 2.0
-    return Modulus(value, strain, error, linear)
+    return Modulus(value, strain, max(error, unbalanced), linear)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -14,8 +13,7 @@ from ..common.errors import ParameterError
 from ..common.progress import progress
 from ..common.steps import Steps
 from ..common.validate import count, expect, number_or_nan, positive, whole
-from ..engine.close_balance import balanced_to, imbalance_under
-from ..engine.deforming import Deforming
+from ..engine.close_balance import imbalance_under
 from ..engine.disks import Disks
 from ..engine.droplet_simulation import DropletSimulation
 from ..engine.relaxation import TOLERANCE
@@ -27,14 +25,11 @@ from ..state.sphere_state import SphereState
 from ..state.state import State
 from .flow import flow, flow_command, flow_dynamics, leans, refuse_without_flow
 from .shear import S, Shearable, check_shear, sheared_state
+from .small_strains import following, tolerance_under, unbalanced_modulus
 from .starts import simulate
 
 # States of a cycle at least: with three, the first harmonic is not told from a constant and others.
 _FEWEST = 8
-
-# Tolerance of relaxations over the strain, and the closest one: forces that remain are an error of
-# the stress.
-_OF_STRAIN, _CLOSEST = 1e-4, 1e-11
 
 # Time steps of a cycle at least: the stress lags behind the strain by half a step.
 _STEPS = 4000
@@ -100,7 +95,7 @@ def oscillate(
     if period is None or number_or_nan(period) == math.inf:
         refuse_without_flow("period", **flowing, seed=seed)
         if tolerance is None:
-            tolerance = min(TOLERANCE, max(_CLOSEST, _OF_STRAIN * strain))
+            tolerance = tolerance_under(strain, TOLERANCE)
         states = _relaxed(sim, before, strains, tolerance, _step(strain, steps))
     else:
         period = positive("period", period)
@@ -141,10 +136,10 @@ def _relaxed(
     sim: Shearable[S], before: float, strains: Sequence[float], tolerance: float, step: float
 ) -> Iterator[S]:
     """The relaxed states at these strains, which differ by this step at most."""
-    balanced: AbstractContextManager[None] = nullcontext()
-    if isinstance(sim, Deforming):
-        balanced = balanced_to(sim, sim.state().packing, imbalance_under(step))
-    with balanced, progress("shearing", unit="state", total=len(strains)) as bar:
+    with (
+        following(sim, sim.state().packing, step),
+        progress("shearing", unit="state", total=len(strains)) as bar,
+    ):
         for strain in strains:
             state = sheared_state(sim, strain - before, strain, tolerance)
             bar.set_postfix(stress=f"{state.shear_stress:.3g}")
@@ -235,7 +230,7 @@ def dynamic_modulus(
         stress, left = np.array([(each.shear_stress, each.residual) for each in states]).T
     quasistatic = period is None or number_or_nan(period) == math.inf
     unbalanced = float(left.max()) if quasistatic else imbalance_under(_step(strain, steps))
-    bound = unbalanced * _pressed(state) / strain
+    bound = unbalanced_modulus(state, unbalanced, strain)
     phase = 2.0 * np.pi * np.arange(1, steps + 1) / steps
     cycle = stress.reshape(-1, steps)[discarded:]
     storage, loss = (
@@ -253,12 +248,4 @@ def dynamic_modulus(
         float(storage_error),
         float(loss_error),
         float(np.sqrt(np.mean(rest**2)) / size) if size else 0.0,
-    )
-
-
-def _pressed(state: State | DropletState | DiskState | SphereState) -> float:
-    """sum |F_c| d_c / (d V): the pressure if all contacts pushed [energy/length^d]."""
-    contacts, box = state._contact_forces, state.packing.box
-    return float(
-        np.sum(np.abs(contacts.push) * contacts.distance) / (len(box) * np.linalg.det(box))
     )

@@ -5,23 +5,32 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from mpi4py import MPI
 
 from ..common.errors import FileError, ParameterError
+from ..common.files import reading
 from ..common.validate import expect
 from ..engine.simulation import Simulation
 from ..engine.species import read_species, species_names
-from ..model.droplet import ALL_LAWS
+from ..io import frames
+from ..io.run_folder import SUMMARY, TRAJECTORY, holds
+from ..io.store import read_setup, summary_in
+from ..model.droplet import ALL_LAWS, AnyLaw, Droplet
+from ..model.laws import Ring
 from ..model.packing import Packing
 from ..plugin import potentials
 from ..state.droplet_state import DeformedState
+
+# The law of files that do not tell.
+_UNTOLD = "balanced"
 
 
 def state_in_file(
     path: str | Path,
     species: str | Path,
-    law: str = "balanced",
+    law: str | None = None,
     types: Sequence[str] | None = None,
     frame: int = -1,
     radii: str | None = None,
@@ -38,7 +47,9 @@ def state_in_file(
     Args:
         path: a LAMMPS dump, or what else `Packing.from_file` reads.
         species: the species file of pair_coeff, or the name of one that comes with the package.
-        law: `balanced`, `curved`, `radical`, `sector` or, in three dimensions, `droplet`.
+        law: `balanced`, `curved`, `radical`, `sector` or, in three dimensions, `droplet`. If not
+            given that of the run in whose folder the file is, or the species file; LAMMPS' own
+            files do not tell, and have `balanced`, the default of the pair style.
         types: names of species, one for each atom type, as in pair_coeff; by default those of the
             file in their order.
         frame: number of the frame, from 0, or from the end if negative.
@@ -53,6 +64,8 @@ def state_in_file(
     expect("path", path, str, Path)
     expect("species", species, str, Path)
     expect("radii", radii, str, type(None))
+    told = law_of_run(path, species, frame) if law is None else None
+    law = law or (told.name if told else _UNTOLD)
     if law not in ALL_LAWS:
         raise ParameterError(f"law must be {', '.join(ALL_LAWS)}, not {law}")
     file = Path(species)
@@ -70,7 +83,35 @@ def state_in_file(
             f"named: {', '.join(names)}"
         )
     sizes, chosen = read_species(file, names[:number], law)
+    if isinstance(told, (Ring, Droplet)):  # no species file has the reach
+        reach: dict[str, Any] = {"reach": told.reach}
+        chosen = replace(chosen, **reach)
     if radii is None:
         packing = replace(packing, radii=sizes)
     with Simulation(packing, chosen, MPI.COMM_SELF) as sim:
         return sim.state()
+
+
+def law_of_run(path: str | Path, species: str | Path, frame: int) -> AnyLaw | None:
+    """The law of the run to which the file of particles or the species file belongs, if any.
+
+    Args:
+        path: of the particles.
+        species: of the species file.
+        frame: number of the frame: laws may change in a run.
+
+    Raises:
+        FileError: the run is damaged.
+    """
+    for file in (Path(path), Path(species)):
+        if not (file.exists() and (file.parent / SUMMARY).exists()):
+            continue
+        if holds(folder := file.parent) != "compression":
+            continue
+        saved = summary_in(folder)
+        if file.name == TRAJECTORY:
+            number = frame if frame >= 0 else frames.frames_in(folder) + frame
+            saved = frames.setup_of(frames.setups_in(folder), max(number, 0))
+        with reading(folder / SUMMARY):
+            return read_setup(saved).law
+    return None

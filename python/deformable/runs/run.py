@@ -37,7 +37,7 @@ from ..engine.opening import go_on
 from ..engine.relaxation import TOLERANCE
 from ..engine.simulation import Simulation
 from ..io import frames
-from ..io.run_folder import refuse
+from ..io.run_folder import SUMMARY, refuse
 from ..io.store import read, read_motion, read_setup, summary_in
 from ..protocols.shear import check_shear
 from ..state.droplet_state import DeformedState
@@ -148,7 +148,8 @@ class Run:
     @property
     def parameters(self) -> dict[str, Any]:
         """The parameters in the summary; those of what was done before have the key `before`."""
-        return dict(from_json(summary_in(self.folder).get("parameters") or {}))
+        with reading(self.folder / SUMMARY):
+            return dict(from_json(summary_in(self.folder).get("parameters") or {}))
 
     def simulation(self, comm: MPI.Comm | None = None) -> Deforming[Any]:
         """A simulation of the last state: the same particles, box and law.
@@ -163,8 +164,8 @@ class Run:
             StalledWarning: the relaxation of that state had stalled.
         """
         communicator(comm).barrier()  # rank 0 may still be writing
-        last = summary_in(self.folder).get("state") or {}
-        if last.get("stalled"):
+        last = summary_in(self.folder).get("state")
+        if isinstance(last, dict) and last.get("stalled"):
             warnings.warn(
                 f"the relaxation of the state in '{self.folder}' had stalled, at a residual of "
                 f"{last.get('residual')}: relax the simulation before you measure",

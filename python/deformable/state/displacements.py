@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import ParameterError
+from ..common.errors import JumpWarning, ParameterError
 from ..common.validate import shown
 from ..model.lattice import cartesian, fractional, nearest_image
 from ..model.packing import Packing
 from ..model.room import closed
 
 Floats = NDArray[np.float64]
+
+# Steps of this part of the box, beside its strain, tell that others are beyond half of it, where
+# the nearest image is another one.
+_FAR = 0.4
 
 
 class Snapshot(Protocol):
@@ -93,7 +98,8 @@ def unwrapped(states: Iterable[Snapshot]) -> Floats:
 
     Positions go on from those of the first state. From each state to the next particles move with
     the box, and by at most half of it beside that, see `State.nonaffine`: a trajectory needs
-    enough states.
+    enough states. Where some move by 0.4 of the box or more, others are likely to move by more than
+    half of it, and to be followed to a wrong image.
 
     Args:
         states: of the same particles, one after the other: a `Run`, or states of `compress`,
@@ -104,15 +110,37 @@ def unwrapped(states: Iterable[Snapshot]) -> Floats:
 
     Raises:
         ParameterError: there are no states, or one has other numbers of particles.
+
+    Warns:
+        JumpWarning: a particle moves by 0.4 of the box or more from one state to the next; once.
     """
     found: list[Floats] = []
     former: Snapshot | None = None
-    for state in states:
+    farthest, last = 0.0, 0
+    for number, state in enumerate(states):
         if former is None:
             found.append(packing_of("a state", state).positions)
         else:
-            found.append(affine(former, state, found[-1]) + nonaffine(former, state))
+            moved = nonaffine(former, state)
+            found.append(affine(former, state, found[-1]) + moved)
+            if (far := _part_of_box(moved, state.packing)) > farthest:
+                farthest, last = far, number
         former = state
+    if farthest >= _FAR:
+        warnings.warn(
+            f"a particle moves by {farthest:.2g} of the box from state {last - 1} to state {last}, "
+            "and one that moves by more than half of it is followed to a wrong image: take states "
+            "nearer to each other",
+            JumpWarning,
+            stacklevel=2,
+        )
     if not found:
         raise ParameterError("unwrapped positions need at least one state")
     return np.array(found)
+
+
+def _part_of_box(moved: Floats, packing: Packing) -> float:
+    """The largest of these steps, in lengths of the box along x, y and z where it has images."""
+    images = ~np.array(closed(packing.walls, packing.dimension))
+    parts = np.abs(moved) / packing.box.diagonal()
+    return float(parts[:, images].max(initial=0.0))

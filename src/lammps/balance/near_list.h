@@ -95,7 +95,6 @@ class NearList : protected Pointers {
   double farthest = 0.0, grown = 0.0, grown_now = 0.0;
   double move_of(int i, const double *x) const;
   bool is_within_margin(const DeformableParticles &, double growth) const;
-  int largest_of_all_ranks(int here) const;
 
   // as of the last build
   std::vector<double> x_then, radius_then;

@@ -28,13 +28,6 @@ double NearList::box_change() const
   return edges * change;
 }
 
-int NearList::largest_of_all_ranks(int here) const
-{
-  int largest = here;
-  if (comm->nprocs > 1) MPI_Allreduce(&here, &largest, 1, MPI_INT, MPI_MAX, world);
-  return largest;
-}
-
 // Since the last build, squared.
 double NearList::move_of(int i, const double *x) const
 {
@@ -59,18 +52,13 @@ bool NearList::is_sufficient(const DeformableParticles &p, bool &refused)
   farthest = are_finite ? std::sqrt(farthest2) : INFINITE;
   const double expected = std::min(grown_now, MOST * margin);
   grown_now = 0.0;
-  enum { SUFFICIENT, INSUFFICIENT, REFUSED };
-  const int here = refused                                         ? REFUSED
-                   : missed_wall || !is_within_margin(p, expected) ? INSUFFICIENT
-                                                                   : SUFFICIENT;
-  const int worst = largest_of_all_ranks(here);
-  refused = worst == REFUSED;
-  return worst == SUFFICIENT;
+  return remote_sides.all_find(!missed_wall && is_within_margin(p, expected), refused);
 }
 
 bool NearList::is_sufficient_after(const DeformableParticles &p)
 {
-  return largest_of_all_ranks(missed_wall || !is_within_margin(p, 0.0)) == 0;
+  bool refused = false;
+  return remote_sides.all_find(!missed_wall && is_within_margin(p, 0.0), refused);
 }
 
 // Whether each bulge may still grow by so much. Mostly the longest move and the largest growth of a bulge are together below

@@ -23,6 +23,16 @@ double RemoteSides::largest(double of_this_rank) const
   return all;
 }
 
+bool RemoteSides::all_find(bool sufficient, bool &refused) const
+{
+  enum { SUFFICIENT, INSUFFICIENT, REFUSED };
+  const int here = refused ? REFUSED : sufficient ? SUFFICIENT : INSUFFICIENT;
+  int worst = here;
+  if (comm->nprocs > 1) MPI_Allreduce(&here, &worst, 1, MPI_INT, MPI_MAX, world);
+  refused = worst == REFUSED;
+  return worst == SUFFICIENT;
+}
+
 void RemoteSides::to_ghosts(std::vector<double> &by_particle)
 {
   const int all = atom->nlocal + atom->nghost;

@@ -36,6 +36,9 @@ class RemoteSides : protected Pointers {
   double sum(double of_this_rank) const;        // over all ranks
   double largest(double of_this_rank) const;    // of all ranks
 
+  // Whether all ranks find a list sufficient. `refused`: whether this rank goes no further; then whether any does.
+  bool all_find(bool sufficient, bool &refused) const;
+
   // From each particle to its ghosts.
   void to_ghosts(std::vector<double> &by_particle);
 

@@ -233,7 +233,7 @@ bool DropletList::is_sufficient(const DropletScene &scene, bool before, bool &re
   constexpr double GROWTH = 0.02;    // of the margin, of a bulge in a solution
   const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
   const double most = 0.5 * (margin - box_change()) - (before ? GROWTH * margin : 0.0);
-  int leaves = missed_wall;
+  bool leaves = missed_wall;
   for (int ii = 0; ii < scene.list->inum; ++ii) {    // others may be fast
     const int i = scene.list->ilist[ii];
     const double *const xi = x + 3 * i, *const then = &x_then[3 * i];
@@ -242,12 +242,7 @@ bool DropletList::is_sufficient(const DropletScene &scene, bool before, bool &re
                         std::fabs(scene.radius[i] - radius_then[i]);
     leaves |= !(rest * std::fabs(rest) >= dx * dx + dy * dy + dz * dz);
   }
-  enum { SUFFICIENT, INSUFFICIENT, REFUSED };
-  const int here = refused ? REFUSED : leaves ? INSUFFICIENT : SUFFICIENT;
-  int worst = here;
-  if (comm->nprocs > 1) MPI_Allreduce(&here, &worst, 1, MPI_INT, MPI_MAX, world);
-  refused = worst == REFUSED;
-  return worst == SUFFICIENT;
+  return remote_sides.all_find(!leaves, refused);
 }
 
 double DropletList::memory_usage() const

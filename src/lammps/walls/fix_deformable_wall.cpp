@@ -55,9 +55,11 @@ FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg)
   ecouple_flag = 1;
   vector_flag = 1;
   size_vector = load.mass > 0.0 ? 5 : 3;
-  extvector = 1;
+  extvector = -1;
+  static int extensive[] = {1, 1, 1, 0, 0};
+  extlist = extensive;
   global_freq = nevery = 1;
-  restart_global = load.mass > 0.0;
+  restart_global = moving_places().empty() ? 0 : 1;
   virial_global_flag = virial_peratom_flag = 1;
   dynamic_group_allow = 1;
 }
@@ -205,9 +207,25 @@ void FixDeformableWall::place(bool counts)
   if (shear.axis >= 0)
     (shear.axis == 0 ? scene.slide.x : scene.slide.y) = shear.speed.now * update->dt;
   require(load.force.begin_step(lmp, counts));
-  if (region) region->prematch();
+  if (region) match_region();
   require(dimension == 2 ? scene.update() : space.update());
   dimension == 2 ? scene.begin_step(counts) : space.begin_step(counts);
+}
+
+/* ----------------------------------------------------------------------
+   Energies and virials of this step are not known yet. Computes that a variable
+   of the region uses say so, and do not take those of an earlier step.
+------------------------------------------------------------------------- */
+
+void FixDeformableWall::match_region()
+{
+  bigint *const steps[] = {&update->eflag_global, &update->eflag_atom, &update->vflag_global,
+                           &update->vflag_atom};
+  bigint kept[4];
+  for (int k = 0; k < 4; ++k) kept[k] = std::exchange(*steps[k], -1);
+  modify->clearstep_compute();
+  region->prematch();
+  for (int k = 0; k < 4; ++k) *steps[k] = kept[k];
 }
 
 /* ----------------------------------------------------------------------

@@ -175,7 +175,9 @@ class FixDeformableWall : public Fix {
   void evaluate_at_the_end();
   void check_places();
   void kick();
+  std::vector<double *> moving_places();
   void read_region();
+  void match_region();
   void take(WallSources &&);
   void warn_of_box() const;
   [[noreturn]] void refuse_center(int i, double radius, const RefusedCenter &);

@@ -277,7 +277,7 @@ def test_an_interruption_tells_how_to_go_on(
     def interrupted(*_: object, **settings: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(deformable.Run, "movie", interrupted)
+    monkeypatch.setattr(deformable.Run, "__init__", interrupted)
     monkeypatch.setattr("sys.argv", ["deformable", "movie", "run"])
     with pytest.raises(SystemExit) as end:
         cli.main()

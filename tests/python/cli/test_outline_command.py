@@ -79,6 +79,43 @@ def test_files(dumped: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert (tmp_path / "a.svg").exists()
 
 
+def form(law: deformable.Ring | deformable.Sector) -> tuple[str, object]:
+    """What a species file does not have."""
+    return law.name, getattr(law, "reach", None)
+
+
+def test_files_of_a_run_tell_its_law(tmp_path: Path) -> None:
+    """Of each frame, with its reach: energies are those of the run."""
+    start = deformable.jam(deformable.bidisperse(16, seed=1)).at(0.88)
+    states = []
+    for law in (deformable.Ring(contact="curved", reach=0.4), deformable.Sector()):
+        with deformable.Simulation(start, law) as sim:
+            states.append(sim.state())
+    list(deformable.record(states, tmp_path / "run"))
+    states[0].save(tmp_path / "saved")
+    dump, species = tmp_path / "run" / "trajectory.lammpstrj", tmp_path / "saved"
+    types = ["s1", "s2"]
+    for frame in (0, 1, -1, -2):
+        found = deformable.state_in_file(
+            dump, species / "species.deformable", types=types, frame=frame
+        )
+        assert form(found.law) == form(states[frame].law)
+        assert found.energy == pytest.approx(states[frame].energy, rel=1e-9)
+    alone = tmp_path / "alone.dump"
+    alone.write_text(dump.read_text())
+    for file in (species / "packing.data", alone):  # the species file is that of a run
+        found = deformable.state_in_file(file, species / "species.deformable")
+        assert form(found.law) == ("curved", 0.4)
+    own = tmp_path / "own.deformable"
+    own.write_text((species / "species.deformable").read_text())
+    assert deformable.state_in_file(alone, own).law.name == "balanced"
+    assert deformable.state_in_file(dump, own, law="radical").law.name == "radical"
+    for file, law in ((species / "packing.data", "curved"), (alone, "balanced")):
+        words = ("outline", file, "--species", own, "--out", "a.vtp")
+        said = command(*words, cwd=tmp_path).stdout.splitlines()
+        assert said == [f"contact law {law}: give --law for another", "wrote a.vtp"]
+
+
 def test_species_of_the_package_and_radii_of_atoms(tmp_path: Path) -> None:
     """Types in the order of the file; a radius for each atom where a column is named."""
     dump = tmp_path / "dump"

@@ -48,7 +48,7 @@ def test_shear_starts_from_the_last_packing(folder: Path) -> None:
 
 def test_shear_resumes(folder: Path, tmp_path: Path) -> None:
     with deformable.Run(folder / "run").simulation() as sim:
-        before = {"before": json.loads((folder / "run" / "summary.json").read_text())["parameters"]}
+        before = {"before": deformable.Run(folder / "run").parameters}
         steps = deformable.shear_in(sim, tmp_path / "part", 0.02, 4, parameters=before)
         next(steps)
     done = run("shear", "--resume", "--strain", "0.02", "--out", "part", cwd=tmp_path)

@@ -32,6 +32,10 @@ def halves(value):
     if value % 2:
         raise Odd(value, "it is odd")
     return OFFSET + value // 2, os.getpid(), os.environ.get("PMI_RANK")
+class Halves:
+    def of(self, value):
+        return halves(value)[0]
+print(parallel_map(Halves().of, [(2,), (4,)], workers=2))
 found = parallel_map(halves, [(2,), (4,)], workers=2)
 print([value for value, *_ in found], {rank for *_, rank in found})
 print(os.getpid() in {pid for _, pid, _ in found}, len({pid for _, pid, _ in found}))
@@ -45,7 +49,8 @@ parallel_map(halves, [(2,), (3,)], workers=2)
 def check(said: str, error: str) -> None:
     phi, spread, *rest = said.split(maxsplit=2)
     assert (0.8 < float(phi) < 0.88, 0.0 < float(spread) < 0.05) == (True, True)
-    assert rest[0].splitlines() == ["[11, 12] {None}", "False 2", "[11, 12]", "[11, 12]"]
+    expected = ["[11, 12]", "[11, 12] {None}", "False 2", "[11, 12]", "[11, 12]"]
+    assert rest[0].splitlines() == expected
     assert "RuntimeError: Odd: it is odd\nin the call halves(3)" in error
     assert re.search(r", line \d+, in halves\n", error)
 
@@ -84,7 +89,7 @@ def test_lambdas_on_ranks(tmp_path: Path) -> None:
         "print(deformable.parallel_map(lambda value: value + 1, [(1,), (2,), (3,)]))\n"
     )
     result = program("python", "-m", "mpi4py", "script.py", cwd=tmp_path, ranks=2, timeout=60)
-    assert result.stdout.splitlines() == ["[2, 3, 4]"] * 2, result.stderr
+    assert result.stdout.count("[2, 3, 4]") == 2, result.stderr
 
 
 @pytest.mark.parametrize("workers", [1, 2])

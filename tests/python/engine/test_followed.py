@@ -71,7 +71,7 @@ def tell(
 
 
 def assert_saved_as_it_is(state: deformable.State, folder: Path) -> None:
-    state.save(folder)
+    state.save(folder, overwrite=True)
     with deformable.Run(folder).simulation() as again:
         found = again.state()
     # balanced contacts are known to 1e-8 of their forces

@@ -11,6 +11,7 @@ from deformable import Packing
 from deformable.engine.lammps import silent_lammps
 from deformable.io.lammps_commands import PLANE
 from mpi4py import MPI
+from programs import output
 
 
 @pytest.fixture(scope="module")
@@ -166,7 +167,7 @@ def test_words_that_look_like_numbers(
 
 
 def test_gsd_of_hoomd(tmp_path: Path) -> None:
-    """Frames, names of types, the diameter 1 of the schema, and a square box about the origin."""
+    """Frames, names of types, a square box about the origin, and no diameters: no radii."""
     hoomd = pytest.importorskip("gsd.hoomd")
     with hoomd.open(tmp_path / "a.gsd", "w") as file:
         for shift in (0.0, 0.25):
@@ -177,7 +178,9 @@ def test_gsd_of_hoomd(tmp_path: Path) -> None:
             frame.particles.typeid = [1, 0]
             frame.particles.position = [[-1.5 + shift, 0, 0], [1, 1, 0]]
             file.append(frame)
-    found = Packing.from_file(tmp_path / "a.gsd", frame=1)
+    with pytest.raises(deformable.FileError, match=r"a.gsd' .* has no radii .*: give radii=0\.5, "):
+        Packing.from_file(tmp_path / "a.gsd", frame=1)
+    found = Packing.from_file(tmp_path / "a.gsd", frame=1, radii=0.5)
     assert found.positions.tolist() == [[0.75, 2.0], [3.0, 3.0]]
     assert (found.radius.tolist(), found.species.tolist()) == ([0.5, 0.5], [1, 0])
     sized = Packing.from_file(tmp_path / "a.gsd", frame=-2, radii={"small": 0.3, "large": 0.7})
@@ -186,8 +189,81 @@ def test_gsd_of_hoomd(tmp_path: Path) -> None:
         Packing.from_file(tmp_path / "a.gsd", frame=-3)
 
 
+def test_diameters_of_gsd(tmp_path: Path) -> None:
+    """Of the frame, of the first frame, and radii of 0.5, whose diameters gsd leaves out."""
+    hoomd = pytest.importorskip("gsd.hoomd")
+    with hoomd.open(tmp_path / "a.gsd", "w") as file:
+        for diameters in ([1.2, 0.8], [1.2, 0.8], [1.0, 1.4]):
+            frame = hoomd.Frame()
+            frame.configuration.box = [4, 4, 0, 0, 0, 0]
+            frame.particles.N = 2
+            frame.particles.position = [[-1, 0, 0], [1, 0, 0]]
+            frame.particles.diameter = diameters
+            file.append(frame)
+    for number, radii in ((0, [0.6, 0.4]), (1, [0.6, 0.4]), (2, [0.5, 0.7]), (-2, [0.6, 0.4])):
+        found = Packing.from_file(tmp_path / "a.gsd", frame=number)
+        assert found.radius == pytest.approx(radii, rel=1e-7)
+    alike = Packing([[1.0, 1.0], [3.0, 1.0]], [0, 0], [0.5], (4.0, 4.0))
+    alike.to_file(tmp_path / "b.gsd")
+    with hoomd.open(tmp_path / "b.gsd") as file:
+        assert not file.file.chunk_exists(0, "particles/diameter")
+    assert Packing.from_file(tmp_path / "b.gsd").radius.tolist() == [0.5, 0.5]
+
+
+TRAJECTORY = """units lj
+dimension 2
+atom_style sphere
+read_data packing.data
+pair_style zero 2.0
+pair_coeff * *
+dump xtc all xtc 1 run.xtc
+dump_modify xtc sort id precision 100000
+dump dcd all dcd 1 run.dcd
+dump_modify dcd sort id
+fix motion all nve
+fix plane all enforce2d
+velocity all set 0.25 0 0
+timestep 1
+run 2
+"""
+
+
+@pytest.mark.parametrize("kind", ["xtc", "dcd"])
+@pytest.mark.parametrize("suffix", [".data", ".lammpstrj", ".xyz", ".gsd"])
+def test_a_trajectory_of_lammps(kind: str, suffix: str, tilted: Packing, tmp_path: Path) -> None:
+    """Types and radii are those of the topology, whatever its format, lengths those of the file."""
+    if suffix == ".gsd":
+        pytest.importorskip("gsd")
+    topology = tmp_path / f"packing{suffix}"
+    tilted.to_file(tmp_path / "packing.data")
+    tilted.to_file(topology)
+    (tmp_path / "in.run").write_text(TRAJECTORY)
+    output("lmp", "-in", "in.run", "-log", "none", cwd=tmp_path)
+    for frame, moved in ((0, 0.0), (2, 0.5)):
+        found = Packing.from_file(tmp_path / f"run.{kind}", frame=frame, topology=topology)
+        assert found.species.tolist() == tilted.species.tolist()
+        assert found.radius == pytest.approx(tilted.radius, rel=1e-6)
+        assert found.box == pytest.approx(tilted.box, rel=1e-5)
+        images = (found.positions - tilted.positions - [moved, 0.0]) @ np.linalg.inv(tilted.box)
+        assert images == pytest.approx(np.rint(images), abs=1e-5)
+
+
+def test_a_topology_of_other_particles(tilted: Packing, tmp_path: Path) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        tilted.to_mdanalysis().atoms.write(str(tmp_path / "a.dcd"))
+    deformable.bidisperse(7).to_file(tmp_path / "b.data")
+    for name, told in (
+        ("b.data", "number of atoms"),
+        ("c.data", "c.data' cannot be read: No such"),
+    ):
+        with pytest.raises(deformable.FileError, match=told) as error:
+            Packing.from_file(tmp_path / "a.dcd", topology=tmp_path / name)
+        assert "\n" not in str(error.value)
+
+
 def test_files_of_mdanalysis(tilted: Packing, tmp_path: Path) -> None:
-    """A .gro in its units, a trajectory with a topology, radii by attribute."""
+    """The numbers of a .gro, which are nanometers, a trajectory with a topology, radii by name."""
     universe = tilted.to_mdanalysis()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -196,8 +272,9 @@ def test_files_of_mdanalysis(tilted: Packing, tmp_path: Path) -> None:
         gro = Packing.from_file(tmp_path / "a.gro", radii=0.5)
         dcd = Packing.from_file(tmp_path / "a.dcd", radii=0.5, topology=tmp_path / "a.gro")
         pqr = Packing.from_file(tmp_path / "a.pqr", box=tilted.box)
-    np.testing.assert_allclose(gro.positions, tilted.positions, atol=0.0051)  # 1e-3 of nm
-    np.testing.assert_allclose(gro.box, tilted.box, atol=1e-4)
+    # MDAnalysis writes a tenth of the numbers that it has, with three digits
+    np.testing.assert_allclose(gro.positions, tilted.positions / 10.0, atol=0.00051)
+    np.testing.assert_allclose(gro.box, tilted.box / 10.0, atol=1e-5)
     np.testing.assert_allclose(dcd.positions, tilted.positions, rtol=1e-6, atol=1e-6)
     np.testing.assert_allclose(pqr.radius, tilted.radius, atol=1e-4)
     again = MDAnalysis.Universe(str(tmp_path / "a.pqr"))

@@ -193,7 +193,7 @@ def test_default_steps_become_shorter_with_the_pressure() -> None:
     with deformable.Simulation(start, deformable.Ring()) as sim:
         sim.lmp.command("fix down all gravity 1e-3 vector 0 -1 0")
         with pytest.raises(
-            deformable.LammpsError, match=r"or give a timestep, the default of .* is"
+            deformable.LammpsError, match=r"or give a smaller timestep than .*, which was"
         ):
             list(move(sim, 600, friction=0.01, every=300))
     with deformable.Simulation(start, deformable.Ring()) as sim:

@@ -60,6 +60,31 @@ def test_moduli_of_the_crystal_of_disks() -> None:
     assert bulk.value == pytest.approx(np.sqrt(3.0) / 2.0, rel=10 * overlap)
 
 
+@pytest.mark.parametrize("law", [None, deformable.Ring()])
+@pytest.mark.parametrize("strain", [1e-5, 1e-7, 1e-8])
+def test_moduli_of_small_strains(law: deformable.Ring | None, strain: float) -> None:
+    """Right within their errors at any strain: relaxed forces are balanced relative to it."""
+    jammed = deformable.jam(deformable.bidisperse(16, seed=2))
+    packing = jammed.at(jammed.phi + 0.04)
+    sim = deformable.Disks(packing) if law is None else deformable.Simulation(packing, law)
+    with sim:
+        state = sim.relax(1e-10 if law is None else 1e-6)
+    exact = (state if law is None else deformable.polish(state)).elastic_moduli()
+    assert abs(exact.shear_modulus - exact.affine[0, 1, 0, 1]) > 0.1 * abs(exact.shear_modulus)
+    for measure, modulus in (
+        (deformable.shear_modulus, exact.shear_modulus),
+        (deformable.bulk_modulus, exact.bulk_modulus),
+    ):
+        found = measure(state, strain)
+        assert found.linear
+        assert found.value == pytest.approx(modulus, abs=3.0 * found.error + 1e-4 * abs(modulus))
+        assert found.error < 0.03 * abs(modulus)
+        # relaxed less closely than the strain, it tells
+        loose = measure(state, 1e-8, tolerance=1e-6)
+        assert not loose.linear
+        assert loose.value == pytest.approx(modulus, abs=loose.error)
+
+
 def test_modulus_halves_a_strain_that_is_too_large() -> None:
     """Contacts of the crystal open at strains of about the overlap: beyond it is softer."""
     overlap = 1e-4

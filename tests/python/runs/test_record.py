@@ -191,3 +191,12 @@ def test_parameters_come_back(state: deformable.State, tmp_path: Path) -> None:
     assert deformable.Run(tmp_path / "run").parameters == kept | {"before": kept}
     for name in ("saved/summary.json", "run/summary.json"):
         json.loads((tmp_path / name).read_text(), parse_constant=lambda word: pytest.fail(word))
+
+
+@pytest.mark.parametrize("damage", [[1], 3, "seed", {"a": {"word": 3}}])
+def test_damaged_parameters(damage: object, state: deformable.State, tmp_path: Path) -> None:
+    state.save(tmp_path)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    (tmp_path / "summary.json").write_text(json.dumps(summary | {"parameters": damage}))
+    with pytest.raises(deformable.FileError, match=r"summary\.json cannot be read"):
+        _ = deformable.Run(tmp_path).parameters

@@ -1,5 +1,6 @@
 """Particles that are followed: over boundaries, in boxes that change, and as LAMMPS counts them."""
 
+import warnings
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -25,6 +26,7 @@ def moved(
     return replace(packing, positions=places, box=box)
 
 
+@pytest.mark.filterwarnings("ignore::deformable.JumpWarning")
 @pytest.mark.parametrize("tilt", [0.0, 0.4, -7.3])
 @pytest.mark.parametrize("flips", [0, 1, -3])
 def test_steps_come_back(tilt: float, flips: int) -> None:
@@ -79,6 +81,27 @@ def test_between_walls_nothing_is_across() -> None:
     )
     with pytest.raises(deformable.ParameterError, match="walls, which close other directions"):
         state_of(across).displacements(packing)
+
+
+@pytest.mark.parametrize("walled", [False, True])
+def test_jumps_of_half_a_box_are_told(walled: bool) -> None:
+    """A fluid that drifts: by 0.2 of the box from state to state it is followed, by 0.45 not."""
+    packing = deformable.bidisperse(8, phi=0.3, seed=1)
+    if walled:
+        packing = packing.between(deformable.rectangle(*packing.box.diagonal())[2:])
+    drift = np.array([packing.box[0, 0], 0.0])
+    slow, fast = (
+        [state_of(replace(packing, positions=packing.positions + part * drift * n)) for n in (0, 1)]
+        for part in (0.2, 0.45)
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        places = deformable.unwrapped(slow)
+    assert places[1] - places[0] == pytest.approx(np.broadcast_to(0.2 * drift, (8, 2)))
+    told = r"\Aa particle moves by 0\.45 of the box from state 1 to state 2, [^\n]*\Z"
+    with pytest.warns(deformable.JumpWarning, match=told) as found:
+        deformable.unwrapped([slow[0], *fast, fast[1]])
+    assert len(found) == 1
 
 
 @pytest.mark.parametrize("flow", ["", "fix flow all deform 1 xy erate 0.01 remap x flip yes"])

@@ -33,9 +33,9 @@ from ...state.state import State
 # Means are over packings with equal values of these columns.
 GROUP = ("law", "onset_pressure", "number")
 
-# Strain of a modulus over phi - phi_J, and tolerance of its relaxations: the forces of
-# balanced contacts are exact to 1e-8.
-_STRAIN, _MODULUS_TOLERANCE = 0.01, 1e-8
+# Strain of a modulus over phi - phi_J, and tolerance of the states: the forces of balanced contacts
+# are exact to 1e-8.
+_STRAIN, _TOLERANCE = 0.01, 1e-8
 
 # A packing has rearranged if its pressure rises by so much more or less than the integral of the
 # bulk modulus, relative to the latter.
@@ -134,7 +134,7 @@ def measure(
             compressed = []
             for excess in excess_phi:
                 sim.deform(onset.packing.at(onset.packing.phi + excess).box)
-                state = sim.relax(_MODULUS_TOLERANCE)
+                state = sim.relax(_TOLERANCE)
                 if state.pressure < onset_pressure * unit or state.stalled:
                     break  # it lost its rigidity
                 reached = key | {"excess_phi": state.phi - onset.phi} | _numbers(state, unit)
@@ -168,8 +168,8 @@ def _moduli(
     strain = _STRAIN * excess_phi
     ways = (False, True) if state.packing.dimension == 2 else (False,)
     found = {
-        "shear": [shear_modulus(state, strain, _MODULUS_TOLERANCE, pure) for pure in ways],
-        "bulk": [bulk_modulus(state, strain, _MODULUS_TOLERANCE)],
+        "shear": [shear_modulus(state, strain, pure=pure) for pure in ways],
+        "bulk": [bulk_modulus(state, strain)],
     }
     row: Row = {}
     for name, moduli in found.items():  # in the plane over all directions of shear
