@@ -9,12 +9,14 @@
 #include "fix.h"
 #include "force.h"
 #include "group.h"
+#include "input.h"
 #include "lammps.h"
 #include "modify.h"
 #include "neigh_list.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string>
 
 using namespace LAMMPS_NS;
@@ -93,6 +95,20 @@ void LAMMPS_NS::check_contacts(LAMMPS *lmp, const NeighList &list,
 }
 
 /* ----------------------------------------------------------------------
+   The section Pair Coeffs, or PairIJ Coeffs, calls pair_coeff.
+------------------------------------------------------------------------- */
+
+void LAMMPS_NS::refuse_data_coefficients(LAMMPS *lmp)
+{
+  const char *const command = lmp->input->command;
+  if (command && std::strcmp(command, "read_data") == 0)
+    lmp->error->all(FLERR,
+                    "The data file has coefficients of pairs, which are not those of {}: use "
+                    "'read_data ... nocoeff', and pair_coeff after it",
+                    lmp->force->pair_style);
+}
+
+/* ----------------------------------------------------------------------
    Names the particle of largest ID. Conversions of tilted boxes round z.
 ------------------------------------------------------------------------- */
 
@@ -108,15 +124,20 @@ bool LAMMPS_NS::warn_out_of_plane(LAMMPS *lmp, const NeighList &list)
   }
   MPI_Allreduce(&here, &id, 1, MPI_LMP_TAGINT, MPI_MAX, lmp->world);
   if (id < 0 || lmp->comm->me != 0) return id >= 0;
-  const std::vector<Fix *> fixes = lmp->modify->get_fix_by_style("^enforce2d");
+  const std::vector<Fix *> fixes = lmp->modify->get_fix_by_style("^enforce2d"),
+                           deposits = lmp->modify->get_fix_by_style("^deposit");
+  std::string cure = "'fix ID all enforce2d' after all other fixes";
+  if (!deposits.empty())
+    cure = fmt::format("give the region of fix {} deposit zlo = zhi = 0", deposits[0]->id);
+  else if (!fixes.empty())
+    cure =
+        fmt::format("define fix {} enforce2d anew after all other fixes: it must be the last one, "
+                    "for all atoms",
+                    fixes[0]->id);
   lmp->error->warning(FLERR,
                       "Atom {} leaves the plane: its z or vz is not zero, which deformable pair "
                       "styles ignore. Use 'set group all z 0 vz 0', and {}",
-                      id,
-                      fixes.empty() ? std::string("'fix ID all enforce2d' after all other fixes")
-                                    : fmt::format("define fix {} enforce2d anew after all other "
-                                                  "fixes: it must be the last one, for all atoms",
-                                                  fixes[0]->id));
+                      id, cure);
   return id >= 0;
 }
 

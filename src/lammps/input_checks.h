@@ -20,6 +20,9 @@ void check_contacts(LAMMPS *, const NeighList &, const std::vector<Species> &);
 // The same for comm_modify only, which removes the ghosts of particles outside of a group.
 void check_ghosts(LAMMPS *, const NeighList &);
 
+// Refuses coefficients in a data file, which are of another pair style.
+void refuse_data_coefficients(LAMMPS *);
+
 // Warns if z or vz of a particle is not zero; whether one is, on any rank.
 bool warn_out_of_plane(LAMMPS *, const NeighList &);
 

@@ -99,3 +99,18 @@ run 5
 """
     finished(2, script, tmp_path)
     assert (tmp_path / "log.lammps").read_text().count(WORD) == 1
+
+
+def test_replicate(tmp_path):
+    """LAMMPS refuses it beside memory; before the style, circles that overlap are attached."""
+    scene = doublet(1.98, tmp_path, 0.2)
+    energy = scene.energy()
+    with pytest.raises(Exception, match="Cannot replicate with fixes that store"):
+        scene.run("replicate 2 1 1")
+    scene.run(f"write_data {tmp_path}/data nocoeff nofix\nclear\ndimension 2\natom_modify map yes")
+    scene.run(
+        f"read_data {tmp_path}/data\nreplicate 2 3 1\npair_style deformable/ring contact curved"
+    )
+    scene.run(f"pair_coeff * * {tmp_path}/species drop0\nthermo_modify norm no\nrun 0")
+    assert scene.lmp.get_thermo("pe") == pytest.approx(6 * energy, rel=1e-6)
+    assert energy < -0.05

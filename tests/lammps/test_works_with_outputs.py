@@ -62,6 +62,59 @@ def test_dynamical_matrix(law, tmp_path):
     np.testing.assert_allclose(matrix[:, ::3].sum(1), 0, rtol=0, atol=1e-6 * scale)
 
 
+@pytest.mark.parametrize("law", ["balanced", "curved"])
+def test_born_matrix_by_differences(law):
+    """Minus the derivative of the virial by a strain of the box, and twice the virial."""
+    packing = evaluated(
+        law,
+        "compute virial all pressure NULL virial\n"
+        "compute born all born/matrix numdiff 1e-5 virial\n"
+        "thermo_style custom step pe c_virial[1] c_born[1]",
+    )
+    born, volume = packing.lmp.extract_compute("born", 0, 1)[0], packing.lmp.get_thermo("vol")
+
+    def virial():
+        return packing.lmp.extract_compute("virial", 0, 1)[0] * packing.lmp.get_thermo("vol")
+
+    here, step, found = virial(), 1e-5, []
+    for scale in (1 + step, (1 - step) / (1 + step)):
+        packing.run(f"change_box all x scale {scale!r} remap\nrun 0")
+        found.append(virial())
+    slope = (found[0] - found[1]) / (2 * step)
+    assert born == pytest.approx(2 * here - slope, rel=1e-3)
+    assert born > 0.01 * volume
+
+
+def test_contacts_of_circles():
+    """compute contact/atom counts overlaps of circles, the pair style outlines that touch."""
+    packing = Packing(EXACT["balanced"], atoms="sphere 1")
+    packing.run(
+        "compute circles all contact/atom\ncompute number all reduce sum c_circles\n"
+        f"fix outlines all pair 1 {EXACT['balanced'].split()[0]} contacts 0\n"
+        "compute contacts all deformable/contact\n"
+        "thermo_style custom step pe c_number\nrun 0"
+    )
+    number = np.sum(packing.lmp.gather("f_outlines", 1, 1))
+    rows = packing.lmp.numpy.extract_compute("contacts", LMP_STYLE_LOCAL, LMP_TYPE_ARRAY)
+    assert number == len(rows)
+    assert scalar(packing, "number") != number
+
+
+@pytest.mark.parametrize("line", ["quadratic", "forcezero"])
+@laws
+def test_pressures_of_box_relax(law, line):
+    """With these line searches cg reaches them; backtrack may not."""
+    if law == "sector":
+        pytest.skip("its energy jumps")
+    packing = Packing(EXACT[law])
+    packing.run(
+        f"min_style cg\nmin_modify line {line} dmax 0.002\n"
+        "compute virial all pressure NULL virial\nthermo_style custom step pe c_virial\n"
+        "fix box all box/relax iso 2e-3 vmax 1e-3\nminimize 0 1e-9 2000 4000"
+    )
+    assert scalar(packing, "virial") == pytest.approx(2e-3, rel=1e-6)
+
+
 @laws
 def test_reduce_of_contacts(law):
     """compute reduce takes rows of contacts with `inputs local`."""

@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import test_atom_stiffness as values
+import test_films_at_touch as films
 import test_restart as files
 import test_works_with as fresh
 import test_works_with_bonds as bonds
@@ -40,6 +41,9 @@ OTHERS = {
     "compute reduce": outputs.test_reduce_of_contacts,
     "fix numdiff": outputs.test_numdiff,
     "dynamical_matrix": outputs.test_dynamical_matrix,
+    "compute born/matrix numdiff": outputs.test_born_matrix_by_differences,
+    "compute contact/atom": outputs.test_contacts_of_circles,
+    "replicate with adhesion": films.test_replicate,
     "restart": files.test_round_trip,
     "write_data": fresh.test_as_a_fresh_run,
     "rerun": outputs.test_rerun,

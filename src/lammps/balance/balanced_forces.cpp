@@ -282,10 +282,10 @@ void BalancedForces::warn_films()
   if (warned_films && comm->me == 0)
     error->warning(
         FLERR,
-        "Atom {} presses against what it sticks to, but without a film: the law has films "
-        "at large contact angles only where they are pressed further. At touch two equal "
-        "droplets attach up to an adhesion of {:.2f} times their tension, and a droplet "
-        "and a wall up to {:.2f}",
+        "Atom {} presses against what it sticks to, but without a film: at large contact "
+        "angles, or beside others, the law has films only where they are pressed further. "
+        "Alone, two equal droplets attach at touch up to an adhesion of {:.2f} times their "
+        "tension, and a droplet and a wall up to {:.2f}",
         id, 2.0 * LARGEST_AT_TOUCH, LARGEST_AT_TOUCH);
 }
 

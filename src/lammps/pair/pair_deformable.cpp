@@ -84,6 +84,7 @@ void PairDeformable::allocate()
 void PairDeformable::coeff(int narg, char **arg)
 {
   if (!allocated) allocate();
+  refuse_data_coefficients(lmp);
   number_definition();
   if (narg < 4) utils::missing_cmd_args(FLERR, "pair_coeff", error);
   if (narg != 3 + atom->ntypes)
@@ -120,8 +121,10 @@ void PairDeformable::check_lines_bend(const std::string &whose, bool sticks) con
 {
   if (sticks && !bends_lines())
     error->all(FLERR,
-               "{}: adhesion needs contact lines that bend, to meet outlines at an angle. Use "
-               "'pair_style deformable/ring contact curved', or adhesion 0",
+               dimension == 3 ? "{}: droplets in three dimensions do not stick: use adhesion 0"
+                              : "{}: adhesion needs contact lines that bend, to meet outlines at "
+                                "an angle. Use 'pair_style deformable/ring contact curved', or "
+                                "adhesion 0",
                whose);
 }
 

@@ -12,6 +12,7 @@
 #include "force.h"
 #include "modify.h"
 #include "neighbor.h"
+#include "update.h"
 
 #include <algorithm>
 #include <cmath>
@@ -325,9 +326,11 @@ void PairDeformableRing::refuse_bulge(int i, const Contacts &contacts, int partn
   const double enough = 1.2 * ratio * reach;
   const std::string larger =
       enough <= LARGEST_REACH ? fmt::format(" or use a reach of {:.2g} or more", enough) : "";
+  const char *const slower = update->whichflag == 1 ? ", slower particles or stiffer ones" : "";
   refuse("The outline of atom {} bulges by {:.6g}, but 'reach {}' covers {:.6g}: {}, take "
-         "smaller steps or a smaller timestep{}{}",
-         atom->tag[i], ratio * depth, reach, depth, cause, larger.empty() ? "" : ",", larger);
+         "smaller steps or a smaller timestep{}{}{}",
+         atom->tag[i], ratio * depth, reach, depth, cause, slower, larger.empty() ? "" : ",",
+         larger);
 }
 
 /* ---------------------------------------------------------------------- */

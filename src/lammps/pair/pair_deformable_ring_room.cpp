@@ -79,10 +79,11 @@ void PairDeformableRing::no_shape(int i, int contacts)
 {
   const bool keeps_area = std::isinf(stiffness_of(i).kA);
   const double adhesion = largest_adhesion(i);
-  refuse("Atom {} has no {}: its {} contacts{} leave no room. Compress less, {}or give "
+  refuse("Atom {} has no {}: its {} contacts{} leave no room. {}ompress less, {}or give "
          "{} a {} kA",
          atom->tag[i], keeps_area ? "shape that keeps its area" : "stable shape", contacts,
          adhesion > 0.0 ? fmt::format(" of adhesion {:g}", adhesion) : "",
+         keeps_area && update->whichflag == 1 ? "Begin with 'minimize', which makes room, c" : "C",
          adhesion > 0.0 ? "take a smaller adhesion, " : "",
          kA_by_atom ? "it" : "species " + materials.species_of(i).name,
          keeps_area ? "finite" : "larger");
