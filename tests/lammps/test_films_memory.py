@@ -117,6 +117,15 @@ def test_fix_modify_before_the_first_run(tmp_path):
     assert scene.energy() == pytest.approx(energy, rel=1e-11)
 
 
+def test_a_new_particle_with_the_id_of_a_former_one(tmp_path):
+    """It is free, where the former one hung on a film."""
+    scene, _ = stretched(tmp_path)
+    scene.run("group gone id 2\ndelete_atoms group gone compress no")
+    scene.run(f"create_atoms 1 single {STRETCHED} 0 0")
+    assert list(scene.lmp.gather("id", 0, 1)) == [1, 2]
+    assert scene.energy() == 0.0
+
+
 def test_without_its_fix(tmp_path):
     scene, _ = stretched(tmp_path)
     scene.run("unfix deformable_films")
