@@ -122,7 +122,7 @@ def test_containers_narrower_than_a_droplet(words, beside, tmp_path):
     """On the axis, where it would have no energy, and beside it; one that is as wide holds it."""
     wall, room = NARROW[words]
     walls = region("tube cylinder z 0 0 0.7 -3 3") if words == "region" else words
-    message = f"Atom 1 of radius 1 is wider than '?{wall}'? of fix walls .*radius is {room} at"
+    message = f"Atom 1 of radius 1 is wider than '?{wall}'? of fix walls .*radius is {room} there"
     with pytest.raises(Exception, match=message):
         walled(np.array([[0, beside, 0]]), walls, tmp_path)
     if words.startswith("cyl"):

@@ -330,8 +330,7 @@ void FixDeformableWall::refuse_center(int i, double radius, const RefusedCenter 
                                : "part '" + source.name + "' of region '" + region_id + "'";
   if (refused.room > 0.0)
     refuse("Atom {} of radius {:.6g} is wider than {} of fix {} deformable/wall, whose radius is "
-           "{:.6g} at its place: it would have one contact there, and none on the axis. Use a "
-           "wider container, or planes",
+           "{:.6g} there: it would have one contact or none. Use a wider container, or planes",
            atom->tag[i], radius, name, id, refused.room);
   const std::string place = refused.height > 0.0 ? fmt::format("only {:.3g} from", refused.height)
                             : solid              ? "in the obstacle"
