@@ -115,6 +115,7 @@ def renaming(folder):
         "a wall far away is gone": "unfix lid",
         "and is there again": walls(["lid"]),
         "the order of walls": "unfix floor\n" + walls(["floor"]),
+        "a wall in other words": "unfix floor\nfix floor all deformable/wall ylo 0 adhesion 0.1",
         "another file": again(folder),
         "moved by a period": "displace_atoms all move 13 0 0",
         "a tilted box and back": "change_box all triclinic\nrun 0 post no\nchange_box all ortho",

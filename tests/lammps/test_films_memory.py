@@ -137,49 +137,6 @@ def test_without_its_fix(tmp_path):
     assert scene.energy() == 0.0
 
 
-ONE = "pair_style {law}\npair_coeff * * species drop drop"
-EACH = """
-pair_coeff * * deformable/ring 1 species drop NULL
-pair_coeff * * deformable/ring 2 species NULL drop
-pair_coeff 1 2 none
-"""
-STYLES = {
-    "hybrid": f"pair_style hybrid {{law}} {{law}}{EACH}",
-    "hybrid/overlay": f"pair_style hybrid/overlay {{law}} {{law}}{EACH}",
-}
-TWO_PAIRS = """units lj
-dimension 2
-region box block -6 6 -4 4 -0.5 0.5
-create_box 2 box
-create_atoms 1 single -4 0 0
-create_atoms 1 single {left} 0 0
-create_atoms 2 single 1 0 0
-create_atoms 2 single {right} 0 0
-mass * 1
-{style}
-group pulled id 2 4
-thermo_modify norm no
-run 0
-displace_atoms pulled move {pull} 0 0
-run 0
-run 0
-print "$(pe:%.17g)" file energy
-"""
-
-
-@pytest.mark.parametrize("style", STYLES.values(), ids=STYLES)
-def test_two_styles(style, tmp_path):
-    """Each of two curved styles knows its own films."""
-    (tmp_path / "species").write_text(f"drop 1.0 inf 0 tension 1\nadhesion drop drop {W}\n")
-    places = {"left": -4 + TOUCH, "right": 1 + TOUCH, "pull": STRETCHED - TOUCH}
-    found = []
-    for text in (ONE, style):
-        finished(1, TWO_PAIRS.format(style=text.format(law=EXACT["curved"]), **places), tmp_path)
-        found.append(float((tmp_path / "energy").read_text()))
-    assert found[1] == pytest.approx(found[0], rel=1e-9)
-    assert found[0] > 0.01
-
-
 def test_lost_energy_goes_on(tmp_path):
     """What attaching has cost is part of econserve, also after a restart."""
     scene = doublet(2.02, tmp_path, W)

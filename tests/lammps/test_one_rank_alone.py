@@ -48,6 +48,7 @@ CLOSE = (-10, 0), (-9.99, 0)
 PAIR = (-10, 0), (-9.05, 0)
 FAR = (10, 0), (10.95, 0)
 CROWD = (-10, 0), (-9.35, 0), (-10.65, 0), (-10, 0.65), (-10, -0.65)
+CROWD_OF_RANK_1 = tuple((x + 15, y) for x, y in CROWD)
 
 
 def plane(law, species, atoms, commands="run 0", *, style="atomic", mass="mass * 1.0"):
@@ -105,6 +106,10 @@ SCENES = {
         "is in the obstacle",
     ),
     "no room": (plane(RING, "drop", CROWD), "has no shape"),
+    "no room on the other rank": (
+        plane(RING, "drop", PAIR + CROWD_OF_RANK_1),
+        "Atom 3 has no shape",
+    ),
     "no room, radical": (plane(RADICAL, "drop", CROWD), "has no shape"),
     "no sector": (plane("deformable/sector", "area", CROWD), "has no shape|no sector"),
     "reach": (plane(f"{RING} reach 0.01", "ring", [(-10, 0), (-9.3, 0)]), "bulges by"),

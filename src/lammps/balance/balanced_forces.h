@@ -114,8 +114,12 @@ class BalancedForces : protected Pointers {
   std::vector<int> crowded;
   int crushed = -1, wrong = -1;
   bool lacking = false;
+  struct Crowded {
+    int particle = -1;         // none
+    double overlaps = -1.0;    // of its contacts, in its radii
+  };
   void find_crushed();
-  int find_crushed_here() const;
+  Crowded find_crushed_here() const;
   bool fits(int i) const;
   bool is_balanced = false, warned = false, warned_limited = false, warned_films = false;
 
@@ -134,7 +138,7 @@ class BalancedForces : protected Pointers {
   }
   void find_bulges();
   int collapsed() const;
-  int most_crowded(int found) const;
+  Crowded most_crowded(int found) const;
   void warn_unbalanced();
   void warn_limited();
   void warn_films();

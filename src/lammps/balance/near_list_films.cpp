@@ -47,7 +47,7 @@ void NearList::recall_films(const DeformableParticles &p)
 void NearList::store_films(const DeformableParticles &p) const
 {
   const double *const *const x = atom->x;
-  p.films->forget();
+  p.films->forget(*p.list);
   for (int k = 0; k < pairs.size; ++k) {
     if (!pairs.attached[k]) continue;
     const int i = pairs.i[k], j = pairs.j[k];

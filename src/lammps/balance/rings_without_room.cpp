@@ -5,7 +5,6 @@
 #include "soft_ring.h"
 
 #include "atom.h"
-#include "comm.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,21 +12,22 @@
 using namespace LAMMPS_NS;
 using namespace deformable;
 
-// All ranks know whether there is one.
+// All ranks know whether there is one. The solver then fails for rings of other ranks, too: the most crowded one of all ranks
+// counts.
 void BalancedForces::find_crushed()
 {
   crushed = -1;
   lacking = false;
   if (is_balanced) return;
-  crushed = find_crushed_here();
-  int any = crushed >= 0;
-  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, world);
-  lacking = any != 0;
+  const Crowded here = find_crushed_here();
+  const double most = near.remote_sides.largest(here.overlaps);
+  lacking = most >= 0.0;
+  if (here.overlaps == most) crushed = here.particle;
 }
 
 // Where no split of the overlaps leaves room for its area, the free arcs of a ring vanish as its forces grow, or the solver
 // finds no forces that it bears, or it stops at a split without room.
-int BalancedForces::find_crushed_here() const
+BalancedForces::Crowded BalancedForces::find_crushed_here() const
 {
   constexpr double NONE = 0.01;
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
@@ -41,7 +41,9 @@ int BalancedForces::find_crushed_here() const
         (!gives_way && (free < NONE * batches.radius[ring] || (keeps_area && !fits(i)))))
       return most_crowded(i);
   }
-  return collapsed();
+  const int bubble = collapsed();
+  if (bubble < 0) return {};
+  return {bubble, 0.0};
 }
 
 // Whether ring i has room for its area between its lines, which share what is left of the overlaps.
@@ -69,7 +71,7 @@ int BalancedForces::giving_way() const
 
 // Forces without limit spread to rings that have room. So the ring is named whose contacts overlap most, in its radii, of
 // those that keep their area; this one if none overlaps.
-int BalancedForces::most_crowded(int found) const
+BalancedForces::Crowded BalancedForces::most_crowded(int found) const
 {
   const NearPairs &p = near.pairs;
   std::vector<double> crowd(atom->nlocal, 0.0);
@@ -86,7 +88,7 @@ int BalancedForces::most_crowded(int found) const
     most = crowd[i] / batches.radius[ring];
     found = i;
   }
-  return found;
+  return {found, most};
 }
 
 // A bubble of gas that cannot bear the forces of its contacts: they do not grow, and most of an overlap is left.

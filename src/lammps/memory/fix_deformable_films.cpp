@@ -1,6 +1,7 @@
 #include "fix_deformable_films.h"
 
 #include "domain.h"
+#include "neigh_list.h"
 
 #include <cmath>
 #include <limits>
@@ -75,13 +76,21 @@ bool FixDeformableFilms::is_attached(int i, tagint partner, double x, double y) 
   return std::any_of(films.begin(), films.end(), is_this);
 }
 
+void FixDeformableFilms::forget(int i)
+{
+  particles[i].id = static_cast<double>(atom->tag[i]);
+  particles[i].is_known = 1.0;
+  particles[i].rows.clear();
+}
+
+void FixDeformableFilms::forget(const NeighList &list)
+{
+  for (int ii = 0; ii < list.inum; ++ii) forget(list.ilist[ii]);
+}
+
 void FixDeformableFilms::forget()
 {
-  for (int i = 0; i < atom->nlocal; ++i) {
-    particles[i].id = static_cast<double>(atom->tag[i]);
-    particles[i].is_known = 1.0;
-    particles[i].rows.clear();
-  }
+  for (int i = 0; i < atom->nlocal; ++i) forget(i);
 }
 
 void FixDeformableFilms::attach(int i, tagint partner, double x, double y)

@@ -1,5 +1,5 @@
 // Which pairs are attached (Films), and what attaching and letting go has cost. The pair style makes this fix, with the ID
-// deformable_films: fix ID all deformable/films. The second style of a hybrid one has deformable_films_2, and so on.
+// deformable_films: fix ID all deformable/films. Styles of a hybrid one share it, each for its particles, in whatever order they are.
 
 #ifdef FIX_CLASS
 // clang-format off
@@ -35,7 +35,9 @@ class FixDeformableFilms : public FixPartnerMemory<RememberedFilm> {
   // in place of a tag.
   bool is_attached(int i, tagint partner, double x = 0.0, double y = 0.0) const;
 
-  void forget();    // from now on all particles of this rank are known, and free
+  // From now on the particles of this list are known, and free; or all of this rank.
+  void forget(const class NeighList &);
+  void forget();
   void attach(int i, tagint partner, double x, double y);
 
   // Energy lost in runs, on all ranks.
@@ -47,6 +49,7 @@ class FixDeformableFilms : public FixPartnerMemory<RememberedFilm> {
   void go_on_from(const std::vector<double> &sums) override { lost = sums[0]; }
 
  private:
+  void forget(int i);
   double lost = 0.0;
 };
 

@@ -6,12 +6,15 @@
 
 #include "comm.h"
 #include "error.h"
+#include "group.h"
 #include "modify.h"
 
 #include <cstdio>
+#include <cstdlib>
 #include <set>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 using namespace LAMMPS_NS;
 
@@ -23,17 +26,27 @@ FixDeformableRestart::FixDeformableRestart(LAMMPS *lmp, int narg, char **arg) : 
   restart_global = 1;
 }
 
+// Numbers may be written in several ways.
+static std::string plain(const std::string &words)
+{
+  std::vector<std::string> all = utils::split_words(words);
+  for (std::string &word : all)
+    if (utils::is_double(word)) word = fmt::format("{}", std::atof(word.c_str()));
+  return utils::join_words(all, " ");
+}
+
 FixDeformableRestart::Words FixDeformableRestart::now() const
 {
   Words words;
   for (const PairDeformable *pair : deformable_pairs(*force))
     for (const auto &entry : pair->description()) words.insert(entry);
+  const auto add = [&](const Fix *fix, const char *name, const std::string &arguments) {
+    words[fmt::format("fix {} {} {}", fix->id, group->names[fix->igroup], name)] = plain(arguments);
+  };
   for (const Fix *fix : modify->get_fix_by_style(FixDeformableFriction::STYLE))
-    words[fmt::format("fix {} deformable/friction", fix->id)] =
-        static_cast<const FixDeformableFriction *>(fix)->words;
+    add(fix, "deformable/friction", static_cast<const FixDeformableFriction *>(fix)->words);
   for (const Fix *fix : modify->get_fix_by_style(FixDeformableWall::STYLE))
-    words[fmt::format("fix {} deformable/wall", fix->id)] =
-        static_cast<const FixDeformableWall *>(fix)->words;
+    add(fix, "deformable/wall", static_cast<const FixDeformableWall *>(fix)->words);
   return words;
 }
 

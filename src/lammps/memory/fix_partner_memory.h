@@ -100,10 +100,11 @@ template <class Row> class FixPartnerMemory : public Fix {
     return of_all;
   }
 
-  // The sums of the fix, and the names of the walls.
+  // The sums of the fix, the number of particles, and the names of the walls.
   void write_restart(FILE *file) override
   {
-    const std::vector<double> sums = all_sums();
+    std::vector<double> sums = all_sums();
+    sums.push_back(static_cast<double>(atom->natoms));
     const std::string names = walls.text();
     if (comm->me != 0) return;
     const int numbers = static_cast<int>(sums.size() * sizeof(double));
@@ -115,8 +116,11 @@ template <class Row> class FixPartnerMemory : public Fix {
   void restart(char *buffer) override
   {
     std::vector<double> sums = all_sums();
+    sums.push_back(0.0);
     const std::size_t numbers = sums.size() * sizeof(double);
     std::memcpy(sums.data(), buffer, numbers);
+    require_all_particles(sums.back());
+    sums.pop_back();
     go_on_from(sums);
     walls = WallNames::from_text(buffer + numbers);
   }
@@ -173,6 +177,17 @@ template <class Row> class FixPartnerMemory : public Fix {
   }
 
  private:
+  // LAMMPS gives particles what the file says of them when this fix is made, by their indices at read_restart.
+  void require_all_particles(double number) const
+  {
+    if (number != static_cast<double>(atom->natoms))
+      error->all(
+          FLERR,
+          "Fix {}: the restart file has {:.0f} atoms, but there are {}. It would mix up what "
+          "they remember: delete atoms after pair_coeff and this fix",
+          id, number, atom->natoms);
+  }
+
   static_assert(std::is_trivially_copyable<Row>::value && sizeof(Row) % sizeof(double) == 0, "");
   static constexpr int HEAD = 3, WIDTH = sizeof(Row) / sizeof(double);
   bool begun = false;

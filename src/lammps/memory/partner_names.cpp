@@ -70,7 +70,8 @@ double WallNames::code_in(const WallNames &there, double code) const
                                  [&](const Wall &other) { return other.id == wall.id; });
   if (same == there.walls.end()) return 0.0;
   int feature = feature_of(code);
-  if (!wall.features.empty() && !same->features.empty()) {
+  const bool is_only = wall.features.size() == 1 && same->features.size() == 1;
+  if (!wall.features.empty() && !same->features.empty() && !is_only) {
     const auto found =
         std::find(same->features.begin(), same->features.end(), wall.features[feature]);
     if (found == same->features.end()) return 0.0;

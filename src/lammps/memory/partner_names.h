@@ -30,7 +30,7 @@ class NewIDs {
 };
 
 // The walls of all fixes deformable/wall. A wall has the code -1 - (w + n feature), in the order of the n fixes (visit_walls): it
-// is known by the ID of its fix and the name of its feature.
+// is known by the ID of its fix and the name of its feature, if that has others.
 class WallNames {
  public:
   static WallNames present(LAMMPS *);

@@ -120,15 +120,13 @@ void PairDeformableRing::init_style()
   stick();
 }
 
-// Which pairs are attached outlives this pair style, for one that continues its run. Styles of a hybrid one do not share it.
+// Which pairs are attached outlives this pair style, for those that continue its run.
 void PairDeformableRing::stick()
 {
   bool sticks = adhesions.any();
   for (const FixDeformableWall *wall : walls) sticks |= wall->adhesion() > 0.0;
   if (!sticks && !films) return;
-  std::string name = FixDeformableFilms::ID;
-  const int number = number_in_hybrid();
-  if (number > 1) name += fmt::format("_{}", number);
+  const std::string name = FixDeformableFilms::ID;
   Fix *fix = modify->get_fix_by_id(name);
   if (!fix && films)
     error->all(FLERR,
@@ -141,17 +139,6 @@ void PairDeformableRing::stick()
   films = dynamic_cast<FixDeformableFilms *>(fix);
   if (!films) error->all(FLERR, "A fix has the ID {}, which contacts that stick need", name);
 }
-
-// Of the styles deformable/ring in a hybrid one, from 1 on.
-int PairDeformableRing::number_in_hybrid() const
-{
-  for (int n = 1;; ++n) {
-    const Pair *const other = force->pair_match("deformable/ring", 1, n);
-    if (!other || other == this) return other ? n : 1;
-  }
-}
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableRing::coeff(int narg, char **arg)
 {

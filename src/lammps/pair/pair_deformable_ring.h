@@ -68,7 +68,6 @@ class PairDeformableRing : public PairDeformable {
   std::vector<char> is_active;    // of one ring
 
   void stick();
-  int number_in_hybrid() const;
   void evaluate_radical();
   deformable::Energy shape_ring(int i, const deformable::Contacts &, const deformable::Stiffness &);
 
