@@ -42,8 +42,8 @@ BAD = {
         "box adhesion -0.1": "Fix w .*adhesion must be 0 or positive and finite, not -0.1",
         "box adhesion nan": "not nan|'nan'",
         "box adhesion inf": "not inf|'inf'",
-        "box adhesion 0.1 disk 0 0 1": "unknown word 'disk' after adhesion, .*comes last",
-        "plane 0 0 1 0 adhesion 0.1 adhesion 0.2": "unknown word 'adhesion' after adhesion",
+        "box adhesion 0.1 disk 0 0 1": "unknown word 'disk' after adhesion: .*come last",
+        "plane 0 0 1 0 adhesion 0.1 adhesion 0.2": "adhesion is there twice",
     },
     "fix stick all deformable/stick": {
         "": "fix deformable/stick command: missing argument",

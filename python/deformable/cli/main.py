@@ -50,6 +50,7 @@ STYLES = (
     ("pair", "deformable/edge"),
     ("fix", "deformable/wall"),
     ("fix", "deformable/films"),
+    ("fix", "deformable/restart"),
     ("fix", "deformable/friction"),
     ("fix", "deformable/propel"),
     ("fix", "deformable/stick"),

@@ -37,6 +37,9 @@ int FixDeformableWall::read_keywords(int narg, char **arg)
                  "Fix {} deformable/wall: unknown word '{}' after {}: only adhesion w, shear dim v "
                  "and load F m come last",
                  id, arg[iarg], arg[words]);
+    for (int before = words; before < iarg; ++before)
+      if (!std::strcmp(arg[before], arg[iarg]))
+        error->all(FLERR_WORD(iarg), "Fix {} deformable/wall: {} is there twice", id, arg[iarg]);
     iarg = read_keyword(iarg, narg, arg);
   }
   return words;

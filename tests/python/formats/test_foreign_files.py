@@ -235,8 +235,8 @@ def test_a_trajectory_of_lammps(kind: str, suffix: str, tilted: Packing, tmp_pat
     if suffix == ".gsd":
         pytest.importorskip("gsd")
     topology = tmp_path / f"packing{suffix}"
-    tilted.to_file(tmp_path / "packing.data")
-    tilted.to_file(topology)
+    for file in {tmp_path / "packing.data", topology}:
+        tilted.to_file(file)
     (tmp_path / "in.run").write_text(TRAJECTORY)
     output("lmp", "-in", "in.run", "-log", "none", cwd=tmp_path)
     for frame, moved in ((0, 0.0), (2, 0.5)):
