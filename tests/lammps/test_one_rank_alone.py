@@ -42,6 +42,7 @@ SPECIES = """ring 0.5 1 inf
 area 0.5 inf 1
 drop 0.5 inf 0 tension 1
 sticky 0.5 inf 0 tension 1
+bubble 0.5 1.5 0 tension 1
 adhesion sticky sticky 0.2
 """
 CLOSE = (-10, 0), (-9.99, 0)
@@ -109,6 +110,10 @@ SCENES = {
     "no room on the other rank": (
         plane(RING, "drop", PAIR + CROWD_OF_RANK_1),
         "Atom 3 has no shape",
+    ),
+    "bubbles without room": (
+        plane(RING, "bubble", PAIR + CROWD_OF_RANK_1),
+        "Atom 3 has no stable shape",
     ),
     "no room, radical": (plane(RADICAL, "drop", CROWD), "has no shape"),
     "no sector": (plane("deformable/sector", "area", CROWD), "has no shape|no sector"),

@@ -110,3 +110,23 @@ def test_folder(tmp_path):
     lmp, pair_coeff = with_species(tmp_path, "")
     with refuses("Cannot open.*Is a directory"):
         lmp.command(pair_coeff.replace("species.txt", "."))
+
+
+@pytest.mark.parametrize(("name", "text"), [("a", "a 0.5 0 inf\n"), ("b", "a 0.5 1 inf\n")])
+def test_a_run_after_an_error(name, text, tmp_path):
+    """The caller has caught it: nothing is set yet, or all is as it was."""
+    lmp, pair_coeff = with_species(tmp_path, text)
+    wrong = pair_coeff.replace(" a a", f" a {name}")
+    with refuses("Species"):
+        lmp.command(wrong)
+    with refuses("All pair coeffs are not set"):
+        lmp.command("run 0")
+    (tmp_path / "species.txt").write_text("a 0.5 1 inf\n")
+    lmp.command(pair_coeff)
+    lmp.command("run 0")
+    energy = lmp.get_thermo("pe")
+    (tmp_path / "species.txt").write_text(text)
+    with refuses("Species"):
+        lmp.command(wrong)
+    lmp.command("run 0")
+    assert lmp.get_thermo("pe") == energy

@@ -117,6 +117,7 @@ class BalancedForces : protected Pointers {
   struct Crowded {
     int particle = -1;         // none
     double overlaps = -1.0;    // of its contacts, in its radii
+    bool keeps_area = false;
   };
   void find_crushed();
   Crowded find_crushed_here() const;
@@ -137,8 +138,8 @@ class BalancedForces : protected Pointers {
     return loaded.energy(batches.radius[ring], batches.stiffness(ring), batches.work[ring]);
   }
   void find_bulges();
-  int collapsed() const;
-  Crowded most_crowded(int found) const;
+  bool has_collapsed() const;
+  Crowded most_crowded(bool of_bubbles) const;
   void warn_unbalanced();
   void warn_limited();
   void warn_films();

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 using namespace LAMMPS_NS;
 using namespace deformable;
@@ -20,9 +21,11 @@ void BalancedForces::find_crushed()
   lacking = false;
   if (is_balanced) return;
   const Crowded here = find_crushed_here();
-  const double most = near.remote_sides.largest(here.overlaps);
+  const bool keeps_area = near.remote_sides.largest(here.keeps_area) > 0.0;
+  const bool may_be_it = here.keeps_area == keeps_area;
+  const double most = near.remote_sides.largest(may_be_it ? here.overlaps : -1.0);
   lacking = most >= 0.0;
-  if (here.overlaps == most) crushed = here.particle;
+  if (may_be_it && here.overlaps == most) crushed = here.particle;
 }
 
 // Where no split of the overlaps leaves room for its area, the free arcs of a ring vanish as its forces grow, or the solver
@@ -39,11 +42,9 @@ BalancedForces::Crowded BalancedForces::find_crushed_here() const
     const double free = batches.free_radius(ring);
     if ((keeps_area && !solver.exists) || std::isnan(free) ||
         (!gives_way && (free < NONE * batches.radius[ring] || (keeps_area && !fits(i)))))
-      return most_crowded(i);
+      return most_crowded(false);
   }
-  const int bubble = collapsed();
-  if (bubble < 0) return {};
-  return {bubble, 0.0};
+  return has_collapsed() ? most_crowded(true) : Crowded{};
 }
 
 // Whether ring i has room for its area between its lines, which share what is left of the overlaps.
@@ -69,9 +70,9 @@ int BalancedForces::giving_way() const
   return number;
 }
 
-// Forces without limit spread to rings that have room. So the ring is named whose contacts overlap most, in its radii, of
-// those that keep their area; this one if none overlaps.
-BalancedForces::Crowded BalancedForces::most_crowded(int found) const
+// Forces without limit spread to rings that have room. So the ring is named whose contacts overlap most, in its radii: of those
+// that keep their area, else of bubbles.
+BalancedForces::Crowded BalancedForces::most_crowded(bool of_bubbles) const
 {
   const NearPairs &p = near.pairs;
   std::vector<double> crowd(atom->nlocal, 0.0);
@@ -80,31 +81,33 @@ BalancedForces::Crowded BalancedForces::most_crowded(int found) const
     crowd[p.i[k]] += overlap;
     if (k < p.remote) crowd[p.second(k)] += overlap;
   }
-  double most = 0.0;
+  Crowded most;
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
     const int i = batches.particle[ring];
-    if (i < 0 || !std::isinf(batches.kA[ring]) || !(crowd[i] > most * batches.radius[ring]))
-      continue;
-    most = crowd[i] / batches.radius[ring];
-    found = i;
+    if (i < 0) continue;
+    const Stiffness k = batches.stiffness(static_cast<int>(ring));
+    if (std::isinf(k.kA) ? of_bubbles : k.tension == 0.0) continue;
+    const double overlaps = crowd[i] / batches.radius[ring];
+    const bool keeps_area = std::isinf(k.kA) && overlaps > 0.0;
+    if (std::pair(keeps_area, overlaps) > std::pair(most.keeps_area, most.overlaps))
+      most = {i, overlaps, keeps_area};
   }
-  return {found, most};
+  return most;
 }
 
-// A bubble of gas that cannot bear the forces of its contacts: they do not grow, and most of an overlap is left.
-int BalancedForces::collapsed() const
+// Whether there is a bubble of gas that cannot bear the forces of its contacts: they do not grow, and most of an overlap is left.
+bool BalancedForces::has_collapsed() const
 {
   constexpr double MUCH = 0.02;    // of a radius
   constexpr int MANY = 20;         // evaluations that usually balance anything
-  if (!batches.tense || solver.evaluations() < MANY) return -1;
+  if (!batches.tense || solver.evaluations() < MANY) return false;
   const auto is_bubble = [this](int i) {
     return i >= 0 && batches.tension[batches.place[i]] > 0.0 &&
            std::isfinite(batches.kA[batches.place[i]]);
   };
   for (int k = 0; k < near.pairs.size; ++k) {
     if (residual(k) < MUCH * batches.radius[batches.place[near.pairs.i[k]]]) continue;
-    if (is_bubble(near.pairs.i[k])) return near.pairs.i[k];
-    if (is_bubble(near.pairs.second(k))) return near.pairs.second(k);
+    if (is_bubble(near.pairs.i[k]) || is_bubble(near.pairs.second(k))) return true;
   }
-  return -1;
+  return false;
 }

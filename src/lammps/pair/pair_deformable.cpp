@@ -78,7 +78,8 @@ void PairDeformable::allocate()
 }
 
 /* ----------------------------------------------------------------------
-   pair_coeff * * FILE species1 species2 ...
+   pair_coeff * * FILE species1 species2 ... After an error that the caller has
+   caught all is as before.
 ------------------------------------------------------------------------- */
 
 void PairDeformable::coeff(int narg, char **arg)
@@ -91,25 +92,25 @@ void PairDeformable::coeff(int narg, char **arg)
     error->all(FLERR,
                "pair_coeff of {} names {} species for {} atom types: give one (or NULL) a type",
                force->pair_style, narg - 3, atom->ntypes);
-  map_element2type(narg - 3, arg + 3);
-
   const SpeciesFile known = read_species(lmp, arg[2]);
-  species.assign(atom->ntypes + 1, Species{});
-  radius.assign(atom->ntypes + 1, 0.0);
+  std::vector<Species> of_types(atom->ntypes + 1);
   for (int type = 1; type <= atom->ntypes; ++type) {
-    if (map[type] < 0) continue;
-    const char *name = arg[2 + type];
+    const std::string name = arg[2 + type];
+    if (name == "NULL") continue;
     for (const Species &candidate : known.species)
-      if (candidate.name == name) species[type] = candidate;
-    if (species[type].name.empty()) {
+      if (candidate.name == name) of_types[type] = candidate;
+    if (of_types[type].name.empty()) {
       std::string names;
       for (const Species &candidate : known.species) names += " " + shown(candidate.name);
       error->all(FLERR_WORD(2 + type), "Species '{}' is not in the file '{}', which has:{}", name,
                  arg[2], names);
     }
-    check_species(species[type]);
-    radius[type] = species[type].radius;
+    check_species(of_types[type]);
   }
+  map_element2type(narg - 3, arg + 3);
+  species = of_types;
+  radius.clear();
+  for (const Species &s : species) radius.push_back(s.radius);
   adhesions.assign(species, known.adhesions);
   describe_species();
   check_lines_bend("Species", adhesions.any());
