@@ -133,6 +133,7 @@ void PairDeformable::check_lines_bend(const std::string &whose, bool sticks) con
 
 void PairDeformable::init_style()
 {
+  refusals.forget();
   if (domain->dimension != dimension)
     error->all(FLERR,
                dimension == 3

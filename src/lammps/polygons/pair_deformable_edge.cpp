@@ -123,6 +123,7 @@ void PairDeformableEdge::coeff(int narg, char **arg)
 
 void PairDeformableEdge::init_style()
 {
+  refusals.forget();
   if (domain->dimension != 2) error->all(FLERR, "{} is two-dimensional: use 'dimension 2'", STYLE);
   if (!atom->molecule_flag)
     error->all(FLERR, "{} needs molecule IDs, one for each polygon: use atom_style bond", STYLE);
