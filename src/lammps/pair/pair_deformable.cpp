@@ -283,14 +283,6 @@ void PairDeformable::list_contacts(int groupbit, std::vector<double> &rows) cons
 
 /* ---------------------------------------------------------------------- */
 
-void *PairDeformable::extract_peratom(const char *name, int &ncol)
-{
-  ncol = 0;
-  return results.extract(name);
-}
-
-/* ---------------------------------------------------------------------- */
-
 bool PairDeformable::is_by_atom(int iarg, char **arg) const
 {
   const std::string choice = arg[iarg];

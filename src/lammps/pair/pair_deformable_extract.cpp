@@ -71,6 +71,12 @@ void *PairDeformable::extract(const char *name, int &dim)
   return nullptr;
 }
 
+void *PairDeformable::extract_peratom(const char *name, int &ncol)
+{
+  ncol = 0;
+  return results.extract(name);
+}
+
 /* ----------------------------------------------------------------------
    Values of pair_coeff, which fix adapt may change later.
 ------------------------------------------------------------------------- */
