@@ -184,7 +184,7 @@ template <class Row> class FixPartnerMemory : public Fix {
       error->all(
           FLERR,
           "Fix {}: the restart file has {:.0f} atoms, but there are {}. It would mix up what "
-          "they remember: delete atoms after pair_coeff and this fix",
+          "they remember: create and delete atoms after pair_coeff and this fix",
           id, number, atom->natoms);
   }
 
