@@ -38,7 +38,7 @@ class Halves:
 print(parallel_map(Halves().of, [(2,), (4,)], workers=2))
 found = parallel_map(halves, [(2,), (4,)], workers=2)
 print([value for value, *_ in found], {rank for *_, rank in found})
-print(os.getpid() in {pid for _, pid, _ in found}, len({pid for _, pid, _ in found}))
+print(os.getpid() in {pid for _, pid, _ in found})  # one may make both calls
 print(parallel_map(lambda value: value + OFFSET, [(1,), (2,)], workers=2, keep="kept"))
 print(parallel_map(lambda value: value + OFFSET, [(1,), (2,)], workers=2, keep="kept"))
 parallel_map(halves, [(2,), (3,)], workers=2)
@@ -49,7 +49,7 @@ parallel_map(halves, [(2,), (3,)], workers=2)
 def check(said: str, error: str) -> None:
     phi, spread, *rest = said.split(maxsplit=2)
     assert (0.8 < float(phi) < 0.88, 0.0 < float(spread) < 0.05) == (True, True)
-    expected = ["[11, 12]", "[11, 12] {None}", "False 2", "[11, 12]", "[11, 12]"]
+    expected = ["[11, 12]", "[11, 12] {None}", "False", "[11, 12]", "[11, 12]"]
     assert rest[0].splitlines() == expected
     assert "RuntimeError: Odd: it is odd\nin the call halves(3)" in error
     assert re.search(r", line \d+, in halves\n", error)
