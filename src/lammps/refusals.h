@@ -38,10 +38,8 @@ class Refusals : protected Pointers {
     }
   }
   bool any_here() const { return !message.empty(); }
-  void forget()
-  {
-    message.clear();
-  }    // before a run, if the last one has ended with another error
+  // Before a run, if the last one has ended with another error.
+  void forget() { message.clear(); }
 
   // On all ranks: stops them with the message of the first rank that has one.
   void agree();
