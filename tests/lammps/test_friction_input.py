@@ -94,6 +94,14 @@ def test_spins_that_do_not_turn_are_told_once(tmp_path):
     assert said(tmp_path, "no fix turns the particles") == 0
 
 
+def test_velocities_without_the_shear_of_the_box_are_told_once(tmp_path):
+    words, shear = "without 'remap v'", "fix shear all deform 1 y erate 0.01"
+    assert said(tmp_path, words, commands=f"{shear} remap v") == 0
+    assert said(tmp_path, words) == 0
+    assert said(tmp_path, words, commands=shear) == 1
+    assert said(tmp_path, words, commands=f"{shear} remap none") == 1
+
+
 def test_atoms_without_spins_translate(tmp_path):
     """It is told once; forces are those of spins that are 0, and momentum is kept."""
     (tmp_path / "species").write_text(SPECIES.format(radius=1))

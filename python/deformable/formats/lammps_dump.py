@@ -125,9 +125,10 @@ def read_dump_frame(text: str) -> Particles:
     box, origin, periodic = _box(lines[at].split()[3:], edges)
     positions = _positions(columns, box, origin)
     ids = columns.pop("id").astype(np.int64) if "id" in columns else np.arange(1, count + 1)
-    kind = columns.get("type", columns.get("element", np.ones(count)))
-    types, names = as_types(kind)
-    return Particles(positions, box, ids, types, columns, origin, periodic, names)
+    kind = columns.get("type", columns.get("element"))
+    types, names = as_types(np.ones(count) if kind is None else kind)
+    typed = kind is not None
+    return Particles(positions, box, ids, types, columns, origin, periodic, names, typed=typed)
 
 
 def _box(

@@ -22,6 +22,9 @@ _PLANE = 1e-6
 # Names that radii have, where none is given; those of diameters are halved.
 RADII = ("radius", "diameter", "radii")
 
+# What is told where types are needed and the file has none.
+UNTYPED = "it has no types of particles: give a file that has them"
+
 # Digits of a sum of two numbers of a file: none is lost.
 _EXACT = Context(prec=60)
 
@@ -39,6 +42,7 @@ class Particles:
         types: numbers from 1, or names, shape (N,).
         names: of all types; none if these are numbers.
         count: number of types, if the file has it.
+        typed: whether the file tells the types; they are 1 if not.
         columns: other values by name, arrays of shape (N,).
     """
 
@@ -51,6 +55,7 @@ class Particles:
     periodic: Sequence[bool] = (True, True, True)
     names: Sequence[str] = ()
     count: int = 0
+    typed: bool = True
 
     def places(self, dimension: int = 2) -> Floats:
         """Positions, shape (N, d) [length].
@@ -139,8 +144,8 @@ class Particles:
             known = ", ".join(self.columns) or "no columns but positions and types"
             raise ValueError(
                 (f"it has no column {radii}" if radii else "it has no radii")
-                + f" ({known}): give radii=0.5, radii by type as in radii={{1: 0.5, 2: 0.7}}, or "
-                "the name of a column"
+                + f" ({known}): give radii=0.5, radii by type as in radii={{1: 0.5, 2: 0.7}} (in "
+                "the shell --from-radii 1=0.5,2=0.7), or the name of a column"
             )
         values = self.columns[name]
         if values.dtype.kind not in "biuf":
@@ -156,6 +161,8 @@ class Particles:
 
     def _radius_by_type(self, radii: Mapping[Any, float]) -> Floats:
         given = {str(name): radius for name, radius in radii.items()}
+        if not self.typed and len(given) > 1:
+            raise ValueError(f"{UNTYPED}, a topology, or one radius for all, such as radii=0.5")
         kinds, place = np.unique(self.types.astype(str), return_inverse=True)
         missing = [name for name in kinds.tolist() if name not in given]
         if missing:

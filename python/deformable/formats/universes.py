@@ -77,11 +77,13 @@ def read_universe(universe: Universe, number: int, wanted: Sequence[str]) -> Par
     """
     check_frame(number, len(universe.trajectory))
     frame, atoms = universe.trajectory[number], universe.atoms
-    types, names = as_types(np.asarray(getattr(atoms, "types", np.ones(len(atoms)))))
+    typed = hasattr(atoms, "types")
+    types, names = as_types(np.asarray(atoms.types if typed else np.ones(len(atoms))))
     box = None if frame.dimensions is None else frame.triclinic_dimensions.astype(np.float64)
     columns = {name: np.asarray(getattr(atoms, name)) for name in wanted if hasattr(atoms, name)}
     positions = frame.positions.astype(np.float64)
-    return Particles(positions, box, atoms.indices + 1, types, columns, names=names)
+    ids = atoms.indices + 1
+    return Particles(positions, box, ids, types, columns, names=names, typed=typed)
 
 
 def in_space(vectors: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sized
 from itertools import chain
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from ..common.errors import FileError, ParameterError
 from ..common.files import make_folder, refuse_present
@@ -54,8 +54,8 @@ def log(
         The states, unchanged; without the one before the first step.
 
     Raises:
-        ParameterError: these are no states, or a column is no function or has the name of another,
-            or `append` and `overwrite` are given.
+        ParameterError: these are no states, or a column is no function, has the name of another or
+            no single number, or `append` and `overwrite` are given.
         FileError: there is a log, and neither `append` nor `overwrite` is given; or the file cannot
             be written, is no log, or has other columns.
     """
@@ -95,7 +95,7 @@ def _logged(
         expect("a state that is logged", state, State, DropletState, DiskState, SphereState)
         numbers = state.numbers()
         check_columns(columns, numbers)
-        row = numbers | {name: column(state) for name, column in columns.items()}
+        row = numbers | {name: _cell(name, column(state)) for name, column in columns.items()}
         if getattr(state, "root", world().rank == 0):
             if number < 0:
                 refuse_present(path, append or overwrite, _APPEND)
@@ -105,6 +105,16 @@ def _logged(
                 number += 1
         if state is not before:
             yield state
+
+
+def _cell(name: str, value: Any) -> Any:
+    """The value, if it fits into a cell of a table."""
+    if isinstance(value, Sized) and not isinstance(value, str) and getattr(value, "ndim", 1) > 0:
+        raise ParameterError(
+            f"column {name} must have one number for each state, such as a mean, not a "
+            f"{type(value).__name__} of {len(value)}"
+        )
+    return value
 
 
 def _begin(path: Path, append: bool, columns: list[str]) -> int:

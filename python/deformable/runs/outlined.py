@@ -14,6 +14,8 @@ from ..common.files import reading
 from ..common.validate import expect
 from ..engine.simulation import Simulation
 from ..engine.species import read_species, species_names
+from ..formats.files import read_particles
+from ..formats.particles import UNTYPED
 from ..io import frames
 from ..io.run_folder import SUMMARY, TRAJECTORY, holds
 from ..io.store import read_setup, summary_in
@@ -82,6 +84,8 @@ def state_in_file(
             f"'{path}' has particles of type {number}, but the species of {len(names)} types are "
             f"named: {', '.join(names)}"
         )
+    if number == 1 < len(names) and not read_particles(Path(path), frame).typed:
+        raise FileError(f"'{path}': {UNTYPED}, or the one species of all, such as {names[0]}")
     sizes, chosen = read_species(file, names[:number], law)
     if isinstance(told, (Ring, Droplet)):  # no species file has the reach
         reach: dict[str, Any] = {"reach": told.reach}

@@ -62,8 +62,9 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
  private:
   FrictionCoefficients coefficients;
   std::vector<PairDeformable *> pairs;    // several within a hybrid style
-  bool told = false;                      // of spins
+  bool told = false, told_box = false;    // of spins, of velocities
   void check_spins();
+  void check_box();
   void find_partners();
   double lightest = 0.0;    // mass of a particle of all ranks
   void find_lightest();

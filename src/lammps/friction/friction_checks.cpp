@@ -6,6 +6,7 @@
 
 #include "atom.h"
 #include "comm.h"
+#include "domain.h"
 #include "error.h"
 #include "force.h"
 #include "modify.h"
@@ -41,6 +42,7 @@ void FixDeformableFriction::init()
   comm->ghost_velocity = 1;
   find_partners();
   check_spins();
+  check_box();
   coefficients.find_variables();
   find_lightest();
   if (!coefficients.vary()) check_time_step();    // variables have no values before the first step
@@ -83,6 +85,18 @@ void FixDeformableFriction::check_spins()
                    "Fix {} deformable/friction: no fix turns the particles, so that their spins do "
                    "not change. Use 'fix nve/sphere disc' or another style with 'sphere'",
                    id);
+}
+
+void FixDeformableFriction::check_box()
+{
+  if (told_box || !domain->deform_flag || domain->deform_vremap) return;
+  told_box = true;
+  if (comm->me == 0)
+    error->warning(
+        FLERR,
+        "Fix {} deformable/friction: fix deform without 'remap v' leaves its shear out of "
+        "the velocities, so that contacts do not rub by it",
+        id);
 }
 
 void FixDeformableFriction::find_lightest()

@@ -85,7 +85,7 @@ void PairDeformableRing::no_shape(int i, int contacts)
          adhesion > 0.0 ? fmt::format(" of adhesion {:g}", adhesion) : "",
          keeps_area && update->whichflag == 1 ? "Begin with 'minimize', which makes room, c" : "C",
          adhesion > 0.0 ? "take a smaller adhesion, " : "",
-         kA_by_atom ? "it" : "species " + materials.species_of(i).name,
+         kA_by_atom ? "it" : "species '" + materials.species_of(i).name + "'",
          keeps_area ? "finite" : "larger");
 }
 

@@ -20,6 +20,8 @@ def test_results_keep_their_order() -> None:
     assert parallel_map(math.sqrt, [(n * n,) for n in range(20)], workers=2) == list(range(20))
     assert parallel_map(math.sqrt, [(4.0,)]) == [2.0]
     assert parallel_map(math.sqrt, []) == []
+    squares = (n * n for n in range(3))
+    assert parallel_map(math.sqrt, zip(squares), workers=2) == [0, 1, 2]
 
 
 def test_processes_run_lammps_and_use_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -70,8 +72,14 @@ def test_what_cannot_be_called() -> None:
     message = r"\A<lambda> cannot be called in other processes: TypeError: [^\n]*'_thread.lock'"
     with pytest.raises(ParameterError, match=message):
         parallel_map(lambda n: lock, [(1,), (2,)], workers=2)
-    with pytest.raises(ParameterError, match=r"arguments of each call .*tuple, not 2\.5"):
+    with pytest.raises(ParameterError, match=r"arguments of each call .*tuple, .*, not 2\.5"):
         parallel_map(math.sqrt, [2.5, 1.0])  # type: ignore[list-item]
+    with pytest.raises(ParameterError, match="arguments must be of the kind Iterable, not 3"):
+        parallel_map(math.sqrt, 3)  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match="function must be one, not 3"):
+        parallel_map(3, [(1,)])  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match="workers must be a whole number, not '2'"):
+        parallel_map(math.sqrt, [(1.0,)], workers="2")  # type: ignore[arg-type]
 
 
 def inverse(value: float, folder: str) -> float:

@@ -248,6 +248,32 @@ def test_a_trajectory_of_lammps(kind: str, suffix: str, tilted: Packing, tmp_pat
         assert images == pytest.approx(np.rint(images), abs=1e-5)
 
 
+@pytest.mark.parametrize("kind", ["xtc", "dcd", "dump", "xyz"])
+def test_types_that_no_file_tells(kind: str, tmp_path: Path) -> None:
+    """Radii by type, or several species, need types: all particles would be of the first one."""
+    data, species = tmp_path / "packing.data", tmp_path / "two.deformable"
+    packing = deformable.bidisperse(8, phi=0.1, seed=1)
+    packing.to_file(data)
+    path = tmp_path / f"run.{kind}"
+    if kind in ("xtc", "dcd"):
+        (tmp_path / "in.run").write_text(TRAJECTORY)
+        output("lmp", "-in", "in.run", "-log", "none", cwd=tmp_path)
+        typed = Packing.from_file(path, radii={1: 0.5, 2: 0.4}, topology=data)
+        assert sorted(set(typed.radius)) == [0.4, 0.5]
+    else:
+        packing.to_file(path)
+        words = {"dump": (" type ", " kind "), "xyz": ("species:", "kind:")}
+        path.write_text(path.read_text().replace(*words[kind]))
+    species.write_text("first 0.01 1.0 inf\nsecond 0.02 1.0 inf\n")
+    told = "no types of particles: give a file that has them, "
+    with pytest.raises(deformable.FileError, match=f"{told}a topology, or one radius for all"):
+        Packing.from_file(path, radii={1: 0.5, 2: 0.4})
+    with pytest.raises(deformable.FileError, match=f"{told}or the one species of all.* first"):
+        deformable.state_in_file(path, species)
+    assert set(Packing.from_file(path, radii={1: 0.5}).radius) == {0.5}
+    assert len(deformable.state_in_file(path, species, types=["second"]).packing.radii) == 1
+
+
 def test_a_topology_of_other_particles(tilted: Packing, tmp_path: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

@@ -90,6 +90,9 @@ def test_what_cannot_be_a_log(state: deformable.State, tmp_path: Path) -> None:
     refused(wrong, "column low must be a function of a state", [state], path, low="area")
     refused(wrong, "has a column phi: give", [state], path, phi=lambda state: state.phi)
     refused(wrong, "has a column frame: give", [state], path, frame=lambda state: 3)
+    one = "column area must have one number for each state, .* not a ndarray of"
+    refused(wrong, one, [state], path, area=lambda state: state.area)
+    refused(wrong, "pair must .* not a tuple of 2", [state], path, pair=lambda state: (1, 2))
     assert not path.exists()
     refused(broken, "cannot be written", [state], tmp_path)
     refused(broken, "cannot be written", [state], f"{tmp_path}/{'n' * 300}.csv")
