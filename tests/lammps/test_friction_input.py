@@ -15,6 +15,7 @@ WRONG = {
     "0.5 inf 0": "Fix rub .*: kt must be .*, not inf",
     "0.5 1 -2": "Fix rub .*: gt must be .*, not -2",
     "0.5 1 0 damp -3": "Fix rub .*: damp must be .*, not -3",
+    "v_ 1 0": "Expected floating point.*'v_'",
     "0.5 1 nan": "Expected|gt must be .*, not nan",
     "0.5 1": "Illegal fix deformable/friction",
     "0.5 1 0 damp": "Illegal fix deformable/friction damp",

@@ -290,6 +290,7 @@ def test_variables_that_are_defined_anew():
         ("xlo", "xlo' of fix deformable/wall does not exist"),
         ("ylo -2 xlo", "xlo needs its place: a number, EDGE or v_name"),
         ("ylo top", "Expected floating point.*'top'"),
+        ("ylo v_", "Expected floating point.*'v_'"),
         ("ylo v_none", "ylo: variable 'none' does not exist"),
         ("ylo v_word", "ylo: variable 'word' must be equal-style"),
     ],

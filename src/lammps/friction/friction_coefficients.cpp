@@ -62,7 +62,7 @@ void FrictionCoefficients::read_types(char **arg)
 
 FrictionCoefficients::Coefficient FrictionCoefficients::read(char *word) const
 {
-  if (utils::strmatch(word, "^v_")) return {0.0, word + 2};
+  if (utils::strmatch(word, "^v_.")) return {0.0, word + 2};
   if (std::string(word) == "inf") return {std::numeric_limits<double>::infinity(), ""};
   return {utils::numeric(FLERR, word, false, lmp), ""};
 }

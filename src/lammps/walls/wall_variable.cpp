@@ -49,7 +49,7 @@ bool uses_state(const std::string &name, LAMMPS *lmp, std::set<std::string> &see
 std::string WallVariable::read(const std::string &its_name, const std::string &word, LAMMPS *lmp)
 {
   what = its_name;
-  if (utils::strmatch(word, "^v_")) {
+  if (utils::strmatch(word, "^v_.")) {
     name = word.substr(2);
     return init(lmp);
   }
