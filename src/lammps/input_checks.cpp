@@ -61,9 +61,12 @@ void check_special_bonds(LAMMPS *lmp, const NeighList &list, const std::vector<S
   }
 }
 
-// The group of comm_modify is a protected member.
+// The group of comm_modify is a protected member, and in some releases so is the present command.
 struct BorderGroup : Comm {
   static int of(const Comm *comm) { return comm->*(&BorderGroup::bordergroup); }
+};
+struct PresentCommand : Input {
+  static const char *of(const Input *input) { return input->*(&PresentCommand::command); }
 };
 
 }    // namespace
@@ -100,7 +103,7 @@ void LAMMPS_NS::check_contacts(LAMMPS *lmp, const NeighList &list,
 
 void LAMMPS_NS::refuse_data_coefficients(LAMMPS *lmp)
 {
-  const char *const command = lmp->input->command;
+  const char *const command = PresentCommand::of(lmp->input);
   if (command && std::strcmp(command, "read_data") == 0)
     lmp->error->all(FLERR,
                     "The data file has coefficients of pairs, which are not those of {}: use "

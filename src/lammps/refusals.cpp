@@ -22,5 +22,5 @@ void Refusals::stop()
   MPI_Bcast(&size, 1, MPI_INT, first, world);
   told.resize(size);
   MPI_Bcast(told.data(), size, MPI_CHAR, first, world);
-  error->all(FLERR, "{}", told);
+  error->all(FLERR, told);
 }
