@@ -112,7 +112,7 @@ def test_bubbles_collapse(law, distance, tmp_path):
         "1000", "100"
     )  # later its forces balance, and it bulges beyond reach
     scene = Scene([[0, 0], [distance, 0]], ["drop"] * 2, BOX, style, coeff=coeff)
-    with pytest.raises(Exception, match=r"no stable shape.*species gas a larger kA"):
+    with pytest.raises(Exception, match=r"no stable shape.*species 'gas' a larger kA"):
         scene.evaluate()
 
 
