@@ -1,29 +1,15 @@
 """What an object lacks is no attribute of it, so that `hasattr` answers."""
 
-from collections.abc import Callable
-
-import deformable
 import pytest
-from deformable import Disks, Droplet, PolygonModel, PolygonSimulation, Ring, Simulation, Spheres
 from deformable.engine.lammps import Engine
+from each_simulation import MAKERS, PLANE, SPACE
 
-PLANE = deformable.bidisperse(4, seed=1).at(0.3)
-SPACE = deformable.bidisperse(4, dimension=3, seed=1).at(0.2)
-
-MAKERS: dict[str, Callable[[], object]] = {
-    "plane": lambda: PLANE,
-    "space": lambda: SPACE,
-    "rings": lambda: Simulation(PLANE, Ring()),
-    "droplets": lambda: Simulation(SPACE, Droplet()),
-    "disks": lambda: Disks(PLANE),
-    "spheres": lambda: Spheres(SPACE),
-    "polygons": lambda: PolygonSimulation(PLANE, PolygonModel(vertices=20)),
-}
+EACH = {"plane": lambda: PLANE, "space": lambda: SPACE, **MAKERS}
 
 
-@pytest.mark.parametrize("name", MAKERS)
+@pytest.mark.parametrize("name", EACH)
 def test_hasattr_answers(name: str) -> None:
-    made = MAKERS[name]()
+    made = EACH[name]()
     asked = [made]
     if isinstance(made, Engine):
         asked.append(made.state())

@@ -9,18 +9,9 @@ from typing import Any
 
 import deformable
 import pytest
-from deformable import Disks, Droplet, PolygonModel, PolygonSimulation, Ring, Simulation, Spheres
+from deformable import Ring, Simulation
+from each_simulation import MAKERS, PLANE
 from programs import program
-
-PLANE = deformable.bidisperse(4, seed=1).at(0.3)
-SPACE = deformable.bidisperse(4, dimension=3, seed=1).at(0.2)
-MAKERS: dict[str, Callable[[], Any]] = {
-    "rings": lambda: Simulation(PLANE, Ring()),
-    "droplets": lambda: Simulation(SPACE, Droplet()),
-    "disks": lambda: Disks(PLANE),
-    "spheres": lambda: Spheres(SPACE),
-    "polygons": lambda: PolygonSimulation(PLANE, PolygonModel(vertices=20)),
-}
 
 
 @pytest.mark.parametrize("name", MAKERS)

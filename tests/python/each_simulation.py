@@ -1,0 +1,17 @@
+"""A small one of each kind of simulation."""
+
+from collections.abc import Callable
+from typing import Any
+
+import deformable
+from deformable import Disks, Droplet, PolygonModel, PolygonSimulation, Ring, Simulation, Spheres
+
+PLANE = deformable.bidisperse(4, seed=1).at(0.3)
+SPACE = deformable.bidisperse(4, dimension=3, seed=1).at(0.2)
+MAKERS: dict[str, Callable[[], Any]] = {
+    "rings": lambda: Simulation(PLANE, Ring()),
+    "droplets": lambda: Simulation(SPACE, Droplet()),
+    "disks": lambda: Disks(PLANE),
+    "spheres": lambda: Spheres(SPACE),
+    "polygons": lambda: PolygonSimulation(PLANE, PolygonModel(vertices=20)),
+}
